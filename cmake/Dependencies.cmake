@@ -1,0 +1,23 @@
+# Debian's packages, each as one imported target.
+find_package(PkgConfig REQUIRED)
+find_package(MPI REQUIRED COMPONENTS C CXX)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+# Only CGAL's headers are used (2D convex hull, exact predicates): its own CMake package would
+# demand Boost components and overrule build types.
+find_path(CGAL_INCLUDE_DIR CGAL/convex_hull_2.h REQUIRED)
+find_library(GMP_LIBRARY gmp REQUIRED)
+find_library(MPFR_LIBRARY mpfr REQUIRED)
+add_library(trackbed_cgal INTERFACE)
+target_include_directories(trackbed_cgal SYSTEM INTERFACE ${CGAL_INCLUDE_DIR})
+target_link_libraries(trackbed_cgal INTERFACE ${MPFR_LIBRARY} ${GMP_LIBRARY})
+
+find_library(METIS_LIBRARY metis REQUIRED)
+pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
+pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
+
+# Debian's python3, not the first on PATH: only it has the modules of cmake/packages.txt.
+set(TRACKBED_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with h5py, numpy, matplotlib and VTK")

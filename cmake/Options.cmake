@@ -1,0 +1,21 @@
+# Flags common to all targets.
+add_library(trackbed_options INTERFACE)
+target_compile_options(trackbed_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wno-psabi
+  # Contacts are computed on several ranks by differently inlined code: fused multiply-adds chosen
+  # by the compiler would change their last bits. None of these changes a value.
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+if(TRACKBED_NATIVE)
+  target_compile_options(trackbed_options INTERFACE -march=native)
+endif()
+if(TRACKBED_SANITIZE)
+  target_compile_options(trackbed_options INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(trackbed_options INTERFACE -fsanitize=address,undefined)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()

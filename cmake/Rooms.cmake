@@ -1,0 +1,35 @@
+# trackbed_room(<name> [LINKS <target>...])
+# A room is a static library of all .cpp files of its folder. It sees the doors (include/) of all
+# rooms; which it may include is checked by tests/style/layering.py.
+function(trackbed_room name)
+  cmake_parse_arguments(ROOM "" "" "LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
+                                     PRIVATE ${CMAKE_SOURCE_DIR}/src)
+  target_link_libraries(${name} PUBLIC Eigen3::Eigen fmt::fmt PRIVATE trackbed_options)
+  target_link_libraries(${name} PUBLIC ${ROOM_LINKS})
+endfunction()
+
+# trackbed_test(<file without .cpp> RANKS <n>... LINKS <room>... [LABELS <label>...] [TIMEOUT <s>])
+# One executable per file, run once for each number of ranks as <file>_on_<n>.
+function(trackbed_test name)
+  cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS" ${ARGN})
+  add_executable(${name} ${name}.cpp)
+  target_link_libraries(${name} PRIVATE test_support trackbed_options ${TEST_LINKS})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 300)
+  endif()
+  foreach(ranks ${TEST_RANKS})
+    set(test ${name}_on_${ranks})
+    add_test(NAME ${test}
+      COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe --bind-to none
+              $<TARGET_FILE:${name}>
+      WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
+      LABELS "${TEST_LABELS}" ENVIRONMENT
+      "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_mpi_yield_when_idle=1;ASAN_OPTIONS=detect_leaks=0;TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
+  endforeach()
+endfunction()

@@ -1,0 +1,76 @@
+// Builds a ballast bed: which stones, where they start, the walls around them and the platen that
+// compacts them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trackbed/core/surface.hpp"
+#include "trackbed/core/types.hpp"
+#include "trackbed/dem/particles.hpp"
+#include "trackbed/geom/stone.hpp"
+#include "trackbed/input/section.hpp"
+#include "trackbed/io/file.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::bed {
+
+enum class StoneKind { disk, pebbles, clump };  // disk/sphere; plane outline of disks; given spheres
+
+struct BedParameters {
+  StoneKind stone = StoneKind::pebbles;
+  std::string material = "ballast";
+  std::vector<double> x = {0, 6};            // m, between the end walls (or the periodic cell)
+  std::vector<double> y = {-0.5, 0.5};       // m, space models
+  double height = 0.5;                       // m, wanted after compaction (bulk area/volume is set by it)
+  double porosity = 0.4;                     // expected after compaction, sets the number of stones
+  std::vector<double> sieve = {22.4, 31.5, 40, 50, 63};      // mm
+  std::vector<double> passing = {0, 13, 47.5, 85, 100};      // per cent by mass
+  double pebble_radius = 0.004;              // m, of the disks of a plane stone
+  double pebble_spacing = 2;                 // radii
+  std::int64_t shapes = 24;                  // different outlines
+  double elongation = 0.7, angularity = 0.3;
+  std::vector<double> clump;                 // x y z r of each sphere at unit scale, clump only
+  std::int64_t seed = 1;
+  void declare(input::Section& s);
+};
+
+// Adds templates and a loose, non-overlapping lattice of stones above z = 0 to `particles`, ids from
+// left to right. The same stones on any number of ranks. Returns the height it reaches (m).
+double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
+            int material);
+// Stones that `fill` will make, for `check`.
+std::int64_t count(const BedParameters& parameters, const dem::Domain& domain);
+
+// Flat floor at z = 0 and walls at the ends (and sides in space) up to `height`; periodic sides have none.
+std::vector<Surface> walls(const dem::Domain& domain, double height, int material, bool floor);
+
+struct PlatenParameters {
+  double pressure = 200e3;     // Pa
+  double speed = 0.5;          // m/s, never faster
+  double acceleration = 50;    // m/s^2, speed changes no faster
+  double average = 0.01;       // s, time constant of the measured force
+  void declare(input::Section& s);
+};
+
+// A rigid plate that a servo presses on the bed: speed follows the averaged force error.
+class Platen {
+ public:
+  Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material);
+  Surface& surface();
+  void place(double z);                       // at rest, its lower face at z
+  void advance(double dt, double force_up);   // measured force from stones in the last window, N
+  double pressure() const;                    // Pa, averaged
+  double z() const;
+  bool steady() const;  // averaged pressure within 2 % of the target for 5 time constants
+
+  void save(io::File& file, const std::string& group) const;
+  void load(const io::File& file, const std::string& group);
+
+ private:
+  PlatenParameters parameters_;
+  Surface surface_;
+  double area_, z_ = 0, speed_ = 0, mean_ = 0, steady_for_ = 0;
+};
+
+}  // namespace trackbed::bed

@@ -1,0 +1,30 @@
+// 64-bit hash of bytes (FNV-1a, Fowler-Noll-Vo 1991) and a finaliser to combine hashes by addition,
+// so that a set of items hashes the same in any order and on any number of ranks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace trackbed {
+
+inline std::uint64_t hash_bytes(const void* data, std::size_t bytes,
+                                std::uint64_t seed = 0xcbf29ce484222325ULL) {
+  const auto* byte = static_cast<const unsigned char*>(data);
+  for (std::size_t i = 0; i < bytes; ++i) seed = (seed ^ byte[i]) * 0x100000001b3ULL;
+  return seed;
+}
+
+// splitmix64 finaliser (Steele, Lea, Flood 2014, doi:10.1145/2660193.2660195).
+inline std::uint64_t mix(std::uint64_t value) {
+  value += 0x9e3779b97f4a7c15ULL;
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111ebULL;
+  return value ^ (value >> 31);
+}
+
+// Uniform in [0, 1) from a seed and a key: the same draw for the same item on any rank.
+inline double uniform(std::uint64_t seed, std::uint64_t key) {
+  return static_cast<double>(mix(seed ^ mix(key)) >> 11) * 0x1.0p-53;
+}
+
+}  // namespace trackbed

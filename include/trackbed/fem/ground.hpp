@@ -1,0 +1,113 @@
+// The continuum below the bed: layered elastic solid of 8-node hexahedra, spread over ranks.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "trackbed/core/surface.hpp"
+#include "trackbed/core/types.hpp"
+#include "trackbed/input/section.hpp"
+#include "trackbed/io/fields.hpp"
+#include "trackbed/io/file.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::fem {
+
+struct Elastic {
+  double young = 150e6, poisson = 0.35, density = 1850;  // Pa, -, kg/m^3
+  void declare(input::Section& s);
+};
+
+// Horizontal layer, from the top down in the order of the deck.
+struct Layer {
+  std::string name;
+  double thickness = 1;  // m
+  Elastic solid;
+  void declare(input::Section& s);
+};
+
+// A region cut out of the layers: elements whose centre lies in the outline take its solid; later
+// blocks win over earlier ones. Structure, wedge, surface layer of the transition zone.
+struct Block {
+  std::string name;
+  bool present = true;
+  std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
+  Elastic solid;
+  void declare(input::Section& s);
+};
+
+enum class Integrator { explicit_, newmark };
+enum class PlaneState { stress, strain };
+enum class Base { fixed, quiet };           // quiet: Lysmer & Kuhlemeyer 1969 dashpots
+enum class Sides { free, roller, quiet };
+
+struct GroundParameters {
+  bool present = true;
+  std::vector<double> x = {0, 10};        // m, from and to
+  std::vector<double> y = {-0.65, 0.65};  // m; a plane model takes its thickness from the model
+  std::int64_t zones_x = 100, zones_y = 1, zones_z = 50;
+  std::vector<Layer> layers;
+  std::vector<Block> blocks;
+  PlaneState plane = PlaneState::stress;
+  Base base = Base::quiet;
+  double base_stiffness = 0;  // Pa/m springs beside the dashpots: the ground below; 0: none
+  Sides sides = Sides::roller;
+  double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s
+  Integrator integrator = Integrator::explicit_;
+  double safety = 0.8;        // explicit step over the critical one
+  double newmark_beta = 0.25, newmark_gamma = 0.5;
+  double tolerance = 1e-8;    // relative residual of linear solves
+  void declare(input::Section& s);
+};
+
+struct GroundTotals {
+  std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
+  double iterations_mean = 0, seconds = 0;   // linear solver; wall time in steps on this rank
+  double kinetic = 0, elastic = 0;           // J over all ranks
+};
+
+class Ground {
+ public:
+  // plane: zones_y = 1, y spans +-thickness/2, and the two faces move together.
+  Ground(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
+         double thickness);
+  ~Ground();
+  Ground(Ground&&) noexcept;
+
+  // Largest allowed step (s; explicit: safety included, infinite if implicit) and what limits it.
+  double stable_step(std::string* limit = nullptr) const;
+
+  // The top face, in the same numbering on all ranks; this rank moves the nodes it owns.
+  Surface& top();
+  const std::vector<int>& top_owner() const;
+
+  // Static equilibrium under self weight and `top_force` (N per top node; only own nodes are read).
+  // Base and side reactions become loads, so that quiet boundaries neither creep nor jump.
+  // The shape in this state is the reference: displacement counts from it, top() does not jump.
+  void settle(std::span<const Vec3> top_force);
+  // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit step.
+  // Afterwards top() holds position at the start and motion over the window.
+  void advance(double dt, std::span<const Vec3> top_force);
+  std::string trouble() const;  // of this rank (divergence, not a number), or empty
+
+  // For output: of the own top nodes, in the order of own_top(): displacement from the reference,
+  // velocity, acceleration and vertical stress (tension positive, of the load since `settle`).
+  std::vector<std::int32_t> own_top() const;
+  struct TopState { Vec3 displacement, velocity, acceleration; double sigma_z; };
+  TopState top_state(std::int32_t node) const;
+  io::Grid fields() const;      // own elements with displacement, velocity, stress
+  GroundTotals totals() const;  // collective
+  std::size_t memory() const;   // bytes on this rank
+
+  void save(io::File& file, const std::string& group) const;
+  void load(const io::File& file, const std::string& group);
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,48 @@
+// Shapes of stones and their mass properties; pure functions, no time, no ranks.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::geom {
+
+struct Sphere {
+  Vec3 centre;   // m
+  double radius;  // m
+};
+
+// Mass properties of a solid of unit density.
+struct Solid {
+  double volume = 0;                       // m^3; plane: area in m^2 (times thickness = volume)
+  Vec3 centre = Vec3::Zero();              // m
+  Vec3 gyration = Vec3::Zero();            // principal moments of inertia over mass, m^2
+  Quat axes = Quat::Identity();            // from principal axes to the axes it was given in
+};
+
+// Convex outline of an irregular plane stone: hull (CGAL) of points on a superellipse with random
+// angles and radii, drawn from `seed`. Largest extent 1, centred on its area centroid, counter-
+// clockwise in (x, z). elongation: smallest over largest extent; angularity 0 (smooth) to 1.
+struct OutlineShape {
+  double elongation = 0.7;
+  double angularity = 0.3;
+  int corners = 12;
+};
+std::vector<Eigen::Vector2d> outline(const OutlineShape& shape, std::uint64_t seed);
+
+// Area, centroid and polar gyration (about y) of a closed polygon.
+Solid polygon_solid(const std::vector<Eigen::Vector2d>& polygon);
+// Smallest width over all directions: the smallest slot the plane stone passes through.
+double smallest_width(const std::vector<Eigen::Vector2d>& polygon);
+
+// Disks of `radius` inside the polygon, touching its border, at most `spacing` radii apart along it,
+// so that a stone of disks has the outline's size. Throws std::invalid_argument if none fits.
+std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, double radius,
+                                   double spacing);
+
+// Union of overlapping spheres, by midpoint cells: `cells` along the largest extent. The relative
+// error of volume and gyration is about 1/cells^(3/2).
+Solid union_solid(const std::vector<Sphere>& spheres, int cells = 96);
+
+}  // namespace trackbed::geom

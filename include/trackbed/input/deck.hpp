@@ -1,0 +1,62 @@
+// A deck: the text a user writes (TOML), read into declared parameters with every problem at once.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::input {
+
+// Visits every parameter of a program: usually `[&](Section& s) { parameters.declare(s); }`.
+using Declaration = std::function<void(Section&)>;
+
+class Deck {
+ public:
+  // Reads `path` on rank 0 and shares the text. `overrides`: `key.path=value` (value in TOML syntax;
+  // a bare word is text). Throws InputError for a missing file or a syntax error. Collective.
+  static Deck read(const par::Comm& comm, const std::string& path,
+                   const std::vector<std::string>& overrides);
+  // For tests and for the effective input stored in a checkpoint. `origin` is what messages call it.
+  static Deck parse(const std::string& text, const std::string& origin,
+                    const std::vector<std::string>& overrides = {});
+  ~Deck();
+  Deck(Deck&&) noexcept;
+  Deck& operator=(Deck&&) noexcept;
+
+  // Fills the declared variables. Throws InputError with *all* problems, one sentence each:
+  //   deck.toml:12: dem.skn is not a parameter; did you mean dem.skin?
+  //   deck.toml:14: ground.layer[1].young = -5 must be above 0 Pa
+  //   deck.toml: load.file "x.csv" does not exist          (no line if the key is absent)
+  //   command line: dem.safety = "high" must be a number
+  // Unknown keys, wrong types, out of range, missing required, bad choices, failed rules, files.
+  void fill(const Declaration& declaration) const;
+  // `file:line: key` of a parameter, to start a sentence about it in later checks (unstable step).
+  std::string where(const std::string& key) const;
+
+ private:
+  struct Text;
+  explicit Deck(std::unique_ptr<Text> text);
+  std::unique_ptr<Text> text_;
+};
+
+// All parameters with their present values as a deck that reads back to the same values (numbers
+// with 17 digits): the effective input stored in every result.
+std::string effective(const Declaration& declaration);
+// Markdown reference (docs/input.md) or, for one section path, the same on a terminal.
+// Throws InputError with the nearest name if `section` does not exist.
+std::string describe(const Declaration& declaration, const std::string& section = "");
+// JSON schema, draft 2020-12.
+std::string schema(const Declaration& declaration);
+// The name of `known` nearest to `wrong` (edit distance), or empty if none is near.
+std::string nearest(const std::string& wrong, const std::vector<std::string>& known);
+// Every scalar parameter's path with its kind, for tests that visit all of them.
+struct ParameterInfo {
+  std::string path, kind, unit, meaning;
+};
+std::vector<ParameterInfo> all_parameters(const Declaration& declaration);
+
+}  // namespace trackbed::input

@@ -1,0 +1,106 @@
+// A parameter is declared once. A struct of parameters names each of its variables to a Section:
+//
+//   struct Skin {
+//     double skin = 0.002;
+//     void declare(input::Section& s) {
+//       s.number("skin", skin, {.unit = "m", .above = 0}, "Reach of the neighbour list.");
+//     }
+//   };
+//
+// and that one list serves parsing, checking, `describe`, the JSON schema, docs/input.md and the
+// effective input stored in every result: each is an implementation of Section that visits it.
+// The value the variable holds at the visit is the default.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace trackbed::input {
+
+inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+struct Limits {
+  std::string_view unit = "-";
+  double above = -unbounded;    // value > above
+  double at_least = -unbounded; // value >= at_least
+  double at_most = unbounded;   // value <= at_most
+  bool required = false;        // no default: an input without it is refused
+};
+
+class Section {
+ public:
+  virtual ~Section() = default;
+
+  virtual void number(std::string_view name, double& value, const Limits& limits,
+                      std::string_view meaning) = 0;
+  virtual void integer(std::string_view name, std::int64_t& value, const Limits& limits,
+                       std::string_view meaning) = 0;
+  virtual void flag(std::string_view name, bool& value, std::string_view meaning) = 0;
+  // Free text; with `choices` one of those words.
+  virtual void text(std::string_view name, std::string& value, std::string_view meaning,
+                    const std::vector<std::string_view>& choices = {}, bool required = false) = 0;
+  // A file that must exist; relative names are resolved against the deck's folder. Empty: none.
+  virtual void file(std::string_view name, std::string& value, std::string_view meaning) = 0;
+  // `length` 0: any length.
+  virtual void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
+                       std::string_view meaning, std::size_t length = 0) = 0;
+  virtual void texts(std::string_view name, std::vector<std::string>& values,
+                     std::string_view meaning) = 0;
+  // A fact that ties several parameters together ("top must lie above bottom"): reported as a
+  // problem of parameter `name` if it does not hold. Only the reader acts on it.
+  virtual void rule(std::string_view name, bool holds, std::string_view sentence) = 0;
+
+  // A word of a fixed list held as an enum: `words` in the order of the enum's values from 0.
+  template <class E>
+    requires std::is_enum_v<E>
+  void choice(std::string_view name, E& value, const std::vector<std::string_view>& words,
+              std::string_view meaning) {
+    std::string word(words.at(static_cast<std::size_t>(value)));
+    text(name, word, meaning, words);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (words[i] == word) value = static_cast<E>(i);
+  }
+  // A table [name]: T has `void declare(Section&)`. Absent: all its defaults.
+  template <class T>
+  void table(std::string_view name, T& value, std::string_view meaning) {
+    if (!enter(name, meaning)) return;
+    value.declare(*this);
+    leave();
+  }
+  // An array of tables [[name]], in the order of the file. Each may have a `name` parameter, by which
+  // overrides address it (`stage.passage.duration=2`), else by number from 0.
+  template <class T>
+  void tables(std::string_view name, std::vector<T>& values, std::string_view meaning) {
+    const std::optional<std::size_t> count = enter_list(name, meaning, values.size());
+    if (!count) return;
+    if (*count != values.size()) values.resize(*count);
+    if (describes() && values.empty()) {  // show what an element may hold
+      T blank{};
+      enter_element(0);
+      blank.declare(*this);
+      leave();
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      enter_element(i);
+      values[i].declare(*this);
+      leave();
+    }
+    leave();
+  }
+
+ protected:
+  virtual bool describes() const { return false; }
+  virtual bool enter(std::string_view name, std::string_view meaning) = 0;
+  // Returns how many elements there are (the reader: in the file), or nothing to skip the list.
+  virtual std::optional<std::size_t> enter_list(std::string_view name, std::string_view meaning,
+                                                std::size_t present) = 0;
+  virtual void enter_element(std::size_t index) = 0;
+  virtual void leave() = 0;
+};
+
+}  // namespace trackbed::input

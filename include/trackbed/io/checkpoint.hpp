@@ -1,0 +1,25 @@
+// A checkpoint file is either whole or not there: it is written under a temporary name, every
+// dataset carries a checksum, it is closed, read back and verified, renamed, and only then does the
+// text file `latest` beside it name it. A run killed at any instant resumes from the last good one.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "trackbed/io/file.hpp"
+
+namespace trackbed::io {
+
+inline constexpr std::int64_t checkpoint_format = 1;
+
+// Writes `folder/name` by calling `fill` with the open file, verifies it and updates
+// `folder/latest`. Throws RunError (on all ranks) and leaves the previous one untouched on failure.
+void write_checkpoint(const par::Comm& comm, const std::string& folder, const std::string& name,
+                      const std::function<void(File&)>& fill);
+
+// Opens a checkpoint for reading after checking that it is one, its format and its checksums.
+// `path` may be a folder (then its `latest` is taken). Throws InputError that says what is wrong
+// with the file (missing, cut short, not a checkpoint, damaged dataset).
+File open_checkpoint(const par::Comm& comm, const std::string& path);
+
+}  // namespace trackbed::io

@@ -1,0 +1,33 @@
+// Pictures of the model for ParaView and VTK: one VTKHDF file (UnstructuredGrid) per instant and
+// part of the model, written in parallel; ParaView reads the numbered files as one time series.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::io {
+
+enum class CellKind : std::uint8_t { vertex = 1, line = 3, triangle = 5, quad = 9, hexahedron = 12 };
+
+struct FieldData {
+  std::string name;            // "velocity (m/s)"
+  std::size_t columns;         // 1, 3, 6 or 9
+  std::vector<double> values;  // rows x columns
+};
+
+// This rank's piece: cells refer to this rank's points.
+struct Grid {
+  std::vector<Vec3> points;              // m
+  CellKind kind = CellKind::vertex;
+  std::vector<std::int64_t> cells;       // point numbers, cell after cell
+  std::vector<FieldData> point_data, cell_data;  // same names on every rank
+};
+
+// Writes `path` (by convention *.vtkhdf). Collective.
+void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid);
+
+}  // namespace trackbed::io

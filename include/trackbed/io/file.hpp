@@ -1,0 +1,79 @@
+// Parallel HDF5 behind one small class. A dataset is an array of rows; each rank holds some of them.
+// Any number of ranks reads what any number wrote. Failures throw RunError (agreed on all ranks)
+// that names file and dataset. All calls are collective unless they say otherwise.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::io {
+
+// What a dataset means; stored as its attributes.
+struct Label {
+  std::string unit = "-";
+  std::string meaning;
+};
+
+enum class Mode { read, create, append };
+
+class File {
+ public:
+  File(const par::Comm& comm, const std::string& path, Mode mode);
+  ~File();  // closes; use close() to learn whether that went well
+  File(File&&) noexcept;
+  File& operator=(File&&) noexcept;
+  void close();
+
+  // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
+  // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.
+  // Parent groups are made. Adds the attributes unit, meaning.
+  template <class T>
+  void write(const std::string& path, std::span<const T> mine, std::size_t columns,
+             const Label& label);
+  // This rank's share of the rows: an even split by rank (see `share`).
+  template <class T>
+  std::vector<T> read_share(const std::string& path) const;
+  // All rows on every rank.
+  template <class T>
+  std::vector<T> read_all(const std::string& path) const;
+  // Rows [begin, begin + count) on this rank.
+  template <class T>
+  std::vector<T> read_rows(const std::string& path, std::size_t begin, std::size_t count) const;
+
+  // Datasets that grow: rows (all ranks' rows in rank order) are added at the end; the first call
+  // makes the dataset. `truncate` cuts it to `rows`.
+  template <class T>
+  void append(const std::string& path, std::span<const T> mine, std::size_t columns,
+              const Label& label);
+  void truncate(const std::string& path, std::size_t rows);
+
+  bool has(const std::string& path) const;
+  std::vector<std::size_t> extent(const std::string& path) const;  // rows, columns
+  std::vector<std::string> names(const std::string& group) const;  // sorted members
+
+  void attribute(const std::string& path, const std::string& name, const std::string& value);
+  void attribute(const std::string& path, const std::string& name, double value);
+  void attribute(const std::string& path, const std::string& name, std::int64_t value);
+  void attribute(const std::string& path, const std::string& name,
+                 const std::vector<std::int64_t>& value);
+  std::string text_attribute(const std::string& path, const std::string& name) const;
+  double number_attribute(const std::string& path, const std::string& name) const;
+  std::int64_t integer_attribute(const std::string& path, const std::string& name) const;
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+};
+
+// First row and number of rows of rank `rank` when `rows` are split evenly over `size` ranks.
+struct Share {
+  std::size_t begin, count;
+};
+Share share(std::size_t rows, int rank, int size);
+
+}  // namespace trackbed::io

@@ -1,0 +1,12 @@
+// The MPI communicator behind a Comm, for libraries that want one (HDF5, PETSc).
+#pragma once
+
+#include <mpi.h>
+
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::par {
+
+inline MPI_Comm mpi(const Comm& comm) { return *static_cast<MPI_Comm*>(comm.native()); }
+
+}  // namespace trackbed::par

@@ -1,0 +1,127 @@
+#include "trackbed/par/comm.hpp"
+
+#include <mpi.h>
+
+#include <climits>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/par/mpi.hpp"
+
+namespace trackbed::par {
+
+namespace {
+
+int checked_int(std::size_t count) {
+  require(count <= INT_MAX, "an MPI message is larger than 2 GB");
+  return static_cast<int>(count);
+}
+
+template <class T>
+T reduced(const Comm& comm, T value, MPI_Datatype type, MPI_Op operation) {
+  T result{};
+  MPI_Allreduce(&value, &result, 1, type, operation, mpi(comm));
+  return result;
+}
+
+std::vector<int> offsets_of(const std::vector<int>& counts) {
+  std::vector<int> offsets(counts.size() + 1, 0);
+  for (std::size_t i = 0; i < counts.size(); ++i) offsets[i + 1] = offsets[i] + counts[i];
+  return offsets;
+}
+
+}  // namespace
+
+Environment::Environment(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
+Environment::~Environment() { MPI_Finalize(); }
+
+Comm::Comm(std::shared_ptr<void> handle) : handle_(std::move(handle)) {
+  MPI_Comm_rank(mpi(*this), &rank_);
+  MPI_Comm_size(mpi(*this), &size_);
+}
+
+Comm Comm::world() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_WORLD)); }
+Comm Comm::self() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_SELF)); }
+
+void Comm::barrier() const { MPI_Barrier(mpi(*this)); }
+double Comm::sum(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_SUM); }
+double Comm::max(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MAX); }
+double Comm::min(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MIN); }
+std::int64_t Comm::sum(std::int64_t value) const {
+  return reduced(*this, value, MPI_INT64_T, MPI_SUM);
+}
+std::int64_t Comm::max(std::int64_t value) const {
+  return reduced(*this, value, MPI_INT64_T, MPI_MAX);
+}
+void Comm::sum(std::span<std::int64_t> values) const {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), checked_int(values.size()), MPI_INT64_T, MPI_SUM,
+                mpi(*this));
+}
+void Comm::sum(std::span<double> values) const {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), checked_int(values.size()), MPI_DOUBLE, MPI_SUM,
+                mpi(*this));
+}
+void Comm::max(std::span<double> values) const {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), checked_int(values.size()), MPI_DOUBLE, MPI_MAX,
+                mpi(*this));
+}
+std::int64_t Comm::exclusive_scan(std::int64_t value) const {
+  std::int64_t before = 0;
+  MPI_Exscan(&value, &before, 1, MPI_INT64_T, MPI_SUM, mpi(*this));
+  return root() ? 0 : before;  // MPI leaves rank 0's result undefined
+}
+
+std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) const {
+  const int count = checked_int(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(size_));
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, mpi(*this));
+  const std::vector<int> offsets = offsets_of(counts);
+  std::vector<std::byte> all(static_cast<std::size_t>(offsets.back()));
+  MPI_Allgatherv(mine.data(), count, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
+                 mpi(*this));
+  return all;
+}
+
+std::vector<std::vector<std::byte>> Comm::exchange_bytes(
+    const std::vector<std::span<const std::byte>>& out) const {
+  const auto ranks = static_cast<std::size_t>(size_);
+  require(out.size() == ranks, "exchange needs one list per rank");
+  std::vector<int> send_counts(ranks), receive_counts(ranks);
+  for (std::size_t r = 0; r < ranks; ++r) send_counts[r] = checked_int(out[r].size());
+  MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, mpi(*this));
+  std::vector<std::vector<std::byte>> in(ranks);
+  std::vector<MPI_Request> requests;
+  constexpr int tag = 71;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    in[r].resize(static_cast<std::size_t>(receive_counts[r]));
+    if (receive_counts[r] > 0)
+      MPI_Irecv(in[r].data(), receive_counts[r], MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
+                &requests.emplace_back());
+  }
+  for (std::size_t r = 0; r < ranks; ++r)
+    if (send_counts[r] > 0)
+      MPI_Isend(out[r].data(), send_counts[r], MPI_BYTE, static_cast<int>(r), tag, mpi(*this),
+                &requests.emplace_back());
+  MPI_Waitall(checked_int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  return in;
+}
+
+std::string Comm::broadcast(const std::string& text) const {
+  std::int64_t length = static_cast<std::int64_t>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT64_T, 0, mpi(*this));
+  std::string result = root() ? text : std::string(static_cast<std::size_t>(length), ' ');
+  MPI_Bcast(result.data(), checked_int(result.size()), MPI_CHAR, 0, mpi(*this));
+  return result;
+}
+
+void Comm::agree(const std::string& problem) const {
+  const std::int64_t first = max(problem.empty() ? std::int64_t{0} : std::int64_t{size_ - rank_});
+  if (first == 0) return;
+  const int speaker = size_ - static_cast<int>(first);
+  std::int64_t length = static_cast<std::int64_t>(problem.size());
+  MPI_Bcast(&length, 1, MPI_INT64_T, speaker, mpi(*this));
+  std::string text = rank_ == speaker ? problem : std::string(static_cast<std::size_t>(length), ' ');
+  MPI_Bcast(text.data(), checked_int(text.size()), MPI_CHAR, speaker, mpi(*this));
+  throw RunError("rank " + std::to_string(speaker) + ": " + text);
+}
+
+}  // namespace trackbed::par

@@ -1,0 +1,51 @@
+#include "trackbed/par/halo.hpp"
+
+#include <mpi.h>
+
+#include "trackbed/par/mpi.hpp"
+
+namespace trackbed::par {
+
+void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>>& send_items) {
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<std::vector<std::int64_t>> counts(ranks);
+  for (std::size_t r = 0; r < ranks; ++r)
+    if (!send_items[r].empty()) counts[r] = {static_cast<std::int64_t>(send_items[r].size())};
+  const auto incoming = comm.exchange(counts);
+  comm_.assign(1, comm);
+  neighbours_.clear();
+  items_.clear();
+  received_ = 0;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    const std::size_t sends = send_items[r].size();
+    const std::size_t receives = incoming[r].empty() ? 0 : static_cast<std::size_t>(incoming[r][0]);
+    if (sends == 0 && receives == 0) continue;
+    neighbours_.push_back({static_cast<int>(r), items_.size(), sends, received_, receives});
+    items_.insert(items_.end(), send_items[r].begin(), send_items[r].end());
+    received_ += receives;
+  }
+}
+
+void Halo::transfer(std::size_t item_bytes, std::byte* target, Way way) {
+  constexpr int tag = 72;
+  const MPI_Comm mpi_comm = mpi(comm_.front());
+  thread_local std::vector<MPI_Request> requests;  // keeps its capacity: no allocation per step
+  requests.clear();
+  for (const Neighbour& n : neighbours_) {
+    const auto [begin, count] = way == Way::forward ? std::pair(n.receive_begin, n.receive_count)
+                                                    : std::pair(n.send_begin, n.send_count);
+    if (count > 0)
+      MPI_Irecv(target + begin * item_bytes, static_cast<int>(count * item_bytes), MPI_BYTE, n.rank,
+                tag, mpi_comm, &requests.emplace_back());
+  }
+  for (const Neighbour& n : neighbours_) {
+    const auto [begin, count] = way == Way::forward ? std::pair(n.send_begin, n.send_count)
+                                                    : std::pair(n.receive_begin, n.receive_count);
+    if (count > 0)
+      MPI_Isend(send_.data() + begin * item_bytes, static_cast<int>(count * item_bytes), MPI_BYTE,
+                n.rank, tag, mpi_comm, &requests.emplace_back());
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
+
+}  // namespace trackbed::par
