@@ -19,7 +19,11 @@ struct Action {
   double work;         // J
 };
 
-// Largest relative imbalance of any window so far.
+// Largest relative imbalance of any window so far, between what stones did to surfaces and what the
+// owners of the nodes received. Scales (see balance.hpp in the room): sums of magnitudes over
+// nodes, so that forces which cancel do not turn rounding into a large number. A window without
+// contact counts 0. `impulse` accumulates over the run (since the last resume), so that a drift
+// shows.
 struct Balance {
   double force = 0, moment = 0, impulse = 0, work = 0;
 };
@@ -36,9 +40,11 @@ class Coupler {
   void clear();
   // Works out who needs which node: those of triangles for which `reaches(low, high)` holds.
   // To be called after add and whenever the particles' partition changed. Collective.
+  // A box spans the triangle over the window; one ring of triangles more is sent, because a contact
+  // at an edge looks at the triangle beyond it.
   void connect(const std::function<bool(const Vec3& low, const Vec3& high)>& reaches);
 
-  void publish();                          // owners' position and motion -> ranks that need them
+  void publish();  // owners' position and motion -> ranks that need them
   // Sums the loads of all ranks on the owners, forms window means over `steps` sub-steps of the
   // window of length dt, checks them against what the particles felt, and clears the loads.
   void collect(int steps, double dt, const Action& action);
@@ -46,8 +52,10 @@ class Coupler {
   std::span<const Vec3> mean_force(std::size_t surface) const;
   const Balance& balance() const;
   void set_balance(const Balance& balance);  // when a run resumes
-  std::vector<Vec3> save_mean(std::size_t surface) const;  // own nodes, others zero
-  void load_mean(std::size_t surface, std::span<const Vec3> mean);
+  // Mean of own nodes, others zero (unowned surfaces: on rank 0): the sum over ranks is the whole.
+  std::vector<Vec3> save_mean(std::size_t surface) const;
+  void load_mean(std::size_t surface, std::span<const Vec3> mean);  // all nodes
+  std::size_t received(std::size_t surface) const;  // nodes that `publish` brings to this rank
 
  private:
   struct Room;

@@ -1,0 +1,42 @@
+// Bookkeeping of what surfaces received against what the particles say they did.
+//
+// Node n moves as X(s) = X0 + s motion, s = k/steps in sub-step k, and carries the sums
+// S0 = sum F_k and S1 = sum (k/steps) F_k. Then, without knowing any single F_k,
+//   force  = sum S0,   moment = sum X0 x S0 + motion x S1,   work = sum S0 . motion / steps
+// are exact for the moving nodes.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "trackbed/couple/coupler.hpp"
+
+namespace trackbed::couple {
+
+// Sums over nodes, as numbers that add up over nodes, surfaces and ranks. The scales are sums of
+// magnitudes: N, Nm, J.
+struct Received {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double work = 0;
+  double force_scale = 0, moment_scale = 0, work_scale = 0;
+
+  void add(const Surface& surface, std::size_t node, int steps);
+  static constexpr std::size_t numbers = 10;
+  std::array<double, numbers> pack() const;
+  void unpack_add(std::span<const double, numbers> values);
+};
+
+// Compares window by window and keeps the largest.
+class Ledger {
+ public:
+  void book(const Received& received, const Action& action, int steps, double dt);
+  const Balance& balance() const { return balance_; }
+  void set(const Balance& balance) { balance_ = balance; }
+
+ private:
+  Balance balance_;
+  Vec3 impulse_gap_ = Vec3::Zero();  // Ns, received minus given since the start
+  double impulse_scale_ = 0;         // Ns
+};
+
+}  // namespace trackbed::couple

@@ -1,0 +1,255 @@
+#include "trackbed/couple/coupler.hpp"
+
+#include <algorithm>
+
+#include "balance.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/par/halo.hpp"
+
+namespace trackbed::couple {
+
+namespace {
+
+using NodeMotion = std::array<double, 6>;  // position, motion in m: trivially copyable for halos
+
+NodeMotion pack(const Surface& surface, std::size_t node) {
+  const Vec3 &x = surface.position[node], &u = surface.motion[node];
+  return {x[0], x[1], x[2], u[0], u[1], u[2]};
+}
+
+void unpack(const NodeMotion& values, Surface& surface, std::size_t node) {
+  surface.position[node] = Vec3(values[0], values[1], values[2]);
+  surface.motion[node] = Vec3(values[3], values[4], values[5]);
+}
+
+void add_to(NodeLoad& sum, const NodeLoad& term) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum.force[k] += term.force[k];
+    sum.first[k] += term.first[k];
+  }
+}
+
+using Reaches = std::function<bool(const Vec3& low, const Vec3& high)>;
+
+// Nodes of the triangles within reach and of those that share a node with one of them.
+std::vector<bool> needed_nodes(const Surface& surface, const Reaches& reaches) {
+  std::vector<bool> near(surface.nodes(), false), needed(surface.nodes(), false);
+  for (const auto& triangle : surface.triangles) {
+    const Vec3& corner = surface.position[static_cast<std::size_t>(triangle[0])];
+    Vec3 low = corner, high = corner;
+    for (const std::int32_t n : triangle) {
+      const auto node = static_cast<std::size_t>(n);
+      const Vec3 end = surface.position[node] + surface.motion[node];
+      low = low.cwiseMin(surface.position[node]).cwiseMin(end);
+      high = high.cwiseMax(surface.position[node]).cwiseMax(end);
+    }
+    if (!reaches(low, high)) continue;
+    for (const std::int32_t n : triangle) near[static_cast<std::size_t>(n)] = true;
+  }
+  for (const auto& triangle : surface.triangles) {
+    const bool touched = std::any_of(triangle.begin(), triangle.end(), [&](std::int32_t n) {
+      return near[static_cast<std::size_t>(n)];
+    });
+    if (touched)
+      for (const std::int32_t n : triangle) needed[static_cast<std::size_t>(n)] = true;
+  }
+  return needed;
+}
+
+// A surface with its traffic. Buffers live as long as the connection: no allocation per window.
+struct Link {
+  Surface* surface;
+  std::vector<int> owner;            // empty: every rank moves all nodes
+  std::vector<Vec3> mean;            // N
+  std::vector<std::int32_t> mine;    // own nodes, ascending
+  std::vector<std::int32_t> ghosts;  // nodes received, in the order of the halo
+  par::Halo halo;                    // owners -> ranks in need
+  std::vector<NodeMotion> motion_out, motion_in;
+  std::vector<NodeLoad> load_out, load_in;
+
+  bool shared() const { return owner.empty(); }
+  void refresh(const par::Comm& comm);
+  void connect(const par::Comm& comm, const Reaches& reaches);
+  void publish();
+  void gather();
+};
+
+// Brings every node to its present place on every rank, so that all can judge what is in reach.
+void Link::refresh(const par::Comm& comm) {
+  std::vector<NodeMotion> own;
+  for (const std::int32_t n : mine) own.push_back(pack(*surface, static_cast<std::size_t>(n)));
+  const auto nodes = comm.all_gather<std::int32_t>(mine);
+  const auto values = comm.all_gather<NodeMotion>(own);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    unpack(values[k], *surface, static_cast<std::size_t>(nodes[k]));
+}
+
+void Link::connect(const par::Comm& comm, const Reaches& reaches) {
+  refresh(comm);
+  const std::vector<bool> needed = needed_nodes(*surface, reaches);
+  std::vector<std::vector<std::int32_t>> wanted(static_cast<std::size_t>(comm.size()));
+  for (std::size_t n = 0; n < surface->nodes(); ++n) {
+    if (owner[n] == comm.rank()) continue;
+    if (needed[n])
+      wanted[static_cast<std::size_t>(owner[n])].push_back(static_cast<std::int32_t>(n));
+    else
+      surface->motion[n].setZero();  // nobody here looks at it; a stale motion would carry it off
+  }
+  ghosts.clear();
+  for (const auto& list : wanted) ghosts.insert(ghosts.end(), list.begin(), list.end());
+  halo.connect(comm, comm.exchange(wanted));
+  motion_out.resize(surface->nodes());
+  motion_in.resize(ghosts.size());
+  load_out.resize(ghosts.size());
+  load_in.resize(halo.sent());
+  publish();
+}
+
+void Link::publish() {
+  for (const std::int32_t n : halo.items())
+    motion_out[static_cast<std::size_t>(n)] = pack(*surface, static_cast<std::size_t>(n));
+  halo.forward(motion_out.data(), motion_in.data());
+  for (std::size_t k = 0; k < ghosts.size(); ++k)
+    unpack(motion_in[k], *surface, static_cast<std::size_t>(ghosts[k]));
+}
+
+// Adds what other ranks' stones put on own nodes. Integers: any order gives the same sum.
+void Link::gather() {
+  for (std::size_t k = 0; k < ghosts.size(); ++k)
+    load_out[k] = surface->load[static_cast<std::size_t>(ghosts[k])];
+  halo.backward(load_out.data(), load_in.data());
+  for (std::size_t k = 0; k < load_in.size(); ++k)
+    add_to(surface->load[static_cast<std::size_t>(halo.items()[k])], load_in[k]);
+}
+
+}  // namespace
+
+struct Coupler::Room {
+  explicit Room(const par::Comm& world) : comm(world) {}
+  void sum_shared();
+  Received received(int steps) const;
+
+  par::Comm comm;
+  std::vector<Link> links;
+  Ledger ledger;
+  std::vector<std::int64_t> counts;  // of all unowned surfaces in turn, for one reduction
+};
+
+void Coupler::Room::sum_shared() {
+  counts.clear();
+  for (const Link& link : links)
+    if (link.shared())
+      for (const NodeLoad& load : link.surface->load) {
+        counts.insert(counts.end(), load.force.begin(), load.force.end());
+        counts.insert(counts.end(), load.first.begin(), load.first.end());
+      }
+  if (counts.empty()) return;
+  comm.sum(std::span(counts));
+  auto next = counts.cbegin();
+  for (Link& link : links)
+    if (link.shared())
+      for (NodeLoad& load : link.surface->load) {
+        std::copy_n(next, 3, load.force.begin());
+        std::copy_n(next + 3, 3, load.first.begin());
+        next += 6;
+      }
+}
+
+// Sums over the nodes after all traffic, so that a load lost on its way is seen.
+Received Coupler::Room::received(int steps) const {
+  Received owned, total;
+  bool any_owned = false;
+  for (const Link& link : links) {
+    any_owned = any_owned || !link.shared();
+    if (link.shared())
+      for (std::size_t n = 0; n < link.surface->nodes(); ++n) total.add(*link.surface, n, steps);
+    else
+      for (const std::int32_t n : link.mine)
+        owned.add(*link.surface, static_cast<std::size_t>(n), steps);
+  }
+  auto values = owned.pack();
+  if (any_owned) comm.sum(std::span<double>(values));
+  total.unpack_add(values);
+  return total;
+}
+
+Coupler::Coupler(const par::Comm& comm) : room_(std::make_unique<Room>(comm)) {}
+Coupler::~Coupler() = default;
+Coupler::Coupler(Coupler&&) noexcept = default;
+
+std::size_t Coupler::add(Surface& surface, std::vector<int> owner) {
+  require(owner.empty() || owner.size() == surface.nodes(),
+          "a surface has as many owners as nodes");
+  Link link{.surface = &surface,
+            .owner = std::move(owner),
+            .mean = {},
+            .mine = {},
+            .ghosts = {},
+            .halo = {},
+            .motion_out = {},
+            .motion_in = {},
+            .load_out = {},
+            .load_in = {}};
+  link.mean.assign(surface.nodes(), Vec3::Zero());
+  for (std::size_t n = 0; n < link.owner.size(); ++n)
+    if (link.owner[n] == room_->comm.rank()) link.mine.push_back(static_cast<std::int32_t>(n));
+  surface.clear_load();
+  room_->links.push_back(std::move(link));
+  return room_->links.size() - 1;
+}
+
+void Coupler::clear() { room_->links.clear(); }
+
+void Coupler::connect(const Reaches& reaches) {
+  for (Link& link : room_->links)
+    if (!link.shared()) link.connect(room_->comm, reaches);
+}
+
+void Coupler::publish() {
+  for (Link& link : room_->links)
+    if (!link.shared()) link.publish();
+}
+
+void Coupler::collect(int steps, double dt, const Action& action) {
+  for (Link& link : room_->links)
+    if (!link.shared()) link.gather();
+  room_->sum_shared();
+  room_->ledger.book(room_->received(steps), action, steps, dt);
+  for (Link& link : room_->links) {
+    const double scale = link.surface->load_quantum / steps;
+    for (std::size_t n = 0; n < link.mean.size(); ++n) {
+      const auto& force = link.surface->load[n].force;
+      for (int k = 0; k < 3; ++k)
+        link.mean[n][k] = static_cast<double>(force[static_cast<std::size_t>(k)]) * scale;
+    }
+    link.surface->clear_load();
+  }
+}
+
+std::span<const Vec3> Coupler::mean_force(std::size_t surface) const {
+  return room_->links.at(surface).mean;
+}
+
+const Balance& Coupler::balance() const { return room_->ledger.balance(); }
+void Coupler::set_balance(const Balance& balance) { room_->ledger.set(balance); }
+
+std::vector<Vec3> Coupler::save_mean(std::size_t surface) const {
+  const Link& link = room_->links.at(surface);
+  std::vector<Vec3> result(link.mean.size(), Vec3::Zero());
+  if (link.shared() && room_->comm.root()) result = link.mean;
+  for (const std::int32_t n : link.mine)
+    result[static_cast<std::size_t>(n)] = link.mean[static_cast<std::size_t>(n)];
+  return result;
+}
+
+void Coupler::load_mean(std::size_t surface, std::span<const Vec3> mean) {
+  Link& link = room_->links.at(surface);
+  require(mean.size() == link.mean.size(), "a saved mean force has as many rows as nodes");
+  link.mean.assign(mean.begin(), mean.end());
+}
+
+std::size_t Coupler::received(std::size_t surface) const {
+  return room_->links.at(surface).ghosts.size();
+}
+
+}  // namespace trackbed::couple
