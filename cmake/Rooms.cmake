@@ -11,6 +11,12 @@ function(trackbed_room name)
   target_link_libraries(${name} PUBLIC ${ROOM_LINKS})
 endfunction()
 
+# What every test finds in its environment: Open MPI refuses root unless told, and ranks that share a
+# core must yield to each other. Leaks are not looked for: Open MPI keeps memory to the end.
+set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    OMPI_MCA_mpi_yield_when_idle=1 ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1
+    MPLBACKEND=Agg)
+
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <room>... [LABELS <label>...] [TIMEOUT <s>])
 # One executable per file, run once for each number of ranks as <file>_on_<n>.
 function(trackbed_test name)
@@ -29,7 +35,7 @@ function(trackbed_test name)
               $<TARGET_FILE:${name}>
       WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
     set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
-      LABELS "${TEST_LABELS}" ENVIRONMENT
-      "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_mpi_yield_when_idle=1;ASAN_OPTIONS=detect_leaks=0;TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
+      LABELS "${TEST_LABELS}"
+      ENVIRONMENT "${TRACKBED_TEST_ENVIRONMENT};TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
   endforeach()
 endfunction()

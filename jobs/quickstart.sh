@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# The first command: installs what is missing (Debian 12), builds, runs a short transition zone with
+# and without its wedge on two ranks and draws the figures.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+results=results/quickstart
+part "Packages" install_packages
+part "Build" build release trackbed
+part "Run with wedge" run_model inputs/quickstart.toml $results/wedge
+part "Run without wedge" run_model inputs/quickstart.toml $results/no_wedge \
+  ground.block.wedge.present=false
+part "Figures" figures $results/wedge $results/no_wedge -o $results/figures
+
+printf '\nDone in %d s. Figures:\n' $SECONDS
+printf '  %s\n' "$PWD"/$results/figures/*.png
+echo "Table: $PWD/$results/figures/table.txt"
+echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5, fields for ParaView in fields/ beside them"

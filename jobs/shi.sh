@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# The full transition zone (17 m, 27 sleepers) with and without its wedge; takes long, see the head
+# of inputs/shi/transition.toml. Needs what jobs/quickstart.sh installs. RANKS=N sets the ranks.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+results=results/shi
+part "Build" build release trackbed
+part "Run with wedge" run_model inputs/shi/transition.toml $results/wedge
+part "Run without wedge" run_model inputs/shi/transition.toml $results/no_wedge \
+  ground.block.wedge.present=false
+part "Figures" figures $results/wedge $results/no_wedge -o $results/figures
+
+printf '\nDone in %d s. Figures:\n' $SECONDS
+printf '  %s\n' "$PWD"/$results/figures/*.png

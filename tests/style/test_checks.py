@@ -1,0 +1,97 @@
+"""Each check of this folder finds the breach it is there for, and passes a tree without it."""
+import pathlib
+import sys
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import format as layout  # noqa: E402
+import generated_docs  # noqa: E402
+import layering  # noqa: E402
+import words  # noqa: E402
+
+TABLE = """
+| room | may include | library kept inside | what it is for |
+|---|---|---|---|
+| core | | | words |
+| par | core | mpi | ranks |
+| dem | core par | | stones |
+"""
+HEAD = "# Purpose: x\n# Source: y\n# Ranks: 2\n# Run time: 1 s\n"
+
+
+@pytest.fixture(name="tree_with")
+def make_tree(tmp_path):
+    def make(**files):
+        every = {"docs/architecture.md": TABLE, "src/core/a.cpp": "#include <vector>\n",
+                 "src/par/b.cpp": '#include <mpi.h>\n\n#include "trackbed/core/a.hpp"\n',
+                 "inputs/a.toml": HEAD, ".clang-format": "BasedOnStyle: Google\n"}
+        every.update({name.replace("__", "/").replace("_D", "."): text
+                      for name, text in files.items()})
+        for name, text in every.items():
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return tmp_path
+    return make
+
+
+def test_sound_tree_passes(tree_with):
+    root = tree_with()
+    assert layering.check(root) == ([], 3)
+    assert words.check(root) == ([], 1)
+    assert layout.check(root)[0] == 0
+
+
+@pytest.mark.parametrize("include, said", [
+    ('"trackbed/dem/a.hpp"', "may include only: ['core']"),
+    ('"dem/private.hpp"', "private header of dem"),
+    ('"../dem/private.hpp"', "private header of dem"),
+    ('"trackbed/nowhere/a.hpp"', "nowhere is not in the table"),
+    ("<mpi.h>", "which only ['par'] may"),
+    ("<hdf5.h>", "which only [] may"),
+])
+def test_layering_finds(tree_with, include, said):
+    root = tree_with(src__par__c_Dcpp=f"\n#include {include}\n" if "mpi" not in include else "",
+                     src__dem__private_Dhpp=f"#include {include}\n" if "mpi" in include else "")
+    problems, _ = layering.check(root)
+    assert len(problems) == 1 and said in problems[0]
+
+
+def test_layering_finds_arrow_up_and_unlisted_room(tree_with):
+    root = tree_with(docs__architecture_Dmd=TABLE.replace("| par | core", "| par | core dem"),
+                     src__new__a_Dcpp="#include <vector>\n")
+    problems, _ = layering.check(root)
+    assert any("par may include dem, which is not above" in problem for problem in problems)
+    assert any("room new is not in the table" in problem for problem in problems)
+
+
+@pytest.mark.parametrize("line, said", [
+    ("// see " + "/" + "work/main", "path of one machine"),
+    ("cd " + "/" + "root/x", "path of one machine"),
+    ("// " + 98 * "x", "101 columns"),
+    ("int a;  ", "blanks"),
+])
+def test_words_finds(tree_with, line, said):
+    problems, _ = words.check(tree_with(src__core__c_Dcpp=line + "\n"))
+    assert len(problems) == 1 and said in problems[0]
+
+
+@pytest.mark.parametrize("word", ["Purpose", "Source", "Ranks", "Run time"])
+def test_words_finds_deck_without(tree_with, word):
+    problems, _ = words.check(tree_with(inputs__b_Dtoml=HEAD.replace(word, "Other")))
+    assert len(problems) == 1 and word.lower() in problems[0]
+
+
+def test_format_finds(tree_with):
+    root = tree_with(src__core__c_Dcpp="int  a ;\n")
+    code, report = layout.check(root)
+    assert code != 0 and "c.cpp:1" in report
+
+
+def test_generated_docs_finds(tmp_path):
+    (tmp_path / "input.md").write_text("old\n")
+    assert generated_docs.differences("input.md", "old\n", tmp_path / "input.md") == []
+    found = generated_docs.differences("input.md", "new\n", tmp_path / "input.md")
+    assert "-old" in found and "+new" in found
+    assert generated_docs.differences("input.md", "new\n", tmp_path / "missing.md")
