@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+"""Draws the figures of one run or of two runs side by side and prints the table of their numbers.
+
+    figures.py RESULT_DIR [OTHER_DIR] -o DIR
+
+RESULT_DIR holds results.h5. Writes PNG files and table.txt into DIR. A figure whose data a run does
+not have is left out, and the text says so. Which number is computed how: docs/postproc.md.
+"""
+import argparse
+import pathlib
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.collections  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+import measures  # noqa: E402
+import read  # noqa: E402
+import signals  # noqa: E402
+
+COLOURS = ("tab:blue", "tab:orange")
+GRAVITY = 9.81        # m/s^2
+FILTER = signals.LowPass()
+SHOWN_HZ = 20         # upper end of the spectra
+CHAIN_WIDTH = 6       # points, line of the largest force
+CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
+
+
+class Missing(Exception):
+    """The run does not have what the figure needs."""
+
+
+def needs(holds, what):
+    if not holds:
+        raise Missing(what)
+
+
+def mark_blocks(axes, run):
+    """Shades the stretches of the ground's blocks and writes their names at the upper edge."""
+    for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
+        axes.axvspan(low, high, color="0.85" if number % 2 else "0.75", alpha=0.5, lw=0, zorder=0)
+        # Blocks may start together; names step down so that they do not cover each other.
+        axes.text(low, 0.99 - 0.06 * number, f" {name}", transform=axes.get_xaxis_transform(),
+                  va="top", fontsize=8)
+
+
+def chosen_sleepers(run):
+    """Three sleepers to show: first, next to the structure's edge (else the middle one), last."""
+    edge = measures.edge_of_structure(run)
+    x = run.sleepers_x
+    middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
+    return sorted({0, middle, len(x) - 1})
+
+
+def sleepers(runs):
+    """Histories of displacement, seat load, reaction and filtered acceleration during the passage."""
+    needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
+    figure, panels = plt.subplots(4, 1, sharex=True, figsize=(9, 10))
+    deepest = []
+    for number, run in enumerate(runs):
+        rows = run.passage()
+        time = run.time[rows] - run.time[rows][0]
+        sunk = run.sleeper["displacement"].values[rows]
+        sunk = (sunk - sunk[0]) * 1e3
+        deepest.append(np.min(sunk))
+        acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
+        shown = (sunk, run.sleeper["seat_force"].values[rows] / 1e3,
+                 run.sleeper["reaction"].values[rows] / 1e3, acceleration)
+        for k in chosen_sleepers(run):
+            for panel, values in zip(panels, shown):
+                panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
+                           label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
+    labels = ("displacement (mm, up)", "seat load (kN)", "reaction of stones (kN)",
+              f"acceleration (g)\n{FILTER.name_for(time)}")
+    for panel, label in zip(panels, labels):
+        panel.set_ylabel(label)
+        panel.grid(alpha=0.3)
+    panels[0].legend(fontsize=7, ncol=len(runs))
+    panels[-1].set_xlabel("time since the passage began (s)")
+    panels[0].set_title("Sleepers during the passage; lowest: " + ", ".join(
+        f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
+    return figure
+
+
+def envelope(runs):
+    """Largest downward displacement of sleepers and ground along the track."""
+    needs(all("displacement_min" in run.ground_envelope for run in runs), "no ground envelope")
+    figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(9, 7))
+    text = []
+    for run, colour in zip(runs, COLOURS):
+        ground = run.ground_envelope["displacement_min"].values * 1e3
+        order = np.argsort(run.ground_x)
+        lower.plot(run.ground_x[order], ground[order], color=colour, lw=1.2, label=run.name)
+        if "displacement_min" in run.sleeper_envelope:
+            upper.plot(run.sleepers_x, run.sleeper_envelope["displacement_min"].values * 1e3, "o-",
+                       color=colour, lw=1, ms=4, label=run.name)
+        found = measures.transition(run)
+        text.append(f"{run.name}: {-np.min(ground):.3f} mm"
+                    + (f", transition {found.width:.2f} m" if found else ""))
+    for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
+        mark_blocks(panel, runs[0])
+        panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, from the passage's begin)")
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8, loc="lower left")
+    lower.set_xlabel("x along the track (m)")
+    upper.set_title("Envelope; deepest ground " + "; ".join(text), fontsize=10)
+    return figure
+
+
+def stress(runs):
+    """Largest compression of the ground's surface along the track."""
+    needs(all("sigma_z_min" in run.ground_envelope for run in runs), "no ground stress")
+    figure, panel = plt.subplots(figsize=(9, 4.5))
+    text = []
+    for run, colour in zip(runs, COLOURS):
+        order = np.argsort(run.ground_x)
+        x = run.ground_x[order]
+        compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
+        panel.plot(x, compression, color=colour, lw=0.7, alpha=0.6)
+        panel.plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour, lw=2,
+                   label=f"{run.name} (bold: mean over one sleeper spacing)")
+        found = measures.transition(run)
+        text.append(f"{run.name}: max {np.max(compression):.0f} kPa"
+                    + (f", jump {found.stress_jump / 1e3:.0f} kPa" if found else ""))
+    mark_blocks(panel, runs[0])
+    panel.set_xlabel("x along the track (m)")
+    panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
+    panel.set_title("; ".join(text), fontsize=10)
+    panel.legend(fontsize=8)
+    panel.grid(alpha=0.3)
+    return figure
+
+
+def peak_text(frequency, amplitude, target):
+    peak = signals.peak_near(frequency, amplitude, target)
+    return "none" if peak is None else f"{peak:.2f} Hz"
+
+
+def spectra(runs):
+    """Amplitude spectra of the sleepers in the passage, root mean square over all sleepers."""
+    needs(all(run.sleeper for run in runs), "no sleepers")
+    names = {"acceleration": ("m/s^2", 1), "displacement": ("mm", 1e3), "seat_force": ("kN", 1e-3)}
+    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(9, 9))
+    marks = measures.loading_frequencies(runs[0])
+    text = []
+    for run, colour in zip(runs, COLOURS):
+        rows = run.passage()
+        needs(signals.step_of(run.time[rows]) is not None, "histories are not evenly sampled")
+        for panel, (name, (unit, factor)) in zip(panels, names.items()):
+            values = run.sleeper[name].values[rows] * factor
+            if name == "acceleration":
+                values = FILTER(run.time[rows], values)
+            frequency, amplitude = signals.spectrum(run.time[rows], values)
+            mean = np.sqrt(np.mean(amplitude**2, axis=1))
+            shown = frequency <= SHOWN_HZ
+            panel.plot(frequency[shown], mean[shown], color=colour, lw=1, label=run.name)
+            panel.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
+            if name != "displacement":
+                text += [f"{run.name}, {name.replace('_', ' ')}: " + ", ".join(
+                    f"{mark} = {target:.2f} Hz peak {peak_text(frequency, mean, target)}"
+                    for mark, target in marks.items())]
+    for panel in panels:
+        for mark, target in marks.items():
+            panel.axvline(target, color="0.4", lw=0.8, ls=":")
+            panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top")
+        panel.grid(alpha=0.3)
+    panels[0].set_ylabel(f"acceleration (m/s^2)\n{FILTER.name_for(runs[0].time[rows])}", fontsize=9)
+    panels[0].legend(fontsize=8)
+    panels[-1].set_xlabel("frequency (Hz)")
+    panels[0].set_title("Spectra of sleepers, root mean square over all\n" + "\n".join(text),
+                        fontsize=9)
+    return figure
+
+
+def draw_chains(panel, chains, stones, largest):
+    """Disks in grey, on them a red line per contact, as thick as its force."""
+    if stones is not None and len(stones.radius):
+        size = 2 * stones.radius
+        panel.add_collection(matplotlib.collections.EllipseCollection(
+            size, size, np.zeros_like(size), units="xy", offsets=stones.centre,
+            transOffset=panel.transData, facecolors="0.82", edgecolors="none"))
+    panel.add_collection(matplotlib.collections.LineCollection(
+        chains.segments.reshape(-1, 2, 2), linewidths=CHAIN_WIDTH * chains.force / largest,
+        colors="tab:red", capstyle="round"))
+    panel.set_aspect("equal")
+    panel.set_ylabel("z (m)")
+
+
+def force_chains(runs):
+    """Force chains at the end of each stage, as Fig. 2 of the transition zone study: the whole bed
+    in the first panel, a stretch of it in the following ones. First run only."""
+    run = runs[0]
+    stages = [name for name, chains in run.chains.items() if len(chains.force)]
+    needs(stages, "no force chains")
+    edge = measures.edge_of_structure(run)
+    figure, panels = plt.subplots(len(stages) + 1, 1, figsize=(11, 2.4 * (len(stages) + 1)),
+                                  squeeze=False)
+    strongest = {name: float(np.max(run.chains[name].force)) for name in stages}
+    for number, panel in enumerate(panels[:, 0]):
+        name = stages[-1] if number == 0 else stages[number - 1]
+        chains, stones = run.chains[name], run.stones.get(name)
+        draw_chains(panel, chains, stones, strongest[name])
+        x, z = chains.segments[:, ::2], chains.segments[:, 1::2]
+        if number == 0:
+            panel.set_xlim(np.min(x), np.max(x))
+        else:
+            middle = np.mean(x) if edge is None else edge
+            panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
+        panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
+        panel.set_title(f"{run.name}: contact forces at the end of stage {name}, {len(chains.force)} "
+                        f"contacts, thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
+    panels[-1, 0].set_xlabel("x along the track (m)")
+    return figure
+
+
+def energy(runs):
+    """Energies of the stones over the whole run; the potential one from its first value."""
+    needs(all(run.energy for run in runs), "no energies")
+    names = list(runs[0].energy)
+    figure, panels = plt.subplots(len(names), 1, sharex=True, figsize=(9, 2.4 * len(names)),
+                                  squeeze=False)
+    text = []
+    for run, colour in zip(runs, COLOURS):
+        for panel, name in zip(panels[:, 0], names):
+            values = run.energy[name].values
+            relative = name == "potential"
+            panel.plot(run.time, values - values[0] if relative else values, color=colour, lw=1,
+                       label=run.name)
+            panel.set_ylabel(f"{name}{' from start' if relative else ''} (J)")
+            panel.grid(alpha=0.3)
+        text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
+    for begin in run.time[1:][np.diff(run.stage) != 0]:
+        for panel in panels[:, 0]:
+            panel.axvline(begin, color="0.4", lw=0.6, ls=":")
+    panels[0, 0].legend(fontsize=8)
+    panels[0, 0].set_title("Energies (dotted: a stage begins); " + "; ".join(text), fontsize=10)
+    panels[-1, 0].set_xlabel("simulated time (s)")
+    return figure
+
+
+FIGURES = {"sleepers": sleepers, "envelope": envelope, "stress": stress, "spectrum": spectra,
+           "force_chains": force_chains, "energy": energy}
+
+
+def draw_all(runs, folder):
+    """Draws every figure into `folder`, writes table.txt; returns the paths of the pictures."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, draw in FIGURES.items():
+        try:
+            figure = draw(runs)
+        except Missing as missing:
+            print(f"{name}.png is left out: {missing}")
+            continue
+        figure.tight_layout()
+        paths.append(folder / f"{name}.png")
+        figure.savefig(paths[-1], dpi=130)
+        plt.close(figure)
+    (folder / "table.txt").write_text(measures.table(runs), encoding="utf-8")
+    return paths
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("result", type=pathlib.Path, help="folder with results.h5")
+    parser.add_argument("other", type=pathlib.Path, nargs="?", help="a second run to compare with")
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("figures"))
+    arguments = parser.parse_args()
+    runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
+    for path in draw_all(runs, arguments.output):
+        print(path)
+    print((arguments.output / "table.txt").read_text(encoding="utf-8"), end="")
+
+
+if __name__ == "__main__":
+    main()

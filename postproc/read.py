@@ -1,0 +1,149 @@
+"""Result files and checkpoints as arrays with units.
+
+    results = read.results("results/quickstart/wedge")     # folder or results.h5
+    results.sleeper["displacement"].values                 # [time, sleeper], m, up positive
+    state = read.checkpoint("results/quickstart/wedge/checkpoints")
+    state["stones/position"].unit
+
+Run as a program it lists a file: `read.py FILE`.
+"""
+import dataclasses
+import pathlib
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """An array and what it is. `unit` and `meaning` are the dataset's own attributes."""
+    values: np.ndarray
+    unit: str
+    meaning: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Chains:
+    """Contact forces at the end of a stage: a line from (x0, z0) to (x1, z1) for each, in m and N."""
+    segments: np.ndarray
+    force: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class Stones:
+    """Pieces of stones at the end of a stage: centres (x, z) and radii, m."""
+    centre: np.ndarray
+    radius: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class Results:
+    """One run. Histories are [time, place]; x of the places is in `sleepers_x` and `ground_x`."""
+    name: str
+    deck: dict
+    version: str
+    ranks: int
+    sleepers_x: np.ndarray
+    ground_x: np.ndarray
+    time: np.ndarray
+    stage: np.ndarray
+    sleeper: dict
+    ground: dict
+    energy: dict
+    sleeper_envelope: dict
+    ground_envelope: dict
+    chains: dict
+    stones: dict
+
+    def passage(self):
+        """The rows of the histories during the train's passage; of the last stage if there is none."""
+        kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
+        wanted = kinds.index("passage") if "passage" in kinds else -1
+        rows = np.flatnonzero(self.stage == wanted)
+        if not len(rows):
+            rows = np.flatnonzero(self.stage == self.stage[-1])
+        return slice(rows[0], rows[-1] + 1)
+
+
+def _text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _quantity(dataset):
+    return Quantity(dataset[()], _text(dataset.attrs["unit"]), _text(dataset.attrs["meaning"]))
+
+
+def _quantities(file, group):
+    return {name: _quantity(dataset) for name, dataset in file[group].items()} \
+        if group in file else {}
+
+
+def _array(file, path):
+    return file[path][()] if path in file else np.empty(0)
+
+
+def _place(path, name):
+    path = pathlib.Path(path)
+    found = path / name if path.is_dir() else path
+    if not found.is_file():
+        raise SystemExit(f"{found} does not exist; did the run end well?")
+    return found
+
+
+def results(path):
+    """Reads results.h5 (given itself or by its folder); parts a run did not have are empty."""
+    file_path = _place(path, "results.h5")
+    with h5py.File(file_path, "r") as file:
+        stages = file["chains"] if "chains" in file else {}
+        stone_stages = file["stones"] if "stones" in file else {}
+        return Results(
+            name=file_path.parent.name,
+            deck=tomllib.loads(_text(file.attrs["deck"])),
+            version=_text(file.attrs["version"]),
+            ranks=int(np.ravel(file.attrs["ranks"])[0]),
+            sleepers_x=_array(file, "sleepers/x"),
+            ground_x=_array(file, "ground/x"),
+            time=_array(file, "history/time"),
+            stage=_array(file, "history/stage"),
+            sleeper=_quantities(file, "history/sleeper"),
+            ground=_quantities(file, "history/ground"),
+            energy=_quantities(file, "history/energy"),
+            sleeper_envelope=_quantities(file, "envelope/sleeper"),
+            ground_envelope=_quantities(file, "envelope/ground"),
+            chains={name: Chains(group["segments"][()].reshape(-1, 4), group["force"][()])
+                    for name, group in stages.items()},
+            stones={name: Stones(group["centre"][()].reshape(-1, 2), group["radius"][()])
+                    for name, group in stone_stages.items()})
+
+
+def datasets(path):
+    """Every dataset of an HDF5 file by its path, as a Quantity; missing labels are empty."""
+    found = {}
+
+    def see(name, item):
+        if isinstance(item, h5py.Dataset):
+            label = (_text(item.attrs.get(key, "")) for key in ("unit", "meaning"))
+            found[name] = Quantity(item[()], *label)
+
+    with h5py.File(path, "r") as file:
+        file.visititems(see)
+    return found
+
+
+def checkpoint(path):
+    """Every dataset of a checkpoint; a folder stands for the file its text file `latest` names."""
+    path = pathlib.Path(path)
+    if path.is_dir():
+        path = path / _place(path, "latest").read_text(encoding="utf-8").strip()
+    return datasets(path)
+
+
+def main():
+    for name, item in datasets(sys.argv[1]).items():
+        print(f"{name:44} {str(item.values.shape):16} {item.unit:8} {item.meaning}")
+
+
+if __name__ == "__main__":
+    main()

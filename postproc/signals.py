@@ -1,0 +1,69 @@
+"""Filters and spectra. A filter has a name, which every axis of a filtered quantity carries."""
+import dataclasses
+
+import numpy as np
+import scipy.signal
+
+EVEN_STEP = 1e-6  # relative: time steps that differ by less are the same up to rounding
+
+
+def step_of(time):
+    """Length of the even time step, s; None if there are too few samples or they are uneven."""
+    steps = np.diff(time)
+    if len(steps) < 2 or np.ptp(steps) > EVEN_STEP * np.max(steps) + 4 * np.spacing(time[-1]):
+        return None
+    return float(np.mean(steps))
+
+
+@dataclasses.dataclass(frozen=True)
+class LowPass:
+    """Butterworth filter run forwards and backwards: no phase shift, twice the order, and an
+    amplitude of 1/2 (not 1/sqrt 2) at the cut-off."""
+    cut_off: float = 100.0  # Hz
+    order: int = 4
+
+    @property
+    def name(self):
+        return f"{self.cut_off:g} Hz Butterworth, zero phase"
+
+    def applies_to(self, time):
+        """Whether samples come at more than twice the cut-off and are enough to start the filter."""
+        dt = step_of(time)
+        return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
+
+    def name_for(self, time):
+        return self.name if self.applies_to(time) else "unfiltered: sampled too coarsely"
+
+    def __call__(self, time, values):
+        """Filters along the first axis; returns the values as they are where it cannot."""
+        if not self.applies_to(time):
+            return np.asarray(values)
+        sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / step_of(time), output="sos")
+        # Mirrored at the ends: the usual point reflection would turn noise there into a step.
+        return scipy.signal.sosfiltfilt(sections, values, axis=0, padtype="even")
+
+
+def spectrum(time, values, resolution=0.05):
+    """Amplitude spectrum along the first axis: (frequency Hz, |amplitude| in the values' unit).
+
+    The mean is taken off, a Tukey window damps a twentieth of the record at each end, zeros are
+    added until lines lie at most `resolution` Hz apart. A sine of amplitude A that lasts the whole
+    record shows a peak of A. The window is flat in between because a passage is a transient: a
+    bell-shaped one would weigh axles by the time at which they come.
+    """
+    dt = step_of(time)
+    if dt is None:
+        raise ValueError("a spectrum needs evenly spaced samples")
+    window = scipy.signal.windows.tukey(len(time), 0.1, sym=False)
+    shape = (-1,) + (1,) * (np.ndim(values) - 1)
+    centred = values - np.mean(values, axis=0)
+    lines = max(len(time), int(np.ceil(1 / (resolution * dt))))
+    amplitude = np.abs(np.fft.rfft(centred * window.reshape(shape), n=lines, axis=0))
+    return np.fft.rfftfreq(lines, dt), amplitude * 2 / np.sum(window)
+
+
+def peak_near(frequency, amplitude, target, reach=0.3):
+    """Frequency of the highest *inner* maximum within `reach` (relative) of target; None if none."""
+    peaks, _ = scipy.signal.find_peaks(amplitude)
+    near = [k for k in peaks if abs(frequency[k] - target) <= reach * target]
+    return float(frequency[max(near, key=lambda k: amplitude[k])]) if near else None

@@ -1,0 +1,92 @@
+"""results.h5 of a run that never was: known functions in the program's layout."""
+import h5py
+import numpy as np
+
+SPEED, AXLES, EDGE = 20.0, (0.0, 2.5, 8.0, 10.5), 2.0  # m/s, m, m: v/L_c 2.5 Hz, v/L_w 8 Hz
+DECK = """
+[load]
+speed = {speed}
+axles = {axles}
+[sleepers]
+spacing = 0.6
+[[ground.block]]
+name = "structure"
+present = true
+outline = [0.0, 0.0, {edge}, 0.0, {edge}, -2.0, 0.0, -2.0]
+[[ground.block]]
+name = "wedge"
+present = {wedge}
+outline = [{edge}, 0.0, 6.0, 0.0, {edge}, -2.0]
+[[stage]]
+kind = "fill"
+[[stage]]
+kind = "compact"
+[[stage]]
+kind = "sleepers"
+[[stage]]
+kind = "load"
+[[stage]]
+kind = "passage"
+"""
+
+
+def ground_displacement(x, wedge):
+    """m: 0.02 mm on the structure, then exponentially to 2 mm within 3 m (wedge) or 0.5 m."""
+    way = np.maximum(x - EDGE, 0)
+    return -(0.02e-3 + 1.98e-3 * (1 - np.exp(-way / (1.0 if wedge else 0.2))))
+
+
+def ground_stress(x, wedge):
+    """Pa: 100 kPa on the structure, less beyond."""
+    return np.where(x <= EDGE, -100e3, -80e3 if wedge else -30e3)
+
+
+def histories(time, x):
+    """What sleepers do: `displacement` 1 mm at 2 Hz, `acceleration` 3 m/s^2 at 10 Hz plus 50 at
+    300 Hz, `seat_force` a pulse per axle, 50 kN peak, passing at SPEED."""
+    t = time[:, None]
+    ones = np.ones((1, len(x)))
+    way = SPEED * t - x[None, :]
+    return {
+        "displacement": (1e-3 * np.sin(2 * np.pi * 2 * t) * ones, "m"),
+        "velocity": (np.cos(2 * np.pi * 2 * t) * ones, "m/s"),
+        "acceleration": ((3 * np.sin(2 * np.pi * 10 * t) + 50 * np.sin(2 * np.pi * 300 * t)) * ones,
+                         "m/s^2"),
+        "seat_force": (sum(50e3 * np.exp(-((way - 3 - axle) / 0.5)**2) for axle in AXLES), "N"),
+        "reaction": (7e3 * np.ones((len(time), len(x))), "N"),
+    }
+
+
+def write(folder, wedge=True, ground=True):
+    """Writes folder/results.h5 and returns the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    x, nodes = np.arange(0.3, 9.0, 0.6), np.linspace(0, 9, 91)
+    settle, passage = np.arange(0, 0.1, 1e-3), 0.1 + np.arange(0, 2.0, 1e-3)
+    time = np.concatenate([settle, passage])
+    with h5py.File(folder / "results.h5", "w") as file:
+        def put(path, values, unit="-", meaning="made for a test"):
+            dataset = file.create_dataset(path, data=values)
+            dataset.attrs["unit"], dataset.attrs["meaning"] = unit, meaning
+        file.attrs["deck"] = DECK.format(speed=SPEED, axles=list(AXLES), edge=EDGE,
+                                         wedge=str(wedge).lower())
+        file.attrs["version"], file.attrs["ranks"] = "0.0.0", 2
+        put("sleepers/x", x, "m")
+        put("history/time", time, "s")
+        put("history/stage", np.repeat([3, 4], [len(settle), len(passage)]))
+        for name, (values, unit) in histories(time, x).items():
+            put(f"history/sleeper/{name}", values, unit)
+        for name, scale in (("kinetic", 1e-3), ("potential", 100.0), ("elastic", 2.0)):
+            put(f"history/energy/{name}", scale * (1 + np.sin(time)), "J")
+        put("envelope/sleeper/displacement_min", -1e-3 * np.ones(len(x)), "m")
+        put("envelope/sleeper/displacement_max", 1e-3 * np.ones(len(x)), "m")
+        put("envelope/sleeper/acceleration_max", 53.0 * np.ones(len(x)), "m/s^2")
+        if ground:
+            put("ground/x", nodes, "m")
+            put("envelope/ground/displacement_min", ground_displacement(nodes, wedge), "m")
+            put("envelope/ground/sigma_z_min", ground_stress(nodes, wedge), "Pa")
+        chains = np.array([[1.0, 0.1, 1.1, 0.2], [3.0, 0.1, 3.0, 0.3]])
+        put("chains/load/segments", chains, "m")
+        put("chains/load/force", np.array([100.0, 900.0]), "N")
+        put("stones/load/centre", chains[:, :2], "m")
+        put("stones/load/radius", np.array([0.03, 0.02]), "m")
+    return folder

@@ -1,0 +1,192 @@
+"""postproc on results made of known functions: what was put in is what comes out."""
+import dataclasses
+import subprocess
+import sys
+
+import conftest
+import figures
+import h5py
+import made
+import matplotlib.image
+import measures
+import numpy as np
+import pytest
+import read
+import signals
+
+LOW_PASS_RIPPLE = 1e-3    # what a 10 Hz sine may lose below 100 Hz: (10/100)^8 is far less
+LOW_PASS_LEAK = 1e-3      # what may be left of 300 Hz: 1/(1 + 3^8) = 1.5e-4, ends are cut off
+LINE = 0.05               # Hz between the lines of a spectrum, its default
+SCALLOP = 0.05            # relative, height of a peak of a 2 s record: lobe of the negative frequency
+                          # 3.4 % at 2 Hz, lines 0.05 Hz apart 1.6 %
+
+
+@pytest.fixture(name="runs", scope="module")
+def two_runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    return [read.results(made.write(folder / name, wedge=name == "wedge"))
+            for name in ("wedge", "no_wedge")]
+
+
+def test_read_gives_arrays_units_and_deck(runs):
+    run = runs[0]
+    assert run.name == "wedge" and run.ranks == 2 and run.version == "0.0.0"
+    assert run.sleeper["displacement"].unit == "m"
+    assert run.sleeper["displacement"].values.shape == (len(run.time), len(run.sleepers_x))
+    assert run.deck["load"]["speed"] == made.SPEED
+    assert run.chains["load"].segments.shape == (2, 4)
+    assert run.stones["load"].centre.shape == (2, 2)
+    # Stage 4 of the deck is the passage: 2 s that begin at 0.1 s. Without one it is the last stage.
+    for deck in (run.deck, {}, {"stage": [{"kind": "passage"}]}):
+        rows = dataclasses.replace(run, deck=deck).passage()
+        assert run.time[rows][0] == pytest.approx(0.1) and len(run.time[rows]) == 2000
+    first = [{"kind": "fill"}] * 3 + [{"kind": "passage"}]
+    assert len(run.time[dataclasses.replace(run, deck={"stage": first}).passage()]) == 100
+
+
+def test_read_says_what_is_missing(tmp_path):
+    with pytest.raises(SystemExit, match="results.h5 does not exist"):
+        read.results(tmp_path)
+
+
+def test_read_checkpoint_through_latest(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["dem/mass"] = np.arange(3.0)
+        file["dem/mass"].attrs["unit"] = "kg"
+    (tmp_path / "latest").write_text("a.h5\n")
+    mass = read.checkpoint(tmp_path)["dem/mass"]
+    assert mass.unit == "kg" and np.array_equal(mass.values, [0, 1, 2])
+
+
+def test_low_pass_keeps_10_hz_and_takes_300_hz():
+    time = np.arange(0, 2, 1e-3)
+    low, high = np.sin(2 * np.pi * 10 * time), np.sin(2 * np.pi * 300 * time)
+    inner = slice(200, -200)
+    low_pass = signals.LowPass()
+    assert np.max(np.abs(low_pass(time, low) - low)[inner]) < LOW_PASS_RIPPLE
+    assert np.max(np.abs(low_pass(time, high))[inner]) < LOW_PASS_LEAK
+    # At the cut-off two passes leave exactly one half.
+    cut = low_pass(time, np.sin(2 * np.pi * 100 * time))
+    assert np.sqrt(2 * np.mean(cut[inner]**2)) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_low_pass_says_when_it_cannot():
+    coarse, uneven = np.arange(0, 2, 0.01), np.cumsum(np.r_[np.full(50, 1e-3), np.full(50, 2e-3)])
+    for time in (coarse, uneven):
+        assert "unfiltered" in signals.LowPass().name_for(time)
+        assert np.array_equal(signals.LowPass()(time, time), time)
+    assert "Butterworth" in signals.LowPass().name_for(np.arange(0, 2, 1e-3))
+
+
+@pytest.mark.parametrize("frequency", [2.0, 6.67, 13.33])
+def test_spectrum_peaks_where_the_sine_is(frequency):
+    time = np.arange(0, 2, 1e-3)
+    hertz, amplitude = signals.spectrum(time, 5 + 0.7 * np.sin(2 * np.pi * frequency * time))
+    peak = np.argmax(amplitude)
+    assert abs(hertz[peak] - frequency) <= LINE
+    assert amplitude[peak] == pytest.approx(0.7, rel=SCALLOP)
+    assert signals.peak_near(hertz, amplitude, 1.1 * frequency) == hertz[peak]
+    assert signals.peak_near(hertz, amplitude, 3 * frequency, reach=0.001) is None
+
+
+def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
+    marks = measures.loading_frequencies(runs[0])
+    assert marks == pytest.approx({"v/L_c": 2.5, "v/L_w": 8.0})
+    rows = runs[0].passage()
+    hertz, amplitude = signals.spectrum(runs[0].time[rows],
+                                        runs[0].sleeper["seat_force"].values[rows])
+    mean = np.sqrt(np.mean(amplitude**2, axis=1))
+    # Two bogies of two pulses: |S| |cos(pi f L_c/v) cos(pi f L_w/v)|. The slope of one cosine moves
+    # the maximum of the other, so the peaks lie near v/L_c and v/L_w, not on them.
+    length = {name: made.SPEED / target for name, target in marks.items()}
+    pulse = np.exp(-(np.pi * hertz * 0.5 / made.SPEED)**2)
+    exact = pulse * np.abs(np.prod([np.cos(np.pi * hertz * each / made.SPEED)
+                                    for each in length.values()], axis=0))
+    for target in marks.values():
+        peak = signals.peak_near(hertz, mean, target)
+        assert abs(peak - signals.peak_near(hertz, exact, target)) <= 2 * LINE
+        assert peak == pytest.approx(target, rel=0.2)
+
+
+def test_transition_measures_what_was_made(runs):
+    wedge, none = (measures.transition(run) for run in runs)
+    assert wedge.edge == made.EDGE
+    for found in (wedge, none):
+        assert found.structure_displacement == pytest.approx(0.02e-3)
+        assert found.far_displacement == pytest.approx(2e-3, rel=0.01)
+    # 90 % of an exponential of length L is reached at 2.303 L; smoothing over 0.6 m and the median
+    # of the far quarter move it by less than two nodes.
+    assert wedge.width == pytest.approx(2.303, abs=0.2)
+    assert none.width == pytest.approx(0.2 * 2.303, abs=0.2)
+    assert wedge.stress_jump == pytest.approx(20e3) and none.stress_jump == pytest.approx(70e3)
+    assert wedge.steepest < none.steepest
+
+
+def test_structure_at_the_right_end_measures_the_same(runs):
+    run = runs[0]
+    last = run.ground_x[-1]
+    block = dict(run.deck["ground"]["block"][0])
+    block["outline"] = [last - made.EDGE, 0.0, last, 0.0, last, -2.0, last - made.EDGE, -2.0]
+    mirrored = dataclasses.replace(run, ground_x=last - run.ground_x,
+                                   deck={**run.deck, "ground": {"block": [block]}})
+    left, right = measures.transition(run), measures.transition(mirrored)
+    assert right.edge == pytest.approx(last - made.EDGE)
+    for field in {each.name for each in dataclasses.fields(left)} - {"edge"}:
+        assert getattr(right, field) == pytest.approx(getattr(left, field), rel=1e-9), field
+
+
+def test_table_tells_the_wedge_from_its_opposite(runs):
+    text = measures.table(runs)
+    assert "NOT" not in text and text.count("as a wedge should") == 4
+    assert "-71.4%" in text  # jump 20 against 70 kPa
+    # The other way round three sentences must say no; the far displacement is nearly the same.
+    assert measures.table(runs[::-1]).count("NOT as a wedge should") >= 3
+
+
+def test_absent_wedge_is_not_marked(runs):
+    assert set(measures.blocks(runs[0])) == {"structure", "wedge"}
+    assert set(measures.blocks(runs[1])) == {"structure"}
+
+
+def test_figures_of_two_runs_are_drawn(runs, tmp_path):
+    paths = figures.draw_all(runs, tmp_path)
+    assert {path.stem for path in paths} == set(figures.FIGURES)
+    for path in paths:
+        picture = matplotlib.image.imread(path)
+        assert min(picture.shape[:2]) > 300
+        # An empty frame has a few per cent of ink; every one of these has curves on it.
+        assert np.mean(np.min(picture[..., :3], axis=2) < 0.95) > 0.005, path.stem
+    assert "displacement on the structure" in (tmp_path / "table.txt").read_text()
+
+
+def test_titles_say_the_numbers(runs):
+    title = figures.envelope(runs).axes[0].get_title()
+    assert "wedge: 2." in title or "wedge: 1.9" in title
+    assert "jump 20 kPa" in figures.stress(runs).axes[0].get_title()
+    assert figures.FILTER.name in figures.sleepers(runs).axes[3].get_ylabel()
+    assert "thickest line 0.9 kN" in figures.force_chains(runs).axes[0].get_title()
+    figures.plt.close("all")
+
+
+def test_chains_are_as_thick_as_their_force(runs):
+    lines = figures.force_chains(runs[:1]).axes[0].collections[-1]
+    assert lines.get_linewidths() == pytest.approx(np.array([1, 9]) / 9 * figures.CHAIN_WIDTH)
+    figures.plt.close("all")
+
+
+def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
+    run = read.results(made.write(tmp_path / "bed", ground=False))
+    paths = figures.draw_all([run], tmp_path)
+    assert {"sleepers", "spectrum", "energy", "force_chains"} == {path.stem for path in paths}
+    assert "envelope.png is left out: no ground" in capsys.readouterr().out
+
+
+def test_command_line(tmp_path):
+    made.write(tmp_path / "one")
+    run = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path / "one",
+                          "-o", tmp_path / "out"], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert "stress.png" in run.stdout and "stress jump" in run.stdout
+    failed = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path],
+                            capture_output=True, text=True, check=False)
+    assert failed.returncode == 1 and "did the run end well?" in failed.stderr
