@@ -1,5 +1,5 @@
-// Rigid sleepers and the loads on their rail seats. Small (a few numbers per sleeper), so every rank
-// keeps all of them and moves them alike from sums that do not depend on the rank count.
+// Rigid sleepers and the loads on their rail seats. Small (a few numbers per sleeper), so every
+// rank keeps all of them and moves them alike from sums that do not depend on the rank count.
 #pragma once
 
 #include <memory>
@@ -11,17 +11,18 @@
 #include "trackbed/core/types.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/par/comm.hpp"
 
 namespace trackbed::track {
 
 struct SleeperParameters {
   std::int64_t count = 9;
-  double first = 0.6, spacing = 0.6;       // m, x of the first centre, between centres
+  double first = 0.6, spacing = 0.6;                 // m, x of the first centre, between centres
   double width = 0.29, height = 0.22, length = 1.3;  // m along x, z, y (plane: model thickness)
-  double density = 2441;                   // kg/m^3
-  std::string material = "sleeper";        // contact material
+  double density = 2441;                             // kg/m^3
+  std::string material = "sleeper";                  // contact material
   std::vector<std::string> free = {"x", "z", "ry"};  // degrees of freedom: x y z rx ry rz
-  double bevel = 0;                        // m, cut of the lower edges; 0: sharp
+  double bevel = 0;                                  // m, cut of the lower edges; 0: sharp
   void declare(input::Section& s);
 };
 
@@ -29,16 +30,16 @@ enum class SeatLoadKind { winkler, power, table };
 
 // Load on one rail seat while axles pass: winkler R = peak * sum exp(-b|s|)(cos b|s| + sin b|s|);
 // power R = peak * sum X^((s/spacing)^2); table: CSV "time_s,force_N" of the sleeper at x = 0,
-// linear in between, 0 outside. s = distance of axle from sleeper.
+// linear in between, 0 outside, later by x/speed elsewhere. s = distance of axle from sleeper.
 struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
-  double peak = 71.1e3;                       // N
-  double speed = 18.6667;                     // m/s
+  double peak = 71.1e3;                             // N, of a single axle
+  double speed = 18.6667;                           // m/s
   std::vector<double> axles = {0, 2.8, 9.0, 11.8};  // m behind the first axle
-  double start = 0;                           // m, x of the first axle when the passage begins
-  double decay = 1.54257;                     // 1/m, b of winkler
-  double ratio = 0.5531;                      // X of power
-  std::string file;                           // table
+  double start = 0;        // m, x of the first axle when the passage begins
+  double decay = 1.54257;  // 1/m, b of winkler
+  double ratio = 0.5531;   // X of power
+  std::string file;        // table
   void declare(input::Section& s);
 };
 
@@ -62,40 +63,42 @@ struct SleeperState {
 
 class Sleepers {
  public:
-  Sleepers(const SleeperParameters& parameters, Dimension dimension, double thickness, int material);
+  Sleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
+           int material);
+  ~Sleepers();
+  Sleepers(Sleepers&&) noexcept;
+  Sleepers& operator=(Sleepers&&) noexcept;
 
   std::size_t count() const;
-  double x(std::size_t i) const;   // m, centre
-  double mass() const;             // kg each
+  double x(std::size_t i) const;  // m, centre
+  double mass() const;            // kg each
   // Puts them with their lower face at height z, at rest.
   void place(double z);
   bool placed() const;
-  double bottom() const;           // z given to place
+  double bottom() const;  // z given to place
   // Whether the sphere overlaps any sleeper (for taking away stones in the way).
   bool overlaps(const Vec3& centre, double radius) const;
 
   std::vector<Surface>& surfaces();  // one per sleeper, closed box, normals outwards
-  // One window: seat_force N downwards per sleeper; node_force: mean node forces per sleeper
-  // (surfaces()[i].nodes() each). Verlet in the form v += a dt, x += v dt; fills motion.
+  // One window: seat_force N downwards through each centre; node_force: mean node forces per
+  // sleeper (surfaces()[i].nodes() each; empty: none). Leapfrog: v += a (dt + last dt)/2, x += v
+  // dt, where the last dt is 0 after `place`, so that the order is two from rest. Velocity is that
+  // of mid-window. Fills position and motion of the surfaces.
   void advance(double dt, std::span<const double> seat_force,
                const std::vector<std::span<const Vec3>>& node_force, double gravity);
   SleeperState state(std::size_t i) const;
   Vec3 reaction(std::size_t i) const;  // N, from stones in the last window
   double kinetic() const;
 
-  void save(io::File& file, const std::string& group) const;
+  std::string trouble() const;  // a sleeper that is not a number any more, or empty
+
+  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
+  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
   void load(const io::File& file, const std::string& group);
 
  private:
-  struct Body;
-  void move(Body& body, std::size_t i, double dt);
-  SleeperParameters parameters_;
-  Dimension dimension_;
-  double mass_ = 0, bottom_ = 0;
-  bool placed_ = false;
-  Vec3 inertia_ = Vec3::Zero();
-  std::vector<std::shared_ptr<Body>> bodies_;
-  std::vector<Surface> surfaces_;
+  struct Room;
+  std::unique_ptr<Room> room_;
 };
 
 }  // namespace trackbed::track

@@ -1,0 +1,65 @@
+// Parameters of sleepers and of the load on their rail seats, each declared once.
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+bool are_degrees_of_freedom(const std::vector<std::string>& names) {
+  constexpr std::array known{"x", "y", "z", "rx", "ry", "rz"};
+  const bool valid = std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  });
+  return valid && std::set(names.begin(), names.end()).size() == names.size();
+}
+
+}  // namespace
+
+void SleeperParameters::declare(input::Section& s) {
+  s.integer("count", count, {.at_least = 0}, "Number of sleepers.");
+  s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
+  s.number("spacing", spacing, {.unit = "m", .above = 0}, "Distance between centres.");
+  s.number("width", width, {.unit = "m", .above = 0}, "Extent along x.");
+  s.number("height", height, {.unit = "m", .above = 0}, "Extent along z.");
+  s.number("length", length, {.unit = "m", .above = 0},
+           "Extent along y in space; in a plane model the thickness of the model counts.");
+  s.number("density", density, {.unit = "kg/m^3", .above = 0}, "Mass over volume of the box.");
+  s.text("material", material, "Contact material of the surface.");
+  s.texts("free", free,
+          "Degrees of freedom that move: x, y, z, rx, ry, rz. In a plane model only x, z and ry "
+          "can.");
+  s.number("bevel", bevel, {.unit = "m", .at_least = 0},
+           "Cut of the lower edges at 45 degrees; 0 keeps them sharp.");
+  s.rule("free", are_degrees_of_freedom(free),
+         "must name each of x, y, z, rx, ry, rz at most once");
+  s.rule("bevel", bevel < std::min(width / 2, height),
+         "must be smaller than half the width and than the height");
+  s.rule("spacing", count < 2 || spacing > width, "must be larger than the width");
+}
+
+void SeatLoadParameters::declare(input::Section& s) {
+  s.choice("kind", kind, {"winkler", "power", "table"},
+           "Shape of the load of one axle along the track: deflection of a beam on a Winkler bed, "
+           "ratio^((s/spacing)^2), or a measured history.");
+  s.number("peak", peak, {.unit = "N", .at_least = 0},
+           "Rail-seat load of one axle right above the sleeper (winkler, power).");
+  s.number("speed", speed, {.unit = "m/s", .above = 0}, "Speed of the axles along x.");
+  s.numbers("axles", axles, {.unit = "m", .at_least = 0},
+            "Distance of each axle behind the first (winkler, power).");
+  s.number("start", start, {.unit = "m"},
+           "x of the first axle when the passage begins (winkler, power).");
+  s.number("decay", decay, {.unit = "1/m", .above = 0}, "b of winkler.");
+  s.number("ratio", ratio, {.above = 0}, "Load one sleeper away over the peak (power).");
+  s.file("file", file,
+         "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "
+         "(table).");
+  s.rule("axles", kind == SeatLoadKind::table || !axles.empty(), "must name at least one axle");
+  s.rule("ratio", ratio < 1, "must be below 1");
+  s.rule("file", kind != SeatLoadKind::table || !file.empty(), "is needed for kind = \"table\"");
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,48 @@
+// What Sleepers keeps: the bodies, their shape and which degrees of freedom move.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "prism.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+
+struct Body {
+  Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero(), acceleration = Vec3::Zero();
+  Quat attitude = Quat::Identity();
+  Vec3 spin = Vec3::Zero(), reaction = Vec3::Zero();
+};
+
+struct Sleepers::Room {
+  struct Kick {
+    double time, gravity;  // s, from mid-window to mid-window; m/s^2
+  };
+  Room(const SleeperParameters& given, Dimension dimension, double thickness);
+  Vec3 rest(std::size_t i) const;
+  Vec3 centre(std::size_t i) const { return rest(i) + bodies[i].displacement; }
+  Mat3 inertia(const Body& body) const;
+  Vec3 torque(std::size_t i, std::span<const Vec3> node_force) const;
+  Vec3 angular_acceleration(const Body& body, const Vec3& torque) const;
+  Vec3 node(std::size_t i, std::size_t n) const {
+    return centre(i) + bodies[i].attitude * shape.position[n];
+  }
+  void kick(std::size_t i, double seat_force, std::span<const Vec3> node_force, const Kick& by);
+  void drift(std::size_t i, double dt);
+  void show_at_rest();
+
+  SleeperParameters parameters;
+  Prism prism;
+  Surface shape;                    // about the centre of mass
+  double mass;                      // kg
+  Vec3 free_shift = Vec3::Zero();   // 1 where a translation is free, else 0
+  std::array<bool, 3> free_turn{};  // about x, y, z
+  std::vector<Body> bodies;
+  std::vector<Surface> surfaces;
+  double bottom = 0, last_step = 0;  // m; s, length of the last window
+  bool placed = false;
+};
+
+}  // namespace trackbed::track

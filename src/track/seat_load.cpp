@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/input/table.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+// Deflection of an infinite Euler-Bernoulli beam on a Winkler bed (Winkler 1867; Zimmermann 1888),
+// 1 below the load. s in m, b in 1/m.
+double winkler(double s, double b) {
+  const double u = b * std::abs(s);
+  return std::exp(-u) * (std::cos(u) + std::sin(u));
+}
+
+}  // namespace
+
+SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
+    : parameters_(parameters), spacing_(spacing) {
+  if (parameters.kind != SeatLoadKind::table) return;
+  for (const auto& row : input::read_table(parameters.file, {"time_s", "force_N"})) {
+    if (!times_.empty() && row[0] <= times_.back())
+      throw InputError({parameters.file + ": time_s must rise from row to row, but " +
+                        std::to_string(row[0]) + " follows " + std::to_string(times_.back())});
+    times_.push_back(row[0]);
+    forces_.push_back(row[1]);
+  }
+  if (times_.size() < 2) throw InputError({parameters.file + ": needs at least two rows"});
+}
+
+double SeatLoad::at(double x, double time) const {
+  if (parameters_.kind == SeatLoadKind::table) {
+    const double t = time - x / parameters_.speed;
+    if (t < times_.front() || t > times_.back()) return 0;
+    const auto after = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
+    const auto hi = std::min(static_cast<std::size_t>(after), times_.size() - 1), lo = hi - 1;
+    const double share = (t - times_[lo]) / (times_[hi] - times_[lo]);
+    return forces_[lo] + share * (forces_[hi] - forces_[lo]);
+  }
+  double sum = 0;
+  for (const double behind : parameters_.axles) {
+    const double s = parameters_.start + parameters_.speed * time - behind - x;
+    sum += parameters_.kind == SeatLoadKind::winkler
+               ? winkler(s, parameters_.decay)
+               : std::pow(parameters_.ratio, (s / spacing_) * (s / spacing_));
+  }
+  return parameters_.peak * sum;
+}
+
+double SeatLoad::duration(double last_x) const {
+  constexpr double run_out = 3;  // m beyond the last sleeper: the load there has faded below 2 %
+  if (parameters_.kind == SeatLoadKind::table) return times_.back() + last_x / parameters_.speed;
+  const double last = *std::max_element(parameters_.axles.begin(), parameters_.axles.end());
+  return (last_x + run_out + last - parameters_.start) / parameters_.speed;
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,191 @@
+// Motion of rigid sleepers under seat loads, weight and stones.
+#include <algorithm>
+#include <cmath>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+// exp of a rotation vector.
+Quat rotation_by(const Vec3& vector) {
+  const double angle = vector.norm();
+  if (angle == 0) return Quat::Identity();
+  return Quat(Eigen::AngleAxisd(angle, vector / angle));
+}
+
+// log of a rotation: the inverse, for angles below pi.
+Vec3 rotation_of(const Quat& attitude) {
+  const double half_sine = attitude.vec().norm();
+  if (half_sine == 0) return Vec3::Zero();
+  return 2 * std::atan2(half_sine, attitude.w()) / half_sine * attitude.vec();
+}
+
+}  // namespace
+
+Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double thickness)
+    : parameters(given) {
+  const bool plane = dimension == Dimension::plane;
+  prism = bevelled_box(given.width, given.height, plane ? thickness : given.length, given.bevel);
+  shape = surface_of(prism);
+  mass = given.density * prism.volume;
+  const auto is_free = [&](const char* name) {
+    return std::find(given.free.begin(), given.free.end(), name) != given.free.end();
+  };
+  free_shift = {is_free("x") ? 1.0 : 0.0, is_free("y") && !plane ? 1.0 : 0.0,
+                is_free("z") ? 1.0 : 0.0};
+  free_turn = {is_free("rx") && !plane, is_free("ry"), is_free("rz") && !plane};
+  bodies.resize(static_cast<std::size_t>(given.count));
+}
+
+Vec3 Sleepers::Room::rest(std::size_t i) const {
+  return {parameters.first + static_cast<double>(i) * parameters.spacing, 0, bottom + prism.depth};
+}
+
+Mat3 Sleepers::Room::inertia(const Body& body) const {
+  const Mat3 axes = body.attitude.toRotationMatrix();
+  return axes * (mass * prism.gyration).asDiagonal() * axes.transpose();
+}
+
+// About the centre. The forces are means over the last window, so they act on nodes where these
+// were in the middle of it; what is left out is their change of arm within the window. The arms
+// come from the pose, not from the surface, so that a resumed run has them too.
+Vec3 Sleepers::Room::torque(std::size_t i, std::span<const Vec3> node_force) const {
+  const Body& body = bodies[i];
+  const Quat middle = rotation_by(body.spin * (-last_step / 2)) * body.attitude;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t n = 0; n < node_force.size(); ++n)
+    sum += (middle * shape.position[n]).cross(node_force[n]);
+  return sum;
+}
+
+// Euler's equation in space axes, I a = T - w x I w, for the free components alone: the guide that
+// holds the frozen ones takes whatever torque that needs.
+Vec3 Sleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) const {
+  Mat3 matrix = inertia(body);
+  Vec3 right = torque - body.spin.cross(matrix * body.spin);
+  for (int k = 0; k < 3; ++k) {
+    if (free_turn[static_cast<std::size_t>(k)]) continue;
+    matrix.row(k).setZero();
+    matrix.col(k).setZero();
+    matrix(k, k) = 1;
+    right[k] = 0;
+  }
+  return matrix.inverse() * right;
+}
+
+void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
+                          const Kick& by) {
+  Body& body = bodies[i];
+  body.reaction.setZero();
+  for (const Vec3& force : node_force) body.reaction += force;
+  const Vec3 weight(0, 0, -mass * by.gravity - seat_force);
+  body.acceleration = ((body.reaction + weight) / mass).cwiseProduct(free_shift);
+  const Vec3 turning = angular_acceleration(body, torque(i, node_force));
+  body.velocity += body.acceleration * by.time;
+  body.spin += turning * by.time;
+}
+
+// Both ends of the motion are computed from the pose: nothing accumulates in the surface.
+void Sleepers::Room::drift(std::size_t i, double dt) {
+  Body& body = bodies[i];
+  Surface& surface = surfaces[i];
+  for (std::size_t n = 0; n < surface.nodes(); ++n) surface.position[n] = node(i, n);
+  body.displacement += body.velocity * dt;
+  body.attitude = (rotation_by(body.spin * dt) * body.attitude).normalized();
+  for (std::size_t n = 0; n < surface.nodes(); ++n)
+    surface.motion[n] = node(i, n) - surface.position[n];
+}
+
+void Sleepers::Room::show_at_rest() {
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t n = 0; n < surfaces[i].nodes(); ++n) {
+      surfaces[i].position[n] = node(i, n);
+      surfaces[i].motion[n].setZero();
+    }
+}
+
+Sleepers::Sleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
+                   int material)
+    : room_(std::make_unique<Room>(parameters, dimension, thickness)) {
+  Surface shape = room_->shape;
+  shape.material = material;
+  for (std::size_t i = 0; i < count(); ++i) {
+    shape.name = "sleeper." + std::to_string(i);
+    room_->surfaces.push_back(shape);
+  }
+  room_->show_at_rest();
+}
+
+Sleepers::~Sleepers() = default;
+Sleepers::Sleepers(Sleepers&&) noexcept = default;
+Sleepers& Sleepers::operator=(Sleepers&&) noexcept = default;
+
+std::size_t Sleepers::count() const { return room_->bodies.size(); }
+double Sleepers::x(std::size_t i) const { return room_->rest(i).x(); }
+double Sleepers::mass() const { return room_->mass; }
+bool Sleepers::placed() const { return room_->placed; }
+double Sleepers::bottom() const { return room_->bottom; }
+std::vector<Surface>& Sleepers::surfaces() { return room_->surfaces; }
+Vec3 Sleepers::reaction(std::size_t i) const { return room_->bodies.at(i).reaction; }
+
+void Sleepers::place(double z) {
+  room_->bottom = z;
+  room_->placed = true;
+  room_->last_step = 0;
+  std::fill(room_->bodies.begin(), room_->bodies.end(), Body{});
+  room_->show_at_rest();
+}
+
+// The bevel is left out: a stone that touches the cut corner of the box counts as in the way.
+bool Sleepers::overlaps(const Vec3& centre, double radius) const {
+  const Room& room = *room_;
+  const Vec3 half(room.parameters.width / 2, room.prism.length / 2, 0);
+  const Vec3 low(-half.x(), -half.y(), -room.prism.depth);
+  const Vec3 high(half.x(), half.y(), room.parameters.height - room.prism.depth);
+  for (std::size_t i = 0; i < room.bodies.size(); ++i) {
+    const Vec3 local = room.bodies[i].attitude.conjugate() * (centre - room.centre(i));
+    if ((local - local.cwiseMax(low).cwiseMin(high)).norm() < radius) return true;
+  }
+  return false;
+}
+
+void Sleepers::advance(double dt, std::span<const double> seat_force,
+                       const std::vector<std::span<const Vec3>>& node_force, double gravity) {
+  Room& room = *room_;
+  require(seat_force.size() == count(), "one seat force per sleeper");
+  require(node_force.empty() || node_force.size() == count(),
+          "one list of node forces per sleeper");
+  for (std::size_t i = 0; i < count(); ++i)
+    room.kick(i, seat_force[i], node_force.empty() ? std::span<const Vec3>{} : node_force[i],
+              {.time = (room.last_step + dt) / 2, .gravity = gravity});
+  for (std::size_t i = 0; i < count(); ++i) room.drift(i, dt);
+  room.last_step = dt;
+}
+
+SleeperState Sleepers::state(std::size_t i) const {
+  const Body& body = room_->bodies.at(i);
+  return {body.displacement, body.velocity, body.acceleration, rotation_of(body.attitude),
+          body.spin};
+}
+
+double Sleepers::kinetic() const {
+  double sum = 0;
+  for (const Body& body : room_->bodies)
+    sum += room_->mass * body.velocity.squaredNorm() / 2 +
+           body.spin.dot(room_->inertia(body) * body.spin) / 2;
+  return sum;
+}
+
+std::string Sleepers::trouble() const {
+  for (std::size_t i = 0; i < count(); ++i) {
+    const Body& body = room_->bodies[i];
+    if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())
+      return "sleeper " + std::to_string(i) + " has a position that is not a number";
+  }
+  return "";
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,67 @@
+// Sleepers to a checkpoint and back.
+#include <algorithm>
+#include <array>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+// The state of one sleeper, listed once: what a checkpoint holds.
+struct Item {
+  const char *name, *unit, *meaning;
+  std::size_t columns;
+  double* (*of)(Body&);
+};
+constexpr std::array state_items{
+    Item{"displacement", "m", "of the centre since it was placed", 3,
+         [](Body& b) { return b.displacement.data(); }},
+    Item{"velocity", "m/s", "of the centre, at mid-window", 3,
+         [](Body& b) { return b.velocity.data(); }},
+    Item{"acceleration", "m/s^2", "of the centre, at the start of the last window", 3,
+         [](Body& b) { return b.acceleration.data(); }},
+    Item{"attitude", "-", "quaternion x y z w", 4,
+         [](Body& b) { return b.attitude.coeffs().data(); }},
+    Item{"spin", "rad/s", "in space axes, at mid-window", 3, [](Body& b) { return b.spin.data(); }},
+    Item{"reaction", "N", "from stones in the last window", 3,
+         [](Body& b) { return b.reaction.data(); }},
+};
+
+}  // namespace
+
+void Sleepers::save(io::File& file, const std::string& group, const par::Comm& comm) const {
+  std::vector<Body> written;
+  if (comm.root()) written = room_->bodies;
+  for (const Item& item : state_items) {
+    std::vector<double> rows;
+    for (Body& body : written) rows.insert(rows.end(), item.of(body), item.of(body) + item.columns);
+    file.write<double>(group + "/" + item.name, rows, item.columns, {item.unit, item.meaning});
+  }
+  std::vector<double> common;
+  if (comm.root()) common = {room_->placed ? 1.0 : 0.0, room_->bottom, room_->last_step};
+  file.write<double>(group + "/common", common, 1,
+                     {"-", "placed (0 or 1), height of the lower face (m), last window (s)"});
+}
+
+void Sleepers::load(const io::File& file, const std::string& group) {
+  const auto common = file.read_all<double>(group + "/common");
+  if (common.size() != 3) throw RunError(group + "/common does not hold the state of sleepers");
+  place(common[1]);
+  room_->placed = common[0] != 0;
+  room_->last_step = common[2];
+  for (const Item& item : state_items) {
+    const auto rows = file.read_all<double>(group + "/" + item.name);
+    if (rows.size() != item.columns * count())
+      throw RunError(group + "/" + item.name + " belongs to another number of sleepers");
+    auto next = rows.begin();
+    for (Body& body : room_->bodies) {
+      std::copy_n(next, item.columns, item.of(body));
+      next += static_cast<std::ptrdiff_t>(item.columns);
+    }
+  }
+  room_->show_at_rest();
+}
+
+}  // namespace trackbed::track

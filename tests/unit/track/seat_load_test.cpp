@@ -1,0 +1,158 @@
+// The load on a rail seat while axles pass, against the numbers of a locomotive on a main line.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <numbers>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr double spacing = 0.6;     // m
+constexpr double rounding = 1e-12;  // relative, a few operations in double precision
+constexpr double v = 67.2 / 3.6;    // m/s
+
+SeatLoadParameters locomotive() {
+  SeatLoadParameters p;  // the defaults are those of the locomotive
+  p.speed = v;
+  return p;
+}
+
+TEST(SeatLoad, SingleAxleCarriesTheShareOfTheWinklerBed) {
+  // A beam on a Winkler bed of spacing a gives the seat below the load b a / 2 of it: 0.4628, so a
+  // seat load of 71.1 kN belongs to 153.64 kN on the rail. Both numbers are rounded to 4 digits.
+  SeatLoadParameters p = locomotive();
+  p.axles = {0};
+  const SeatLoad load(p, spacing);
+  const double share = p.decay * spacing / 2;
+  EXPECT_NEAR(share, 0.4628, 5e-5);
+  EXPECT_NEAR(load.at(0, 0) / share, 153.64e3, 10);
+  EXPECT_NEAR(load.at(0, 0), 71.1e3, 71.1e3 * rounding);
+  // All seats together carry the load: sampling the smooth kernel every 0.6 m adds less than 2 %.
+  double sum = 0;
+  for (int i = -50; i <= 50; ++i) sum += load.at(i * spacing, 0);
+  EXPECT_NEAR(sum, 153.64e3, 0.02 * 153.64e3);
+}
+
+TEST(SeatLoad, PeakOfThePassageIsThatOfAnAxle) {
+  const SeatLoad load(locomotive(), spacing);
+  double peak = 0;
+  for (int k = 0; k < 20000; ++k) peak = std::max(peak, load.at(6, k * 1e-4));
+  // Neighbours 2.8 m away take off 1.7 % (uplift); nothing adds.
+  EXPECT_LT(peak, 71.1e3);
+  EXPECT_GT(peak, 0.98 * 71.1e3);
+}
+
+TEST(SeatLoad, NextSleeperFeelsTheSameLater) {
+  const double shift = spacing / v;
+  EXPECT_NEAR(shift, 32.14e-3, 5e-6);
+  for (const SeatLoadKind kind : {SeatLoadKind::winkler, SeatLoadKind::power}) {
+    SeatLoadParameters p = locomotive();
+    p.kind = kind;
+    const SeatLoad load(p, spacing);
+    for (double t = 0; t < 1; t += 0.01)
+      EXPECT_NEAR(load.at(1.2 + spacing, t + shift), load.at(1.2, t), 71.1e3 * rounding);
+  }
+}
+
+TEST(SeatLoad, PowerFallsToItsRatioOneSleeperAway) {
+  SeatLoadParameters p = locomotive();
+  p.kind = SeatLoadKind::power;
+  p.axles = {0};
+  const SeatLoad load(p, spacing);
+  EXPECT_NEAR(load.at(spacing, 0) / load.at(0, 0), p.ratio, rounding);
+  EXPECT_NEAR(load.at(2 * spacing, 0) / load.at(0, 0), std::pow(p.ratio, 4), rounding);
+}
+
+TEST(SeatLoad, StartAndDurationCoverThePassage) {
+  SeatLoadParameters p = locomotive();
+  p.start = -5;
+  const SeatLoad load(p, spacing);
+  EXPECT_NEAR(load.at(0, 5 / v), SeatLoad(locomotive(), spacing).at(0, 0), 71.1e3 * rounding);
+  EXPECT_NEAR(load.duration(16.2), (16.2 + 3 + 11.8 + 5) / v, rounding);
+  EXPECT_LT(std::abs(load.at(16.2, load.duration(16.2))), 0.02 * 71.1e3);
+}
+
+// |Fourier transform| of the load at one sleeper, by the trapezoidal rule (smooth: converges fast).
+double spectrum(const SeatLoad& load, double frequency) {
+  constexpr double step = 2e-4, x = 10;  // s, m
+  std::complex<double> sum = 0;
+  for (int k = 0; k < 8000; ++k)
+    sum += load.at(x, k * step) * std::polar(1.0, -2 * std::numbers::pi * frequency * k * step);
+  return std::abs(sum) * step;
+}
+
+double local_maximum(const std::function<double(double)>& f, double from, double to) {
+  double best = from;
+  for (double x = from; x <= to; x += 0.005)
+    if (f(x) > f(best)) best = x;
+  return best;
+}
+
+TEST(SeatLoad, SpectrumPeaksAtBogieDistanceAndWheelbase) {
+  // Over the spectrum of one axle, so that only the pattern of axles is left: 1 % covers the 0.005
+  // Hz raster and the shift by which cos(pi f 2.8/v) moves the peak of cos(pi f 9/v).
+  SeatLoadParameters one = locomotive(), pair = locomotive(), bogies = locomotive();
+  one.axles = {0}, pair.axles = {0, 2.8}, bogies.axles = {0, 9.0};
+  const SeatLoad single(one, spacing), wheels(pair, spacing), centres(bogies, spacing);
+  const auto over_single = [&](const SeatLoad& load) {
+    return [&](double f) { return spectrum(load, f) / spectrum(single, f); };
+  };
+  EXPECT_NEAR(local_maximum(over_single(centres), 1.2, 3), 2.07, 0.01 * 2.07);
+  EXPECT_NEAR(local_maximum(over_single(wheels), 5, 8), 6.67, 0.01 * 6.67);
+}
+
+TEST(SeatLoad, SpectrumOfThePassageIsKernelTimesPattern) {
+  // 8 b^3/(k^4 + 4 b^4) is the transform of the kernel over s, with k = 2 pi f/v.
+  const SeatLoadParameters p = locomotive();
+  const SeatLoad passage(p, spacing);
+  for (const double f : {0.0, 1.0, v / 9, 4.0, v / 2.8, 9.0}) {
+    const double pi = std::numbers::pi, k = 2 * pi * f / v, b = p.decay;
+    const double kernel = 8 * std::pow(b, 3) / (std::pow(k, 4) + 4 * std::pow(b, 4));
+    const double pattern = 4 * std::abs(std::cos(pi * f * 2.8 / v) * std::cos(pi * f * 9 / v));
+    constexpr double kink = 1e-4;  // of the largest: time raster at the kernel's third derivative
+    EXPECT_NEAR(spectrum(passage, f), p.peak * kernel * pattern / v, kink * p.peak * 8 / b / v)
+        << f;
+  }
+}
+
+class SeatTable : public ::testing::Test {
+ protected:
+  SeatLoadParameters written(const std::string& rows) {
+    std::ofstream("seat_table.csv") << "time_s,force_N\n" << rows;
+    SeatLoadParameters p;
+    p.kind = SeatLoadKind::table;
+    p.file = "seat_table.csv";
+    p.speed = 20;
+    return p;
+  }
+};
+
+TEST_F(SeatTable, IsLinearBetweenRowsAndZeroOutside) {
+  const SeatLoad load(written("0,0\n0.1,1000\n0.3,3000\n0.4,0\n"), spacing);
+  EXPECT_NEAR(load.at(0, 0.05), 500, 500 * rounding);
+  EXPECT_NEAR(load.at(0, 0.2), 2000, 2000 * rounding);
+  EXPECT_EQ(load.at(0, 0.1), 1000);
+  EXPECT_EQ(load.at(0, -0.01), 0);
+  EXPECT_EQ(load.at(0, 0.41), 0);
+  EXPECT_NEAR(load.at(10, 0.7), 2000, 2000 * rounding);  // 0.5 s later
+  EXPECT_NEAR(load.duration(10), 0.9, rounding);
+}
+
+TEST_F(SeatTable, TimesMustRise) {
+  const SeatLoadParameters p = written("0,0\n0.2,1\n0.1,2\n");
+  try {
+    const SeatLoad load(p, spacing);
+    FAIL() << "a table that runs backwards was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(error.problems().at(0).find("seat_table.csv"), std::string::npos);
+    EXPECT_NE(error.problems().at(0).find("must rise"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::track

@@ -1,0 +1,62 @@
+// A run that was stopped and resumed from a file gives the bits of the one that was not.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+namespace {
+
+void push(Sleepers& sleepers, int windows) {
+  std::vector<double> seat(sleepers.count(), 0);
+  for (int k = 0; k < windows; ++k) {
+    std::vector<std::vector<Vec3>> lists;
+    for (std::size_t i = 0; i < sleepers.count(); ++i) {
+      seat[i] = 1e3 * static_cast<double>(i);
+      auto& list = lists.emplace_back();
+      for (std::size_t n = 0; n < sleepers.surfaces()[i].nodes(); ++n)
+        list.push_back(
+            Vec3(3.0 * static_cast<double>(n), 0, 100 + sleepers.state(i).displacement.z()));
+    }
+    sleepers.advance(1e-3, seat, std::vector<std::span<const Vec3>>(lists.begin(), lists.end()),
+                     9.81);
+  }
+}
+
+TEST(SleepersFile, ResumedRunGivesTheSameBits) {
+  const par::Comm world = par::Comm::world();
+  const std::string path = "sleepers_" + std::to_string(world.size()) + ".h5";
+  SleeperParameters parameters;
+  parameters.bevel = 0.02;
+  Sleepers straight(parameters, Dimension::plane, 1.3, 0),
+      first = Sleepers(parameters, Dimension::plane, 1.3, 0),
+      second(parameters, Dimension::plane, 1.3, 0);
+  straight.place(0.4);
+  first.place(0.4);
+  push(straight, 30);
+  push(first, 13);
+  {
+    io::File file(world, path, io::Mode::create);
+    first.save(file, "sleepers", world);
+    file.close();
+  }
+  const io::File file(world, path, io::Mode::read);
+  second.load(file, "sleepers");
+  EXPECT_TRUE(second.placed());
+  EXPECT_EQ(second.bottom(), 0.4);
+  EXPECT_EQ(second.reaction(2), first.reaction(2));
+  push(second, 17);
+  for (std::size_t i = 0; i < straight.count(); ++i) {
+    EXPECT_EQ(second.state(i).displacement, straight.state(i).displacement);
+    EXPECT_EQ(second.state(i).rotation, straight.state(i).rotation);
+    EXPECT_EQ(second.state(i).velocity, straight.state(i).velocity);
+    EXPECT_EQ(second.state(i).spin, straight.state(i).spin);
+    EXPECT_GT(straight.state(i).rotation.norm(), 0);
+    for (std::size_t n = 0; n < straight.surfaces()[i].nodes(); ++n)
+      EXPECT_EQ(second.surfaces()[i].motion[n], straight.surfaces()[i].motion[n]);
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::track
