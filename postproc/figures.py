@@ -54,7 +54,7 @@ def chosen_sleepers(run):
 
 
 def sleepers(runs):
-    """Histories of displacement, seat load, reaction and filtered acceleration during the passage."""
+    """Histories of displacement, seat load, reaction and filtered acceleration in the passage."""
     needs(all(len(run.sleepers_x) and run.sleeper for run in runs), "no sleepers")
     figure, panels = plt.subplots(4, 1, sharex=True, figsize=(9, 10))
     deepest = []
@@ -208,8 +208,8 @@ def force_chains(runs):
             middle = np.mean(x) if edge is None else edge
             panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
-        panel.set_title(f"{run.name}: contact forces at the end of stage {name}, {len(chains.force)} "
-                        f"contacts, thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
+        panel.set_title(f"{run.name}: forces at the end of stage {name}, {len(chains.force)} contacts, "
+                        f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
     panels[-1, 0].set_xlabel("x along the track (m)")
     return figure
 

@@ -124,8 +124,8 @@ ROWS = (  # label, unit, field, factor
 
 
 def table(runs):
-    """Text of the numbers of one or two runs; with two also the change from the second to the first,
-    which is the wedge's effect if the first has one and the second has none."""
+    """Text of the numbers of one or two runs; with two also the change from the second to the
+    first, which is the wedge's effect if the first has one and the second has none."""
     found = [transition(run) for run in runs]
     if any(numbers is None for numbers in found):
         return "no structure or no ground in the model: no transition to measure\n"

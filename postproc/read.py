@@ -26,7 +26,7 @@ class Quantity:
 
 @dataclasses.dataclass(frozen=True)
 class Chains:
-    """Contact forces at the end of a stage: a line from (x0, z0) to (x1, z1) for each, in m and N."""
+    """Contact forces at the end of a stage: for each a line (x0, z0, x1, z1) in m and its N."""
     segments: np.ndarray
     force: np.ndarray
 
@@ -58,7 +58,7 @@ class Results:
     stones: dict
 
     def passage(self):
-        """The rows of the histories during the train's passage; of the last stage if there is none."""
+        """Rows of the histories during the train's passage; of the last stage if there is none."""
         kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
         wanted = kinds.index("passage") if "passage" in kinds else -1
         rows = np.flatnonzero(self.stage == wanted)

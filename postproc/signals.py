@@ -27,7 +27,7 @@ class LowPass:
         return f"{self.cut_off:g} Hz Butterworth, zero phase"
 
     def applies_to(self, time):
-        """Whether samples come at more than twice the cut-off and are enough to start the filter."""
+        """Whether samples come at more than twice the cut-off and are enough to start with."""
         dt = step_of(time)
         return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
 
@@ -63,7 +63,7 @@ def spectrum(time, values, resolution=0.05):
 
 
 def peak_near(frequency, amplitude, target, reach=0.3):
-    """Frequency of the highest *inner* maximum within `reach` (relative) of target; None if none."""
+    """Frequency of the highest *inner* maximum within `reach` (relative) of target, or None."""
     peaks, _ = scipy.signal.find_peaks(amplitude)
     near = [k for k in peaks if abs(frequency[k] - target) <= reach * target]
     return float(frequency[max(near, key=lambda k: amplitude[k])]) if near else None

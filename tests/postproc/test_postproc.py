@@ -17,8 +17,8 @@ import signals
 LOW_PASS_RIPPLE = 1e-3    # what a 10 Hz sine may lose below 100 Hz: (10/100)^8 is far less
 LOW_PASS_LEAK = 1e-3      # what may be left of 300 Hz: 1/(1 + 3^8) = 1.5e-4, ends are cut off
 LINE = 0.05               # Hz between the lines of a spectrum, its default
-SCALLOP = 0.05            # relative, height of a peak of a 2 s record: lobe of the negative frequency
-                          # 3.4 % at 2 Hz, lines 0.05 Hz apart 1.6 %
+SCALLOP = 0.05            # relative, height of a peak of a 2 s record: lobe of the negative
+                          # frequency 3.4 % at 2 Hz, lines 0.05 Hz apart 1.6 %
 
 
 @pytest.fixture(name="runs", scope="module")

@@ -22,10 +22,11 @@ def check(root):
     wrong = {}  # file -> line of its first breach
     for file, line in re.findall(r"^(\S+?):(\d+):\d+: error", run.stderr, re.MULTILINE):
         wrong.setdefault(file, line)
-    report = [f"{file}:{line}: not as clang-format would lay it out" for file, line in wrong.items()]
+    report = [f"{file}:{line}: not as clang-format lays it out" for file, line in wrong.items()]
     if run.returncode and not report:
         report = [run.stderr]
-    return run.returncode, "\n".join(report) or f"{len(names)} files are laid out as .clang-format says"
+    sound = f"{len(names)} files are laid out as .clang-format says"
+    return run.returncode, "\n".join(report) or sound
 
 
 def main():

@@ -5,7 +5,7 @@
 
 Three rules: a room includes only the rooms its row lists; a room's private headers (src/<room>)
 are seen by that room alone; a library that a row keeps inside is included by no other room, except
-that MPI's type is shown by the one door made for it. Prints each breach as file:line and ends with 1.
+that MPI's type is shown by one door. Prints each breach as file:line and ends with 1 if any.
 """
 import pathlib
 import re

@@ -7,7 +7,7 @@ SKIPPED = {"build", "results", ".git", "__pycache__", ".pytest_cache"}
 
 def files(root):
     """Sorted paths relative to `root`."""
-    # A clean clone may belong to another user than the one who tests: git is told that this is fine.
+    # A clone may belong to another user than the one who tests: git is told that this is fine.
     listing = subprocess.run(["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z"],
                              capture_output=True, text=True, check=False)
     if listing.returncode == 0 and listing.stdout:

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""A picture of one field file, drawn by VTK without a screen.
+
+    render.py FILE.vtkhdf -o PICTURE.png [--array NAME]
+
+Looks along y, coloured by NAME (default: the first array; a vector by its length). ParaView opens the
+same file, with more ways to look at it. Ends with 1 if the picture is of one colour only.
+"""
+import argparse
+import os
+import shutil
+import sys
+
+SIZE = (1200, 500)  # pixels
+
+
+def with_screen():
+    """Debian's VTK draws through X only: without one this program starts again below xvfb-run."""
+    if os.environ.get("DISPLAY"):
+        return
+    if not shutil.which("xvfb-run"):
+        raise SystemExit("no X display, and xvfb-run is not installed (Debian packages xvfb, xauth)")
+    os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
+
+
+def read_grid(vtk, path):
+    reader = vtk.vtkHDFReader()
+    if not os.path.isfile(path) or not reader.CanReadFile(path):
+        raise SystemExit(f"{path} is not a VTKHDF file")
+    reader.SetFileName(path)
+    reader.Update()
+    return reader.GetOutput()
+
+
+def find_array(grid, name):
+    """(array, whether it belongs to points); names default to the first there is."""
+    for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False)):
+        names = [data.GetArrayName(k) for k in range(data.GetNumberOfArrays())]
+        if names and name in (None, *names):
+            return data.GetArray(name or names[0]), on_points
+    raise SystemExit(f"there is no array {name}")
+
+
+def coloured(vtk, grid, name):
+    """Actor of the grid and the bar that explains its colours."""
+    array, on_points = find_array(grid, name)
+    mapper = vtk.vtkDataSetMapper()
+    mapper.SetInputData(grid)
+    table = vtk.vtkLookupTable()
+    table.SetHueRange(0.667, 0)  # blue is low, red is high
+    if array.GetNumberOfComponents() > 1:
+        table.SetVectorModeToMagnitude()
+    component = -1 if array.GetNumberOfComponents() > 1 else 0
+    mapper.SetLookupTable(table)
+    mapper.SetScalarRange(array.GetRange(component))
+    if on_points:
+        mapper.SetScalarModeToUsePointFieldData()
+    else:
+        mapper.SetScalarModeToUseCellFieldData()
+    mapper.SelectColorArray(array.GetName())
+    actor, bar = vtk.vtkActor(), vtk.vtkScalarBarActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetPointSize(4)
+    actor.GetProperty().LightingOff()
+    bar.SetLookupTable(table)
+    bar.SetTitle(array.GetName())
+    bar.SetMaximumHeightInPixels(SIZE[1] // 2)
+    return actor, bar
+
+
+def draw(vtk, grid, name, path):
+    """Writes the picture; returns how many colours the grid itself shows (background left out)."""
+    renderer, window = vtk.vtkRenderer(), vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetSize(*SIZE)
+    window.SetMultiSamples(0)  # no mixed colours at borders: what is counted is in the file
+    window.AddRenderer(renderer)
+    renderer.SetBackground(1, 1, 1)
+    actor, bar = coloured(vtk, grid, name)
+    renderer.AddActor(actor)
+    camera = renderer.GetActiveCamera()
+    camera.ParallelProjectionOn()
+    camera.SetPosition(0, -1, 0)
+    camera.SetFocalPoint(0, 0, 0)
+    camera.SetViewUp(0, 0, 1)
+    renderer.ResetCamera()
+    camera.Zoom(1.6)
+    colours = count_colours(vtk, window)
+    renderer.AddActor2D(bar)
+    grabbed = grab(vtk, window)
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(path)
+    writer.SetInputConnection(grabbed.GetOutputPort())
+    writer.Write()
+    return colours
+
+
+def grab(vtk, window):
+    window.Render()
+    grabbed = vtk.vtkWindowToImageFilter()
+    grabbed.SetInput(window)
+    grabbed.ReadFrontBufferOff()
+    grabbed.Update()
+    return grabbed
+
+
+def count_colours(vtk, window):
+    from vtk.util.numpy_support import vtk_to_numpy
+    import numpy as np
+    pixels = vtk_to_numpy(grab(vtk, window).GetOutput().GetPointData().GetScalars())
+    return len(np.unique(pixels[np.any(pixels != 255, axis=1)], axis=0))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file")
+    parser.add_argument("-o", "--output", required=True)
+    parser.add_argument("--array")
+    arguments = parser.parse_args()
+    with_screen()
+    import vtk
+    grid = read_grid(vtk, arguments.file)
+    colours = draw(vtk, grid, arguments.array, arguments.output)
+    print(f"{arguments.output}: {grid.GetNumberOfCells()} cells, {colours} colours")
+    return 0 if colours > 1 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

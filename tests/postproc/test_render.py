@@ -1,0 +1,63 @@
+"""Field files open in VTK and give a picture that is not of one colour."""
+import subprocess
+import sys
+
+import conftest
+import h5py
+import matplotlib.image
+import numpy as np
+import pytest
+
+
+def write_bricks(path, bricks, values):
+    """VTKHDF file of a row of unit hexahedra with one value per cell."""
+    points = np.array([[x, y, z] for x in range(bricks + 1) for z in (0, 1) for y in (0, 1)], float)
+    # Corners of a hexahedron in VTK's order, as offsets into the row of points.
+    cells = np.array([0, 4, 5, 1, 2, 6, 7, 3]) + 4 * np.arange(bricks)[:, None]
+    with h5py.File(path, "w") as file:
+        group = file.create_group("VTKHDF")
+        group.attrs["Version"], group.attrs["Type"] = [1, 0], np.bytes_("UnstructuredGrid")
+        group["NumberOfPoints"], group["NumberOfCells"] = [len(points)], [bricks]
+        group["NumberOfConnectivityIds"] = [cells.size]
+        group["Points"], group["Connectivity"] = points, cells.ravel()
+        group["Offsets"] = np.arange(0, cells.size + 1, 8)
+        group["Types"] = np.full(bricks, 12, np.uint8)
+        group.create_group("PointData")
+        group.create_group("CellData")["stress (Pa)"] = np.asarray(values, float)
+
+
+def render(path, *arguments):
+    return subprocess.run([sys.executable, conftest.ROOT / "postproc/render.py", path, "-o",
+                           path.with_suffix(".png"), *arguments], capture_output=True, text=True,
+                          check=False)
+
+
+def test_bricks_of_three_values_show_three_colours(tmp_path):
+    path = tmp_path / "bricks.vtkhdf"
+    write_bricks(path, 3, [1, 2, 3])
+    run = render(path)
+    assert run.returncode == 0, run.stderr
+    assert "3 cells, 3 colours" in run.stdout
+    assert matplotlib.image.imread(path.with_suffix(".png")).shape[:2] == (500, 1200)
+
+
+def test_one_colour_is_refused(tmp_path):
+    path = tmp_path / "bricks.vtkhdf"
+    write_bricks(path, 3, [2, 2, 2])
+    assert render(path).returncode == 1
+
+
+@pytest.mark.parametrize("content, said", [(b"", "not a VTKHDF"), (None, "not a VTKHDF")])
+def test_other_files_are_refused(tmp_path, content, said):
+    path = tmp_path / "other.vtkhdf"
+    if content is not None:
+        path.write_bytes(content)
+    run = render(path)
+    assert run.returncode == 1 and said in run.stderr
+
+
+def test_missing_array_is_named(tmp_path):
+    path = tmp_path / "bricks.vtkhdf"
+    write_bricks(path, 1, [1])
+    run = render(path, "--array", "velocity")
+    assert run.returncode == 1 and "there is no array velocity" in run.stderr
