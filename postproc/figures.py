@@ -208,7 +208,7 @@ def force_chains(runs):
             middle = np.mean(x) if edge is None else edge
             panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
-        panel.set_title(f"{run.name}: forces at the end of stage {name}, {len(chains.force)} contacts, "
+        panel.set_title(f"{run.name}, end of stage {name}: {len(chains.force)} contacts, "
                         f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
     panels[-1, 0].set_xlabel("x along the track (m)")
     return figure

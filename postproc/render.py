@@ -3,8 +3,8 @@
 
     render.py FILE.vtkhdf -o PICTURE.png [--array NAME]
 
-Looks along y, coloured by NAME (default: the first array; a vector by its length). ParaView opens the
-same file, with more ways to look at it. Ends with 1 if the picture is of one colour only.
+Looks along y, coloured by NAME (default: the first array; a vector by its length). ParaView opens
+the same file, with more ways to look at it. Ends with 1 if the picture is of one colour only.
 """
 import argparse
 import os
@@ -19,7 +19,7 @@ def with_screen():
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
-        raise SystemExit("no X display, and xvfb-run is not installed (Debian packages xvfb, xauth)")
+        raise SystemExit("no X display and no xvfb-run (Debian packages xvfb, xauth)")
     os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
 
 
