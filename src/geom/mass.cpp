@@ -1,0 +1,45 @@
+#include "mass.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace trackbed::geom {
+
+namespace {
+
+// Covariance of position about the centre, m^2.
+Mat3 spread(const Integrals& integrals, const Vec3& centre) {
+  return integrals.second / integrals.volume - centre * centre.transpose();
+}
+
+}  // namespace
+
+Solid solid_of(const Integrals& integrals) {
+  Solid solid;
+  solid.volume = integrals.volume;
+  solid.centre = integrals.first / integrals.volume;
+  const Mat3 covariance = spread(integrals, solid.centre);
+  const Mat3 inertia = covariance.trace() * Mat3::Identity() - covariance;  // over mass
+  const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia);
+  solid.gyration = principal.eigenvalues();
+  Mat3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) *= -1;  // a rotation, not a mirror
+  solid.axes = Quat(axes);
+  return solid;
+}
+
+Solid lamina_of(const Integrals& integrals) {
+  Solid solid;
+  solid.volume = integrals.volume;
+  solid.centre = integrals.first / integrals.volume;
+  const Mat3 s = spread(integrals, solid.centre);
+  const double mean = (s(0, 0) + s(2, 2)) / 2, half = (s(0, 0) - s(2, 2)) / 2;
+  const double radius = std::hypot(half, s(0, 2));
+  // Mohr's circle: the axis of largest spread lies at `angle` from x towards z, a turn about -y.
+  const double angle = radius == 0 ? 0 : std::atan2(s(0, 2), half) / 2;
+  solid.gyration = {mean - radius, 2 * mean, mean + radius};
+  solid.axes = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
+  return solid;
+}
+
+}  // namespace trackbed::geom
