@@ -119,7 +119,8 @@ void Comm::agree(const std::string& problem) const {
   const int speaker = size_ - static_cast<int>(first);
   std::int64_t length = static_cast<std::int64_t>(problem.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, speaker, mpi(*this));
-  std::string text = rank_ == speaker ? problem : std::string(static_cast<std::size_t>(length), ' ');
+  std::string text =
+      rank_ == speaker ? problem : std::string(static_cast<std::size_t>(length), ' ');
   MPI_Bcast(text.data(), checked_int(text.size()), MPI_CHAR, speaker, mpi(*this));
   throw RunError("rank " + std::to_string(speaker) + ": " + text);
 }

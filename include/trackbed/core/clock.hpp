@@ -10,9 +10,9 @@ class Clock {
  public:
   Clock(double window, std::int64_t windows_to_run) : dt_(window), end_(windows_to_run) {}
 
-  double dt() const { return dt_; }                                  // s, length of a window
+  double dt() const { return dt_; }                                         // s, length of a window
   double time() const { return start_ + static_cast<double>(now_) * dt_; }  // s
-  double start() const { return start_; }                            // s, where this clock began
+  double start() const { return start_; }  // s, where this clock began
   std::int64_t window() const { return now_; }
   std::int64_t windows() const { return end_; }
   bool runs() const { return now_ < end_; }

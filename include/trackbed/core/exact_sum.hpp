@@ -1,10 +1,10 @@
 // Sums whose result does not depend on the order of the terms.
 //
 // Floating point addition is not associative, so a force on a surface node, gathered from stones on
-// several ranks, would change its last bits with the number of ranks. Here each term is rounded once
-// to a multiple of a fixed quantum and added as an integer, which is associative: any order and any
-// split over ranks gives the same bits. The price is an absolute resolution of one quantum and a
-// range of 2^63 quanta (par::Comm sums the integers across ranks).
+// several ranks, would change its last bits with the number of ranks. Here each term is rounded
+// once to a multiple of a fixed quantum and added as an integer, which is associative: any order
+// and any split over ranks gives the same bits. The price is an absolute resolution of one quantum
+// and a range of 2^63 quanta (par::Comm sums the integers across ranks).
 #pragma once
 
 #include <cmath>

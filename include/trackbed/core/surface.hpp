@@ -4,7 +4,8 @@
 // Inside a time window of length dt the nodes move linearly:
 //   X(s) = position + s * motion,  s in [0, 1],   velocity = motion / dt.
 // Topology (triangles, material) is the same on every rank; node motion is filled at least for the
-// nodes near the rank's stones. Triangle normals (counter-clockwise) point to the side of the stones.
+// nodes near the rank's stones. Triangle normals (counter-clockwise) point to the side of the
+// stones.
 #pragma once
 
 #include <array>
@@ -26,12 +27,12 @@ struct NodeLoad {
 
 struct Surface {
   std::string name;
-  int material = 0;                                // index into the contact materials
+  int material = 0;                                    // index into the contact materials
   std::vector<std::array<std::int32_t, 3>> triangles;  // node numbers
-  std::vector<Vec3> position;                      // m, at the start of the window
-  std::vector<Vec3> motion;                        // m, over the window
-  std::vector<NodeLoad> load;                      // quanta of `load_quantum`
-  double load_quantum = 0;                         // N, power of two, same on all ranks
+  std::vector<Vec3> position;                          // m, at the start of the window
+  std::vector<Vec3> motion;                            // m, over the window
+  std::vector<NodeLoad> load;                          // quanta of `load_quantum`
+  double load_quantum = 0;                             // N, power of two, same on all ranks
 
   std::size_t nodes() const { return position.size(); }
   void clear_load() { load.assign(nodes(), NodeLoad{}); }

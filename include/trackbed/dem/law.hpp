@@ -10,10 +10,10 @@ namespace trackbed::dem {
 
 struct Material {
   std::string name;
-  double density = 2650;       // kg/m^3 of the solid
-  double local_damping = 0;    // Cundall's alpha on force and moment
-  double young = 0;            // Pa, hertz only
-  double poisson = 0.25;       // hertz only
+  double density = 2650;     // kg/m^3 of the solid
+  double local_damping = 0;  // Cundall's alpha on force and moment
+  double young = 0;          // Pa, hertz only
+  double poisson = 0.25;     // hertz only
   void declare(input::Section& s);
 };
 
@@ -22,18 +22,19 @@ struct Material {
 enum class LawKind { linear, hertz };
 
 struct ContactLaw {
-  std::string first, second;   // material names
+  std::string first, second;  // material names
   LawKind kind = LawKind::linear;
   double k_n = 5e8, k_s = 5e8;  // N/m
   double friction = 0.5;
   double zeta_n = 0, zeta_s = 0;  // of critical, linear only
   double restitution = 1;         // hertz only
+  bool attraction = false;        // whether damping may pull at the end of a collision
   void declare(input::Section& s);
 };
 
 struct Physics {
   std::vector<Material> materials;
-  std::vector<ContactLaw> laws;   // one per pair that may meet
+  std::vector<ContactLaw> laws;     // one per pair that may meet
   void declare(input::Section& s);  // [[material]], [[contact]]
 };
 

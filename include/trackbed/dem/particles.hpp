@@ -30,32 +30,32 @@ struct Piece {
 // A shape of unit size; a particle is template, scale, mass, pose and motion.
 struct Template {
   std::vector<Piece> pieces;
-  double volume = 0;               // m^3 (plane: area, m^2), each pebble's overlap counted once
-  Vec3 gyration = Vec3::Zero();    // principal inertia over mass, m^2
-  double sieve = 1;                // m, smallest opening it passes at unit scale
+  double volume = 0;             // m^3 (plane: area, m^2), each pebble's overlap counted once
+  Vec3 gyration = Vec3::Zero();  // principal inertia over mass, m^2
+  double sieve = 1;              // m, smallest opening it passes at unit scale
 };
 
 struct NewParticle {
-  Id id = 0;                      // unique; sums run in this order, so number neighbours closely
-  int shape = 0;                  // index of its Template
-  int material = 0;               // index into Physics::materials
+  Id id = 0;         // unique; sums run in this order, so number neighbours closely
+  int shape = 0;     // index of its Template
+  int material = 0;  // index into Physics::materials
   double scale = 1;
-  Vec3 position = Vec3::Zero();   // m, centre of mass
+  Vec3 position = Vec3::Zero();  // m, centre of mass
   Quat attitude = Quat::Identity();
-  Vec3 velocity = Vec3::Zero();   // m/s
-  Vec3 spin = Vec3::Zero();       // rad/s, in space axes
+  Vec3 velocity = Vec3::Zero();  // m/s
+  Vec3 spin = Vec3::Zero();      // rad/s, in space axes
 };
 
 struct Domain {
   Dimension dimension = Dimension::space;
-  double thickness = 1;                     // m, plane models: mass = density * area * thickness
+  double thickness = 1;  // m, plane models: mass = density * area * thickness
   std::array<bool, 3> periodic{false, false, false};
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m; particles beyond a non-periodic side are lost
 };
 
 struct Parameters {
-  double skin = 0;             // m, reach of neighbour lists beyond contact; 0: chosen
-  double safety = 0.2;         // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
+  double skin = 0;      // m, reach of neighbour lists beyond contact; 0: chosen
+  double safety = 0.2;  // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
   double largest_overlap = 0.2;  // of the smaller radius; beyond it the run stops
   double gravity = trackbed::gravity;
   void declare(input::Section& s);
@@ -72,17 +72,17 @@ struct ParticleView {
 
 // One touching pair, from the side that counts it (each contact is seen once over all ranks).
 struct ContactView {
-  Id first, second;    // second: -1 - surface index for a surface
-  Vec3 from, to;       // m, centres of the two pieces (surface: piece centre, contact point)
-  Vec3 force;          // N, on the first
-  double overlap;      // m
+  Id first, second;  // second: -1 - surface index for a surface
+  Vec3 from, to;     // m, centres of the two pieces (surface: piece centre, contact point)
+  Vec3 force;        // N, on the first
+  double overlap;    // m
 };
 
 // Sums over all ranks' particles and contacts, each counted once; equal bits on any rank count.
 struct Totals {
-  std::int64_t particles = 0, pieces = 0, contacts = 0;  // contacts: particle pairs and surface
+  std::int64_t particles = 0, pieces = 0, contacts = 0;      // contacts: particle pairs and surface
   double mass = 0, kinetic = 0, potential = 0, elastic = 0;  // kg, J
-  double largest_overlap = 0;                              // m
+  double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
   Vec3 momentum = Vec3::Zero(), surface_force = Vec3::Zero(), surface_moment = Vec3::Zero();
 };
@@ -90,9 +90,9 @@ struct Totals {
 // What the contacts with surfaces did in the last `advance`, from the particles' side: sums over
 // the sub-steps, all ranks. The coupler compares it with what the surfaces' nodes received.
 struct SurfaceAction {
-  Vec3 force = Vec3::Zero();    // N, sum over sub-steps of the force on the surface
-  Vec3 moment = Vec3::Zero();   // Nm about the origin
-  double work = 0;              // J, force times surface motion
+  Vec3 force = Vec3::Zero();   // N, sum over sub-steps of the force on the surface
+  Vec3 moment = Vec3::Zero();  // Nm about the origin
+  double work = 0;             // J, force times surface motion
 };
 
 class Particles {
@@ -118,7 +118,8 @@ class Particles {
 
   // Largest allowed sub-step (safety included), s, and what limits it, in words. Collective.
   double stable_step(std::string* limit = nullptr) const;
-  // `steps` sub-steps of length dt_window/steps while the surfaces move linearly; adds to their load.
+  // `steps` sub-steps of length dt_window/steps while the surfaces move linearly; adds to their
+  // load.
   void advance(double dt_window, int steps);
   // Problem of this rank since the last call (lost particle, not a number, overlap), or empty.
   std::string trouble();
@@ -128,16 +129,17 @@ class Particles {
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;
   // World spheres of the pieces of own particle i.
-  void pieces(std::size_t i, const std::function<void(const Vec3& centre, double radius)>& see) const;
+  void pieces(std::size_t i,
+              const std::function<void(const Vec3& centre, double radius)>& see) const;
   void contacts(const std::function<void(const ContactView&)>& see) const;  // each once over ranks
-  Totals totals() const;               // collective
+  Totals totals() const;                                                    // collective
   const SurfaceAction& surface_action() const;  // collective result of the last advance
-  std::uint64_t state_hash() const;    // collective; independent of the rank count
-  std::size_t memory() const;          // bytes on this rank
-  std::int64_t steps() const;          // sub-steps so far
+  std::uint64_t state_hash() const;             // collective; independent of the rank count
+  std::size_t memory() const;                   // bytes on this rank
+  std::int64_t steps() const;                   // sub-steps so far
   std::int64_t rebuilds() const;
   const Domain& domain() const;
-  void time_with(Timers& timers);      // where halo and neighbour times go
+  void time_with(Timers& timers);  // where halo and neighbour times go
 
   void save(io::File& file, const std::string& group) const;  // collective
   void load(const io::File& file, const std::string& group);  // any rank count; collective

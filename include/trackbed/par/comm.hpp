@@ -37,9 +37,9 @@ class Comm {
   double min(double value) const;
   std::int64_t sum(std::int64_t value) const;
   std::int64_t max(std::int64_t value) const;
-  void sum(std::span<std::int64_t> values) const;  // in place
-  void sum(std::span<double> values) const;        // in place
-  void max(std::span<double> values) const;        // in place
+  void sum(std::span<std::int64_t> values) const;         // in place
+  void sum(std::span<double> values) const;               // in place
+  void max(std::span<double> values) const;               // in place
   std::int64_t exclusive_scan(std::int64_t value) const;  // sum over lower ranks
 
   // All ranks' items, in rank order.

@@ -1,0 +1,117 @@
+// Finding pieces near surfaces. Triangles may be of any size: each is spread over the cells its box
+// covers, so that one large wall does not raise the reach of all particles.
+#include <algorithm>
+#include <unordered_map>
+
+#include "pairs.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+struct Box {
+  Vec3 low, high;
+  bool meets(const Vec3& centre, double reach) const {
+    return ((centre.array() + reach) >= low.array()).all() &&
+           ((centre.array() - reach) <= high.array()).all();
+  }
+};
+
+Box box_of(const Surface& surface, std::size_t triangle) {
+  Box box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  for (const std::int32_t node : surface.triangles[triangle])
+    for (const double s : {0.0, 1.0}) {
+      const Vec3 at = node_at(surface, node, s);
+      box.low = box.low.cwiseMin(at), box.high = box.high.cwiseMax(at);
+    }
+  return box;
+}
+
+// Triangles of one surface sorted into the columns (in x) of the grid they may reach.
+class Columns {
+ public:
+  Columns(const Surface& surface, double width, double reach) : width_(width) {
+    boxes_.reserve(surface.triangles.size());
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      boxes_.push_back(box_of(surface, t));
+      const Box& box = boxes_.back();
+      if (!box.low.allFinite() || !box.high.allFinite()) continue;
+      const std::int64_t first = column(box.low.x() - reach), last = column(box.high.x() + reach);
+      if (last - first > long_triangle) {
+        everywhere_.push_back(static_cast<int>(t));
+        continue;
+      }
+      for (std::int64_t c = first; c <= last; ++c) members_[c].push_back(static_cast<int>(t));
+    }
+  }
+  // Triangles whose box is within reach, ascending.
+  void near(const Vec3& centre, double reach, std::vector<int>& found) const {
+    found.clear();
+    const auto take = [&](const std::vector<int>& triangles) {
+      for (const int t : triangles)
+        if (boxes_[static_cast<std::size_t>(t)].meets(centre, reach)) found.push_back(t);
+    };
+    take(everywhere_);
+    const auto here = members_.find(column(centre.x()));
+    if (here != members_.end()) take(here->second);
+    std::sort(found.begin(), found.end());
+  }
+
+ private:
+  static constexpr std::int64_t long_triangle = 64;  // columns; longer ones are always tested
+  std::int64_t column(double x) const { return static_cast<std::int64_t>(std::floor(x / width_)); }
+  double width_;
+  std::vector<Box> boxes_;
+  std::vector<int> everywhere_;
+  std::unordered_map<std::int64_t, std::vector<int>> members_;
+};
+
+// Patches of (piece, surface) that were touching before.
+void take_history(const std::vector<History>& history, std::int64_t key, int name,
+                  std::vector<Approach::Patch>& patches) {
+  const History lowest{key, patch_key(name, 0x7fffffff), {}};
+  for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
+       h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
+    const std::int64_t code = -1 - h->second;
+    Approach::Patch patch{static_cast<int>(code & 0xffffffff), true, {}, {}};
+    patch.xi.set(Eigen::Map<const Vec3>(h->xi));
+    patches.push_back(patch);
+  }
+  std::sort(patches.begin(), patches.end(),
+            [](const auto& a, const auto& b) { return a.patch < b.patch; });
+}
+
+}  // namespace
+
+void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
+                     const std::vector<int>& names, const std::vector<History>& history,
+                     std::vector<Approach>& approaches) {
+  approaches.clear();
+  const State& s = scene.state;
+  std::vector<int> found;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const double widest = scene.grid.edge().x();
+    const Columns columns(*surfaces[k], widest, widest);
+    for (std::size_t b = 0; b < s.own; ++b) {
+      const Grid::Image home = scene.grid.locate(s.x[b].vec3());
+      const Vec3 shift(home.wrap[0] * scene.grid.period(0), home.wrap[1] * scene.grid.period(1),
+                       home.wrap[2] * scene.grid.period(2));
+      columns.near(s.x[b].vec3() + shift, s.x[b].w + scene.skin, found);
+      if (found.empty()) continue;
+      const int law = scene.laws.index(static_cast<int>(s.material[b]), surfaces[k]->material);
+      require(law >= 0, "a particle meets a surface and their materials have no contact law");
+      for (std::size_t p = scene.pieces.begin[b]; p < scene.pieces.begin[b + 1]; ++p) {
+        const Vec4& x = scene.pieces.x[p];
+        columns.near(x.vec3() + shift, x.w + scene.skin, found);
+        if (found.empty()) continue;
+        Approach a{
+            static_cast<std::int32_t>(p), static_cast<std::int32_t>(k), shift, found, law, {}};
+        take_history(history, piece_key(s.id[b], p - scene.pieces.begin[b]), names[k], a.patches);
+        approaches.push_back(std::move(a));
+      }
+    }
+  }
+}
+
+}  // namespace trackbed::dem

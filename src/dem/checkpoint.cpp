@@ -1,0 +1,142 @@
+// Particles in a checkpoint: the listed state, the templates and the contact history, each row
+// once.
+#include <algorithm>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+// Rows of `columns` numbers from an array of numbers or Vec4.
+template <class T>
+std::vector<T> flat(const std::vector<T>& array, std::size_t rows, int) {
+  return {array.begin(), array.begin() + static_cast<std::ptrdiff_t>(rows)};
+}
+std::vector<double> flat(const std::vector<Vec4>& array, std::size_t rows, int columns) {
+  std::vector<double> numbers;
+  for (std::size_t b = 0; b < rows; ++b) {
+    const double four[] = {array[b].x, array[b].y, array[b].z, array[b].w};
+    numbers.insert(numbers.end(), four, four + columns);
+  }
+  return numbers;
+}
+template <class T>
+void unflatten(const std::vector<T>& numbers, std::vector<T>& array, int) {
+  array = numbers;
+}
+void unflatten(const std::vector<double>& numbers, std::vector<Vec4>& array, int columns) {
+  const auto n = static_cast<std::size_t>(columns);
+  array.assign(numbers.size() / n, Vec4{});
+  for (std::size_t b = 0; b < array.size(); ++b) {
+    double* const four[] = {&array[b].x, &array[b].y, &array[b].z, &array[b].w};
+    for (std::size_t k = 0; k < n; ++k) *four[k] = numbers[b * n + k];
+  }
+}
+
+template <class T>
+struct Number {
+  using type = T;
+};
+template <>
+struct Number<Vec4> {
+  using type = double;
+};
+
+// Templates are the same on every rank: the root writes them.
+void save_shapes(io::File& file, const std::string& group, const Shapes& shapes, bool root) {
+  std::vector<double> solids, pieces;
+  std::vector<std::int64_t> counts;
+  for (std::int64_t k = 0; root && k < static_cast<std::int64_t>(shapes.size()); ++k) {
+    const Template& t = shapes[k];
+    solids.insert(solids.end(),
+                  {t.volume, t.gyration.x(), t.gyration.y(), t.gyration.z(), t.sieve});
+    counts.push_back(static_cast<std::int64_t>(t.pieces.size()));
+    for (const Piece& p : t.pieces)
+      pieces.insert(pieces.end(), {p.core[0].x(), p.core[0].y(), p.core[0].z(), p.radius});
+  }
+  file.write<double>(group + "/shape/solid", solids, 5,
+                     {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
+  file.write<std::int64_t>(group + "/shape/pieces", counts, 1, {"-", "pieces of each template"});
+  file.write<double>(group + "/shape/piece", pieces, 4,
+                     {"m", "core vertex x y z and radius of each piece, template after template"});
+}
+
+Shapes load_shapes(const io::File& file, const std::string& group) {
+  const auto solids = file.read_all<double>(group + "/shape/solid");
+  const auto counts = file.read_all<std::int64_t>(group + "/shape/pieces");
+  const auto pieces = file.read_all<double>(group + "/shape/piece");
+  Shapes shapes;
+  for (std::size_t k = 0, p = 0; k < counts.size(); ++k) {
+    Template t;
+    t.volume = solids[5 * k];
+    t.gyration = {solids[5 * k + 1], solids[5 * k + 2], solids[5 * k + 3]};
+    t.sieve = solids[5 * k + 4];
+    for (std::int64_t n = 0; n < counts[k]; ++n, ++p)
+      t.pieces.push_back(
+          {{Vec3(pieces[4 * p], pieces[4 * p + 1], pieces[4 * p + 2])}, pieces[4 * p + 3]});
+    shapes.add(t);
+  }
+  return shapes;
+}
+
+}  // namespace
+
+void Particles::save(io::File& file, const std::string& group) const {
+  const Room& r = *room_;
+  visit_state(r.state, [&](const char* name, const char* unit, const char* meaning,
+                           const auto& array, int columns) {
+    using T = typename Number<std::decay_t<decltype(array[0])>>::type;
+    const auto numbers = flat(array, r.state.own, columns);
+    file.write<T>(group + "/" + name, numbers, static_cast<std::size_t>(columns), {unit, meaning});
+  });
+  save_shapes(file, group, r.shapes, r.comm.root());
+  std::vector<std::int64_t> keys;
+  std::vector<double> xi;
+  const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
+  for (const std::vector<History>& records : {r.history(), r.waiting})
+    for (const History& h : records)
+      if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
+        keys.insert(keys.end(), {h.first, h.second});
+        xi.insert(xi.end(), h.xi, h.xi + 3);
+      }
+  file.write<std::int64_t>(group + "/history/keys", keys, 2,
+                           {"-",
+                            "piece key (particle id * 65536 + piece) and the other piece's, or "
+                            "-1 - (surface name * 2^32 + patch)"});
+  file.write<double>(group + "/history/xi", xi, 3, {"m", "tangential displacement"});
+  for (std::size_t n = 0; n < r.names.size(); ++n)
+    file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
+  file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));
+  file.attribute(group, "steps", r.steps);
+  file.attribute(group, "rebuilds", r.rebuilds);
+  file.attribute(group, "local_damping", r.local_damping);
+}
+
+void Particles::load(const io::File& file, const std::string& group) {
+  Room& r = *room_;
+  r.shapes = load_shapes(file, group);
+  visit_state(r.state, [&](const char* name, const char*, const char*, auto& array, int columns) {
+    using T = typename Number<std::decay_t<decltype(array[0])>>::type;
+    unflatten(file.read_share<T>(group + "/" + name), array, columns);
+  });
+  r.state.own = r.state.id.size();
+  r.sort_own();
+  r.derive(0);
+  // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
+  const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
+  const auto xi = file.read_all<double>(group + "/history/xi");
+  r.approaches.clear(), r.pairs.clear(), r.waiting.clear();
+  for (std::size_t k = 0; 2 * k < keys.size(); ++k)
+    r.waiting.push_back({keys[2 * k], keys[2 * k + 1], {xi[3 * k], xi[3 * k + 1], xi[3 * k + 2]}});
+  r.names.clear();
+  for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
+    r.names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));
+  r.steps = file.integer_attribute(group, "steps");
+  r.rebuilds = file.integer_attribute(group, "rebuilds");
+  r.local_damping = file.number_attribute(group, "local_damping");
+  r.choose_grid();
+}
+
+}  // namespace trackbed::dem

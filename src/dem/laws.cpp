@@ -1,0 +1,133 @@
+#include "laws.hpp"
+
+#include <fmt/format.h>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+void Material::declare(input::Section& s) {
+  s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
+  s.number("density", density, {.unit = "kg/m3", .above = 0}, "Density of the solid.");
+  s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
+           "Cundall's local damping: share of the net force that resists motion.");
+  s.number("young", young, {.unit = "Pa", .at_least = 0}, "Young's modulus, for hertz contacts.");
+  s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},
+           "Poisson's ratio, for hertz contacts.");
+}
+
+void ContactLaw::declare(input::Section& s) {
+  s.text("first", first, "Name of one material.", {}, true);
+  s.text("second", second, "Name of the other (or the same) material.", {}, true);
+  s.choice("law", kind, {"linear", "hertz"}, "Contact law between the two.");
+  s.number("k_n", k_n, {.unit = "N/m", .above = 0}, "Normal stiffness, linear law.");
+  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0}, "Tangential stiffness, linear law.");
+  s.number("friction", friction, {.unit = "-", .at_least = 0}, "Coulomb's friction coefficient.");
+  s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Normal viscous damping over critical, linear law.");
+  s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Tangential viscous damping over critical, linear law.");
+  s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
+           "Restitution of a head-on collision, hertz law.");
+  s.flag("attraction", attraction,
+         "Whether viscous damping may pull at the end of a collision; without it F_n >= 0.");
+}
+
+void Physics::declare(input::Section& s) {
+  s.tables("material", materials, "A material of particles, sleepers, ground or walls.");
+  s.tables("contact", laws, "The contact law of a pair of materials.");
+}
+
+namespace {
+
+int material_named(const Physics& physics, const std::string& name) {
+  for (std::size_t m = 0; m < physics.materials.size(); ++m)
+    if (physics.materials[m].name == name) return static_cast<int>(m);
+  throw InputError({fmt::format("contact: \"{}\" is not the name of a material", name)});
+}
+
+Law linear_law(const ContactLaw& c) {
+  return {.kind = LawKind::linear,
+          .cut = !c.attraction,
+          .k_n = c.k_n,
+          .k_s = c.k_s,
+          .c_n = 2 * c.zeta_n * std::sqrt(c.k_n),
+          .c_s = 2 * c.zeta_s * std::sqrt(c.k_s),
+          .mu = c.friction};
+}
+
+Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
+  if (a.young <= 0 || b.young <= 0)
+    throw InputError(
+        {fmt::format("contact {}-{}: the hertz law needs young above 0 in both "
+                     "materials",
+                     a.name, b.name)});
+  const auto softness = [](const Material& m) { return (1 - m.poisson * m.poisson) / m.young; };
+  const auto shear_softness = [](const Material& m) {
+    return 2 * (2 - m.poisson) * (1 + m.poisson) / m.young;
+  };
+  const double e_star = 1 / (softness(a) + softness(b));
+  const double g_star = 1 / (shear_softness(a) + shear_softness(b));
+  const double beta = hertz_damping(c.restitution, !c.attraction);
+  const double damping = 2 * std::sqrt(5.0 / 6.0) * beta;
+  return {.kind = LawKind::hertz,
+          .cut = !c.attraction,
+          .k_n = 4.0 / 3.0 * e_star,
+          .k_s = 8 * g_star,
+          .c_n = damping * std::sqrt(2 * e_star),
+          .c_s = damping * std::sqrt(8 * g_star),
+          .mu = c.friction};
+}
+
+// Restitution of m x'' = -(x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x') from x' = 1: the Hertz
+// collision in units of its mass and stiffness. Fourth-order Runge-Kutta.
+double restitution_of(double beta, bool cut) {
+  const double damping = 2 * std::sqrt(5.0 / 6.0) * beta * std::sqrt(1.5);
+  const auto force = [&](double x, double v) {
+    if (x <= 0) return 0.0;
+    const double f = x * std::sqrt(x) + damping * std::sqrt(std::sqrt(x)) * v;
+    return cut ? std::max(f, 0.0) : f;
+  };
+  double x = 0, v = 1;
+  constexpr double h = 1e-3;  // of a collision that lasts about 3.2
+  for (int step = 0; step < 200000; ++step) {
+    const double a1 = -force(x, v), v2 = v + 0.5 * h * a1;
+    const double a2 = -force(x + 0.5 * h * v, v2), v3 = v + 0.5 * h * a2;
+    const double a3 = -force(x + 0.5 * h * v2, v3), v4 = v + h * a3;
+    const double a4 = -force(x + h * v3, v4);
+    x += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    if (v < 0 && (x <= 0 || (cut && force(x, v) <= 0))) break;
+  }
+  return -v;
+}
+
+}  // namespace
+
+double hertz_damping(double restitution, bool cut) {
+  if (restitution >= 1) return 0;
+  double low = 0, high = 20;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (restitution_of(middle, cut) > restitution ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+LawTable::LawTable(const Physics& physics)
+    : materials_(physics.materials.size()), pair_(materials_ * materials_, -1) {
+  std::vector<std::string> problems;
+  for (const ContactLaw& c : physics.laws) {
+    const auto a = static_cast<std::size_t>(material_named(physics, c.first));
+    const auto b = static_cast<std::size_t>(material_named(physics, c.second));
+    if (pair_[a * materials_ + b] >= 0)
+      problems.push_back(fmt::format("contact {}-{} is given twice", c.first, c.second));
+    pair_[a * materials_ + b] = pair_[b * materials_ + a] = static_cast<int>(laws_.size());
+    laws_.push_back(c.kind == LawKind::linear
+                        ? linear_law(c)
+                        : hertz_law(c, physics.materials[a], physics.materials[b]));
+  }
+  if (!problems.empty()) throw InputError(problems);
+}
+
+}  // namespace trackbed::dem

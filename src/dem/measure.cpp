@@ -1,0 +1,216 @@
+// What is read off the particles; nothing here changes them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "room.hpp"
+#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::dem {
+
+ParticleView Particles::operator[](std::size_t b) const {
+  const State& s = room_->state;
+  const Quat q = quat(s.q[b]);
+  const Vec3 body = q.conjugate() * s.l[b].vec3();
+  return {s.id[b],
+          static_cast<int>(s.shape[b]),
+          static_cast<int>(s.material[b]),
+          s.scale[b],
+          s.v[b].w,
+          s.x[b].vec3(),
+          s.v[b].vec3(),
+          q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
+          s.f[b].vec3(),
+          s.t[b].vec3(),
+          q};
+}
+
+void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, double)>& see) const {
+  const State& s = room_->state;
+  const Quat q = quat(s.q[b]);
+  for (std::size_t k = room_->shapes.begin(s.shape[b]); k < room_->shapes.end(s.shape[b]); ++k) {
+    const Vec4& piece = room_->shapes.piece(k);
+    see(s.x[b].vec3() + s.scale[b] * (q * piece.vec3()), s.scale[b] * piece.w);
+  }
+}
+
+namespace {
+
+// Elastic part of a contact's force on the first piece.
+Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
+  const Coefficients c = coefficients(law, delta, 0, radius);
+  return -c.k_n * delta * n - c.k_s * xi.vec3();
+}
+
+}  // namespace
+
+// Every contact that this rank counts, with its elastic energy.
+struct ContactLoop {
+  const State& state;
+  const Shapes& shapes;
+  const Pieces& pieces;
+  const PairList& pairs;
+  const std::vector<Approach>& approaches;
+  const LawTable& laws;
+
+  Vec4 piece(std::size_t p) const {
+    const auto b = static_cast<std::size_t>(pieces.body[p]);
+    return shapes.only_spheres() ? state.x[b] : pieces.x[p];
+  }
+
+  template <class See>
+  void run(See&& see) const {
+    for (const Row& row : pairs.rows) {
+      const auto i = static_cast<std::size_t>(row.piece);
+      const auto bi = static_cast<std::size_t>(pieces.body[i]);
+      if (bi >= state.own) continue;  // the owner of the lower id counts the contact
+      for (std::uint32_t e = row.begin; e < row.end; ++e)
+        if (pairs.entries[e].touching) pair(i, bi, e, see);
+    }
+    for (const Approach& a : approaches)
+      for (const Approach::Patch& p : a.patches) surface(a, p, see);
+  }
+
+ private:
+  template <class See>
+  void pair(std::size_t i, std::size_t bi, std::uint32_t e, See& see) const {
+    const Entry& entry = pairs.entries[e];
+    const auto j = static_cast<std::size_t>(entry.piece);
+    const Vec4 xi = piece(i), xj = piece(j);
+    const Vec3 to = xj.vec3() + pairs.shifts[entry.shift].vec3();
+    const Vec3 d = to - xi.vec3();
+    const double reach = xi.w + xj.w, delta = reach - d.norm(), radius = xi.w * xj.w / reach;
+    const Law& law = laws[entry.law];
+    const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
+    const auto bj = static_cast<std::size_t>(pieces.body[j]);
+    see(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta},
+        stored_energy(law, delta, radius, pairs.xi[e]));
+  }
+
+  template <class See>
+  void surface(const Approach& a, const Approach::Patch& p, See& see) const {
+    const Vec4 x = piece(static_cast<std::size_t>(a.piece));
+    const double delta = x.w - p.contact.distance;
+    const Law& law = laws[static_cast<std::size_t>(a.law)];
+    if (p.contact.triangle < 0) return;  // loaded, not yet felt
+    const Vec3 force = elastic_force(law, delta, x.w, p.xi, p.contact.normal);
+    const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
+    see(ContactView{state.id[b], -1 - a.surface, x.vec3(), Vec3(p.contact.point - a.shift), force,
+                    delta},
+        stored_energy(law, delta, x.w, p.xi));
+  }
+};
+
+void Particles::contacts(const std::function<void(const ContactView&)>& see) const {
+  const Room& r = *room_;
+  ContactLoop{r.state, r.shapes, r.pieces, r.pairs, r.approaches, r.laws}.run(
+      [&](const ContactView& view, double) { see(view); });
+}
+
+namespace {
+
+// Sum of a list over ranks with bits that do not depend on the split: the range comes from the
+// largest term and the number of terms, both exact, the sum from integers.
+double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
+  double largest = 0;
+  for (const double term : terms) largest = std::max(largest, std::abs(term));
+  largest = comm.max(largest);
+  const std::int64_t count = comm.sum(static_cast<std::int64_t>(terms.size()));
+  if (!(largest > 0) || !std::isfinite(largest)) return largest;
+  ExactSum sum(exact_quantum(largest * static_cast<double>(count)));
+  for (const double term : terms) sum.add(term);
+  sum.count() = comm.sum(sum.count());
+  return sum.value();
+}
+
+}  // namespace
+
+Totals Particles::totals() const {
+  const Room& r = *room_;
+  Totals total;
+  std::array<std::vector<double>, 4> sums;  // mass, kinetic, potential, elastic
+  std::array<std::vector<double>, 3> momentum, force, moment;
+  double net = 0, contact = 0;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    const ParticleView p = (*this)[b];
+    const Vec3 l = r.state.l[b].vec3();
+    sums[0].push_back(p.mass);
+    sums[1].push_back(0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * l.dot(p.spin));
+    sums[2].push_back(p.mass * r.parameters.gravity * p.position.z());
+    for (std::size_t a = 0; a < 3; ++a)
+      momentum[a].push_back(p.mass * p.velocity[static_cast<int>(a)]);
+    net += (p.force - Vec3(0, 0, p.mass * r.parameters.gravity)).norm();
+    total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
+  }
+  ContactLoop{r.state, r.shapes, r.pieces, r.pairs, r.approaches, r.laws}.run(
+      [&](const ContactView& c, double energy) {
+        ++total.contacts;
+        sums[3].push_back(energy);
+        contact += c.force.norm();
+        total.largest_overlap = std::max(total.largest_overlap, c.overlap);
+        if (c.second >= 0) return;
+        const Vec3 turning = c.to.cross(-c.force);
+        for (std::size_t a = 0; a < 3; ++a) {
+          force[a].push_back(-c.force[static_cast<int>(a)]);
+          moment[a].push_back(turning[static_cast<int>(a)]);
+        }
+      });
+  total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
+  total.pieces = r.comm.sum(total.pieces);
+  total.contacts = r.comm.sum(total.contacts);
+  total.mass = exact_total(r.comm, sums[0]);
+  total.kinetic = exact_total(r.comm, sums[1]);
+  total.potential = exact_total(r.comm, sums[2]);
+  total.elastic = exact_total(r.comm, sums[3]);
+  total.largest_overlap = r.comm.max(total.largest_overlap);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<int>(a);
+    total.momentum[axis] = exact_total(r.comm, momentum[a]);
+    total.surface_force[axis] = exact_total(r.comm, force[a]);
+    total.surface_moment[axis] = exact_total(r.comm, moment[a]);
+  }
+  net = r.comm.sum(net), contact = r.comm.sum(contact);
+  const auto per = [](double sum, std::int64_t n) {
+    return n > 0 ? sum / static_cast<double>(n) : 0;
+  };
+  const double mean_contact = per(contact, total.contacts);
+  total.unbalanced = mean_contact > 0 ? per(net, total.particles) / mean_contact : 1;
+  return total;
+}
+
+std::uint64_t Particles::state_hash() const {
+  const Room& r = *room_;
+  std::uint64_t sum = 0;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    const State& s = r.state;
+    std::uint64_t h = hash_bytes(&s.id[b], sizeof s.id[b]);
+    h = hash_bytes(&s.x[b], 3 * sizeof(double), h);
+    h = hash_bytes(&s.q[b], sizeof s.q[b], h);
+    h = hash_bytes(&s.v[b], 3 * sizeof(double), h);
+    h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
+    sum += mix(h);
+  }
+  for (const std::vector<History>& records : {r.history(), r.waiting})
+    for (const History& record : records) {
+      const Id first = particle_of(record.first);
+      const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
+      if (std::binary_search(r.state.id.begin(), end, first))
+        sum += mix(hash_bytes(&record, sizeof record));
+    }
+  return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
+}
+
+std::size_t Particles::memory() const {
+  const Room& r = *room_;
+  std::size_t bytes = 0;
+  const auto count = [&](const auto& v) { bytes += v.capacity() * sizeof(v[0]); };
+  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { count(array); });
+  count(r.state.w), count(r.state.inertia), count(r.reference_x), count(r.reference_q);
+  count(r.pieces.x), count(r.pieces.body), count(r.pieces.begin);
+  count(r.pairs.rows), count(r.pairs.entries), count(r.pairs.xi), count(r.approaches);
+  for (const Approach& a : r.approaches) count(a.triangles), count(a.patches);
+  return bytes;
+}
+
+}  // namespace trackbed::dem

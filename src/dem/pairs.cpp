@@ -1,0 +1,214 @@
+#include "pairs.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
+  pieces.begin.assign(1, 0);
+  pieces.body.clear();
+  pieces.x.clear();
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k) {
+      pieces.body.push_back(static_cast<std::int32_t>(b));
+      pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale[b]});
+    }
+    pieces.begin.push_back(pieces.body.size());
+  }
+}
+
+void place(const State& state, const Shapes& shapes, Pieces& pieces) {
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    const Mat3 turn = state.scale[b] * quat(state.q[b]).toRotationMatrix();
+    const std::size_t first = shapes.begin(state.shape[b]);
+    for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
+      const Vec4& o = shapes.piece(first + p - pieces.begin[b]);
+      Vec4& x = pieces.x[p];
+      x.x = state.x[b].x + (turn(0, 0) * o.x + turn(0, 1) * o.y + turn(0, 2) * o.z);
+      x.y = state.x[b].y + (turn(1, 0) * o.x + turn(1, 1) * o.y + turn(1, 2) * o.z);
+      x.z = state.x[b].z + (turn(2, 0) * o.x + turn(2, 1) * o.y + turn(2, 2) * o.z);
+    }
+  }
+}
+
+namespace {
+
+// Particles of each cell, in the order of their ids.
+class Cells {
+ public:
+  Cells(const State& state, const Grid& grid) : begin_(grid.cells() + 1, 0) {
+    images_.reserve(state.size());
+    for (std::size_t b = 0; b < state.size(); ++b) {
+      images_.push_back(grid.locate(state.x[b].vec3()));
+      ++begin_[grid.index(images_[b].cell) + 1];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    members_.resize(state.size());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t b = 0; b < state.size(); ++b)
+      members_[next[grid.index(images_[b].cell)]++] = static_cast<std::int32_t>(b);
+  }
+  std::span<const std::int32_t> in(std::size_t cell) const {
+    return std::span(members_).subspan(begin_[cell], begin_[cell + 1] - begin_[cell]);
+  }
+  const Grid::Image& image(std::size_t particle) const { return images_[particle]; }
+
+ private:
+  std::vector<Grid::Image> images_;
+  std::vector<std::size_t> begin_;
+  std::vector<std::int32_t> members_;
+};
+
+struct Partner {
+  Id id;
+  std::int32_t body;
+  std::uint16_t shift;
+};
+
+// Builds the rows of one list; holds what does not change from row to row.
+class PairFinder {
+ public:
+  PairFinder(const Scene& scene, const std::vector<History>& history, PairList& pairs)
+      : scene_(scene), history_(history), pairs_(pairs), cells_(scene.state, scene.grid) {}
+
+  void run() {
+    const State& s = scene_.state;
+    std::vector<std::int32_t> order(s.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+      return s.id[static_cast<std::size_t>(a)] < s.id[static_cast<std::size_t>(b)];
+    });
+    pairs_.clear();
+    for (const std::int32_t body : order) {
+      find_partners(static_cast<std::size_t>(body));
+      for (std::size_t p = scene_.pieces.begin[static_cast<std::size_t>(body)];
+           p < scene_.pieces.begin[static_cast<std::size_t>(body) + 1]; ++p)
+        make_row(p);
+    }
+    pairs_.xi.shrink_to_fit();
+  }
+
+ private:
+  void find_partners(std::size_t i) {
+    const State& s = scene_.state;
+    const Grid::Image& home = cells_.image(i);
+    partners_.clear();
+    scene_.grid.around(home.cell, [&](std::size_t cell, const std::array<int, 3>& across) {
+      for (const std::int32_t body : cells_.in(cell)) {
+        const auto j = static_cast<std::size_t>(body);
+        if (s.id[j] <= s.id[i] || (i >= s.own && j >= s.own)) continue;
+        const std::uint16_t shift = shift_number(home.wrap, cells_.image(j).wrap, across);
+        if (near(s.x[i], s.x[j], shift)) partners_.push_back({s.id[j], body, shift});
+      }
+    });
+    std::sort(partners_.begin(), partners_.end(),
+              [](const Partner& a, const Partner& b) { return a.id < b.id; });
+  }
+
+  bool near(const Vec4& a, const Vec4& b, std::uint16_t shift) const {
+    const Vec4& h = pairs_.shifts[shift];
+    const double dx = b.x - a.x + h.x, dy = b.y - a.y + h.y, dz = b.z - a.z + h.z;
+    const double reach = a.w + b.w + scene_.skin;
+    return dx * dx + dy * dy + dz * dz < reach * reach;
+  }
+
+  // Raw positions are unwrapped; the shift brings j to the image that neighbours i.
+  std::uint16_t shift_number(const std::array<int, 3>& wrap_i, const std::array<int, 3>& wrap_j,
+                             const std::array<int, 3>& across) {
+    std::array<int, 3> turns{};
+    for (std::size_t a = 0; a < 3; ++a) turns[a] = wrap_j[a] - wrap_i[a] + across[a];
+    if (turns == std::array<int, 3>{}) return 0;
+    const auto [known, added] =
+        numbers_.try_emplace(turns, static_cast<std::uint16_t>(pairs_.shifts.size()));
+    if (added) {
+      require(pairs_.shifts.size() < 65535, "too many periodic shifts");
+      pairs_.shifts.push_back({turns[0] * scene_.grid.period(0), turns[1] * scene_.grid.period(1),
+                               turns[2] * scene_.grid.period(2), 0});
+    }
+    return known->second;
+  }
+
+  void make_row(std::size_t p) {
+    const State& s = scene_.state;
+    const auto i = static_cast<std::size_t>(scene_.pieces.body[p]);
+    const auto begin = static_cast<std::uint32_t>(pairs_.entries.size());
+    const std::int64_t key = piece_key(s.id[i], p - scene_.pieces.begin[i]);
+    for (const Partner& partner : partners_) {
+      const auto j = static_cast<std::size_t>(partner.body);
+      if (scene_.pieces.begin[i + 1] - scene_.pieces.begin[i] > 1) {
+        Vec4 piece = scene_.pieces.x[p];
+        if (!near(piece, s.x[j], partner.shift)) continue;
+      }
+      for (std::size_t r = scene_.pieces.begin[j]; r < scene_.pieces.begin[j + 1]; ++r)
+        if (near(scene_.pieces.x[p], scene_.pieces.x[r], partner.shift))
+          add_entry(i, j, r, partner.shift, key);
+    }
+    const auto end = static_cast<std::uint32_t>(pairs_.entries.size());
+    if (end > begin) pairs_.rows.push_back({static_cast<std::int32_t>(p), begin, end});
+  }
+
+  void add_entry(std::size_t i, std::size_t j, std::size_t r, std::uint16_t shift,
+                 std::int64_t key) {
+    const State& s = scene_.state;
+    const int law =
+        scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
+    require(law >= 0, "particles meet whose materials have no contact law");
+    const double m_i = s.v[i].w, m_j = s.v[j].w;
+    Vec4 xi{0, 0, 0, std::sqrt(m_i * m_j / (m_i + m_j))};
+    // Rows and entries ascend like the sorted history, so one pass over it serves all.
+    const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j]), {}};
+    while (next_ < history_.size() && history_[next_] < wanted) ++next_;
+    std::uint8_t touching = 0;
+    if (next_ < history_.size() && !(wanted < history_[next_])) {
+      touching = 1;
+      xi.set(Eigen::Map<const Vec3>(history_[next_].xi));
+    }
+    pairs_.entries.push_back(
+        {static_cast<std::int32_t>(r), shift, static_cast<std::uint8_t>(law), touching});
+    pairs_.xi.push_back(xi);
+  }
+
+  const Scene& scene_;
+  const std::vector<History>& history_;
+  PairList& pairs_;
+  Cells cells_;
+  std::vector<Partner> partners_;
+  std::map<std::array<int, 3>, std::uint16_t> numbers_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs) {
+  PairFinder(scene, history, pairs).run();
+}
+
+std::vector<History> collect_history(const State& state, const Pieces& pieces,
+                                     const PairList& pairs, const std::vector<Approach>& approaches,
+                                     const std::vector<int>& names) {
+  std::vector<History> all;
+  const auto key = [&](std::int32_t piece) {
+    const auto p = static_cast<std::size_t>(piece);
+    const auto b = static_cast<std::size_t>(pieces.body[p]);
+    return piece_key(state.id[b], p - pieces.begin[b]);
+  };
+  for (const Row& row : pairs.rows)
+    for (std::uint32_t e = row.begin; e < row.end; ++e)
+      if (pairs.entries[e].touching)
+        all.push_back({key(row.piece),
+                       key(pairs.entries[e].piece),
+                       {pairs.xi[e].x, pairs.xi[e].y, pairs.xi[e].z}});
+  for (const Approach& a : approaches)
+    for (const Approach::Patch& p : a.patches)
+      all.push_back({key(a.piece),
+                     patch_key(names[static_cast<std::size_t>(a.surface)], p.patch),
+                     {p.xi.x, p.xi.y, p.xi.z}});
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace trackbed::dem

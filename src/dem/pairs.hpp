@@ -1,0 +1,87 @@
+// Which pieces may touch before the next rebuild, and the history of those that do.
+//
+// Rows run over pieces in the order of (particle id, piece), entries of a row in the same order and
+// only to higher ids. That order is the same on every rank, so each particle sums its forces in the
+// same order wherever it is computed; entries that do not touch add nothing. A pair of two ghosts
+// is left out: its owners see it.
+#pragma once
+
+#include <vector>
+
+#include "grid.hpp"
+#include "laws.hpp"
+#include "mesh.hpp"
+#include "state.hpp"
+
+namespace trackbed::dem {
+
+// Pieces of all local particles (own and ghosts) in space.
+struct Pieces {
+  std::vector<Vec4> x;  // m, centre; w: radius
+  std::vector<std::int32_t> body;
+  std::vector<std::size_t> begin;  // of each particle; one more at the end
+};
+void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
+void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step
+
+struct Entry {
+  std::int32_t piece;   // j
+  std::uint16_t shift;  // number of the periodic shift added to x_j - x_i
+  std::uint8_t law;
+  std::uint8_t touching;
+};
+
+struct Row {
+  std::int32_t piece;  // i
+  std::uint32_t begin, end;
+};
+
+struct PairList {
+  std::vector<Row> rows;
+  std::vector<Entry> entries;
+  std::vector<Vec4> xi;      // m, history; w: sqrt of the effective mass
+  std::vector<Vec4> shifts;  // m, [0] is zero
+  void clear() { rows.clear(), entries.clear(), xi.clear(), shifts.assign(1, Vec4{}); }
+};
+
+// A piece near a surface.
+struct Approach {
+  std::int32_t piece;
+  std::int32_t surface;
+  Vec3 shift;                  // m, added to the piece's centre (periodic sides)
+  std::vector<int> triangles;  // candidates, ascending
+  int law;
+  struct Patch {
+    int patch;
+    bool touching;
+    Vec4 xi;
+    MeshContact contact;  // as found in the last sub-step
+  };
+  std::vector<Patch> patches;  // touched ones, ascending
+};
+
+// What the builders read.
+struct Scene {
+  const State& state;
+  const Shapes& shapes;
+  const Grid& grid;
+  const LawTable& laws;
+  const Pieces& pieces;
+  double skin;  // m
+};
+
+// `history` sorted; entries take theirs from it.
+void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs);
+void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
+                     const std::vector<int>& names, const std::vector<History>& history,
+                     std::vector<Approach>& approaches);
+
+// Key of a patch of a surface in a History; `name` stands for the surface's name.
+inline std::int64_t patch_key(int name, int patch) {
+  return -1 - ((static_cast<std::int64_t>(name) << 32) | patch);
+}
+std::vector<History> collect_history(const State& state, const Pieces& pieces,
+                                     const PairList& pairs, const std::vector<Approach>& approaches,
+                                     const std::vector<int>& names);
+
+}  // namespace trackbed::dem

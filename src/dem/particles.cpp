@@ -1,0 +1,225 @@
+// The door of the room: construction, adding and taking away, surfaces, the window.
+#include "trackbed/dem/particles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/exact_sum.hpp"
+
+namespace trackbed::dem {
+
+void Parameters::declare(input::Section& s) {
+  s.number("skin", skin, {.unit = "m", .at_least = 0},
+           "Reach of the neighbour lists beyond contact; 0: 0.15 of the smallest particle's "
+           "radius. Changes speed, not results.");
+  s.number("safety", safety, {.unit = "-", .above = 0, .at_most = 1},
+           "Longest sub-step over sqrt(m/k) of the stiffest contact and the lightest particle.");
+  s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
+           "Overlap over the smaller radius beyond which the run stops.");
+  s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0}, "Acceleration along -z.");
+}
+
+Particles::Room::Room(const par::Comm& comm_, const Physics& physics_,
+                      const Parameters& parameters_, const Domain& domain_)
+    : comm(comm_), physics(physics_), parameters(parameters_), domain(domain_), laws(physics_) {}
+
+Particles::Particles(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
+                     const Domain& domain)
+    : room_(std::make_unique<Room>(comm, physics, parameters, domain)) {}
+Particles::~Particles() = default;
+Particles::Particles(Particles&&) noexcept = default;
+
+int Particles::add_template(const Template& shape) { return room_->shapes.add(shape); }
+
+void Particles::add(std::span<const NewParticle> mine) {
+  Room& r = *room_;
+  const std::vector<History> kept = r.history();
+  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
+  for (const NewParticle& p : mine) {
+    visit_state(r.state, [](auto, auto, auto, auto& array, int) { array.emplace_back(); });
+    r.state.id.back() = p.id, r.state.shape.back() = p.shape;
+    r.state.material.back() = p.material, r.state.scale.back() = p.scale;
+    r.state.x.back().set(p.position), r.state.q.back() = vec4(p.attitude.normalized());
+    r.state.v.back().set(p.velocity);
+  }
+  const std::size_t begin = r.state.own;
+  r.state.own = r.state.size();
+  r.derive(begin);
+  for (std::size_t k = 0; k < mine.size(); ++k) {
+    const std::size_t b = begin + k;
+    const Quat q = quat(r.state.q[b]);
+    const Vec3 body = q.conjugate() * mine[k].spin;
+    r.state.l[b].set(q * Vec3(body.cwiseProduct(r.state.inertia[b].vec3())));
+    r.state.w[b].set(mine[k].spin);
+  }
+  r.approaches.clear(), r.pairs.clear();
+  r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
+  r.check_laws();
+  r.choose_grid();
+}
+
+std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& doomed) {
+  Room& r = *room_;
+  std::vector<History> kept = r.history();
+  std::vector<std::size_t> dead;
+  for (std::size_t b = 0; b < r.state.own; ++b)
+    if (doomed((*this)[b])) dead.push_back(b);
+  std::vector<Id> gone;
+  for (const std::size_t b : dead) gone.push_back(r.state.id[b]);
+  gone = r.comm.all_gather(std::span<const Id>(gone));
+  std::sort(gone.begin(), gone.end());
+  const auto is_gone = [&](std::int64_t key) {
+    return key >= 0 && std::binary_search(gone.begin(), gone.end(), particle_of(key));
+  };
+  const auto is_stale = [&](const History& h) { return is_gone(h.first) || is_gone(h.second); };
+  std::erase_if(kept, is_stale);
+  std::erase_if(r.waiting, is_stale);
+  visit_state(r.state, [&](auto, auto, auto, auto& array, int) {
+    array.resize(r.state.own);
+    for (std::size_t k = dead.size(); k-- > 0;)
+      array.erase(array.begin() + static_cast<std::ptrdiff_t>(dead[k]));
+  });
+  r.state.own = r.state.id.size();
+  r.derive(0);
+  r.approaches.clear(), r.pairs.clear();
+  r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
+  r.choose_grid();
+  return static_cast<std::int64_t>(gone.size());
+}
+
+void Particles::repartition() {
+  Room& r = *room_;
+  const std::vector<History> kept = r.history();
+  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
+  r.approaches.clear(), r.pairs.clear();
+  r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
+  r.choose_grid();
+}
+
+void Particles::Room::check_laws() const {
+  std::vector<std::int64_t> used(laws.materials(), 0);
+  for (std::size_t b = 0; b < state.own; ++b) used[static_cast<std::size_t>(state.material[b])] = 1;
+  comm.sum(used);
+  std::set<std::pair<std::size_t, std::size_t>> meeting;
+  for (std::size_t a = 0; a < used.size(); ++a)
+    if (used[a] > 0) {
+      for (std::size_t b = a; b < used.size(); ++b)
+        if (used[b] > 0) meeting.insert({a, b});
+      for (const Surface* surface : surfaces)
+        meeting.insert(std::minmax(a, static_cast<std::size_t>(surface->material)));
+    }
+  std::vector<std::string> problems;
+  for (const auto& [a, b] : meeting)
+    if (laws.index(static_cast<int>(a), static_cast<int>(b)) < 0)
+      problems.push_back(fmt::format("contact: no law is given between \"{}\" and \"{}\"",
+                                     physics.materials[a].name, physics.materials[b].name));
+  if (!problems.empty()) throw InputError(problems);
+}
+
+int Particles::Room::name_number(const std::string& name) {
+  const auto known = std::find(names.begin(), names.end(), name);
+  if (known == names.end()) names.push_back(name);
+  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void Particles::set_surfaces(std::vector<Surface*> surfaces) {
+  Room& r = *room_;
+  const std::vector<History> kept = r.history();
+  r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
+  r.approaches.clear(), r.pairs.clear();
+  r.surfaces = std::move(surfaces);
+  r.surface_names.clear(), r.meshes.clear();
+  r.surface_reference.assign(r.surfaces.size(), {});
+  double stiffest = 0, largest = 0;
+  for (const Law& law : r.laws.all()) stiffest = std::max(stiffest, law.k_n);
+  for (std::size_t b = 0; b < r.state.own; ++b) largest = std::max(largest, r.state.x[b].w);
+  largest = r.comm.max(largest);
+  for (Surface* surface : r.surfaces) {
+    r.surface_names.push_back(r.name_number(surface->name));
+    r.meshes.emplace_back(*surface);
+    // Room for the force of an overlap of 4 largest particles; see ExactSum.
+    surface->load_quantum = exact_quantum(4 * stiffest * std::max(largest, 1e-6));
+    surface->clear_load();
+  }
+  r.check_laws();
+  r.ready = false;
+}
+
+bool Particles::reaches(const Vec3& low, const Vec3& high) const {
+  const Room& r = *room_;
+  const double margin = r.bound + 2 * r.skin;
+  const Vec3 period = r.domain.high - r.domain.low;
+  for (std::size_t c = 0; c < r.grid.cells(); ++c) {
+    if (r.grid.owner(c) != r.comm.rank()) continue;
+    const Vec3 from = r.grid.low_of(c), to = from + r.grid.edge();
+    bool meets = true;
+    for (int a = 0; a < 3 && meets; ++a) {
+      const auto near = [&](double shift) {
+        return high[a] + shift > from[a] - margin && low[a] + shift < to[a] + margin;
+      };
+      meets = near(0) || (r.domain.periodic[static_cast<std::size_t>(a)] &&
+                          (near(period[a]) || near(-period[a])));
+    }
+    if (meets) return true;
+  }
+  return false;
+}
+
+double Particles::stable_step(std::string* limit) const {
+  const Room& r = *room_;
+  double lightest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    lightest = std::min(lightest, r.mass(b));
+    largest = std::max(largest, r.state.x[b].w);
+  }
+  lightest = r.comm.min(lightest), largest = r.comm.max(largest);
+  double stiffest = 0;
+  for (const Law& law : r.laws.all())  // hertz: at the largest overlap allowed
+    stiffest = std::max(
+        stiffest,
+        std::max(law.k_n, law.k_s) *
+            (law.kind == LawKind::linear ? 1 : largest * std::sqrt(r.parameters.largest_overlap)));
+  const double step = r.parameters.safety * std::sqrt(lightest / stiffest);
+  if (limit)
+    *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
+                         lightest, stiffest);
+  return step;
+}
+
+void Particles::advance(double dt_window, int steps) {
+  Room& r = *room_;
+  r.action = {};
+  if (!r.ready) r.rebuild();
+  r.surface_motion = r.surface_motion_since_rebuild();
+  for (int k = 1; k <= steps; ++k)
+    r.substep(dt_window / steps, static_cast<double>(k) / steps, steps);
+  double sums[7];
+  Eigen::Map<Vec3>(sums, 3) = r.action.force;
+  Eigen::Map<Vec3>(sums + 3, 3) = r.action.moment;
+  sums[6] = r.action.work;
+  r.comm.sum(std::span<double>(sums, 7));
+  r.action = {Eigen::Map<Vec3>(sums, 3), Eigen::Map<Vec3>(sums + 3, 3), sums[6]};
+}
+
+std::string Particles::trouble() { return std::exchange(room_->trouble, {}); }
+void Particles::set_local_damping(double alpha) { room_->local_damping = alpha; }
+
+void Particles::stop() {
+  for (auto* motion : {&room_->state.v, &room_->state.l, &room_->state.w})
+    for (Vec4& value : *motion) value.x = value.y = value.z = 0;
+}
+
+std::size_t Particles::size() const { return room_->state.own; }
+const SurfaceAction& Particles::surface_action() const { return room_->action; }
+std::int64_t Particles::steps() const { return room_->steps; }
+std::int64_t Particles::rebuilds() const { return room_->rebuilds; }
+const Domain& Particles::domain() const { return room_->domain; }
+void Particles::time_with(Timers& timers) { room_->timers = &timers; }
+
+}  // namespace trackbed::dem

@@ -1,0 +1,236 @@
+// New owners, ghosts and neighbour lists. Everything here follows from the state and the contact
+// history, and nothing that the forces depend on is changed: when and how often it happens does not
+// change a bit of the results.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <unordered_map>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+// Applies `permutation` to the first entries of every listed array.
+void permute_own(State& state, const std::vector<std::size_t>& permutation) {
+  visit_state(state, [&](auto, auto, auto, auto& array, int) {
+    auto moved = array;
+    moved.resize(permutation.size());
+    for (std::size_t k = 0; k < permutation.size(); ++k) moved[k] = array[permutation[k]];
+    array = std::move(moved);
+  });
+}
+
+void pack(State& state, std::size_t b, std::vector<std::byte>& out) {
+  visit_state(state, [&](auto, auto, auto, auto& array, int) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(&array[b]);
+    out.insert(out.end(), bytes, bytes + sizeof(array[b]));
+  });
+}
+
+const std::byte* unpack(State& state, const std::byte* in) {
+  visit_state(state, [&](auto, auto, auto, auto& array, int) {
+    std::memcpy(&array.emplace_back(), in, sizeof(array[0]));
+    in += sizeof(array[0]);
+  });
+  return in;
+}
+
+}  // namespace
+
+void Particles::Room::derive(std::size_t begin) {
+  state.w.resize(state.size());
+  state.inertia.resize(state.size());
+  for (std::size_t b = begin; b < state.size(); ++b) {
+    const Template& shape = shapes[state.shape[b]];
+    const double scale = state.scale[b];
+    const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
+    const double m = mass_of(shape, scale, density, domain);
+    state.v[b].w = m;
+    state.x[b].w = shapes.bound(state.shape[b]) * scale;
+    state.inertia[b].set(m * scale * scale * shape.gyration);
+    update_spin(b);
+  }
+}
+
+void Particles::Room::sort_own() {
+  std::vector<std::size_t> order(state.own);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return state.id[a] < state.id[b]; });
+  permute_own(state, order);
+}
+
+// Sends particles that left the rank's cells, each with the history of all its contacts.
+void Particles::Room::migrate(std::vector<History>& history) {
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<std::vector<std::byte>> leaving(ranks);
+  std::vector<std::vector<History>> leaving_history(ranks);
+  std::unordered_map<Id, std::size_t> goes_to;
+  std::vector<std::size_t> staying;
+  for (std::size_t b = 0; b < state.own; ++b) {
+    const Vec3 at = state.x[b].vec3();
+    if (grid.outside(at))
+      report(fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m", state.id[b],
+                         at.x(), at.y(), at.z()));
+    const int owner = at.allFinite() ? grid.owner(grid.index(grid.locate(at).cell)) : comm.rank();
+    if (owner == comm.rank()) {
+      staying.push_back(b);
+      continue;
+    }
+    pack(state, b, leaving[static_cast<std::size_t>(owner)]);
+    goes_to[state.id[b]] = static_cast<std::size_t>(owner);
+  }
+  if (!goes_to.empty())
+    for (const History& h : history)
+      for (const std::int64_t key : {h.first, h.second}) {
+        const auto to = key >= 0 ? goes_to.find(particle_of(key)) : goes_to.end();
+        if (to != goes_to.end()) leaving_history[to->second].push_back(h);
+      }
+  permute_own(state, staying);
+  for (const auto& bytes : comm.exchange(leaving))
+    for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
+      in = unpack(state, in);
+  state.own = state.size();
+  for (const auto& list : comm.exchange(leaving_history))
+    history.insert(history.end(), list.begin(), list.end());
+  std::sort(history.begin(), history.end());
+  const auto same = [](const History& a, const History& b) { return !(a < b) && !(b < a); };
+  history.erase(std::unique(history.begin(), history.end(), same), history.end());
+}
+
+void Particles::Room::find_ghosts() {
+  struct Name {
+    Id id;
+    std::int64_t shape, material;
+    double scale;
+  };
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<std::vector<std::int32_t>> items(ranks);
+  std::vector<std::vector<Name>> names_out(ranks);
+  for (std::size_t b = 0; b < state.own; ++b) {
+    const Vec3 at = state.x[b].vec3();
+    if (!at.allFinite()) continue;
+    grid.around(grid.locate(at).cell, [&](std::size_t cell, const auto&) {
+      const auto r = static_cast<std::size_t>(grid.owner(cell));
+      if (grid.owner(cell) == comm.rank()) return;
+      if (!items[r].empty() && items[r].back() == static_cast<std::int32_t>(b)) return;
+      items[r].push_back(static_cast<std::int32_t>(b));
+      names_out[r].push_back({state.id[b], state.shape[b], state.material[b], state.scale[b]});
+    });
+  }
+  halo.connect(comm, items);
+  for (const auto& list : comm.exchange(names_out))
+    for (const Name& name : list) {
+      visit_state(state, [](auto, auto, auto, auto& array, int) { array.emplace_back(); });
+      state.id.back() = name.id, state.shape.back() = name.shape;
+      state.material.back() = name.material, state.scale.back() = name.scale;
+    }
+  derive(0);
+  update_ghosts();
+}
+
+namespace {
+
+// What a contact needs of a ghost; radius and mass follow from its name.
+struct SphereMotion {
+  double x[3], v[3], w[3];
+};
+struct BodyMotion {
+  double x[3], v[3], w[3], q[4];
+};
+
+template <class Motion>
+void forward(par::Halo& halo, State& state) {
+  thread_local std::vector<Motion> mine, ghosts;
+  mine.resize(state.own);
+  for (const std::int32_t item : halo.items()) {
+    const auto b = static_cast<std::size_t>(item);
+    Motion& m = mine[b];
+    std::memcpy(m.x, &state.x[b], sizeof m.x);
+    std::memcpy(m.v, &state.v[b], sizeof m.v);
+    std::memcpy(m.w, &state.w[b], sizeof m.w);
+    if constexpr (sizeof(Motion) == sizeof(BodyMotion)) std::memcpy(m.q, &state.q[b], sizeof m.q);
+  }
+  ghosts.resize(halo.received());
+  halo.forward(mine.data(), ghosts.data());
+  for (std::size_t k = 0; k < ghosts.size(); ++k) {
+    const std::size_t b = state.own + k;
+    std::memcpy(&state.x[b].x, ghosts[k].x, sizeof ghosts[k].x);
+    std::memcpy(&state.v[b].x, ghosts[k].v, sizeof ghosts[k].v);
+    std::memcpy(&state.w[b].x, ghosts[k].w, sizeof ghosts[k].w);
+    if constexpr (sizeof(Motion) == sizeof(BodyMotion))
+      std::memcpy(&state.q[b].x, ghosts[k].q, sizeof ghosts[k].q);
+  }
+}
+
+}  // namespace
+
+void Particles::Room::update_ghosts() {
+  const auto timing = (timers ? *timers : own_timers).scope(Verb::halo);
+  if (shapes.only_spheres())
+    forward<SphereMotion>(halo, state);
+  else
+    forward<BodyMotion>(halo, state);
+}
+
+double Particles::Room::default_skin() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t b = 0; b < state.own; ++b)
+    smallest = std::min(smallest, shapes.bound(state.shape[b]) * state.scale[b]);
+  smallest = comm.min(smallest);
+  return std::isfinite(smallest) ? 0.15 * smallest : 1e-3;
+}
+
+void Particles::Room::choose_grid() {
+  bound = 0;
+  for (std::size_t b = 0; b < state.own; ++b)
+    bound = std::max(bound, shapes.bound(state.shape[b]) * state.scale[b]);
+  bound = comm.max(bound);
+  skin = parameters.skin > 0 ? parameters.skin : default_skin();
+  grid = Grid(domain, 2 * bound + skin);
+  std::vector<double> weights(grid.cells(), 0);
+  for (std::size_t b = 0; b < state.own; ++b)
+    if (state.x[b].vec3().allFinite())
+      weights[grid.index(grid.locate(state.x[b].vec3()).cell)] +=
+          static_cast<double>(shapes.end(state.shape[b]) - shapes.begin(state.shape[b]));
+  comm.sum(weights);  // whole numbers: exact in any order
+  grid.share_out(weights, comm.size());
+  ready = false;
+}
+
+void Particles::Room::remember_reference() {
+  reference_x.assign(state.x.begin(), state.x.begin() + static_cast<std::ptrdiff_t>(state.own));
+  reference_q.assign(state.q.begin(), state.q.begin() + static_cast<std::ptrdiff_t>(state.own));
+  largest_motion = surface_motion = 0;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    surface_reference[k].resize(surfaces[k]->nodes());
+    for (std::size_t n = 0; n < surfaces[k]->nodes(); ++n)
+      surface_reference[k][n] = node_at(*surfaces[k], static_cast<std::int32_t>(n), 1);
+  }
+}
+
+void Particles::Room::rebuild() {
+  const auto timing = (timers ? *timers : own_timers).scope(Verb::neighbours);
+  std::vector<History> carried = history();
+  if (!waiting.empty()) carried.insert(carried.end(), waiting.begin(), waiting.end());
+  waiting.clear();
+  visit_state(state, [&](auto, auto, auto, auto& array, int) { array.resize(state.own); });
+  migrate(carried);
+  sort_own();
+  find_ghosts();
+  lay_out(state, shapes, pieces);
+  place(state, shapes, pieces);
+  const Scene scene{state, shapes, grid, laws, pieces, skin};
+  find_pairs(scene, carried, pairs);
+  find_approaches(scene, surfaces, surface_names, carried, approaches);
+  remember_reference();
+  ++rebuilds;
+  ready = true;
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,88 @@
+// The inside of Particles: what a rank keeps, and the verbs of a sub-step.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "grid.hpp"
+#include "laws.hpp"
+#include "mesh.hpp"
+#include "pairs.hpp"
+#include "state.hpp"
+#include "trackbed/par/halo.hpp"
+
+namespace trackbed::dem {
+
+struct Particles::Room {
+  Room(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
+       const Domain& domain);
+
+  // The sub-step (step.cpp). s: share of the window that has passed at its end.
+  void substep(double dt, double s, int steps);
+  bool lists_are_old() const;                   // collective
+  double surface_motion_since_rebuild() const;  // m, at the end of this window
+  void kick_and_drift(double dt);
+  void kick(double dt);
+  void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
+  // contacts.cpp
+  void feel_pairs(double dt);
+  void feel_surfaces(double dt, double s, int steps);
+  // rebuild.cpp: new owners, ghosts and lists, from the state alone.
+  void rebuild();
+  void migrate(std::vector<History>& history);
+  void find_ghosts();
+  void update_ghosts();
+  void sort_own();
+  void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
+  void choose_grid();              // collective
+  void remember_reference();
+  double default_skin() const;  // collective
+
+  double mass(std::size_t b) const { return state.v[b].w; }
+  void report(std::string problem) {
+    if (trouble.empty()) trouble = std::move(problem);
+  }
+  int name_number(const std::string& name);
+  void check_laws() const;  // throws InputError; collective
+  std::vector<History> history() const {
+    return collect_history(state, pieces, pairs, approaches, surface_names);
+  }
+  const Law& law_of(const Approach& a) const { return laws[static_cast<std::size_t>(a.law)]; }
+
+  par::Comm comm;
+  Physics physics;
+  Parameters parameters;
+  Domain domain;
+  LawTable laws;
+  Shapes shapes;
+  State state;
+
+  Grid grid;
+  double skin = 0;     // m
+  double bound = 0;    // m, largest bounding radius over all ranks
+  bool ready = false;  // lists match the state
+
+  par::Halo halo;
+  Pieces pieces;
+  PairList pairs;
+  std::vector<Approach> approaches;
+  std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
+  double largest_motion = 0;  // m, of a surface point of an own particle since then
+
+  std::vector<Surface*> surfaces;
+  std::vector<int> surface_names;
+  std::vector<std::string> names;  // of all surfaces met so far; history refers to their numbers
+  std::vector<Mesh> meshes;
+  std::vector<std::vector<Vec3>> surface_reference;  // m, at the end of the rebuild's window
+  double surface_motion = 0;                         // m, largest of a node since then
+  std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
+
+  double local_damping = -1;
+  SurfaceAction action;
+  std::string trouble;
+  std::int64_t steps = 0, rebuilds = 0;
+  Timers* timers = nullptr;
+  Timers own_timers;
+};
+
+}  // namespace trackbed::dem

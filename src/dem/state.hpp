@@ -1,0 +1,91 @@
+// The particles of a rank. What must survive migration, checkpoint and restart is listed once, in
+// `visit_state`; everything else is derived from it.
+#pragma once
+
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+#include "trackbed/dem/particles.hpp"
+#include "vec4.hpp"
+
+namespace trackbed::dem {
+
+// Own particles first, [0, own), in the order of their ids; then ghosts.
+struct State {
+  std::size_t own = 0;
+  std::vector<Id> id;
+  std::vector<std::int64_t> shape, material;
+  std::vector<double> scale;
+  std::vector<Vec4> x;  // m, centre of mass, unwrapped; w: bounding radius
+  std::vector<Vec4> q;  // attitude, unit quaternion
+  std::vector<Vec4> v;  // m/s; w: mass
+  std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes
+  std::vector<Vec4> f;  // N, from contacts, at the time of x
+  std::vector<Vec4> t;  // Nm
+  // Derived
+  std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
+  std::vector<Vec4> inertia;  // kg m^2, principal moments
+
+  std::size_t size() const { return id.size(); }
+};
+
+// The list: name, unit, meaning, variable, columns stored in files (the rest is derived).
+template <class S, class Visit>
+void visit_state(S& s, Visit&& visit) {
+  visit("id", "-", "name of the particle, the same on every rank", s.id, 1);
+  visit("shape", "-", "number of its template", s.shape, 1);
+  visit("material", "-", "number of its material", s.material, 1);
+  visit("scale", "-", "size over the template's", s.scale, 1);
+  visit("position", "m", "centre of mass, unwrapped across periodic sides", s.x, 3);
+  visit("attitude", "-", "quaternion x y z w from principal axes to space", s.q, 4);
+  visit("velocity", "m/s", "of the centre of mass", s.v, 3);
+  visit("angular_momentum", "kg m2/s", "about the centre of mass, in space axes", s.l, 3);
+  visit("force", "N", "sum of contact forces at this time, without gravity", s.f, 3);
+  visit("torque", "Nm", "sum of contact torques about the centre of mass at this time", s.t, 3);
+}
+
+// Templates flattened for the kernels.
+class Shapes {
+ public:
+  int add(const Template& shape);
+  std::size_t size() const { return templates_.size(); }
+  const Template& operator[](std::int64_t shape) const {
+    return templates_[static_cast<std::size_t>(shape)];
+  }
+  std::size_t begin(std::int64_t shape) const { return begin_[static_cast<std::size_t>(shape)]; }
+  std::size_t end(std::int64_t shape) const { return begin_[static_cast<std::size_t>(shape) + 1]; }
+  const Vec4& piece(std::size_t k) const { return pieces_[k]; }  // centre; w: radius; unit scale
+  double bound(std::int64_t shape) const { return bound_[static_cast<std::size_t>(shape)]; }
+  bool only_spheres() const { return only_spheres_; }  // one centred piece each
+
+ private:
+  std::vector<Template> templates_;
+  std::vector<std::size_t> begin_{0};
+  std::vector<Vec4> pieces_;
+  std::vector<double> bound_;
+  bool only_spheres_ = true;
+};
+
+// Mass in kg of a particle of this template: area times thickness in a plane model.
+double mass_of(const Template& shape, double scale, double density, const Domain& domain);
+
+// Contact history between two pieces, or a piece and a patch of a surface, on its way from one
+// neighbour list to the next, to another rank or into a checkpoint.
+struct History {
+  std::int64_t first = 0;    // key of the piece with the lower id
+  std::int64_t second = 0;   // key of the other piece, or -1 - (surface * 2^32 + patch)
+  double xi[3] = {0, 0, 0};  // m, tangential displacement
+
+  bool operator<(const History& o) const {
+    return first != o.first ? first < o.first : second < o.second;
+  }
+};
+
+// Names a piece the same on every rank; sorts by particle, then piece.
+inline constexpr int piece_bits = 16;
+inline std::int64_t piece_key(Id id, std::size_t piece) {
+  return (id << piece_bits) | static_cast<std::int64_t>(piece);
+}
+inline Id particle_of(std::int64_t key) { return key >> piece_bits; }
+
+}  // namespace trackbed::dem

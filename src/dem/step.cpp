@@ -1,0 +1,144 @@
+// One sub-step: velocity Verlet (Swope et al. 1982, doi:10.1063/1.442716) for the centres; the
+// rotation of a body about its principal axes in turn (Dullweber, Leimkuhler, McLachlan 1997,
+// doi:10.1063/1.474310), which is second order, keeps |q| to rounding and the angular momentum
+// exactly. A state between windows is at one time level.
+#include <cmath>
+
+#include "room.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+// Cundall's local damping: a share of the net force resists the motion.
+double damped(double force, double velocity, double alpha) {
+  return force - alpha * std::copysign(std::abs(force), velocity) * (velocity != 0);
+}
+
+// Turns the body frame by `angle` about its axis `a` and the angular momentum in it back.
+void turn(Quat& q, Vec3& body_momentum, int a, double angle) {
+  const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+  Quat step(c, 0, 0, 0);
+  step.vec()[a] = s;
+  q = q * step;
+  const double cos = c * c - s * s, sin = 2 * s * c;
+  const int b = (a + 1) % 3, d = (a + 2) % 3;
+  const double lb = body_momentum[b], ld = body_momentum[d];
+  body_momentum[b] = cos * lb + sin * ld;
+  body_momentum[d] = cos * ld - sin * lb;
+}
+
+void rotate_in_space(Vec4& attitude, const Vec4& momentum, const Vec4& inertia, double dt) {
+  Quat q = quat(attitude);
+  Vec3 body = q.conjugate() * momentum.vec3();
+  turn(q, body, 0, 0.5 * dt * body[0] / inertia.x);
+  turn(q, body, 1, 0.5 * dt * body[1] / inertia.y);
+  turn(q, body, 2, dt * body[2] / inertia.z);
+  turn(q, body, 1, 0.5 * dt * body[1] / inertia.y);
+  turn(q, body, 0, 0.5 * dt * body[0] / inertia.x);
+  q.normalize();
+  attitude = vec4(q);
+}
+
+}  // namespace
+
+void Particles::Room::update_spin(std::size_t b) {
+  Vec4& w = state.w[b];
+  const Vec4 &l = state.l[b], &inertia = state.inertia[b];
+  if (shapes.only_spheres()) {
+    const double over = 1.0 / inertia.y;
+    w.x = over * l.x, w.y = over * l.y, w.z = over * l.z;
+  } else if (domain.dimension == Dimension::plane) {
+    w = {0, l.y / inertia.y, 0, 0};
+  } else {
+    const Quat q = quat(state.q[b]);
+    const Vec3 body = q.conjugate() * l.vec3();
+    w.set(q * Vec3(body.x() / inertia.x, body.y() / inertia.y, body.z() / inertia.z));
+  }
+}
+
+void Particles::Room::kick(double dt) {
+  const double half = 0.5 * dt, weight = -parameters.gravity;
+  const bool plane = domain.dimension == Dimension::plane;
+  for (std::size_t b = 0; b < state.own; ++b) {
+    Vec4 &v = state.v[b], &l = state.l[b];
+    Vec4 f = state.f[b], t = state.t[b];
+    f.z += v.w * weight;
+    const double alpha =
+        local_damping >= 0
+            ? local_damping
+            : physics.materials[static_cast<std::size_t>(state.material[b])].local_damping;
+    if (alpha > 0) {
+      f.x = damped(f.x, v.x, alpha), f.y = damped(f.y, v.y, alpha), f.z = damped(f.z, v.z, alpha);
+      t.x = damped(t.x, l.x, alpha), t.y = damped(t.y, l.y, alpha), t.z = damped(t.z, l.z, alpha);
+    }
+    if (plane) f.y = t.x = t.z = 0;
+    const double over_mass = half / v.w;
+    v.x += over_mass * f.x, v.y += over_mass * f.y, v.z += over_mass * f.z;
+    l.x += half * t.x, l.y += half * t.y, l.z += half * t.z;
+  }
+}
+
+void Particles::Room::kick_and_drift(double dt) {
+  kick(dt);
+  const bool spheres = shapes.only_spheres(), plane = domain.dimension == Dimension::plane;
+  double motion = 0;
+  for (std::size_t b = 0; b < state.own; ++b) {
+    Vec4 &x = state.x[b], &q = state.q[b];
+    const Vec4 &v = state.v[b], &l = state.l[b], &inertia = state.inertia[b];
+    x.x += dt * v.x, x.y += dt * v.y, x.z += dt * v.z;
+    const Vec4& from = reference_x[b];
+    const double dx = x.x - from.x, dy = x.y - from.y, dz = x.z - from.z;
+    double moved = std::sqrt(dx * dx + dy * dy + dz * dz);
+    if (!spheres) {  // the attitude of a sphere is not followed
+      if (plane) {
+        Vec3 momentum(0, l.y, 0);
+        Quat attitude = quat(q);
+        turn(attitude, momentum, 1, dt * l.y / inertia.y);
+        q = vec4(attitude.normalized());
+      } else {
+        rotate_in_space(q, l, inertia, dt);
+      }
+      const Vec4& before = reference_q[b];
+      const double cx = q.x - before.x, cy = q.y - before.y, cz = q.z - before.z,
+                   cw = q.w - before.w;
+      // |q - q0| = 2 sin(angle/4) or more; 2.1 covers angles up to 1 rad.
+      moved += 2.1 * x.w * std::sqrt(cx * cx + cy * cy + cz * cz + cw * cw);
+    }
+    update_spin(b);
+    motion = moved > motion ? moved : motion;
+  }
+  largest_motion = motion;
+}
+
+double Particles::Room::surface_motion_since_rebuild() const {
+  double motion = 0;
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    for (std::size_t n = 0; n < surfaces[k]->nodes(); ++n) {
+      const double moved =
+          (node_at(*surfaces[k], static_cast<std::int32_t>(n), 1) - surface_reference[k][n]).norm();
+      if (moved > motion) motion = moved;
+    }
+  return motion;
+}
+
+bool Particles::Room::lists_are_old() const {
+  const double closer = std::max(2 * largest_motion, largest_motion + surface_motion);
+  // Written so that a position that is not a number asks for a rebuild, which reports it.
+  const bool old = !(closer <= skin);
+  return comm.max(static_cast<std::int64_t>(old)) > 0;
+}
+
+void Particles::Room::substep(double dt, double s, int steps_in_window) {
+  kick_and_drift(dt);
+  if (lists_are_old())
+    rebuild();
+  else
+    update_ghosts();
+  feel_pairs(dt);
+  feel_surfaces(dt, s, steps_in_window);
+  kick(dt);
+  ++steps;
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,19 @@
+// Four doubles in one aligned line: what the hot loops read with a single load.
+#pragma once
+
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::dem {
+
+struct alignas(32) Vec4 {
+  double x = 0, y = 0, z = 0, w = 0;
+  Vec3 vec3() const { return {x, y, z}; }
+  void set(const Vec3& v) { x = v.x(), y = v.y(), z = v.z(); }
+};
+
+inline Quat quat(const Vec4& q) { return Quat(q.w, q.x, q.y, q.z); }
+inline Vec4 vec4(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+
+}  // namespace trackbed::dem
