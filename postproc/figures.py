@@ -239,7 +239,40 @@ def energy(runs):
     return figure
 
 
-FIGURES = {"sleepers": sleepers, "envelope": envelope, "stress": stress, "spectrum": spectra,
+def overview(runs):
+    """For the first page: forces in the bed, and what the ground's surface does below it."""
+    needs(all("displacement_min" in run.ground_envelope for run in runs), "no ground envelope")
+    run = runs[0]
+    stages = [name for name, chains in run.chains.items() if len(chains.force)]
+    needs(stages, "no force chains")
+    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 7.5),
+                                  gridspec_kw={"height_ratios": (1, 1.4, 1.4)})
+    chains = run.chains[stages[-1]]
+    draw_chains(panels[0], chains, run.stones.get(stages[-1]), float(np.max(chains.force)))
+    # Equal scales would leave a thin strip of the bed: here z is stretched.
+    panels[0].set_aspect("auto")
+    panels[0].set_ylim(0, np.max(chains.segments[:, 1::2]) + 0.05)
+    panels[0].set_title(f"Contact forces in the bed ({run.name}, thickest line "
+                        f"{np.max(chains.force) / 1e3:.1f} kN; z stretched)", fontsize=10)
+    for run, colour in zip(runs, COLOURS):
+        order = np.argsort(run.ground_x)
+        x = run.ground_x[order]
+        panels[1].plot(x, run.ground_envelope["displacement_min"].values[order] * 1e3,
+                       color=colour, label=run.name)
+        compression = -run.ground_envelope["sigma_z_min"].values[order] / 1e3
+        panels[2].plot(x, measures.smoothed(x, compression, measures.spacing(run)), color=colour,
+                       label=run.name)
+    panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
+    panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
+    for panel in panels[1:]:
+        mark_blocks(panel, runs[0])
+        panel.legend(fontsize=8, loc="lower right")
+        panel.grid(alpha=0.3)
+    panels[2].set_xlabel("x along the track (m)")
+    return figure
+
+
+FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress, "spectrum": spectra,
            "force_chains": force_chains, "energy": energy}
 
 

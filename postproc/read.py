@@ -2,8 +2,8 @@
 
     results = read.results("results/quickstart/wedge")     # folder or results.h5
     results.sleeper["displacement"].values                 # [time, sleeper], m, up positive
-    state = read.checkpoint("results/quickstart/wedge/checkpoints")
-    state["stones/position"].unit
+    state = read.checkpoint("results/quickstart/wedge")         # the one `latest` names
+    state["run/clock"].unit
 
 Run as a program it lists a file: `read.py FILE`.
 """
