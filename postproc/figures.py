@@ -37,12 +37,12 @@ def needs(holds, what):
 
 
 def mark_blocks(axes, run):
-    """Shades the stretches of the ground's blocks and writes their names at the upper edge."""
+    """Shades the stretches of the ground's blocks and writes their names at the lower edge."""
     for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
         axes.axvspan(low, high, color="0.85" if number % 2 else "0.75", alpha=0.5, lw=0, zorder=0)
-        # Blocks may start together; names step down so that they do not cover each other.
-        axes.text(low, 0.99 - 0.06 * number, f" {name}", transform=axes.get_xaxis_transform(),
-                  va="top", fontsize=8)
+        # Blocks may start together; names step up so that they do not cover each other.
+        axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
+                  va="bottom", fontsize=8)
 
 
 def chosen_sleepers(run):
@@ -65,13 +65,13 @@ def sleepers(runs):
         sunk = (sunk - sunk[0]) * 1e3
         deepest.append(np.min(sunk))
         acceleration = FILTER(time, run.sleeper["acceleration"].values[rows]) / GRAVITY
-        shown = (sunk, run.sleeper["seat_force"].values[rows] / 1e3,
+        shown = (sunk, -run.sleeper["seat_force"].values[rows] / 1e3,
                  run.sleeper["reaction"].values[rows] / 1e3, acceleration)
         for k in chosen_sleepers(run):
             for panel, values in zip(panels, shown):
                 panel.plot(time, values[:, k], lw=1, ls="-" if number == 0 else "--",
                            label=f"{run.name}, x = {run.sleepers_x[k]:.2f} m")
-    labels = ("displacement (mm, up)", "seat load (kN)", "reaction of stones (kN)",
+    labels = ("displacement (mm, up)", "seat load (kN, down)", "reaction of stones (kN, up)",
               f"acceleration (g)\n{FILTER.name_for(time)}")
     for panel, label in zip(panels, labels):
         panel.set_ylabel(label)
@@ -102,7 +102,7 @@ def envelope(runs):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, from the passage's begin)")
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, loc="lower left")
+        panel.legend(fontsize=8, loc="lower right")
     lower.set_xlabel("x along the track (m)")
     upper.set_title("Envelope; deepest ground " + "; ".join(text), fontsize=10)
     return figure

@@ -43,7 +43,7 @@ def ground_stress(x, wedge):
 
 def histories(time, x):
     """What sleepers do: `displacement` 1 mm at 2 Hz, `acceleration` 3 m/s^2 at 10 Hz plus 50 at
-    300 Hz, `seat_force` a pulse per axle, 50 kN peak, passing at SPEED."""
+    300 Hz, `seat_force` a pulse of -50 kN per axle, passing at SPEED."""
     t = time[:, None]
     ones = np.ones((1, len(x)))
     way = SPEED * t - x[None, :]
@@ -52,7 +52,7 @@ def histories(time, x):
         "velocity": (np.cos(2 * np.pi * 2 * t) * ones, "m/s"),
         "acceleration": ((3 * np.sin(2 * np.pi * 10 * t) + 50 * np.sin(2 * np.pi * 300 * t)) * ones,
                          "m/s^2"),
-        "seat_force": (sum(50e3 * np.exp(-((way - 3 - axle) / 0.5)**2) for axle in AXLES), "N"),
+        "seat_force": (-sum(50e3 * np.exp(-((way - 3 - axle) / 0.5)**2) for axle in AXLES), "N"),
         "reaction": (7e3 * np.ones((len(time), len(x))), "N"),
     }
 
