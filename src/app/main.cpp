@@ -1,5 +1,7 @@
+#include "app/program.hpp"
 #include "trackbed/par/comm.hpp"
+
 int main(int argc, char** argv) {
   const trackbed::par::Environment environment(argc, argv);
-  return 0;
+  return trackbed::app::program(trackbed::par::Comm::world(), argc, argv);
 }

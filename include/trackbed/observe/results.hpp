@@ -1,0 +1,73 @@
+// What a run leaves behind besides checkpoints: histories, envelopes and snapshots in one file
+// (results.h5), and pictures for ParaView. Looks at the model, never changes it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "trackbed/dem/particles.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/par/comm.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::observe {
+
+// What there is to look at; a null pointer is a part the model does not have (yet).
+struct Scene {
+  const dem::Particles& particles;
+  fem::Ground* ground = nullptr;  // const in spirit: its top() is only read
+  const track::Sleepers* sleepers = nullptr;
+};
+
+// The instant of a history row.
+struct Instant {
+  double time = 0;                     // s
+  std::int64_t stage = 0;              // number of the stage in the deck
+  std::span<const double> seat_force;  // N, downwards, per sleeper
+};
+
+struct About {
+  std::string deck;     // the effective input
+  std::string version;  // of the program
+};
+
+// Ground nodes that are watched: along the top, at one face (plane) or nearest the centre line,
+// by x. The same list on every rank.
+std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension);
+
+// The file is replaced as a whole at every flush (copy, append, rename), so that a run killed at
+// any instant leaves a file that opens.
+class Results {
+ public:
+  // `rows` > 0: goes on with the file of a stopped run, cut to that many history rows; snapshots of
+  // stages not named in `finished` are left out. Collective.
+  Results(const par::Comm& comm, const std::string& path, const About& about);
+  ~Results();
+  Results(Results&&) noexcept;
+  void resume(const std::string& old_path, std::int64_t rows,
+              const std::vector<std::string>& finished);
+
+  // Begins the file (unless it goes on) and fixes the columns of the histories. `sleeper_x`: m,
+  // also before the sleepers are placed.
+  void watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x);
+  void sample(const Scene& scene, const Instant& instant);
+  std::int64_t rows() const;
+  // Contact network and stones as they are now, under /chains/<stage> and /stones/<stage>.
+  void snapshot(const std::string& stage, const Scene& scene);
+  // Extremes over the history rows of stage number `stage`, from the values of its first row.
+  void envelope(std::int64_t stage);
+  void flush();
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
+};
+
+// fields/<name>_{stones,ground,contacts}.vtkhdf in `folder`. Collective.
+void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
+                    const Scene& scene);
+
+}  // namespace trackbed::observe

@@ -1,0 +1,227 @@
+// The state of a run in a checkpoint: that of each room in its own group, what lies between them
+// (surfaces' mean forces, averages, clock, finished stages) in the group run.
+#include "trackbed/io/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "app/simulation.hpp"
+#include "app/summary.hpp"
+#include "app/version.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr std::size_t record_columns = 7;
+
+std::vector<double> pack(const std::vector<StageRecord>& records) {
+  std::vector<double> rows;
+  for (const StageRecord& r : records)
+    rows.insert(rows.end(), {r.time, r.duration, r.window, r.substeps, r.particles, r.bulk_density,
+                             r.wall_time});
+  return rows;
+}
+
+std::vector<StageRecord> unpack(const std::string& names, const std::vector<double>& rows) {
+  std::vector<StageRecord> records;
+  std::istringstream words(names);
+  std::string name;
+  for (std::size_t i = 0; std::getline(words, name) && i + record_columns <= rows.size();
+       i += record_columns)
+    records.push_back({name, rows[i], rows[i + 1], rows[i + 2], rows[i + 3], rows[i + 4],
+                       rows[i + 5], rows[i + 6]});
+  return records;
+}
+
+std::string joined_names(const std::vector<StageRecord>& records) {
+  std::string names;
+  for (const StageRecord& record : records) names += record.name + "\n";
+  return names;
+}
+
+// Vectors per node as rows; rank 0 holds them all.
+void write_nodes(const par::Comm& comm, io::File& file, const std::string& path,
+                 const std::vector<Vec3>& all, const io::Label& label) {
+  const double* first = all.empty() ? nullptr : all[0].data();
+  file.write<double>(path, std::span(first, comm.root() ? 3 * all.size() : 0), 3, label);
+}
+
+std::vector<Vec3> read_nodes(const io::File& file, const std::string& path) {
+  const std::vector<double> values = file.read_all<double>(path);
+  std::vector<Vec3> nodes(values.size() / 3);
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    nodes[n] = Vec3(values[3 * n], values[3 * n + 1], values[3 * n + 2]);
+  return nodes;
+}
+
+// Own nodes' values from every rank; the others are zero, so the sum is exact.
+std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
+                           const std::vector<Vec3>& values) {
+  std::vector<Vec3> all(values.size(), Vec3::Zero());
+  for (const std::int32_t own : ground.own_top())
+    all[static_cast<std::size_t>(own)] = values[static_cast<std::size_t>(own)];
+  if (!all.empty()) comm.sum(std::span<double>(all[0].data(), 3 * all.size()));
+  return all;
+}
+
+void save_surfaces(World& world, io::File& file) {
+  const par::Comm& comm = world.comm;
+  std::vector<double> height;
+  if (comm.root()) height.push_back(world.wall_height);
+  file.write<double>("run/wall_height", height, 1, {"m", "height of the walls; 0: none yet"});
+  if (world.ground) {
+    const Surface& top = world.ground->top();
+    write_nodes(comm, file, "run/support", gathered(comm, *world.ground, world.support),
+                {"N", "averaged load of the bed on the ground's top nodes"});
+    write_nodes(comm, file, "run/top_position", gathered(comm, *world.ground, top.position),
+                {"m", "ground's top nodes at the start of the last window"});
+    write_nodes(comm, file, "run/top_motion", gathered(comm, *world.ground, top.motion),
+                {"m", "their motion in it"});
+  }
+  for (const World::Means& means : world.means())
+    write_nodes(comm, file, "coupling/" + means.surface, means.force,
+                {"N", "mean force of stones on the nodes in the last window"});
+}
+
+void load_surfaces(World& world, const io::File& file) {
+  const double height = file.read_all<double>("run/wall_height").at(0);
+  if (height > 0) world.raise_walls(height);
+  if (world.ground && file.has("run/support")) {
+    world.support = read_nodes(file, "run/support");
+    Surface& top = world.ground->top();
+    top.position = read_nodes(file, "run/top_position");
+    top.motion = read_nodes(file, "run/top_motion");
+  }
+  world.meet();
+  std::vector<World::Means> means;
+  for (const std::string& surface : file.names("coupling"))
+    means.push_back({surface, read_nodes(file, "coupling/" + surface)});
+  world.set_means(means);
+}
+
+}  // namespace
+
+std::string folder_of_checkpoint(const std::string& checkpoint) {
+  namespace fs = std::filesystem;
+  fs::path folder(checkpoint);
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (!fs::is_directory(folder)) folder = folder.parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+void Simulation::checkpoint(const std::string& name) {
+  results_.flush();
+  const auto timing = timers_.scope(Verb::output);
+  io::write_checkpoint(comm_, folder_, name, [&](io::File& file) { save(file); });
+  last_checkpoint_ = folder_ + "/" + name;
+}
+
+void Simulation::save(io::File& file) {
+  file.attribute("/", "version", version());
+  file.attribute("/", "deck", effective_deck(model_));
+  file.attribute("/", "deck_name", name_);
+  file.attribute("/", "stage", stage().name);
+  file.attribute("/", "stage_finished", static_cast<std::int64_t>(!course_.begun));
+  file.attribute("/", "stages_done", joined_names(course_.done));
+  file.attribute("/", "time", course_.clock.time());
+  file.attribute("/", "particles", world_.particles.totals().particles);
+  const bool root = comm_.root();
+  const Clock& clock = course_.clock;
+  const std::vector<double> times{clock.start(), clock.dt()};
+  file.write<double>("run/clock", std::span(times).first(root ? times.size() : 0), 1,
+                     {"s", "begin of the stage, length of a window"});
+  const std::vector<std::int64_t> counts{static_cast<std::int64_t>(course_.stage),
+                                         clock.window(),
+                                         clock.windows(),
+                                         course_.steps.substeps,
+                                         course_.windows,
+                                         results_.rows(),
+                                         world_.ground_settled ? 1 : 0};
+  file.write<std::int64_t>("run/counts", std::span(counts).first(root ? counts.size() : 0), 1,
+                           {"-",
+                            "stage, window of the stage, windows of the stage, sub-steps, "
+                            "windows of the run, history rows, ground let go"});
+  const couple::Balance& b = world_.coupler.balance();
+  const std::vector<double> balance{b.force, b.moment, b.impulse, b.work};
+  file.write<double>("run/balance", std::span(balance).first(root ? 4 : 0), 1,
+                     {"-", "largest relative imbalance of force, moment, impulse, work"});
+  const std::vector<double> records = root ? pack(course_.done) : std::vector<double>{};
+  file.write<double>("run/stages", records, record_columns,
+                     {"SI",
+                      "finished stages: time, duration, window, sub-steps, particles, bulk "
+                      "density, wall time"});
+  world_.particles.save(file, "particles");
+  if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
+  if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
+  if (world_.platen) world_.platen->save(file, "platen");
+  save_surfaces(world_, file);
+}
+
+void Simulation::load(const io::File& file) {
+  const auto times = file.read_all<double>("run/clock");
+  const auto counts = file.read_all<std::int64_t>("run/counts");
+  const auto balance = file.read_all<double>("run/balance");
+  course_.stage = static_cast<std::size_t>(counts.at(0));
+  course_.begun = file.integer_attribute("/", "stage_finished") == 0;
+  course_.clock = Clock(times.at(1), counts.at(2));
+  course_.clock.set(times.at(0), counts.at(1));
+  course_.steps = {.window = times.at(1), .substeps = static_cast<int>(counts.at(3)), .limit = ""};
+  course_.windows = counts.at(4);
+  course_.done =
+      unpack(file.text_attribute("/", "stages_done"), file.read_all<double>("run/stages"));
+  world_.ground_settled = counts.at(6) != 0;
+  world_.coupler.set_balance({balance.at(0), balance.at(1), balance.at(2), balance.at(3)});
+  world_.particles.load(file, "particles");
+  if (world_.sleepers && file.has("sleepers")) world_.sleepers->load(file, "sleepers");
+  if (world_.ground && world_.ground_settled) world_.ground->load(file, "ground");
+  if (file.has("platen")) {
+    world_.platen.emplace(model_.platen, model_.domain(), model_.material(model_.wall_material));
+    world_.platen->load(file, "platen");
+  }
+  load_surfaces(world_, file);
+}
+
+void Simulation::resume(const std::string& checkpoint) {
+  const io::File file = io::open_checkpoint(comm_, checkpoint);
+  load(file);
+  last_checkpoint_ = checkpoint;
+  std::vector<std::string> finished;
+  for (const StageRecord& record : course_.done) finished.push_back(record.name);
+  const auto rows = file.read_all<std::int64_t>("run/counts").at(5);
+  results_.resume(folder_of_checkpoint(checkpoint) + "/results.h5", rows, finished);
+  if (!course_.begun) {
+    ++course_.stage;
+    return;
+  }
+  world_.particles.set_local_damping(stage().local_damping);
+  const double mid_window =
+      (static_cast<double>(course_.clock.window()) - 0.5) * course_.clock.dt();
+  seat_force_ = actions_.seat_forces(stage(), mid_window);
+  measured_ = measure_from(stage().name, timers_, world_);
+}
+
+void Simulation::start_from(const std::string& checkpoint) {
+  const io::File file = io::open_checkpoint(comm_, checkpoint);
+  const std::string name = file.text_attribute("/", "stage");
+  if (file.integer_attribute("/", "stage_finished") == 0)
+    throw InputError(
+        {fmt::format("{} \"{}\" was written within stage \"{}\"; a run can start from "
+                     "the end of a stage only (or `trackbed resume` it)",
+                     deck_.where("start"), checkpoint, name)});
+  std::size_t number = 0;
+  while (number < model_.stages.size() && model_.stages[number].name != name) ++number;
+  if (number == model_.stages.size())
+    throw InputError(
+        {fmt::format("{} \"{}\" was written after stage \"{}\", which this deck does "
+                     "not have",
+                     deck_.where("start"), checkpoint, name)});
+  load(file);
+  course_.windows = 0;
+  course_.stage = number + 1;
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,168 @@
+#include "app/commands.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "app/simulation.hpp"
+#include "app/version.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/io/checkpoint.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+input::Declaration declaration_of(Model& model) {
+  return [&model](input::Section& section) { model.declare(section); };
+}
+
+void print(const par::Comm& comm, const std::string& text) {
+  if (!comm.root()) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void make_folder(const par::Comm& comm, const std::string& folder) {
+  std::error_code error;
+  if (comm.root()) fs::create_directories(folder, error);
+  comm.agree(error ? "cannot make the result folder " + folder + ": " + error.message() : "");
+}
+
+int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
+  const Outcome outcome = simulation.run();
+  if (outcome == Outcome::finished) {
+    print(comm, "results: " + folder + "\n");
+    return static_cast<int>(ExitCode::success);
+  }
+  print(comm, "stopped early; go on with: trackbed resume " + folder + "\n");
+  return exit_stopped;
+}
+
+// Millions of stone-steps per second and core that small plane stones reach; only for an estimate.
+constexpr double assumed_speed = 0.5e6;
+
+void print_costs(const par::Comm& comm, const Model& model, World& world,
+                 const StageActions& actions, const input::Deck& deck) {
+  const auto particles = static_cast<double>(world.particles.totals().particles);
+  double seconds = 0;
+  for (const Stage& stage : model.stages) {
+    const Steps steps = choose_steps(world, model, stage, deck);
+    const double windows = actions.duration(stage) / steps.window;
+    seconds += particles * windows * steps.substeps / assumed_speed / comm.size();
+    print(comm,
+          fmt::format("stage {}: window {:.4g} s in {} sub-steps (limit: {}), {:.0f} windows\n",
+                      stage.name, steps.window, steps.substeps, steps.limit, windows));
+  }
+  print(comm, fmt::format("estimated wall time on {} rank{}: {:.0f} s (stones alone, at {:.1e} "
+                          "stone-steps per second and core)\n",
+                          comm.size(), comm.size() > 1 ? "s" : "", seconds, assumed_speed));
+}
+
+}  // namespace
+
+std::string version() { return TRACKBED_VERSION; }
+
+std::string effective_deck(const Model& model) {
+  Model copy = model;
+  copy.start.clear();
+  return input::effective(declaration_of(copy));
+}
+
+int run(const par::Comm& comm, const Arguments& arguments) {
+  const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
+  Model model;
+  deck.fill(declaration_of(model));
+  const std::string folder = arguments.folder.empty()
+                                 ? "results/" + fs::path(arguments.deck).stem().string()
+                                 : arguments.folder;
+  make_folder(comm, folder);
+  Simulation simulation(comm, model, deck, arguments.deck, folder);
+  if (!model.start.empty()) simulation.start_from(model.start);
+  return finish(comm, simulation, folder);
+}
+
+int resume(const par::Comm& comm, const Arguments& arguments) {
+  std::string text, name;
+  {
+    const io::File file = io::open_checkpoint(comm, arguments.file);
+    text = file.text_attribute("/", "deck");
+    name = file.text_attribute("/", "deck_name");
+  }
+  const input::Deck deck =
+      input::Deck::parse(text, "input stored in " + arguments.file, arguments.overrides);
+  Model model;
+  deck.fill(declaration_of(model));
+  const std::string folder =
+      arguments.folder.empty() ? folder_of_checkpoint(arguments.file) : arguments.folder;
+  make_folder(comm, folder);
+  Simulation simulation(comm, model, deck, name, folder);
+  simulation.resume(arguments.file);
+  return finish(comm, simulation, folder);
+}
+
+// Builds the model as far as it can be without moving it.
+int check(const par::Comm& comm, const Arguments& arguments) {
+  const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
+  Model model;
+  deck.fill(declaration_of(model));
+  World world(comm, model);
+  StageActions actions(world, model);
+  Progress progress(comm);
+  progress.start(world, model, arguments.deck);
+  if (model.stages.front().kind == StageKind::fill) {
+    actions.begin(model.stages.front());
+    const dem::Totals totals = world.particles.totals();
+    print(comm, fmt::format("  stones: {} of {} pieces, {:.0f} kg\n", totals.particles,
+                            totals.pieces, totals.mass));
+    print_costs(comm, model, world, actions, deck);
+  } else {
+    print(comm, "  stones: those of " + model.start + "\n");
+  }
+  const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
+  print(comm, fmt::format("memory: {:.0f} MB of state on the fullest rank\n", comm.max(megabytes)));
+  print(comm, arguments.deck + " is valid\n");
+  return static_cast<int>(ExitCode::success);
+}
+
+int describe(const par::Comm& comm, const Arguments& arguments) {
+  Model model;
+  print(comm, input::describe(declaration_of(model), arguments.section));
+  return static_cast<int>(ExitCode::success);
+}
+
+int schema(const par::Comm& comm, const Arguments&) {
+  Model model;
+  print(comm, input::schema(declaration_of(model)));
+  return static_cast<int>(ExitCode::success);
+}
+
+int info(const par::Comm& comm, const Arguments& arguments) {
+  const std::string& path = arguments.file;
+  if (!fs::exists(path)) throw InputError({path + ": does not exist"});
+  const bool results = fs::path(path).filename() == "results.h5";
+  const io::File file =
+      results ? io::File(comm, path, io::Mode::read) : io::open_checkpoint(comm, path);
+  print(comm, fmt::format("{}: {}, written by trackbed {}\n", path,
+                          file.text_attribute("/", "kind"), file.text_attribute("/", "version")));
+  if (results) {
+    print(comm, fmt::format("  ranks {}\n", file.integer_attribute("/", "ranks")));
+    if (file.has("history/time"))
+      print(comm, fmt::format("  history rows {}\n", file.extent("history/time").at(0)));
+  } else {
+    print(comm,
+          fmt::format("  format {}\n  deck {}\n  time {:.9g} s\n  stage {} ({})\n"
+                      "  particles {}\n",
+                      file.integer_attribute("/", "format"), file.text_attribute("/", "deck_name"),
+                      file.number_attribute("/", "time"), file.text_attribute("/", "stage"),
+                      file.integer_attribute("/", "stage_finished") ? "finished" : "under way",
+                      file.integer_attribute("/", "particles")));
+  }
+  for (const std::string& name : file.names("/")) print(comm, "  /" + name + "\n");
+  return static_cast<int>(ExitCode::success);
+}
+
+}  // namespace trackbed::app

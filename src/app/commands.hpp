@@ -1,0 +1,29 @@
+// The commands of the program. Each returns the exit code; InputError and RunError pass through.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::app {
+
+// 0 done; 2 bad input; 3 stopped early on request with a checkpoint; 4 trouble while running.
+inline constexpr int exit_stopped = 3;
+
+struct Arguments {
+  std::string deck;                    // run, check
+  std::string file;                    // resume, info
+  std::string section;                 // describe
+  std::vector<std::string> overrides;  // key=value
+  std::string folder;                  // -o; empty: chosen
+};
+
+int run(const par::Comm& comm, const Arguments& arguments);
+int resume(const par::Comm& comm, const Arguments& arguments);
+int check(const par::Comm& comm, const Arguments& arguments);
+int describe(const par::Comm& comm, const Arguments& arguments);
+int schema(const par::Comm& comm, const Arguments& arguments);
+int info(const par::Comm& comm, const Arguments& arguments);
+
+}  // namespace trackbed::app

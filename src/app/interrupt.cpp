@@ -1,0 +1,23 @@
+#include "app/interrupt.hpp"
+
+#include <csignal>
+#include <initializer_list>
+
+namespace trackbed::app {
+
+namespace {
+
+// The only thing a signal handler may safely touch; there is one process, so there is one flag.
+volatile std::sig_atomic_t asked_to_stop = 0;
+
+extern "C" void note_interrupt(int) { asked_to_stop = 1; }
+
+}  // namespace
+
+void catch_interrupts() {
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) std::signal(signal, note_interrupt);
+}
+
+bool interrupted() { return asked_to_stop != 0; }
+
+}  // namespace trackbed::app

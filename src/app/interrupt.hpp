@@ -1,0 +1,10 @@
+// Polite requests to stop: SIGTERM, SIGINT and SIGUSR1 (which mpirun passes on at once and leaves
+// all the time that is needed).
+#pragma once
+
+namespace trackbed::app {
+
+void catch_interrupts();
+bool interrupted();  // on this rank
+
+}  // namespace trackbed::app

@@ -1,0 +1,34 @@
+// How long a time step may be. Rough limits need only the deck, the exact one asks the model.
+#pragma once
+
+#include <string>
+
+#include "app/parameters.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+struct World;
+
+// Largest stiffness of a contact, N/m (Hertz: at an overlap of 1/1000 of the largest stone).
+double stiffest_contact(const Model& model);
+// Upper bound of the stable sub-step, s: safety * sqrt(m/k) of a stone of the smallest sieve.
+double rough_step_limit(const Model& model);
+// Largest window of the staggered coupling, s: 0.5 sqrt(m/k) with m the lightest body the stones
+// push (sleeper; node of the ground's top, if it moves) and k the stiffest contact. The load of a
+// window acts one window late, which feeds energy into an oscillator of frequency w at the rate
+// w^2 dt/2; at this limit the damping of the contacts still takes more.
+double coupling_limit(const Model& model, bool ground_moves);
+
+struct Steps {
+  double window = 0;  // s
+  int substeps = 1;
+  std::string limit;  // what limits them, in words
+};
+
+// Equal on any number of ranks. Throws InputError if the deck's window or step is above what is
+// stable. Collective.
+Steps choose_steps(const World& world, const Model& model, const Stage& stage,
+                   const input::Deck& deck);
+
+}  // namespace trackbed::app

@@ -1,0 +1,166 @@
+#include "app/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "app/limits.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+bool names_are_unique(const std::vector<Stage>& stages) {
+  std::set<std::string> names;
+  for (const Stage& stage : stages) names.insert(stage.name);
+  return names.size() == stages.size();
+}
+
+// What stages build on each other; a start from a checkpoint may have done the earlier ones.
+void declare_rules(const Model& model, input::Section& s) {
+  const auto& stages = model.stages;
+  s.rule("stage", !stages.empty(), "at least one [[stage]] is needed");
+  s.rule("stage", names_are_unique(stages), "stages need different names");
+  s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
+         "the first stage must be of kind fill, or `start` must name a checkpoint");
+  for (const auto& [key, name] : {std::pair{"wall_material", model.wall_material},
+                                  std::pair{"ground_material", model.ground_material},
+                                  std::pair{"bed.material", model.bed.material},
+                                  std::pair{"sleepers.material", model.sleepers.material}}) {
+    const bool needed =
+        key != std::string("sleepers.material") || model.has_stage(StageKind::sleepers);
+    s.rule(key, !needed || model.material(name) >= 0,
+           fmt::format("names no [[material]] (\"{}\")", name));
+  }
+  bool periodic_known = true;
+  for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
+  s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"");
+}
+
+void declare_steps(Model& model, input::Section& s) {
+  s.number("window", model.window, {.unit = "s", .at_least = 0},
+           "Length of a time window of the coupling; 0: chosen from stability.");
+  s.number("step", model.step, {.unit = "s", .at_least = 0},
+           "Sub-step of the stones; 0: chosen from stability.");
+  s.integer("substeps", model.substeps, {.at_least = 1, .at_most = 10000},
+            "Sub-steps in a window whose length is chosen, as far as the coupling allows.");
+}
+
+// Known before anything is built, so that a grossly wrong step is reported with all other problems;
+// the exact limits are checked when a stage begins.
+void check_steps(const Model& model, input::Section& s) {
+  const double step = rough_step_limit(model);
+  s.rule(
+      "step", model.step <= step,
+      fmt::format("= {:g} s is unstable: the stiffest contact and the lightest stone allow about "
+                  "{:.3g} s",
+                  model.step, step));
+  const double window = coupling_limit(model, true);
+  s.rule(
+      "window", model.window <= window,
+      fmt::format("= {:g} s is unstable: contact stiffness and the mass of what the stones touch "
+                  "allow {:.3g} s",
+                  model.window, window));
+}
+
+}  // namespace
+
+void Stage::declare(input::Section& s) {
+  s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
+  s.choice("kind", kind, {"fill", "settle", "compact", "sleepers", "load", "passage", "run"},
+           "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
+           "steady; sleepers: they are placed and settle; load: the same force on all seats; "
+           "passage: axles pass; run: nothing but time.");
+  s.number("duration", duration, {.unit = "s", .at_least = 0},
+           "Simulated time; passage: 0 means until the last axle has left.");
+  s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
+           "Local damping of stones during the stage; below 0: the materials' own.");
+  s.number("until_ratio", until_ratio, {.at_least = 0},
+           "The stage ends early once the mean unbalanced force over the mean contact force is "
+           "below this; 0: never. Not used by load and passage.");
+  s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
+  s.number("height", height, {.unit = "m"}, "Sleepers: their lower face.");
+  s.number("profile", profile, {.unit = "m"},
+           "Sleepers: stones with their centre above this height are taken away; 0: none.");
+  s.number("seat_force", seat_force, {.unit = "N"}, "Constant force on each rail seat, downwards.");
+  s.number("load", load, {.unit = "N"}, "Load: peak on each rail seat, above seat_force.");
+  s.number("ramp", ramp, {.unit = "s", .at_least = 0},
+           "Load: time from zero to the peak and, at the end, back.");
+  s.integer("cycles", cycles, {.at_least = 0},
+            "Load: haversines in the duration; 0: ramp, hold, ramp.");
+  s.rule("duration", kind == StageKind::passage || duration > 0,
+         "must be above 0 s for this kind of stage");
+}
+
+void Output::declare(input::Section& s) {
+  s.number("history_interval", history_interval, {.unit = "s", .above = 0},
+           "Simulated time between rows of the histories, rounded to windows.");
+  s.flag("fields", fields, "Write fields for ParaView at the end of each stage.");
+  s.number(
+      "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
+      "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
+  s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
+           "Simulated time between checkpoints within a stage; 0: only at its end.");
+  s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
+           "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
+  s.integer("stop_after", stop_after, {.at_least = 0},
+            "Time windows after which a checkpoint is written and the run stops; 0: no limit.");
+}
+
+void Model::declare(input::Section& s) {
+  s.text("title", title, "What the deck is about.");
+  s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
+  s.number("thickness", thickness, {.unit = "m", .above = 0}, "Of a plane model.");
+  s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
+  declare_steps(*this, s);
+  s.file("start", start,
+         "Checkpoint (a file stage_*.h5 or the folder it is in): the stages up to the one it was "
+         "written after are not done again.");
+  s.text("wall_material", wall_material, "Contact material of walls and platen.");
+  s.text("ground_material", ground_material, "Contact material of the ground's surface.");
+  s.number("settle_average", settle_average, {.unit = "s", .at_least = 0},
+           "Time constant of the averaged load of the bed under which the ground is in equilibrium "
+           "before it is let go.");
+  physics.declare(s);
+  s.table("dem", dem, "How stones are moved.");
+  s.table("bed", bed, "The ballast bed.");
+  s.table("ground", ground, "The continuum below the bed.");
+  s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
+  s.table("load", load, "Load on the rail seats while axles pass.");
+  s.table("platen", platen, "The plate that compacts the bed.");
+  s.table("output", output, "What is written, and when the run stops early.");
+  s.tables("stage", stages, "What is done, one after the other.");
+  declare_rules(*this, s);
+  check_steps(*this, s);
+}
+
+bool Model::periodic_in(const std::string& axis) const {
+  return std::find(periodic.begin(), periodic.end(), axis) != periodic.end();
+}
+
+bool Model::has_stage(StageKind kind) const {
+  return std::any_of(stages.begin(), stages.end(),
+                     [&](const Stage& stage) { return stage.kind == kind; });
+}
+
+int Model::material(const std::string& name) const {
+  for (std::size_t i = 0; i < physics.materials.size(); ++i)
+    if (physics.materials[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+// The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is room for
+// the ground to sink.
+dem::Domain Model::domain() const {
+  dem::Domain domain;
+  domain.dimension = dimension;
+  domain.thickness = dimension == Dimension::plane ? thickness : 1;
+  domain.periodic = {periodic_in("x"), dimension == Dimension::space && periodic_in("y"), false};
+  const bool plane = dimension == Dimension::plane;
+  domain.low = {bed.x[0], plane ? -thickness / 2 : bed.y[0], -0.2};
+  domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * bed.height + 1};
+  return domain;
+}
+
+}  // namespace trackbed::app

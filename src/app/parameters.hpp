@@ -1,0 +1,73 @@
+// Everything a deck can say, as one struct of declared parameters.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trackbed/bed/bed.hpp"
+#include "trackbed/dem/particles.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/input/section.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::app {
+
+// What a stage begins with, does in every window, and ends with: see stages.hpp.
+enum class StageKind { fill, settle, compact, sleepers, load, passage, run };
+
+struct Stage {
+  std::string name;
+  StageKind kind = StageKind::run;
+  double duration = 0;        // s; passage: 0 means until the last axle has left
+  double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
+  double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never
+  bool ground_moves = false;
+  double height = 0.35;     // m, sleepers: lower face
+  double profile = 0;       // m, sleepers: stones with centres above are taken away; 0: none
+  double seat_force = 0;    // N on each rail seat throughout the stage
+  double load = 0;          // N, load: peak on each rail seat, above seat_force
+  double ramp = 0.05;       // s, load: from zero to the peak, and back at the end
+  std::int64_t cycles = 0;  // load: haversines in the duration; 0: ramp, hold, ramp
+  void declare(input::Section& s);
+};
+
+struct Output {
+  double history_interval = 5e-4;    // s of simulated time between history rows
+  bool fields = false;               // write fields for ParaView at the end of each stage
+  double fields_interval = 0;        // s between them within a stage; 0: only at its end
+  double checkpoint_interval = 0.1;  // s of simulated time; 0: only at the end of stages
+  double wall_time = 0;              // s of wall time after which the run stops; 0: none
+  std::int64_t stop_after = 0;       // windows after which the run stops; 0: none
+  void declare(input::Section& s);
+};
+
+struct Model {
+  std::string title;
+  Dimension dimension = Dimension::plane;
+  double thickness = 1.3;             // m, plane models
+  std::vector<std::string> periodic;  // "x", "y"
+  double window = 0;                  // s; 0: chosen from stability
+  double step = 0;                    // s, sub-step of the stones; 0: chosen from stability
+  std::int64_t substeps = 1;          // in a window that is chosen
+  std::string start;                  // checkpoint, written at the end of a stage
+  std::string wall_material = "ballast", ground_material = "ballast";
+  double settle_average = 5e-3;  // s, of the load on the ground before it is let go
+  dem::Physics physics;
+  dem::Parameters dem;
+  bed::BedParameters bed;
+  fem::GroundParameters ground;
+  track::SleeperParameters sleepers;
+  track::SeatLoadParameters load;
+  bed::PlatenParameters platen;
+  Output output;
+  std::vector<Stage> stages;
+  void declare(input::Section& s);
+
+  bool periodic_in(const std::string& axis) const;
+  bool has_stage(StageKind kind) const;
+  int material(const std::string& name) const;  // index; -1: there is none
+  dem::Domain domain() const;
+};
+
+}  // namespace trackbed::app

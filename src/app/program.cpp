@@ -1,0 +1,109 @@
+#include "app/program.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <optional>
+
+#include "app/commands.hpp"
+#include "app/version.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Command = std::function<int(const par::Comm&, const Arguments&)>;
+
+// What follows `--` is for PETSc and is hidden from CLI11.
+std::vector<std::string> split_off_petsc(int& argc, char** argv) {
+  std::vector<std::string> petsc;
+  for (int i = 1; i < argc; ++i)
+    if (std::string(argv[i]) == "--") {
+      petsc.assign(argv + i + 1, argv + argc);
+      argc = i;
+    }
+  return petsc;
+}
+
+// Adds the commands to `line`; the chosen one is stored by its callback.
+void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Command>& chosen) {
+  const auto command = [&](const char* name, const char* words, Command what) {
+    CLI::App* sub = line.add_subcommand(name, words);
+    sub->callback([&chosen, what] { chosen = what; });
+    return sub;
+  };
+  const auto with_overrides = [&](CLI::App* sub) {
+    sub->add_option("override", arguments.overrides, "key=value, for example dem.safety=0.1");
+    return sub;
+  };
+  CLI::App* sub = command("run", "Run a deck from its first stage", run);
+  sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
+  with_overrides(sub)->add_option("-o,--output", arguments.folder,
+                                  "Result folder; default results/<name of the deck>");
+  sub = command("resume", "Go on with a run that was stopped", resume);
+  sub->add_option("checkpoint", arguments.file, "Checkpoint or the folder it is in")->required();
+  with_overrides(sub)->add_option("-o,--output", arguments.folder,
+                                  "Result folder; default that of the stopped run");
+  sub = command("check", "Validate a deck and say what it would cost", check);
+  sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
+  with_overrides(sub);
+  sub = command("describe", "Print the reference of all parameters, or of one section", describe);
+  sub->add_option("section", arguments.section, "For example ground or stage");
+  command("schema", "Print the JSON schema of decks", schema);
+  sub = command("info", "Say what a checkpoint or a results file holds", info);
+  sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();
+  line.require_subcommand(1);
+}
+
+// Prints on rank 0 alone what all ranks know.
+int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
+  if (comm.root()) fmt::print(stderr, "{}\n", text);
+  return static_cast<int>(code);
+}
+
+int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
+  if (!comm.root()) return error.get_exit_code() == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+  return line.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+}
+
+}  // namespace
+
+int program(const par::Comm& comm, int argc, char** argv) {
+  const std::vector<std::string> petsc_options = split_off_petsc(argc, argv);
+  CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");
+  line.set_version_flag("--version", "trackbed " + version());
+  line.footer(
+      "Run under mpirun -n N. PETSc options after --. Exit codes: 0 done, 2 bad input, "
+      "3 stopped early on request with a checkpoint, 4 trouble while running.");
+  Arguments arguments;
+  std::optional<Command> chosen;
+  declare_commands(line, arguments, chosen);
+  try {
+    line.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return parse_error(comm, line, error);
+  }
+  try {
+    const fem::Petsc petsc(petsc_options);
+    return (*chosen)(comm, arguments);
+  } catch (const InputError& error) {
+    return complain(comm, error.what(), ExitCode::bad_input);
+  } catch (const RunError& error) {
+    return complain(comm, std::string("trackbed: ") + error.what(), ExitCode::run_failed);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    const int code = static_cast<int>(ExitCode::run_failed);
+    if (comm.size() == 1) return code;
+    // Not agreed on: other ranks may wait for this one. mpirun ends them when it leaves unfinished.
+    std::fflush(stderr);
+    std::_Exit(code);
+  }
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,115 @@
+#include "app/progress.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double seconds_between_lines = 5;
+
+template <class... Args>
+void say(const par::Comm& comm, fmt::format_string<Args...> text, Args&&... args) {
+  if (!comm.root()) return;
+  fmt::print(text, std::forward<Args>(args)...);
+  std::fflush(stdout);
+}
+
+double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / (1024 * 1024); }
+
+std::string clock_words(double seconds) {
+  const auto s = static_cast<std::int64_t>(seconds);
+  return s < 3600 ? fmt::format("{}:{:02d}", s / 60, s % 60)
+                  : fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60);
+}
+
+// Simulated time still to come, as far as durations are given.
+double remaining(const Course& course, const Model& model) {
+  double time =
+      static_cast<double>(course.clock.windows() - course.clock.window()) * course.clock.dt();
+  for (std::size_t i = course.stage + 1; i < model.stages.size(); ++i)
+    time += model.stages[i].duration;
+  return time;
+}
+
+const char* words_of(fem::Base base) {
+  return base == fem::Base::fixed ? "fixed" : "quiet (viscous dashpots)";
+}
+
+}  // namespace
+
+double Progress::wall_time() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+bool Progress::due() const { return wall_time() - last_line_ > seconds_between_lines; }
+
+void Progress::start(World& world, const Model& model, const std::string& name) {
+  say(comm_, "trackbed: {} on {} rank{}{}{}\n", name, comm_.size(), comm_.size() > 1 ? "s" : "",
+      model.title.empty() ? "" : ": ", model.title);
+  if (world.ground) {
+    const fem::GroundTotals totals = world.ground->totals();
+    std::string limit;
+    const double step = world.ground->stable_step(&limit);
+    say(comm_, "  ground: {} elements, {} unknowns, base {}{}, stable step {:.4g} s ({})\n",
+        totals.elements, totals.unknowns, words_of(model.ground.base),
+        model.ground.base_stiffness > 0
+            ? fmt::format(" on springs of {:g} Pa/m", model.ground.base_stiffness)
+            : "",
+        step, limit);
+  }
+  if (world.sleepers)
+    say(comm_, "  sleepers: {} of {:.1f} kg; seat load peak {:.4g} kN at {:.2f} km/h, {} axles\n",
+        world.sleepers->count(), world.sleepers->mass(), model.load.peak / 1e3,
+        model.load.speed * 3.6, model.load.axles.size());
+}
+
+void Progress::stage_begins(const Stage& stage, const Course& course, World& world) {
+  const dem::Totals totals = world.particles.totals();
+  const double bytes = comm_.max(megabytes(world.memory()));
+  say(comm_,
+      "stage {}: {} stones ({} pieces), window {:.4g} s in {} sub-step{} (limit: {}), up to {:.4g} "
+      "s = {} windows; {:.0f} MB per rank\n",
+      stage.name, totals.particles, totals.pieces, course.clock.dt(), course.steps.substeps,
+      course.steps.substeps > 1 ? "s" : "", course.steps.limit,
+      static_cast<double>(course.clock.windows()) * course.clock.dt(), course.clock.windows(),
+      bytes);
+  last_line_ = wall_time(), last_time_ = course.clock.time();
+}
+
+void Progress::line(const Course& course, const Model& model, const World& world) {
+  const dem::Totals totals = world.particles.totals();
+  const double wall = wall_time();
+  const double speed = (course.clock.time() - last_time_) / (wall - last_line_);  // s per s
+  say(comm_,
+      "  {:>8.4f} s | {:.3g} ms/s | left {} | E_kin {:.3g} J | overlap {:.3g} um | unbalanced "
+      "{:.2g} | {} contacts\n",
+      course.clock.time(), speed * 1e3,
+      clock_words(speed > 0 ? remaining(course, model) / speed : 0), totals.kinetic,
+      totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts);
+  last_line_ = wall, last_time_ = course.clock.time();
+}
+
+void Progress::stage_ends(const StageRecord& record) {
+  say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3, {:.1f} s of wall time\n",
+      record.name, record.time, record.bulk_density, record.wall_time);
+}
+
+void Progress::timer_table(const Timers& timers) {
+  const double total = comm_.max(wall_time());
+  say(comm_, "{:<18}{:>8}{:>10}{:>10}{:>10}{:>11}\n", "time in", "share", "min s", "mean s",
+      "max s", "imbalance");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(Verb::count); ++i) {
+    const auto verb = static_cast<Verb>(i);
+    const double mine = timers.seconds(verb);
+    const double low = comm_.min(mine), high = comm_.max(mine);
+    const double mean = comm_.sum(mine) / comm_.size();
+    say(comm_, "{:<18}{:>7.1f}%{:>10.2f}{:>10.2f}{:>10.2f}{:>11.2f}\n", name_of(verb),
+        100 * mean / total, low, mean, high, mean > 0 ? high / mean : 1);
+  }
+  say(comm_, "{:<18}{:>8}{:>10}{:>10.2f}\n", "all", "", "", total);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,41 @@
+// What a user sees while a run goes on and at its end.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "app/course.hpp"
+#include "app/world.hpp"
+#include "trackbed/core/timers.hpp"
+
+namespace trackbed::app {
+
+// Counters at the moment from which speeds are measured.
+struct Measured {
+  std::string stage;
+  double dem_seconds = 0;  // on this rank
+  std::int64_t dem_steps = 0;
+  double ground_seconds = 0;
+  std::int64_t ground_steps = 0;
+};
+
+class Progress {
+ public:
+  explicit Progress(const par::Comm& comm) : comm_(comm) {}
+
+  double wall_time() const;  // s since the run began
+  bool due() const;          // a line about every 5 s of wall time; asked on rank 0
+  // Collective; rank 0 prints.
+  void start(World& world, const Model& model, const std::string& name);
+  void stage_begins(const Stage& stage, const Course& course, World& world);
+  void line(const Course& course, const Model& model, const World& world);
+  void stage_ends(const StageRecord& record);
+  void timer_table(const Timers& timers);
+
+ private:
+  const par::Comm& comm_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double last_line_ = 0, last_time_ = 0;  // s of wall and of simulated time
+};
+
+}  // namespace trackbed::app

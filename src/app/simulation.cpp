@@ -1,0 +1,257 @@
+#include "app/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/interrupt.hpp"
+#include "app/summary.hpp"
+#include "app/version.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr std::int64_t windows_between_balance_checks = 1000;
+constexpr double allowed_imbalance = 1.15;  // largest over mean number of stones of a rank
+
+std::int64_t whole_windows(double duration, double window) {
+  return std::max<std::int64_t>(1, std::llround(std::ceil(duration / window * (1 - 1e-9))));
+}
+
+}  // namespace
+
+Simulation::Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
+                       const std::string& name, const std::string& folder)
+    : comm_(comm),
+      model_(model),
+      deck_(deck),
+      name_(name),
+      folder_(folder),
+      world_(comm, model),
+      actions_(world_, model),
+      results_(comm, folder + "/results.h5", {.deck = effective_deck(model), .version = version()}),
+      progress_(comm) {
+  world_.particles.time_with(timers_);
+}
+
+// One time window [t, t + dt] of the serial staggered scheme: bodies and ground move under the
+// stones' mean forces of the last window, then the stones follow their linear motion.
+void Simulation::window() {
+  const double dt = course_.clock.dt();
+  move_sleepers(dt);
+  press_platen(dt);
+  move_ground(dt);
+  move_stones(dt);
+  average_support(dt);
+}
+
+void Simulation::move_sleepers(double dt) {
+  if (!world_.sleepers || !world_.sleepers->placed()) return;
+  const auto timing = timers_.scope(Verb::track);
+  const double mid_window = (static_cast<double>(course_.clock.window()) + 0.5) * dt;
+  seat_force_ = actions_.seat_forces(stage(), mid_window);
+  world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
+}
+
+void Simulation::press_platen(double dt) {
+  if (world_.platen) world_.platen->advance(dt, world_.on_platen());
+}
+
+void Simulation::move_ground(double dt) {
+  if (!world_.ground) return;
+  const auto timing = timers_.scope(Verb::ground);
+  if (stage().ground_moves) {
+    world_.ground->advance(dt, world_.on_ground());
+    return;
+  }
+  Surface& top = world_.ground->top();  // stays where its last motion ended
+  for (const std::int32_t own : world_.ground->own_top()) {
+    const auto node = static_cast<std::size_t>(own);
+    top.position[node] += top.motion[node];
+    top.motion[node].setZero();
+  }
+}
+
+void Simulation::move_stones(double dt) {
+  {
+    const auto timing = timers_.scope(Verb::coupling);
+    world_.coupler.publish();
+  }
+  {
+    const auto timing = timers_.scope(Verb::dem);
+    world_.particles.advance(dt, course_.steps.substeps);
+  }
+  const auto timing = timers_.scope(Verb::coupling);
+  const dem::SurfaceAction& did = world_.particles.surface_action();
+  world_.coupler.collect(course_.steps.substeps, dt, {did.force, did.moment, did.work});
+}
+
+// Exponential mean, so that it costs one number per node and needs no history.
+void Simulation::average_support(double dt) {
+  if (!world_.ground || world_.ground_settled) return;
+  const auto timing = timers_.scope(Verb::coupling);
+  const double weight = model_.settle_average > dt ? dt / model_.settle_average : 1;
+  const auto force = world_.on_ground();
+  for (const std::int32_t own : world_.ground->own_top()) {
+    const auto node = static_cast<std::size_t>(own);
+    world_.support[node] += weight * (force[node] - world_.support[node]);
+  }
+}
+
+Outcome Simulation::run() {
+  try {
+    const Outcome outcome = run_stages();
+    progress_.timer_table(timers_);
+    return outcome;
+  } catch (const RunError& error) {
+    const std::string good = last_checkpoint_.empty() ? "no checkpoint had been written"
+                                                      : "last good checkpoint: " + last_checkpoint_;
+    throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
+                               course_.clock.time(), stage().name, good));
+  }
+}
+
+Outcome Simulation::run_stages() {
+  catch_interrupts();
+  progress_.start(world_, model_, name_);
+  std::vector<double> sleeper_x;
+  for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
+    sleeper_x.push_back(world_.sleepers->x(i));
+  results_.watch(world_.scene(), model_.dimension, sleeper_x);
+  while (course_.stage < model_.stages.size()) {
+    if (!course_.begun) begin_stage();
+    while (runs()) {
+      window();
+      course_.clock.tick(), ++course_.windows;
+      const Verdict verdict = agree();
+      observe();
+      if (verdict == Verdict::report) progress_.line(course_, model_, world_);
+      if (verdict == Verdict::stop) {
+        checkpoint(fmt::format("checkpoint_{:010d}.h5", course_.windows));
+        write_summary(false);
+        return Outcome::stopped;
+      }
+      checkpoint_if_due();
+    }
+    end_stage();
+  }
+  course_.stage = model_.stages.size() - 1;
+  write_summary(true);
+  return Outcome::finished;
+}
+
+bool Simulation::runs() const {
+  return course_.clock.runs() && !actions_.settled(stage(), course_.clock);
+}
+
+void Simulation::begin_stage() {
+  const double time = course_.clock.time();
+  actions_.begin(stage());
+  course_.steps = choose_steps(world_, model_, stage(), deck_);
+  const double duration = actions_.duration(stage());
+  course_.clock = Clock(course_.steps.window, whole_windows(duration, course_.steps.window));
+  course_.clock.set(time, 0);
+  course_.begun = true;
+  seat_force_ = actions_.seat_forces(stage(), 0);
+  measured_ = measure_from(stage().name, timers_, world_);
+  stage_begin_ = progress_.wall_time();
+  progress_.stage_begins(stage(), course_, world_);
+  sample();
+}
+
+// The checkpoint comes last: it holds the state after the end of the stage.
+void Simulation::end_stage() {
+  {
+    const auto timing = timers_.scope(Verb::output);
+    results_.snapshot(stage().name, world_.scene());
+    results_.flush();
+    if (stage().kind == StageKind::passage)
+      results_.envelope(static_cast<std::int64_t>(course_.stage));
+    if (model_.output.fields)
+      observe::write_pictures(comm_, folder_ + "/fields",
+                              fmt::format("{}_{:06d}", stage().name, course_.clock.window()),
+                              world_.scene());
+  }
+  StageRecord record = record_of(stage(), course_, model_, world_);
+  record.wall_time = progress_.wall_time() - stage_begin_;
+  course_.done.push_back(record);
+  progress_.stage_ends(record);
+  actions_.end(stage());
+  course_.begun = false;
+  checkpoint("stage_" + stage().name + ".h5");
+  ++course_.stage;
+}
+
+// The one agreement of a window: trouble anywhere, a wish to stop, a report due.
+Simulation::Verdict Simulation::agree() {
+  std::string problem = world_.particles.trouble();
+  if (problem.empty() && world_.ground) problem = world_.ground->trouble();
+  if (problem.empty() && world_.sleepers) problem = world_.sleepers->trouble();
+  Verdict mine = Verdict::go_on;
+  if (comm_.root() && progress_.due()) mine = Verdict::report;
+  const bool out_of_time = comm_.root() && model_.output.wall_time > 0 &&
+                           progress_.wall_time() > model_.output.wall_time;
+  const bool far_enough =
+      model_.output.stop_after > 0 && course_.windows == model_.output.stop_after;
+  if (interrupted() || out_of_time || far_enough) mine = Verdict::stop;
+  if (!problem.empty()) mine = Verdict::trouble;
+  const auto verdict = static_cast<Verdict>(comm_.max(static_cast<std::int64_t>(mine)));
+  if (verdict == Verdict::trouble) comm_.agree(problem);
+  return verdict;
+}
+
+void Simulation::write_summary(bool finished) {
+  app::write_summary({.deck = name_,
+                      .folder = folder_,
+                      .world = world_,
+                      .course = course_,
+                      .timers = timers_,
+                      .measured = measured_,
+                      .wall_time = progress_.wall_time(),
+                      .finished = finished});
+}
+
+bool Simulation::every(double interval) const {
+  if (interval <= 0) return false;
+  const auto windows = std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
+  return course_.clock.window() % windows == 0;
+}
+
+void Simulation::observe() {
+  if (every(model_.output.history_interval)) sample();
+  if (model_.output.fields && every(model_.output.fields_interval)) {
+    const auto timing = timers_.scope(Verb::output);
+    observe::write_pictures(comm_, folder_ + "/fields",
+                            fmt::format("{}_{:06d}", stage().name, course_.clock.window()),
+                            world_.scene());
+  }
+  if (course_.windows % windows_between_balance_checks != 0) return;
+  const auto own = static_cast<double>(world_.particles.size());
+  if (comm_.size() > 1 && comm_.max(own) * comm_.size() > allowed_imbalance * comm_.sum(own))
+    world_.rebalance();
+}
+
+void Simulation::sample() {
+  const auto timing = timers_.scope(Verb::observe);
+  results_.sample(world_.scene(), {.time = course_.clock.time(),
+                                   .stage = static_cast<std::int64_t>(course_.stage),
+                                   .seat_force = seat_force_});
+}
+
+void Simulation::checkpoint_if_due() {
+  if (!every(model_.output.checkpoint_interval)) return;
+  const std::string name = fmt::format("checkpoint_{:010d}.h5", course_.windows);
+  checkpoint(name);
+  // The one before stays too: a disk that fills up while writing must not cost both.
+  periodic_checkpoints_.push_back(last_checkpoint_);
+  if (periodic_checkpoints_.size() <= 2) return;
+  std::error_code ignored;
+  if (comm_.root()) std::filesystem::remove(periodic_checkpoints_.front(), ignored);
+  periodic_checkpoints_.erase(periodic_checkpoints_.begin());
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,77 @@
+// A run: stages one after the other, each a straight loop over time windows.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "app/course.hpp"
+#include "app/progress.hpp"
+#include "app/stages.hpp"
+#include "app/world.hpp"
+#include "trackbed/core/timers.hpp"
+#include "trackbed/input/deck.hpp"
+#include "trackbed/observe/results.hpp"
+
+namespace trackbed::app {
+
+enum class Outcome { finished, stopped };
+
+// The result folder a checkpoint (file or folder) belongs to.
+std::string folder_of_checkpoint(const std::string& checkpoint);
+
+class Simulation {
+ public:
+  // `name`: of the deck, for reports. Results go into `folder`. Collective, as all below.
+  Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
+             const std::string& name, const std::string& folder);
+
+  // Goes on exactly where the checkpoint was written.
+  void resume(const std::string& checkpoint);
+  // Takes the state a checkpoint at the end of a stage holds; this deck's later stages follow.
+  void start_from(const std::string& checkpoint);
+  Outcome run();
+
+ private:
+  enum class Verdict : std::int64_t { go_on, report, stop, trouble };
+
+  void window();
+  void move_sleepers(double dt);
+  void press_platen(double dt);
+  void move_ground(double dt);
+  void move_stones(double dt);
+  void average_support(double dt);
+
+  const Stage& stage() const { return model_.stages[course_.stage]; }
+  bool runs() const;
+  void begin_stage();
+  void end_stage();
+  Outcome run_stages();
+  Verdict agree();
+  void observe();
+  void sample();
+  void checkpoint_if_due();
+  void checkpoint(const std::string& name);
+  bool every(double interval) const;  // whether the present window ends a multiple of `interval` s
+
+  void save(io::File& file);
+  void load(const io::File& file);
+  void write_summary(bool finished);
+
+  const par::Comm& comm_;
+  const Model& model_;
+  const input::Deck& deck_;
+  std::string name_, folder_;
+  World world_;
+  StageActions actions_;
+  Timers timers_;
+  Course course_;
+  observe::Results results_;
+  Progress progress_;
+  std::string last_checkpoint_;
+  std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
+  std::vector<double> seat_force_;                 // N, in the last window
+  Measured measured_;                              // where the figures of the last stage begin
+  double stage_begin_ = 0;                         // s of wall time
+};
+
+}  // namespace trackbed::app

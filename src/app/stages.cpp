@@ -1,0 +1,104 @@
+#include "app/stages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace trackbed::app {
+
+namespace {
+
+// How often rest is looked for: it costs a sum over all contacts.
+constexpr std::int64_t windows_between_checks = 250;
+
+// Of the load stage, between 0 and 1: ramp, hold, ramp; or (1 - cos)/2 cycles.
+double load_shape(const Stage& stage, double time) {
+  if (stage.cycles > 0) {
+    const double turns = static_cast<double>(stage.cycles) * time / stage.duration;
+    return 0.5 * (1 - std::cos(2 * std::numbers::pi * turns));
+  }
+  const double ramp = std::min(stage.ramp, stage.duration / 2);
+  if (ramp <= 0) return 1;
+  return std::clamp(std::min(time, stage.duration - time) / ramp, 0.0, 1.0);
+}
+
+// Stones at rest above the sub-level: enough contacts and forces in balance. The share of contacts
+// keeps stones that still fall freely (no forces at all) from counting as balanced.
+bool at_rest(const dem::Totals& totals, double ratio) {
+  return totals.contacts > totals.particles && totals.unbalanced < ratio;
+}
+
+}  // namespace
+
+StageActions::StageActions(World& world, const Model& model)
+    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing) {}
+
+void StageActions::begin(const Stage& stage) {
+  world_.particles.set_local_damping(stage.local_damping);
+  if (stage.kind == StageKind::fill) {
+    const double height =
+        bed::fill(world_.particles, world_.comm, model_.bed, model_.material(model_.bed.material));
+    world_.raise_walls(1.1 * height);
+  }
+  if (stage.kind == StageKind::sleepers) place_sleepers(stage);
+  if (stage.ground_moves && world_.ground && !world_.ground_settled) {
+    world_.ground->settle(world_.support);
+    world_.ground_settled = true;
+  }
+  if (stage.kind == StageKind::compact)
+    world_.place_platen(world_.top_of_stones());  // meets
+  else
+    world_.meet();
+}
+
+void StageActions::place_sleepers(const Stage& stage) {
+  world_.sleepers->place(stage.height);
+  const auto in_the_way = [&](const dem::ParticleView& stone, std::size_t i) {
+    bool hit = stage.profile > 0 && stone.position.z() > stage.profile;
+    world_.particles.pieces(i, [&](const Vec3& centre, double radius) {
+      hit = hit || world_.sleepers->overlaps(centre, radius);
+    });
+    return hit;
+  };
+  // `remove` shows each stone by id: look the ids up first.
+  std::vector<Id> doomed;
+  for (std::size_t i = 0; i < world_.particles.size(); ++i) {
+    const dem::ParticleView stone = world_.particles[i];
+    if (in_the_way(stone, i)) doomed.push_back(stone.id);
+  }
+  std::sort(doomed.begin(), doomed.end());
+  world_.particles.remove([&](const dem::ParticleView& stone) {
+    return std::binary_search(doomed.begin(), doomed.end(), stone.id);
+  });
+}
+
+double StageActions::duration(const Stage& stage) const {
+  if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
+  const auto& s = model_.sleepers;
+  return seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+}
+
+std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
+  std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
+    if (stage.kind == StageKind::passage) forces[i] += seat_load_.at(world_.sleepers->x(i), time);
+  }
+  return forces;
+}
+
+bool StageActions::settled(const Stage& stage, const Clock& clock) const {
+  if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+  if (stage.until_ratio <= 0 || loaded || clock.window() == 0) return false;
+  if (clock.window() % windows_between_checks != 0) return false;
+  return at_rest(world_.particles.totals(), stage.until_ratio);
+}
+
+void StageActions::end(const Stage& stage) {
+  if (stage.kind == StageKind::compact) world_.take_platen_away();
+  if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
+  world_.particles.set_local_damping(-1);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,34 @@
+// What each kind of stage does to the model when it begins, in every window, and when it ends.
+#pragma once
+
+#include <vector>
+
+#include "app/parameters.hpp"
+#include "app/world.hpp"
+#include "trackbed/core/clock.hpp"
+
+namespace trackbed::app {
+
+class StageActions {
+ public:
+  // Throws InputError for a bad seat load table.
+  StageActions(World& world, const Model& model);
+
+  // Stones poured, sleepers placed, platen lowered, ground let go. Collective.
+  void begin(const Stage& stage);
+  double duration(const Stage& stage) const;  // s
+  // Force on each rail seat, N downwards, `time` s after the stage began.
+  std::vector<double> seat_forces(const Stage& stage, double time) const;
+  // Whether the stage has reached its aim before its duration is over. Depends on state alone, so
+  // that a resumed run decides alike. Collective.
+  bool settled(const Stage& stage, const Clock& clock) const;
+  void end(const Stage& stage);  // collective
+
+ private:
+  void place_sleepers(const Stage& stage);
+  World& world_;
+  const Model& model_;
+  track::SeatLoad seat_load_;
+};
+
+}  // namespace trackbed::app

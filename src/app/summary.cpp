@@ -1,0 +1,166 @@
+#include "app/summary.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ratio(double above, double below) { return below > 0 ? above / below : 0; }
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts in KiB
+}
+
+Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
+  const par::Comm& comm = run.world.comm;
+  const double seconds = comm.max(run.timers.seconds(Verb::dem) - run.measured.dem_seconds);
+  const auto particles = static_cast<double>(totals.particles);
+  const auto steps = static_cast<double>(run.world.particles.steps() - run.measured.dem_steps);
+  return {{"particles", totals.particles},
+          {"pieces", totals.pieces},
+          {"steps", run.world.particles.steps()},
+          {"contacts_per_particle", ratio(2 * static_cast<double>(totals.contacts), particles)},
+          {"particle_steps_per_second_per_core", ratio(particles * steps, seconds) / comm.size()},
+          {"state_hash", fmt::format("{:016x}", run.world.particles.state_hash())},
+          {"measured_stage", run.measured.stage},
+          {"measured_steps", steps},
+          {"measured_wall_time_s", seconds}};
+}
+
+Json ground_figures(const SummaryOf& run) {
+  if (!run.world.ground) return {{"elements", 0}};
+  const par::Comm& comm = run.world.comm;
+  const fem::GroundTotals totals = run.world.ground->totals();
+  const double seconds = comm.max(totals.seconds - run.measured.ground_seconds);
+  const auto steps = static_cast<double>(totals.steps - run.measured.ground_steps);
+  const auto elements = static_cast<double>(totals.elements);
+  return {{"elements", totals.elements},
+          {"unknowns", totals.unknowns},
+          {"steps", totals.steps},
+          {"element_steps_per_second_per_core", ratio(elements * steps, seconds) / comm.size()},
+          {"iterations_mean", totals.iterations_mean},
+          {"seconds_per_step", ratio(seconds, steps)},
+          {"kinetic_j", totals.kinetic},
+          {"elastic_j", totals.elastic}};
+}
+
+// Of the wall time, mean over ranks. Halo and neighbours are parts of dem.
+Json shares(const SummaryOf& run) {
+  const par::Comm& comm = run.world.comm;
+  const auto share = [&](Verb verb) {
+    return ratio(comm.sum(run.timers.seconds(verb)) / comm.size(), run.wall_time);
+  };
+  Json result;
+  double known = 0;
+  for (const auto& [name, value] :
+       {std::pair{"dem", share(Verb::dem)}, std::pair{"ground", share(Verb::ground)},
+        std::pair{"track", share(Verb::track)}, std::pair{"coupling", share(Verb::coupling)},
+        std::pair{"output", share(Verb::output) + share(Verb::observe)}}) {
+    result[name] = value;
+    known += value;
+  }
+  result["other"] = std::max(0.0, 1 - known);
+  return result;
+}
+
+Json stage_list(const Course& course) {
+  Json list = Json::array();
+  for (const StageRecord& r : course.done)
+    list.push_back({{"name", r.name},
+                    {"time_s", r.time},
+                    {"duration_s", r.duration},
+                    {"window_s", r.window},
+                    {"substeps", r.substeps},
+                    {"particles", r.particles},
+                    {"bulk_density_kg_m3", r.bulk_density},
+                    {"wall_time_s", r.wall_time}});
+  return list;
+}
+
+// Largest over mean of the ranks' work on stones (waiting for neighbours not counted).
+double imbalance(const SummaryOf& run) {
+  const par::Comm& comm = run.world.comm;
+  const double work = run.timers.seconds(Verb::dem) - run.timers.seconds(Verb::halo);
+  return ratio(comm.max(work) * comm.size(), comm.sum(work));
+}
+
+}  // namespace
+
+Measured measure_from(const std::string& stage, const Timers& timers, const World& world) {
+  Measured measured{.stage = stage,
+                    .dem_seconds = timers.seconds(Verb::dem),
+                    .dem_steps = world.particles.steps(),
+                    .ground_seconds = 0,
+                    .ground_steps = 0};
+  if (!world.ground) return measured;
+  const fem::GroundTotals totals = world.ground->totals();
+  measured.ground_seconds = totals.seconds;
+  measured.ground_steps = totals.steps;
+  return measured;
+}
+
+StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
+                      const World& world) {
+  const dem::Totals totals = world.particles.totals();
+  const dem::Domain& domain = world.particles.domain();
+  const double width =
+      model.dimension == Dimension::plane ? domain.thickness : domain.high.y() - domain.low.y();
+  // For a layer of even density the top is at twice the mean height, which loose stones on top
+  // disturb far less than the highest stone would.
+  const double mean_height = ratio(totals.potential, totals.mass * model.dem.gravity);
+  const double volume = (domain.high.x() - domain.low.x()) * width * 2 * mean_height;
+  return {.name = stage.name,
+          .time = course.clock.time(),
+          .duration = course.clock.time() - course.clock.start(),
+          .window = course.steps.window,
+          .substeps = static_cast<double>(course.steps.substeps),
+          .particles = static_cast<double>(totals.particles),
+          .bulk_density = ratio(totals.mass, volume),
+          .wall_time = 0};
+}
+
+void write_summary(const SummaryOf& run) {
+  const par::Comm& comm = run.world.comm;
+  const dem::Totals totals = run.world.particles.totals();
+  const couple::Balance& balance = run.world.coupler.balance();
+  Json json{{"deck", run.deck},
+            {"finished", run.finished},
+            {"ranks", comm.size()},
+            {"simulated_time_s", run.course.clock.time()},
+            {"wall_time_s", comm.max(run.wall_time)},
+            {"windows", run.course.windows}};
+  json["dem"] = dem_figures(run, totals);
+  json["ground"] = ground_figures(run);
+  json["coupling"] = {{"force", balance.force},
+                      {"moment", balance.moment},
+                      {"impulse", balance.impulse},
+                      {"work", balance.work}};
+  json["share"] = shares(run);
+  json["energy"] = {
+      {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+  json["memory_mb_per_rank"] = comm.max(peak_memory_mb());
+  json["imbalance"] = imbalance(run);
+  json["stages"] = stage_list(run.course);
+  std::string problem;
+  if (comm.root()) {
+    std::ofstream file(run.folder + "/summary.json");
+    file << json.dump(2) << "\n";
+    file.close();
+    if (!file) problem = "cannot write " + run.folder + "/summary.json";
+  }
+  comm.agree(problem);
+}
+
+}  // namespace trackbed::app

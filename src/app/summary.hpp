@@ -1,0 +1,33 @@
+// summary.json: the figures of a run, a contract with whoever reads them.
+#pragma once
+
+#include <string>
+
+#include "app/course.hpp"
+#include "app/progress.hpp"
+#include "app/world.hpp"
+#include "trackbed/core/timers.hpp"
+
+namespace trackbed::app {
+
+Measured measure_from(const std::string& stage, const Timers& timers, const World& world);
+// Collective.
+StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
+                      const World& world);
+
+struct SummaryOf {
+  const std::string& deck;
+  const std::string& folder;
+  const World& world;
+  const Course& course;
+  const Timers& timers;
+  const Measured& measured;
+  double wall_time;  // s
+  bool finished;
+};
+
+// Writes folder/summary.json. The speed figures of `dem` and `ground` are those of the last stage
+// alone, so that preparation does not blur them. Collective; throws RunError.
+void write_summary(const SummaryOf& run);
+
+}  // namespace trackbed::app

@@ -1,0 +1,124 @@
+#include "app/world.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace trackbed::app {
+
+namespace {
+
+bool uses_sleepers(const Model& model) {
+  return model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::passage);
+}
+
+}  // namespace
+
+World::World(const par::Comm& world, const Model& deck)
+    : comm(world),
+      model(deck),
+      particles(world, deck.physics, deck.dem, deck.domain()),
+      coupler(world) {
+  const double thickness = model.domain().thickness;
+  if (model.ground.present) {
+    ground.emplace(comm, model.ground, model.dimension, thickness);
+    ground->top().material = model.material(model.ground_material);
+    support.assign(ground->top().nodes(), Vec3::Zero());
+  }
+  if (uses_sleepers(model))
+    sleepers.emplace(model.sleepers, model.dimension, thickness,
+                     model.material(model.sleepers.material));
+}
+
+void World::meet() {
+  const std::vector<Means> kept = means();
+  touched_.clear();
+  coupler.clear();
+  std::vector<Surface*> surfaces;
+  const auto add = [&](Surface& surface, std::vector<int> owner = {}) {
+    touched_.push_back({&surface, coupler.add(surface, std::move(owner))});
+    surfaces.push_back(&surface);
+    return touched_.back().number;
+  };
+  if (ground) add(ground->top(), ground->top_owner());
+  for (Surface& wall : walls) add(wall);
+  first_sleeper_ = touched_.size();
+  if (sleepers && sleepers->placed())
+    for (Surface& sleeper : sleepers->surfaces()) add(sleeper);
+  if (platen) platen_number_ = add(platen->surface());
+  particles.set_surfaces(surfaces);
+  set_means(kept);
+  rebalance();
+}
+
+void World::rebalance() {
+  particles.repartition();
+  coupler.connect([&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
+}
+
+void World::raise_walls(double height) {
+  wall_height = height;
+  walls = bed::walls(model.domain(), height, model.material(model.wall_material), !ground);
+}
+
+void World::place_platen(double z) {
+  platen.emplace(model.platen, model.domain(), model.material(model.wall_material));
+  platen->place(z);
+  meet();
+}
+
+void World::take_platen_away() {
+  platen.reset();
+  meet();
+}
+
+double World::top_of_stones() const {
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    particles.pieces(
+        i, [&](const Vec3& centre, double radius) { top = std::max(top, centre.z() + radius); });
+  return comm.max(top);
+}
+
+std::vector<std::span<const Vec3>> World::on_sleepers() const {
+  std::vector<std::span<const Vec3>> forces;
+  for (std::size_t i = 0; i < sleepers->count(); ++i)
+    forces.push_back(coupler.mean_force(touched_[first_sleeper_ + i].number));
+  return forces;
+}
+
+std::span<const Vec3> World::on_ground() const { return coupler.mean_force(0); }
+
+double World::on_platen() const {
+  double force = 0;
+  for (const Vec3& node : coupler.mean_force(platen_number_)) force += node.z();
+  return force;
+}
+
+observe::Scene World::scene() {
+  return {.particles = particles,
+          .ground = ground ? &*ground : nullptr,
+          .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr};
+}
+
+std::size_t World::memory() const { return particles.memory() + (ground ? ground->memory() : 0); }
+
+// Every node's mean is known to its owner alone, all others add zero: the sum is exact.
+std::vector<World::Means> World::means() const {
+  std::vector<Means> all;
+  for (const Touched& touched : touched_) {
+    Means means{touched.surface->name, coupler.save_mean(touched.number)};
+    comm.sum(std::span<double>(means.force.empty() ? nullptr : means.force[0].data(),
+                               3 * means.force.size()));
+    all.push_back(std::move(means));
+  }
+  return all;
+}
+
+void World::set_means(const std::vector<Means>& means) {
+  for (const Touched& touched : touched_)
+    for (const Means& kept : means)
+      if (kept.surface == touched.surface->name && kept.force.size() == touched.surface->nodes())
+        coupler.load_mean(touched.number, kept.force);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,71 @@
+// The parts of the model and the surfaces between them. Knows what exists and who touches what;
+// the order of the step is in simulation.cpp.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/parameters.hpp"
+#include "trackbed/couple/coupler.hpp"
+#include "trackbed/observe/results.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::app {
+
+struct World {
+  World(const par::Comm& comm, const Model& model);
+  World(const World&) = delete;  // surfaces are known by address
+  World& operator=(const World&) = delete;
+
+  // Tells stones and coupler which surfaces there are now; mean forces of those that stay are kept.
+  // To be called whenever a surface appears or goes. Collective.
+  void meet();
+  // A new split of the stones over ranks. Changes no results. Collective.
+  void rebalance();
+  void raise_walls(double height);  // m; floor at z = 0 if there is no ground
+  void place_platen(double z);
+  void take_platen_away();
+  double top_of_stones() const;  // m, highest point of any pebble. Collective.
+
+  // Mean force of the last window, N.
+  std::vector<std::span<const Vec3>> on_sleepers() const;
+  std::span<const Vec3> on_ground() const;  // per top node, valid on own nodes
+  double on_platen() const;                 // vertical
+
+  observe::Scene scene();
+  std::size_t memory() const;  // bytes of this rank's state
+
+  // Mean force on every node of every surface, by surface name: for the checkpoint.
+  struct Means {
+    std::string surface;
+    std::vector<Vec3> force;  // N, all nodes on all ranks
+  };
+  std::vector<Means> means() const;  // collective
+  void set_means(const std::vector<Means>& means);
+
+  const par::Comm& comm;
+  const Model& model;
+  dem::Particles particles;
+  std::optional<fem::Ground> ground;
+  std::optional<track::Sleepers> sleepers;
+  std::optional<bed::Platen> platen;  // while it presses
+  std::vector<Surface> walls;
+  double wall_height = 0;  // m; 0: no walls yet
+  couple::Coupler coupler;
+  // Load of the bed on the ground, averaged over settle_average, N per top node, own nodes only:
+  // the ground is in equilibrium with it when it is let go.
+  std::vector<Vec3> support;
+  bool ground_settled = false;
+
+ private:
+  struct Touched {
+    Surface* surface;
+    std::size_t number;  // in the coupler
+  };
+  std::vector<Touched> touched_;  // ground (if any), walls, sleepers (if placed), platen
+  std::size_t first_sleeper_ = 0, platen_number_ = 0;
+};
+
+}  // namespace trackbed::app

@@ -1,0 +1,201 @@
+// Histories are collected in memory and added to the file at a flush: the file is copied, the copy
+// grows and takes the old one's name. Costs a copy per flush, which is rare (checkpoints, ends of
+// stages), and spares the run a file that a kill left half written.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "observe/room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::observe {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t rows_in_memory = 4000;
+constexpr double same_place = 1e-6;  // m, two nodes on one line along the track
+
+std::vector<Column> sleeper_columns() {
+  return {
+      {"history/sleeper/displacement", {"m", "vertical, of the centre, from where it was placed"}},
+      {"history/sleeper/velocity", {"m/s", "vertical"}},
+      {"history/sleeper/acceleration", {"m/s2", "vertical, in the last window, no filter"}},
+      {"history/sleeper/seat_force", {"N", "vertical load on the rail seat, up positive"}},
+      {"history/sleeper/reaction", {"N", "vertical, from stones, mean of the last window"}}};
+}
+
+std::vector<Column> ground_columns() {
+  return {{"history/ground/displacement", {"m", "vertical, from the state when it was let go"}},
+          {"history/ground/sigma_z", {"Pa", "vertical stress, tension positive, since then"}}};
+}
+
+std::vector<Column> energy_columns() {
+  return {{"history/energy/kinetic", {"J", "of the stones"}},
+          {"history/energy/potential", {"J", "of the stones, zero at z = 0"}},
+          {"history/energy/elastic", {"J", "of the stones' contacts"}}};
+}
+
+}  // namespace
+
+std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension) {
+  const auto& nodes = ground.top().position;
+  const auto distance = [&](const Vec3& x) {
+    return dimension == Dimension::plane ? x.y() : std::abs(x.y());
+  };
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vec3& node : nodes) nearest = std::min(nearest, distance(node));
+  double line = 0;
+  for (const Vec3& node : nodes)
+    if (distance(node) == nearest) line = node.y();
+  std::vector<std::int32_t> watched;
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    if (std::abs(nodes[n].y() - line) < same_place) watched.push_back(static_cast<std::int32_t>(n));
+  std::sort(watched.begin(), watched.end(), [&](std::int32_t a, std::int32_t b) {
+    return nodes[static_cast<std::size_t>(a)].x() < nodes[static_cast<std::size_t>(b)].x();
+  });
+  return watched;
+}
+
+Results::Results(const par::Comm& comm, const std::string& path, const About& about)
+    : room_(std::make_unique<Room>(comm, path, about)) {}
+Results::~Results() = default;
+Results::Results(Results&&) noexcept = default;
+
+std::int64_t Results::rows() const { return room_->rows; }
+
+void Results::watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x) {
+  Room& room = *room_;
+  room.energy = energy_columns();
+  if (scene.ground) {
+    room.nodes = watched_nodes(*scene.ground, dimension);
+    room.ground = ground_columns();
+  }
+  if (room.goes_on) return;
+  room.begin_file();
+  std::vector<double> x;
+  if (scene.ground)
+    for (const std::int32_t n : room.nodes)
+      x.push_back(scene.ground->top().position[static_cast<std::size_t>(n)].x());
+  const bool root = room.comm.root();
+  room.replace([&](io::File& file) {
+    if (!x.empty())
+      file.write<double>("ground/x", std::span<const double>(x).first(root ? x.size() : 0), 1,
+                         {"m", "top nodes at one face, along the track"});
+    if (!sleeper_x.empty())
+      file.write<double>("sleepers/x", sleeper_x.first(root ? sleeper_x.size() : 0), 1,
+                         {"m", "centres of the sleepers, along the track"});
+  });
+}
+
+void Results::sample(const Scene& scene, const Instant& instant) {
+  Room& room = *room_;
+  room.times.push_back(instant.time);
+  room.stages.push_back(instant.stage);
+  room.sample_energy(scene.particles.totals());
+  if (!instant.seat_force.empty()) room.sample_sleepers(scene.sleepers, instant.seat_force);
+  if (scene.ground) room.sample_ground(*scene.ground);
+  ++room.rows;
+  if (room.times.size() >= rows_in_memory) flush();
+}
+
+void Results::flush() {
+  Room& room = *room_;
+  if (room.times.empty()) return;
+  room.replace([&](io::File& file) { room.append_to(file); });
+}
+
+Results::Room::Room(const par::Comm& world, std::string file, About what)
+    : comm(world), path(std::move(file)), about(std::move(what)) {}
+
+void Results::Room::put_head(io::File& file) {
+  file.attribute("/", "kind", std::string("trackbed results"));
+  file.attribute("/", "version", about.version);
+  file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
+  file.attribute("/", "deck", about.deck);
+}
+
+void Results::Room::begin_file() {
+  io::File file(comm, path, io::Mode::create);
+  put_head(file);
+  file.close();
+}
+
+void Results::Room::take_name(const std::string& part) {
+  std::error_code error;
+  if (comm.root()) fs::rename(part, path, error);
+  comm.agree(error ? path + ": cannot be replaced (" + error.message() + ")" : "");
+}
+
+void Results::Room::replace(const std::function<void(io::File&)>& change) {
+  const std::string part = path + ".part";
+  std::error_code error;
+  if (comm.root()) fs::copy_file(path, part, fs::copy_options::overwrite_existing, error);
+  comm.agree(error ? part + ": cannot be written (" + error.message() + ")" : "");
+  io::File file(comm, part, io::Mode::append);
+  change(file);
+  file.close();
+  take_name(part);
+}
+
+void Results::Room::append_to(io::File& file) {
+  const bool root = comm.root();  // all ranks have all rows; one writes them
+  const auto own = [&](const auto& values) {
+    return std::span(values).first(root ? values.size() : 0);
+  };
+  file.append<double>("history/time", own(times), 1, {"s", "simulated time"});
+  file.append<std::int64_t>("history/stage", own(stages), 1, {"-", "number of the stage"});
+  for (const auto* group : {&energy, &sleeper, &ground})
+    for (const Column& column : *group)
+      if (column.width > 0)
+        file.append<double>(column.path, own(column.values), column.width, column.label);
+  times.clear(), stages.clear();
+  for (auto* group : {&energy, &sleeper, &ground})
+    for (Column& column : *group) column.values.clear();
+}
+
+void Results::Room::sample_energy(const dem::Totals& totals) {
+  const double values[] = {totals.kinetic, totals.potential, totals.elastic};
+  for (std::size_t k = 0; k < 3; ++k) {
+    energy[k].width = 1;
+    energy[k].values.push_back(values[k]);
+  }
+}
+
+// Sleepers that are not placed yet have columns of zeros.
+void Results::Room::sample_sleepers(const track::Sleepers* sleepers,
+                                    std::span<const double> seat_force) {
+  if (sleeper.empty()) sleeper = sleeper_columns();
+  for (Column& column : sleeper) column.width = seat_force.size();
+  for (std::size_t i = 0; i < seat_force.size(); ++i) {
+    const bool there = sleepers != nullptr;
+    const track::SleeperState state =
+        there ? sleepers->state(i)
+              : track::SleeperState{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+                                    Vec3::Zero()};
+    const double values[] = {state.displacement.z(), state.velocity.z(), state.acceleration.z(),
+                             there ? -seat_force[i] : 0, there ? sleepers->reaction(i).z() : 0};
+    for (std::size_t k = 0; k < 5; ++k) sleeper[k].values.push_back(values[k]);
+  }
+}
+
+// A node's state is known to its owner alone, the others add zero: the sum is exact.
+void Results::Room::sample_ground(const fem::Ground& solid) {
+  const auto& owner = solid.top_owner();
+  std::vector<double> values(2 * nodes.size(), 0.0);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (owner[static_cast<std::size_t>(nodes[k])] != comm.rank()) continue;
+    const auto state = solid.top_state(nodes[k]);
+    values[k] = state.displacement.z();
+    values[nodes.size() + k] = state.sigma_z;
+  }
+  comm.sum(std::span(values));
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(nodes.size());
+  for (Column& column : ground) column.width = nodes.size();
+  ground[0].values.insert(ground[0].values.end(), values.begin(), half);
+  ground[1].values.insert(ground[1].values.end(), half, values.end());
+}
+
+}  // namespace trackbed::observe

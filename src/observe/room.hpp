@@ -1,0 +1,41 @@
+// Inside of Results: columns of the histories and the file they go to.
+#pragma once
+
+#include <functional>
+
+#include "trackbed/observe/results.hpp"
+
+namespace trackbed::observe {
+
+// A dataset [rows, width] that grows; `values` are rows not in the file yet.
+struct Column {
+  std::string path;
+  io::Label label;
+  std::size_t width = 0;
+  std::vector<double> values{};
+};
+
+struct Results::Room {
+  Room(const par::Comm& comm, std::string path, About about);
+  void begin_file();
+  void put_head(io::File& file);
+  void take_name(const std::string& part);  // the file becomes the results. Collective.
+  // Changes the file as a whole: on a copy that then takes its name. Collective.
+  void replace(const std::function<void(io::File&)>& change);
+  void append_to(io::File& file);
+  void sample_energy(const dem::Totals& totals);
+  void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
+  void sample_ground(const fem::Ground& ground);
+
+  par::Comm comm;
+  std::string path;
+  About about;
+  bool goes_on = false;       // with the file of a stopped run
+  std::int64_t rows = 0;      // in file and memory
+  std::vector<double> times;  // s, of rows in memory
+  std::vector<std::int64_t> stages;
+  std::vector<std::int32_t> nodes;  // of the ground's top
+  std::vector<Column> energy, sleeper, ground;
+};
+
+}  // namespace trackbed::observe

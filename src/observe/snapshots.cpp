@@ -1,0 +1,100 @@
+// The contact network and the stones at one instant, as flat tables for figures, and the same as
+// pictures for ParaView.
+#include <filesystem>
+
+#include "observe/room.hpp"
+#include "trackbed/io/fields.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+struct Network {
+  std::vector<double> segments, force;  // x0 z0 x1 z1 of the two centres; |F|
+};
+
+Network network_of(const dem::Particles& particles) {
+  Network network;
+  particles.contacts([&](const dem::ContactView& contact) {
+    network.segments.insert(network.segments.end(),
+                            {contact.from.x(), contact.from.z(), contact.to.x(), contact.to.z()});
+    network.force.push_back(contact.force.norm());
+  });
+  return network;
+}
+
+struct Stones {
+  std::vector<double> centre, radius;
+};
+
+Stones stones_of(const dem::Particles& particles) {
+  Stones stones;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    particles.pieces(i, [&](const Vec3& centre, double radius) {
+      stones.centre.insert(stones.centre.end(), {centre.x(), centre.z()});
+      stones.radius.push_back(radius);
+    });
+  return stones;
+}
+
+io::Grid stone_points(const dem::Particles& particles) {
+  io::Grid grid;
+  io::FieldData radius{"radius (m)", 1, {}}, velocity{"velocity (m/s)", 3, {}}, id{"stone", 1, {}};
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const dem::ParticleView stone = particles[i];
+    particles.pieces(i, [&](const Vec3& centre, double r) {
+      grid.cells.push_back(static_cast<std::int64_t>(grid.points.size()));
+      grid.points.push_back(centre);
+      radius.values.push_back(r);
+      id.values.push_back(static_cast<double>(stone.id));
+      for (int k = 0; k < 3; ++k) velocity.values.push_back(stone.velocity[k]);
+    });
+  }
+  grid.point_data = {std::move(radius), std::move(velocity), std::move(id)};
+  return grid;
+}
+
+io::Grid contact_lines(const dem::Particles& particles) {
+  io::Grid grid;
+  grid.kind = io::CellKind::line;
+  io::FieldData force{"force (N)", 3, {}}, size{"force size (N)", 1, {}},
+      overlap{"overlap (m)", 1, {}};
+  particles.contacts([&](const dem::ContactView& contact) {
+    const auto first = static_cast<std::int64_t>(grid.points.size());
+    grid.points.insert(grid.points.end(), {contact.from, contact.to});
+    grid.cells.insert(grid.cells.end(), {first, first + 1});
+    for (int k = 0; k < 3; ++k) force.values.push_back(contact.force[k]);
+    size.values.push_back(contact.force.norm());
+    overlap.values.push_back(contact.overlap);
+  });
+  grid.cell_data = {std::move(force), std::move(size), std::move(overlap)};
+  return grid;
+}
+
+}  // namespace
+
+void Results::snapshot(const std::string& stage, const Scene& scene) {
+  const Network network = network_of(scene.particles);
+  const Stones stones = stones_of(scene.particles);
+  room_->replace([&](io::File& file) {
+    const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
+    file.write<double>(chains + "/segments", network.segments, 4,
+                       {"m", "x and z of the two ends of each contact"});
+    file.write<double>(chains + "/force", network.force, 1, {"N", "size of its force"});
+    file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
+    file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
+  });
+}
+
+void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
+                    const Scene& scene) {
+  std::error_code error;
+  if (comm.root()) std::filesystem::create_directories(folder, error);
+  comm.agree(error ? "cannot make " + folder + ": " + error.message() : "");
+  const std::string start = folder + "/" + name;
+  io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));
+  io::write_fields(comm, start + "_contacts.vtkhdf", contact_lines(scene.particles));
+  if (scene.ground) io::write_fields(comm, start + "_ground.vtkhdf", scene.ground->fields());
+}
+
+}  // namespace trackbed::observe
