@@ -31,7 +31,7 @@ class File {
 
   // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
   // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.
-  // Parent groups are made. Adds the attributes unit, meaning.
+  // Parent groups are made. Adds the attributes unit, meaning and checksum. The path must be new.
   template <class T>
   void write(const std::string& path, std::span<const T> mine, std::size_t columns,
              const Label& label);
@@ -52,10 +52,12 @@ class File {
               const Label& label);
   void truncate(const std::string& path, std::size_t rows);
 
-  bool has(const std::string& path) const;
+  bool has(const std::string& path) const;  // a dataset or group
   std::vector<std::size_t> extent(const std::string& path) const;  // rows, columns
   std::vector<std::string> names(const std::string& group) const;  // sorted members
 
+  // Attributes of a dataset or of a group (made if missing; "/" is the file's root). Written again
+  // they are replaced. Text is stored as a fixed-length string, UTF-8 where it must be.
   void attribute(const std::string& path, const std::string& name, const std::string& value);
   void attribute(const std::string& path, const std::string& name, double value);
   void attribute(const std::string& path, const std::string& name, std::int64_t value);
@@ -65,8 +67,10 @@ class File {
   double number_attribute(const std::string& path, const std::string& name) const;
   std::int64_t integer_attribute(const std::string& path, const std::string& name) const;
 
+  struct Handle;  // known to this room only
+  const Handle& handle() const { return *handle_; }
+
  private:
-  struct Handle;
   std::unique_ptr<Handle> handle_;
 };
 

@@ -1,0 +1,109 @@
+// Small facts attached to datasets and groups.
+#include "io/handle.hpp"
+
+namespace trackbed::io {
+
+namespace {
+
+std::string subject_of(const std::string& path, const std::string& name) {
+  return "attribute " + name + " of " + path;
+}
+
+// The object named by `path`; a missing group is made when the file is open for writing.
+Hid open_object(const File& file, const std::string& path) {
+  const hid_t id = file.handle().file.get();
+  if (file.handle().mode == Mode::read || file.has(path))
+    return Hid(H5Oopen(id, path.c_str(), H5P_DEFAULT));
+  const Hid links(H5Pcreate(H5P_LINK_CREATE));
+  H5Pset_create_intermediate_group(links.get(), 1);
+  return Hid(H5Gcreate2(id, path.c_str(), links.get(), H5P_DEFAULT, H5P_DEFAULT));
+}
+
+void write_attribute(const File& file, const std::string& path, const std::string& name,
+                     const Hid& type, const Hid& space, const void* value) {
+  const Hid object = open_object(file, path);
+  bool ok = bool(object);
+  if (ok && H5Aexists(object.get(), name.c_str()) > 0)
+    ok = H5Adelete(object.get(), name.c_str()) >= 0;
+  if (ok) {
+    const Hid attribute(
+        H5Acreate2(object.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT));
+    ok = attribute && H5Awrite(attribute.get(), type.get(), value) >= 0;
+  }
+  file.handle().agree(ok, subject_of(path, name), "cannot be written");
+}
+
+Hid open_attribute(const File& file, const std::string& path, const std::string& name,
+                   H5T_class_t expected) {
+  const Hid object(H5Oopen(file.handle().file.get(), path.c_str(), H5P_DEFAULT));
+  Hid attribute(object ? H5Aopen(object.get(), name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID);
+  file.handle().agree(bool(attribute), subject_of(path, name), "cannot be opened");
+  const Hid type(H5Aget_type(attribute.get())), space(H5Aget_space(attribute.get()));
+  const bool ok = H5Tget_class(type.get()) == expected &&
+                  H5Sget_simple_extent_npoints(space.get()) == 1 &&
+                  H5Tis_variable_str(type.get()) <= 0;
+  file.handle().agree(ok, subject_of(path, name), "is of another type than expected");
+  return attribute;
+}
+
+template <class T>
+T read_scalar(const File& file, const std::string& path, const std::string& name,
+              H5T_class_t expected) {
+  const Hid attribute = open_attribute(file, path, name, expected);
+  T value{};
+  const bool ok = H5Aread(attribute.get(), native_type<T>(), &value) >= 0;
+  file.handle().agree(ok, subject_of(path, name), "cannot be read");
+  return value;
+}
+
+bool is_ascii(const std::string& text) {
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) > 127) return false;
+  return true;
+}
+
+}  // namespace
+
+void File::attribute(const std::string& path, const std::string& name, const std::string& value) {
+  const Hid type(H5Tcopy(H5T_C_S1)), space(H5Screate(H5S_SCALAR));
+  // The closing zero is stored as well, so that empty text has a size HDF5 accepts.
+  H5Tset_size(type.get(), value.size() + 1);
+  H5Tset_cset(type.get(), is_ascii(value) ? H5T_CSET_ASCII : H5T_CSET_UTF8);
+  write_attribute(*this, path, name, type, space, value.c_str());
+}
+
+void File::attribute(const std::string& path, const std::string& name, double value) {
+  const Hid type(H5Tcopy(H5T_NATIVE_DOUBLE)), space(H5Screate(H5S_SCALAR));
+  write_attribute(*this, path, name, type, space, &value);
+}
+
+void File::attribute(const std::string& path, const std::string& name, std::int64_t value) {
+  const Hid type(H5Tcopy(H5T_NATIVE_INT64)), space(H5Screate(H5S_SCALAR));
+  write_attribute(*this, path, name, type, space, &value);
+}
+
+void File::attribute(const std::string& path, const std::string& name,
+                     const std::vector<std::int64_t>& value) {
+  const hsize_t length = value.size();
+  const Hid type(H5Tcopy(H5T_NATIVE_INT64)), space(H5Screate_simple(1, &length, nullptr));
+  write_attribute(*this, path, name, type, space, value.data());
+}
+
+std::string File::text_attribute(const std::string& path, const std::string& name) const {
+  const Hid attribute = open_attribute(*this, path, name, H5T_STRING);
+  const Hid type(H5Aget_type(attribute.get()));
+  std::string text(H5Tget_size(type.get()), '\0');
+  const bool ok = H5Aread(attribute.get(), type.get(), text.data()) >= 0;
+  handle_->agree(ok, subject_of(path, name), "cannot be read");
+  return text.c_str();  // up to the closing zero
+}
+
+double File::number_attribute(const std::string& path, const std::string& name) const {
+  return read_scalar<double>(*this, path, name, H5T_FLOAT);
+}
+
+std::int64_t File::integer_attribute(const std::string& path, const std::string& name) const {
+  return read_scalar<std::int64_t>(*this, path, name, H5T_INTEGER);
+}
+
+}  // namespace trackbed::io

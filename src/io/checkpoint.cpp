@@ -1,0 +1,186 @@
+// How a checkpoint stays whole:
+//   write `name.part`, each dataset with a checksum and the file with a signature over all names,
+//   shapes, attributes and checksums -> close -> open again, compare -> fsync -> rename -> fsync
+//   the folder -> the same way for the one-line text file `latest`.
+// A rename within a folder replaces the old name at one instant (POSIX), so a reader meets either
+// the old file or the new one. Cost: the file is read back once, from the system's cache.
+#include "trackbed/io/checkpoint.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "io/handle.hpp"
+#include "io/signature.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kind = "trackbed checkpoint";
+
+[[noreturn]] void refuse(const std::string& sentence) { throw InputError({sentence}); }
+
+// Puts a file or folder onto the disk. Returns what went wrong, or nothing.
+std::string synced(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY);
+  if (descriptor < 0) return path.string() + ": " + std::strerror(errno);
+  // Some file systems cannot sync a folder; they say EINVAL.
+  const bool ok = ::fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string problem = ok ? "" : path.string() + ": " + std::strerror(errno);
+  ::close(descriptor);
+  return problem;
+}
+
+std::string put_in_place(const fs::path& from, const fs::path& to) {
+  if (std::string problem = synced(from); !problem.empty()) return problem;
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) return to.string() + ": cannot be put in place (" + error.message() + ")";
+  return synced(to.parent_path());
+}
+
+std::string write_latest(const fs::path& folder, const std::string& name) {
+  const fs::path part = folder / "latest.part";
+  std::ofstream out(part);
+  out << name << '\n';
+  out.close();
+  if (!out) return part.string() + ": cannot be written";
+  return put_in_place(part, folder / "latest");
+}
+
+// Throws the sentence about a damaged or foreign file on all ranks.
+void verify(const File& file, const std::string& path) {
+  if (file.handle().comm.max(std::int64_t{has_attribute(file, "/", "kind") ? 0 : 1}) != 0 ||
+      file.text_attribute("/", "kind") != kind)
+    refuse(path + ": is not a trackbed checkpoint");
+  const std::int64_t format = file.integer_attribute("/", "format");
+  if (format > checkpoint_format)
+    refuse(path + ": was written by a newer trackbed (checkpoint format " + std::to_string(format) +
+           "; this one reads up to " + std::to_string(checkpoint_format) + ")");
+  for (const std::string& dataset : datasets_of(file))
+    if (!has_attribute(file, dataset, checksum_name) ||
+        stored_hash(file.handle(), dataset) !=
+            static_cast<std::uint64_t>(file.integer_attribute(dataset, checksum_name)))
+      refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");
+  if (!has_attribute(file, "/", signature_name)) refuse(path + ": was not completed by its writer");
+  if (static_cast<std::uint64_t>(file.integer_attribute("/", signature_name)) != signature(file))
+    refuse(path + ": is damaged: its names and attributes do not match its signature");
+}
+
+// What can be said without HDF5 about a file it would not open: nothing if it looks whole.
+// Layout of superblock 2: HDF5 File Format Specification 3.0, section II.A.
+std::string damage_seen_outside(const std::string& path) {
+  constexpr char magic[] = "\211HDF\r\n\032\n";
+  constexpr std::streamoff end_of_file_at = 28;
+  std::ifstream in(path, std::ios::binary);
+  char head[8] = {};
+  in.read(head, sizeof head);
+  const auto read = in.gcount();
+  if (read == 0) return "is empty";
+  if (std::memcmp(head, magic, static_cast<std::size_t>(read)) != 0)
+    return "is not a trackbed checkpoint";
+  std::uint64_t expected = 0;
+  in.seekg(end_of_file_at);
+  in.read(reinterpret_cast<char*>(&expected), sizeof expected);
+  if (!in) return "is cut short";
+  in.seekg(0, std::ios::end);
+  const auto present = static_cast<std::uint64_t>(in.tellg());
+  if (present < expected)
+    return "is cut short (" + std::to_string(present) + " of " + std::to_string(expected) +
+           " bytes)";
+  return "";
+}
+
+// The file meant by `path`, on rank 0; sets `problem` if there is none.
+std::string resolved(const fs::path& path, std::string& problem) {
+  std::error_code ignored;
+  fs::path file = path;
+  if (fs::is_directory(path, ignored)) {
+    std::ifstream in(path / "latest");
+    std::string name;
+    if (!std::getline(in, name) || name.empty()) {
+      problem = (path / "latest").string() + ": does not exist; the folder has no checkpoint";
+      return "";
+    }
+    file = path / name;
+  }
+  if (!fs::exists(file, ignored))
+    problem = file.string() + ": does not exist";
+  else if (!fs::is_regular_file(file, ignored))
+    problem = file.string() + ": is not a file";
+  else if (const std::string damage = damage_seen_outside(file.string()); !damage.empty())
+    problem = file.string() + ": " + damage;
+  return file.string();
+}
+
+// `fill` may have failed half way: the file is closed by its destructor before it is removed.
+void write_part(const par::Comm& comm, const std::string& part,
+                const std::function<void(File&)>& fill) {
+  File file(comm, part, Mode::create);
+  file.attribute("/", "kind", std::string(kind));
+  file.attribute("/", "format", checkpoint_format);
+  file.attribute("/", "trackbed_version", std::string(TRACKBED_VERSION));
+  fill(file);
+  file.attribute("/", signature_name, static_cast<std::int64_t>(signature(file)));
+  file.close();
+}
+
+void read_back(const par::Comm& comm, const std::string& part) {
+  try {
+    verify(File(comm, part, Mode::read), part);
+  } catch (const InputError& error) {  // equal on all ranks: found in collective reads
+    throw RunError(std::string(error.what()) + " right after it was written");
+  }
+}
+
+}  // namespace
+
+void write_checkpoint(const par::Comm& comm, const std::string& folder, const std::string& name,
+                      const std::function<void(File&)>& fill) {
+  std::error_code error;
+  if (comm.root()) fs::create_directories(folder, error);
+  comm.agree(error ? folder + ": cannot be made (" + error.message() + ")" : "");
+  const fs::path target = fs::path(folder) / name;
+  const std::string part = target.string() + ".part";
+  try {
+    write_part(comm, part, fill);
+    read_back(comm, part);
+  } catch (const RunError&) {
+    if (comm.root()) fs::remove(part, error);
+    throw;
+  }
+  std::string problem;
+  if (comm.root()) {
+    problem = put_in_place(part, target);
+    if (problem.empty()) problem = write_latest(folder, name);
+  }
+  comm.agree(problem);
+}
+
+File open_checkpoint(const par::Comm& comm, const std::string& path) {
+  std::string problem, file_name;
+  if (comm.root()) file_name = resolved(path, problem);
+  problem = comm.broadcast(problem);
+  if (!problem.empty()) refuse(problem);
+  file_name = comm.broadcast(file_name);
+  try {
+    File file(comm, file_name, Mode::read);
+    verify(file, file_name);
+    return file;
+  } catch (const RunError& error) {  // "rank 0: <file>: ...": the rank says nothing here
+    const std::string text = error.what();
+    const std::size_t start = text.find(file_name);
+    refuse(file_name + ": is damaged" +
+           (start == std::string::npos ? "" : text.substr(start + file_name.size())));
+  }
+}
+
+}  // namespace trackbed::io

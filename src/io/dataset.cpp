@@ -1,0 +1,273 @@
+// Rows of numbers in and out. A rank's place among the rows is the scan over lower ranks; transfers
+// are collective, so that MPI-IO may merge the ranks' pieces into large requests.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "io/handle.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::io {
+
+namespace {
+
+constexpr std::size_t chunk_bytes = 32768;  // of growing datasets: 4096 doubles
+
+struct Shape {
+  std::size_t columns;
+  bool flat() const { return columns == 1; }
+  int rank() const { return flat() ? 1 : 2; }
+};
+
+Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
+  const hsize_t extent[2] = {all_rows, columns};
+  Hid space(H5Screate_simple(flat ? 1 : 2, extent, nullptr));
+  const hsize_t start[2] = {rows.begin, 0}, count[2] = {rows.count, columns};
+  if (rows.count == 0)
+    H5Sselect_none(space.get());
+  else
+    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr);
+  return space;
+}
+
+Hid collective_transfer() {
+  Hid transfer(H5Pcreate(H5P_DATASET_XFER));
+  H5Pset_dxpl_mpio(transfer.get(), H5FD_MPIO_COLLECTIVE);
+  return transfer;
+}
+
+// Memory holds this rank's rows one after another.
+Hid memory_space(std::size_t rows, std::size_t columns) {
+  return selected(std::max<std::size_t>(rows, 1), columns, false, {0, rows});
+}
+
+// Reserves disk space before HDF5 is asked to write: a full disk found here is one clean sentence,
+// found in the middle of a collective transfer it would leave the library's own tables unwritten.
+std::string why_no_space(const std::string& path, std::size_t bytes) {
+  constexpr std::size_t headers = 1 << 16;
+  const int descriptor = ::open(path.c_str(), O_RDWR);
+  if (descriptor < 0) return std::strerror(errno);
+  struct stat status {};
+  ::fstat(descriptor, &status);
+  // Beyond the present end, without changing the length that HDF5 sees.
+  const bool full = ::fallocate(descriptor, FALLOC_FL_KEEP_SIZE, status.st_size,
+                                static_cast<off_t>(bytes + headers)) != 0 &&
+                    (errno == ENOSPC || errno == EFBIG || errno == EDQUOT);
+  const std::string reason = full ? std::strerror(errno) : "";
+  ::close(descriptor);
+  return reason;
+}
+
+void reserve(const File::Handle& file, const std::string& path, std::size_t bytes) {
+  const std::string reason = file.comm.root() && bytes > 0 ? why_no_space(file.path, bytes) : "";
+  file.comm.agree(reason.empty()
+                      ? ""
+                      : file.path + ": dataset " + path + " cannot be written (" + reason + ")");
+}
+
+Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t type,
+                       std::size_t rows, std::size_t columns, bool grows) {
+  const Hid links(H5Pcreate(H5P_LINK_CREATE)), creation(H5Pcreate(H5P_DATASET_CREATE));
+  H5Pset_create_intermediate_group(links.get(), 1);
+  H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER);
+  const hsize_t extent[2] = {rows, columns}, limit[2] = {H5S_UNLIMITED, columns};
+  const int rank = columns == 1 ? 1 : 2;
+  if (grows) {
+    const hsize_t chunk[2] = {std::max<std::size_t>(1, chunk_bytes / (columns * H5Tget_size(type))),
+                              columns};
+    H5Pset_chunk(creation.get(), rank, chunk);
+  }
+  const Hid space(H5Screate_simple(rank, extent, grows ? limit : nullptr));
+  Dataset dataset{Hid(H5Dcreate2(file.file.get(), path.c_str(), type, space.get(), links.get(),
+                                 creation.get(), H5P_DEFAULT)),
+                  Hid(H5Tcopy(type)), rows, columns, rank == 1};
+  file.agree(bool(dataset.id), "dataset " + path, "cannot be created");
+  return dataset;
+}
+
+void write_rows(const File::Handle& file, const std::string& path, const Dataset& dataset,
+                Share rows, const void* source) {
+  if (dataset.rows == 0) return;
+  const Hid memory = memory_space(rows.count, dataset.columns);
+  const Hid stored = selected(dataset.rows, dataset.columns, dataset.flat, rows);
+  const Hid transfer = collective_transfer();
+  const char none = 0;  // HDF5 wants an address also from a rank without rows
+  const bool ok = H5Dwrite(dataset.id.get(), dataset.type.get(), memory.get(), stored.get(),
+                           transfer.get(), rows.count == 0 ? &none : source) >= 0;
+  file.agree(ok, "dataset " + path, "cannot be written");
+}
+
+void expect_type(const File::Handle& file, const std::string& path, const Dataset& dataset,
+                 hid_t type) {
+  file.agree(H5Tequal(dataset.type.get(), type) > 0, "dataset " + path,
+             "holds " + type_name(dataset.type.get()) + ", not " + type_name(type));
+}
+
+template <class T>
+std::vector<T> read_typed(const File::Handle& file, const std::string& path, const Dataset& dataset,
+                          Share rows) {
+  expect_type(file, path, dataset, native_type<T>());
+  std::vector<T> values(rows.count * dataset.columns);
+  read_rows_into(file, path, dataset, rows, values.data());
+  return values;
+}
+
+std::size_t rows_of(std::size_t values, std::size_t columns) {
+  require(columns > 0 && values % columns == 0, "a dataset's values do not fill whole rows");
+  return values / columns;
+}
+
+Share place_of(const par::Comm& comm, std::size_t rows, std::size_t& total) {
+  const auto mine = static_cast<std::int64_t>(rows);
+  total = static_cast<std::size_t>(comm.sum(mine));
+  return {static_cast<std::size_t>(comm.exclusive_scan(mine)), rows};
+}
+
+}  // namespace
+
+Dataset open_dataset(const File::Handle& file, const std::string& path) {
+  Dataset dataset;
+  dataset.id = Hid(H5Dopen2(file.file.get(), path.c_str(), H5P_DEFAULT));
+  file.agree(bool(dataset.id), "dataset " + path, "cannot be opened");
+  const Hid space(H5Dget_space(dataset.id.get())), stored(H5Dget_type(dataset.id.get()));
+  dataset.type = Hid(H5Tget_native_type(stored.get(), H5T_DIR_ASCEND));
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  hsize_t extent[2] = {0, 1};
+  const bool ok = (rank == 1 || rank == 2) && dataset.type &&
+                  H5Sget_simple_extent_dims(space.get(), extent, nullptr) == rank;
+  file.agree(ok, "dataset " + path, "is not a table of numbers");
+  dataset.rows = extent[0], dataset.columns = extent[1], dataset.flat = rank == 1;
+  return dataset;
+}
+
+void read_rows_into(const File::Handle& file, const std::string& path, const Dataset& dataset,
+                    Share rows, void* target) {
+  const bool inside = rows.begin <= dataset.rows && rows.count <= dataset.rows - rows.begin;
+  H5Eclear2(H5E_DEFAULT);
+  file.agree(inside, "dataset " + path,
+             "has " + std::to_string(dataset.rows) + " rows, asked for " +
+                 std::to_string(rows.count) + " from row " + std::to_string(rows.begin));
+  if (dataset.rows == 0) return;
+  const Hid memory = memory_space(rows.count, dataset.columns);
+  const Hid stored = selected(dataset.rows, dataset.columns, dataset.flat, rows);
+  const Hid transfer = collective_transfer();
+  char none = 0;
+  const bool ok = H5Dread(dataset.id.get(), dataset.type.get(), memory.get(), stored.get(),
+                          transfer.get(), rows.count == 0 ? &none : target) >= 0;
+  file.agree(ok, "dataset " + path, "cannot be read");
+}
+
+std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t row_bytes,
+                        std::size_t first) {
+  std::uint64_t sum = 0;
+  for (std::size_t row = 0; row < rows; ++row)
+    sum += mix(hash_bytes(bytes + row * row_bytes, row_bytes) + first + row);
+  return sum;
+}
+
+std::uint64_t stored_hash(const File::Handle& file, const std::string& path) {
+  const Dataset dataset = open_dataset(file, path);
+  const Share mine = share(dataset.rows, file.comm.rank(), file.comm.size());
+  std::vector<std::byte> bytes(mine.count * dataset.row_bytes());
+  read_rows_into(file, path, dataset, mine, bytes.data());
+  const std::uint64_t hash = hash_rows(bytes.data(), mine.count, dataset.row_bytes(), mine.begin);
+  return static_cast<std::uint64_t>(file.comm.sum(static_cast<std::int64_t>(hash)));
+}
+
+template <class T>
+void File::write(const std::string& path, std::span<const T> mine, std::size_t columns,
+                 const Label& label) {
+  std::size_t total = 0;
+  const Share place = place_of(handle_->comm, rows_of(mine.size(), columns), total);
+  const std::size_t row_bytes = columns * sizeof(T);
+  reserve(*handle_, path, total * row_bytes);
+  const Dataset dataset = create_dataset(*handle_, path, native_type<T>(), total, columns, false);
+  write_rows(*handle_, path, dataset, place, mine.data());
+  attribute(path, "unit", label.unit);
+  attribute(path, "meaning", label.meaning);
+  const auto hash = hash_rows(std::as_bytes(mine).data(), place.count, row_bytes, place.begin);
+  attribute(path, checksum_name, handle_->comm.sum(static_cast<std::int64_t>(hash)));
+}
+
+template <class T>
+std::vector<T> File::read_share(const std::string& path) const {
+  const Dataset dataset = open_dataset(*handle_, path);
+  const par::Comm& comm = handle_->comm;
+  return read_typed<T>(*handle_, path, dataset, share(dataset.rows, comm.rank(), comm.size()));
+}
+
+template <class T>
+std::vector<T> File::read_all(const std::string& path) const {
+  const Dataset dataset = open_dataset(*handle_, path);
+  return read_typed<T>(*handle_, path, dataset, {0, dataset.rows});
+}
+
+template <class T>
+std::vector<T> File::read_rows(const std::string& path, std::size_t begin,
+                               std::size_t count) const {
+  const Dataset dataset = open_dataset(*handle_, path);
+  const bool inside = begin <= dataset.rows && count <= dataset.rows - begin;
+  // Before memory for a nonsensical count is asked for; read_rows_into words the refusal.
+  const bool all_inside = handle_->comm.max(std::int64_t{inside ? 0 : 1}) == 0;
+  if (!all_inside) read_rows_into(*handle_, path, dataset, {begin, count}, nullptr);
+  return read_typed<T>(*handle_, path, dataset, {begin, count});
+}
+
+template <class T>
+void File::append(const std::string& path, std::span<const T> mine, std::size_t columns,
+                  const Label& label) {
+  std::size_t added = 0;
+  Share place = place_of(handle_->comm, rows_of(mine.size(), columns), added);
+  reserve(*handle_, path, added * columns * sizeof(T));
+  const bool fresh = !has(path);
+  Dataset dataset = fresh ? create_dataset(*handle_, path, native_type<T>(), 0, columns, true)
+                          : open_dataset(*handle_, path);
+  expect_type(*handle_, path, dataset, native_type<T>());
+  handle_->agree(
+      dataset.columns == columns, "dataset " + path,
+      "has " + std::to_string(dataset.columns) + " columns, not " + std::to_string(columns));
+  place.begin += dataset.rows;
+  dataset.rows += added;
+  const hsize_t extent[2] = {dataset.rows, columns};
+  handle_->agree(H5Dset_extent(dataset.id.get(), extent) >= 0, "dataset " + path, "cannot grow");
+  if (added > 0) write_rows(*handle_, path, dataset, place, mine.data());
+  if (fresh) {
+    attribute(path, "unit", label.unit);
+    attribute(path, "meaning", label.meaning);
+  }
+  // A run killed later leaves the file readable up to here.
+  handle_->agree(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written");
+}
+
+void File::truncate(const std::string& path, std::size_t rows) {
+  const Dataset dataset = open_dataset(*handle_, path);
+  const hsize_t extent[2] = {rows, dataset.columns};
+  handle_->agree(rows <= dataset.rows, "dataset " + path,
+                 "has only " + std::to_string(dataset.rows) + " rows, cannot be cut to " +
+                     std::to_string(rows));
+  handle_->agree(H5Dset_extent(dataset.id.get(), extent) >= 0, "dataset " + path, "cannot be cut");
+}
+
+#define TRACKBED_IO_TYPE(T)                                                                        \
+  template void File::write<T>(const std::string&, std::span<const T>, std::size_t, const Label&); \
+  template void File::append<T>(const std::string&, std::span<const T>, std::size_t,               \
+                                const Label&);                                                     \
+  template std::vector<T> File::read_share<T>(const std::string&) const;                           \
+  template std::vector<T> File::read_all<T>(const std::string&) const;                             \
+  template std::vector<T> File::read_rows<T>(const std::string&, std::size_t, std::size_t) const;
+
+TRACKBED_IO_TYPE(double)
+TRACKBED_IO_TYPE(float)
+TRACKBED_IO_TYPE(std::int64_t)
+TRACKBED_IO_TYPE(std::uint64_t)
+TRACKBED_IO_TYPE(std::int32_t)
+TRACKBED_IO_TYPE(std::int8_t)
+TRACKBED_IO_TYPE(std::uint8_t)
+#undef TRACKBED_IO_TYPE
+
+}  // namespace trackbed::io

@@ -1,0 +1,124 @@
+// Opening, closing and looking around in a file. Datasets are in dataset.cpp, attributes in
+// attributes.cpp.
+//
+// Every rank opens the file through MPI-IO, also a single one, so that there is one code path.
+// Format: HDF5 1.8 (superblock 2, object headers 2). Its metadata blocks carry checksums, so that
+// damage is noticed by the library, and unlike the 1.10 format a file whose writer was killed is
+// not marked as open for ever.
+#include "trackbed/io/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "io/handle.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/par/mpi.hpp"
+
+namespace trackbed::io {
+
+namespace {
+
+// Asks the operating system first: its reasons ("Permission denied") are better than MPI's.
+std::string why_not_open(const std::string& path, Mode mode) {
+  const int flags = mode == Mode::read     ? O_RDONLY
+                    : mode == Mode::create ? O_RDWR | O_CREAT
+                                           : O_RDWR;
+  const int descriptor = ::open(path.c_str(), flags, 0666);
+  if (descriptor < 0) return std::strerror(errno);
+  struct stat status {};
+  ::fstat(descriptor, &status);
+  ::close(descriptor);
+  return S_ISREG(status.st_mode) ? "" : "not a regular file";
+}
+
+Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
+  const Hid access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_fapl_mpio(access.get(), par::mpi(comm), MPI_INFO_NULL);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  if (mode == Mode::create)
+    return Hid(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));
+  const unsigned flags = mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
+  return Hid(H5Fopen(path.c_str(), flags, access.get()));
+}
+
+herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+}  // namespace
+
+void File::Handle::agree(bool ok, const std::string& subject, std::string_view what) const {
+  if (ok) return comm.agree("");
+  comm.agree(path + ": " + subject + (subject.empty() ? "" : " ") + std::string(what) +
+             hdf5_reason());
+}
+
+File::File(const par::Comm& comm, const std::string& path, Mode mode)
+    : handle_(std::make_unique<Handle>(comm, path, mode)) {
+  silence_hdf5();
+  const std::string verb = mode == Mode::create ? "cannot be created" : "cannot be opened";
+  const std::string reason = comm.root() ? why_not_open(path, mode) : "";
+  comm.agree(reason.empty() ? "" : path + ": " + verb + " (" + reason + ")");
+  handle_->file = open_file(comm, path, mode);
+  handle_->agree(bool(handle_->file), "", verb);
+}
+
+File::~File() {
+  if (handle_ && handle_->file) {
+    Hid file = std::move(handle_->file);
+    if (handle_->mode != Mode::read) H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
+    file.close();
+  }
+}
+File::File(File&&) noexcept = default;
+File& File::operator=(File&&) noexcept = default;
+
+void File::close() {
+  if (!handle_->file) return;
+  Hid file = std::move(handle_->file);
+  // The flush also asks the operating system to put the data on the disk (MPI_File_sync).
+  const bool flushed = handle_->mode == Mode::read || H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
+  const std::string reason = flushed ? "" : hdf5_reason();
+  const bool closed = file.close();
+  handle_->agree(flushed && closed, "", "cannot be completed" + reason);
+}
+
+bool File::has(const std::string& path) const {
+  // HDF5 wants every group on the way checked before the last name.
+  for (std::size_t end = 0; end != std::string::npos;) {
+    end = path.find('/', end + 1);
+    const std::string part = path.substr(0, end);
+    if (part.empty() || part == "/") continue;
+    if (H5Lexists(handle_->file.get(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+  }
+  return true;
+}
+
+std::vector<std::size_t> File::extent(const std::string& path) const {
+  const Dataset dataset = open_dataset(*handle_, path);
+  return {dataset.rows, dataset.columns};
+}
+
+std::vector<std::string> File::names(const std::string& group) const {
+  const Hid opened(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT));
+  std::vector<std::string> found;
+  const bool ok = opened && H5Literate(opened.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr,
+                                       collect_name, &found) >= 0;
+  handle_->agree(ok, "group " + group, "cannot be listed");
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Share share(std::size_t rows, int rank, int size) {
+  const auto r = static_cast<std::size_t>(rank), n = static_cast<std::size_t>(size);
+  const std::size_t begin = rows / n * r + std::min(r, rows % n);
+  return {begin, rows / n + (r < rows % n ? 1 : 0)};
+}
+
+}  // namespace trackbed::io
