@@ -41,7 +41,7 @@ struct Block {
 
 enum class Integrator { explicit_, newmark };
 enum class PlaneState { stress, strain };
-enum class Base { fixed, quiet };           // quiet: Lysmer & Kuhlemeyer 1969 dashpots
+enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
 enum class Sides { free, roller, quiet };
 
 struct GroundParameters {
@@ -57,16 +57,16 @@ struct GroundParameters {
   Sides sides = Sides::roller;
   double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s
   Integrator integrator = Integrator::explicit_;
-  double safety = 0.8;        // explicit step over the critical one
+  double safety = 0.8;  // explicit step over the critical one
   double newmark_beta = 0.25, newmark_gamma = 0.5;
-  double tolerance = 1e-8;    // relative residual of linear solves
+  double tolerance = 1e-8;  // relative residual of linear solves
   void declare(input::Section& s);
 };
 
 struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
-  double iterations_mean = 0, seconds = 0;   // linear solver; wall time in steps on this rank
-  double kinetic = 0, elastic = 0;           // J over all ranks
+  double iterations_mean = 0, seconds = 0;  // linear solver; wall time in steps on this rank
+  double kinetic = 0, elastic = 0;          // J over all ranks
 };
 
 class Ground {
@@ -88,15 +88,18 @@ class Ground {
   // Base and side reactions become loads, so that quiet boundaries neither creep nor jump.
   // The shape in this state is the reference: displacement counts from it, top() does not jump.
   void settle(std::span<const Vec3> top_force);
-  // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit step.
-  // Afterwards top() holds position at the start and motion over the window.
+  // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit
+  // step. Afterwards top() holds position at the start and motion over the window.
   void advance(double dt, std::span<const Vec3> top_force);
   std::string trouble() const;  // of this rank (divergence, not a number), or empty
 
   // For output: of the own top nodes, in the order of own_top(): displacement from the reference,
   // velocity, acceleration and vertical stress (tension positive, of the load since `settle`).
   std::vector<std::int32_t> own_top() const;
-  struct TopState { Vec3 displacement, velocity, acceleration; double sigma_z; };
+  struct TopState {
+    Vec3 displacement, velocity, acceleration;
+    double sigma_z;
+  };
   TopState top_state(std::int32_t node) const;
   io::Grid fields() const;      // own elements with displacement, velocity, stress
   GroundTotals totals() const;  // collective

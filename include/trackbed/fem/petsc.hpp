@@ -1,0 +1,23 @@
+// PETSc for the life of a program. Create it in main after par::Environment, with the arguments
+// that follow `--`; a Ground that solves without it starts PETSc with defaults, and MPI_Finalize
+// then ends it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace trackbed::fem {
+
+class Petsc {
+ public:
+  // Solver options begin with `ground_`: {"-ground_ksp_type", "gmres"}.
+  explicit Petsc(const std::vector<std::string>& options = {});
+  ~Petsc();
+  Petsc(const Petsc&) = delete;
+  Petsc& operator=(const Petsc&) = delete;
+
+  // Starts PETSc if nobody did. Collective over the world.
+  static void ensure();
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,67 @@
+// The state of the ground in a checkpoint: one row per node, named by its number in the lattice, so
+// that any number of ranks reads what any number wrote.
+#include <algorithm>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+// Rows a rank looks at in one go: 8 MB of names.
+constexpr std::size_t rows_at_once = 1u << 20;
+}  // namespace
+
+void State::list(const Visit& visit) {
+  visit("displacement", "m", "deviation from the state of rest", displacement);
+  visit("velocity", "m/s", "at the time of the checkpoint", velocity);
+  visit("acceleration", "m/s^2", "at the end of the last window", acceleration);
+  visit("internal", "N", "nodal force of the present deformation", internal);
+  visit("load", "N", "top load of the last window less the settled one", load);
+  visit("settled", "N", "top load of the state of rest", settled);
+  visit("offset", "m", "displacement when last settled, part of the shape", offset);
+  visit("rest", "m", "static displacement under weight and settled load", rest);
+}
+
+void Ground::save(io::File& file, const std::string& group) const {
+  const Mesh& mesh = room_->mesh;
+  const int components = room_->components();
+  std::vector<std::int64_t> names;
+  for (const std::int32_t n : mesh.own) names.push_back(mesh.node[static_cast<std::size_t>(n)]);
+  file.write<std::int64_t>(group + "/node", names, 1, {"-", "number in the lattice"});
+  room_->state.list([&](const char* name, const char* unit, const char* meaning, Nodal& values) {
+    std::vector<double> rows;
+    for (const std::int32_t n : mesh.own)
+      for (int c = 0; c < components; ++c) rows.push_back(values[c][n]);
+    file.write<double>(group + "/" + name, rows, static_cast<std::size_t>(components),
+                       {unit, meaning});
+  });
+  file.attribute(group, "steps", room_->steps);
+}
+
+void Ground::load(const io::File& file, const std::string& group) {
+  Mesh& mesh = room_->mesh;
+  const auto components = static_cast<std::size_t>(room_->components());
+  const std::size_t total = file.extent(group + "/node")[0];
+  if (total != static_cast<std::size_t>(mesh.lattice.node_count()))
+    throw RunError("the checkpoint holds a ground of " + std::to_string(total) +
+                   " nodes, the deck one of " + std::to_string(mesh.lattice.node_count()));
+  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);
+    room_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
+      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
+      for (std::size_t r = 0; r < count; ++r) {
+        const std::int32_t n = mesh.local_node(names[r]);
+        if (n < 0 || mesh.owned[static_cast<std::size_t>(n)] == 0) continue;
+        for (std::size_t c = 0; c < components; ++c)
+          values[static_cast<int>(c)][n] = rows[r * components + c];
+      }
+    });
+  }
+  for (Nodal* values : {&room_->state.offset, &room_->state.rest}) mesh.exchange(*values);
+  room_->steps = file.integer_attribute(group, "steps");
+  room_->refresh_surface();
+}
+
+}  // namespace trackbed::fem

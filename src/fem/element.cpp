@@ -1,0 +1,137 @@
+#include "element.hpp"
+
+#include <cmath>
+
+namespace trackbed::fem {
+
+namespace {
+
+double sign_of(int corner, int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; }
+
+// Gradient of the shape function of a corner on the unit cube.
+Vec3 shape_gradient(int corner, const Vec3& xi) {
+  Vec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    gradient[a] = 0.125 * sign_of(corner, a);
+    for (int b = 0; b < 3; ++b)
+      if (b != a) gradient[a] *= 1 + sign_of(corner, b) * xi[b];
+  }
+  return gradient;
+}
+
+// Symmetric tensor to strain in Voigt's order (shear doubled).
+Eigen::Matrix<double, 6, 1> voigt(const Mat3& e) {
+  Eigen::Matrix<double, 6, 1> v;
+  v << e(0, 0), e(1, 1), e(2, 2), 2 * e(0, 1), 2 * e(1, 2), 2 * e(2, 0);
+  return v;
+}
+
+Vec3 gauss_point(int index) {
+  const double g = 1 / std::sqrt(3.0);
+  return {g * sign_of(index, 0), g * sign_of(index, 1), g * sign_of(index, 2)};
+}
+
+}  // namespace
+
+Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
+  const double nu = solid.poisson, shear = solid.young / (2 * (1 + nu));
+  const double lame = solid.young * nu / ((1 + nu) * (1 - 2 * nu));
+  Voigt d = Voigt::Zero();
+  d.topLeftCorner<3, 3>().setConstant(lame);
+  d.topLeftCorner<3, 3>().diagonal().array() += 2 * shear;
+  d.bottomRightCorner<3, 3>().diagonal().setConstant(shear);
+  if (!sigma_y_free) return d;
+  const Eigen::Matrix<double, 6, 1> y = d.col(1);
+  return d - y * y.transpose() / d(1, 1);
+}
+
+Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
+    : corners_(corners), elasticity_(elasticity) {
+  const Mat3 centre = jacobian(Vec3::Zero());
+  centre_inverse_ = centre.inverse();
+  centre_volume_ = centre.determinant();
+  Eigen::Matrix<double, 12, 12> h = Eigen::Matrix<double, 12, 12>::Zero();
+  Eigen::Matrix<double, 12, 24> gamma = Eigen::Matrix<double, 12, 24>::Zero();
+  stiffness_.setZero();
+  for (int g = 0; g < 8; ++g) {
+    const Vec3 xi = gauss_point(g);
+    const double volume = jacobian(xi).determinant();
+    const auto b = compatible(xi);
+    const auto e = enhanced(xi);
+    stiffness_ += b.transpose() * elasticity_ * b * volume;
+    gamma += e.transpose() * elasticity_ * b * volume;
+    h += e.transpose() * elasticity_ * e * volume;
+  }
+  // A parameter without stiffness (sigma_y free) must stay zero: least-norm solution.
+  alpha_ = -h.completeOrthogonalDecomposition().solve(gamma);
+  stiffness_ += gamma.transpose() * alpha_;
+  stiffness_ = (0.5 * (stiffness_ + stiffness_.transpose())).eval();
+}
+
+Mat3 Hexahedron::jacobian(const Vec3& xi) const {
+  Mat3 j = Mat3::Zero();  // d x_i / d xi_a
+  for (int k = 0; k < 8; ++k)
+    j += corners_[static_cast<std::size_t>(k)] * shape_gradient(k, xi).transpose();
+  return j;
+}
+
+Eigen::Matrix<double, 6, 24> Hexahedron::compatible(const Vec3& xi) const {
+  Eigen::Matrix<double, 6, 24> b = Eigen::Matrix<double, 6, 24>::Zero();
+  const Mat3 inverse = jacobian(xi).inverse();
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 g = inverse.transpose() * shape_gradient(k, xi);
+    const int at = 3 * k;
+    b(0, at) = b(3, at + 1) = b(5, at + 2) = g.x();
+    b(1, at + 1) = b(3, at) = b(4, at + 2) = g.y();
+    b(2, at + 2) = b(4, at + 1) = b(5, at) = g.z();
+  }
+  return b;
+}
+
+Eigen::Matrix<double, 6, 12> Hexahedron::enhanced(const Vec3& xi) const {
+  Eigen::Matrix<double, 6, 12> e;
+  const double scale = centre_volume_ / jacobian(xi).determinant();
+  int column = 0;
+  // Incompatible mode (component a) * (1 - xi_b^2): covariant strain e_ab ~ xi_b.
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      Mat3 tensor = Mat3::Zero();
+      tensor(a, b) += 0.5 * xi[b];
+      tensor(b, a) += 0.5 * xi[b];
+      e.col(column++) = scale * voigt(centre_inverse_.transpose() * tensor * centre_inverse_);
+    }
+  for (int a = 0; a < 3; ++a)
+    e.col(column++) = scale * xi[a] * xi[(a + 1) % 3] * voigt(Mat3::Identity());
+  return e;
+}
+
+Eigen::Matrix<double, 6, 24> Hexahedron::stress(const Vec3& xi) const {
+  return elasticity_ * (compatible(xi) + enhanced(xi) * alpha_);
+}
+
+ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
+                         PlaneState plane) {
+  const bool flat = dimension == Dimension::plane;
+  Corners corners;
+  for (int k = 0; k < 8; ++k)
+    for (int a = 0; a < 3; ++a)
+      corners[static_cast<std::size_t>(k)][a] = 0.5 * sign_of(k, a) * size[a];
+  const Hexahedron solid_zone(corners, elasticity(solid, flat && plane == PlaneState::stress));
+  ZoneElement zone;
+  // Columns: what the 24 freedoms do when one freedom of the model moves.
+  Eigen::MatrixXd motion = Eigen::MatrixXd::Identity(24, 24);
+  if (flat) {
+    motion.setZero(24, 8);
+    for (int k = 0; k < 8; ++k) {
+      const int corner = (k & 1) | (k >> 2 & 1) << 1;
+      motion(3 * k, 2 * corner) = motion(3 * k + 2, 2 * corner + 1) = 1;
+    }
+  }
+  zone.stiffness = motion.transpose() * solid_zone.stiffness() * motion;
+  zone.centre_stress = solid_zone.stress(Vec3::Zero()) * motion;
+  zone.top_stress = solid_zone.stress(Vec3::UnitZ()) * motion;
+  zone.corner_mass = solid.density * size.prod() / (flat ? 4 : 8);
+  return zone;
+}
+
+}  // namespace trackbed::fem

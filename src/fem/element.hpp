@@ -1,0 +1,59 @@
+// Eight-node hexahedron with enhanced strains: no locking in bending or near incompressibility.
+//
+// The assumed strain is B u + E alpha with 12 element parameters alpha that are condensed out: the
+// nine of Wilson's incompatible modes (Wilson, Taylor, Doherty, Ghaboussi 1973; Taylor, Beresford,
+// Wilson 1976, doi:10.1002/nme.1620100602) written as enhanced strains (Simo, Rifai 1990,
+// doi:10.1002/nme.1620290802) and three that free the volume of the xi*eta-like terms (Simo,
+// Armero, Taylor 1993, doi:10.1016/0045-7825(93)90215-J). E integrates to zero against constant
+// stress on any shape, so the patch test holds. See docs/decisions/ground_elements.md.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+
+#include "trackbed/core/types.hpp"
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+// Corner k lies at xi = +1 if bit 0 of k is set (else -1), eta: bit 1, zeta: bit 2.
+using Corners = std::array<Vec3, 8>;
+// Order xx yy zz xy yz zx with engineering shear strains.
+using Voigt = Eigen::Matrix<double, 6, 6>;
+
+// Hooke's law, Pa. `sigma_y_free` condenses sigma_y = 0 (plane stress in x, z).
+Voigt elasticity(const Elastic& solid, bool sigma_y_free = false);
+
+class Hexahedron {
+ public:
+  Hexahedron(const Corners& corners, const Voigt& elasticity);
+
+  // N/m; freedom 3 * corner + component.
+  const Eigen::Matrix<double, 24, 24>& stiffness() const { return stiffness_; }
+  // Stress (Pa) at a point of the unit cube from the corner displacements.
+  Eigen::Matrix<double, 6, 24> stress(const Vec3& xi) const;
+
+ private:
+  Mat3 jacobian(const Vec3& xi) const;
+  Eigen::Matrix<double, 6, 24> compatible(const Vec3& xi) const;
+  Eigen::Matrix<double, 6, 12> enhanced(const Vec3& xi) const;
+
+  Corners corners_;
+  Voigt elasticity_;
+  Mat3 centre_inverse_;  // inverse Jacobian at the centre
+  double centre_volume_;
+  Eigen::Matrix<double, 12, 24> alpha_;  // element parameters from displacements
+  Eigen::Matrix<double, 24, 24> stiffness_;
+};
+
+// A zone of the regular mesh, as many freedoms as the model has: 24 in space, 8 in a plane, where
+// front and back nodes move together. Freedom d * corner + component; plane corners by (x, z) bits.
+struct ZoneElement {
+  Eigen::MatrixXd stiffness;
+  Eigen::MatrixXd centre_stress, top_stress;  // 6 rows; at the centre and amid the top face
+  double corner_mass = 0;                     // kg, lumped
+};
+ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
+                         PlaneState plane);
+
+}  // namespace trackbed::fem

@@ -1,0 +1,156 @@
+#include "trackbed/fem/ground.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/exact_sum.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+std::vector<ZoneElement> elements_of(const Mesh& mesh, const GroundParameters& parameters) {
+  std::vector<ZoneElement> elements;
+  const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
+  for (const Elastic& solid : mesh.solids.solid)
+    elements.push_back(zone_element(mesh.lattice.size, solid, dimension, parameters.plane));
+  return elements;
+}
+
+// Largest sum of forces on a node the exact sums of the surface must hold, N.
+constexpr double largest_node_force = 1e9;
+
+}  // namespace
+
+Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimension dim,
+                   double thickness)
+    : parameters(given),
+      dimension(dim),
+      mesh(comm, given, dim, thickness),
+      stiffness(mesh, elements_of(mesh, given)),
+      terms(mesh, given, stiffness),
+      state(components(), mesh.nodes()) {
+  critical = critical_step(mesh, parameters, stiffness, limit);
+  make_surface();
+  refresh_surface();
+}
+
+// Node number: i + (nx + 1) j; two triangles per zone, counter-clockwise seen from above.
+void Ground::Room::make_surface() {
+  const Lattice& lattice = mesh.lattice;
+  const std::int64_t row = lattice.points()[0], across = lattice.plane ? 2 : lattice.points()[1];
+  surface.name = "ground";
+  surface.load_quantum = exact_quantum(largest_node_force);
+  for (std::int64_t j = 0; j < across; ++j)
+    for (std::int64_t i = 0; i < row; ++i) {
+      const Id id = lattice.node({i, lattice.plane ? 0 : j, lattice.zones[2]});
+      Vec3 x = lattice.position(id);
+      if (lattice.plane) x.y() = lattice.low.y() + static_cast<double>(j) * lattice.size.y();
+      const auto number = static_cast<std::int32_t>(surface.position.size());
+      surface.position.push_back(x);
+      const std::int32_t node = mesh.local_node(id);
+      if (node >= 0 && mesh.owned[static_cast<std::size_t>(node)] != 0)
+        own_top.push_back({number, node});
+    }
+  for (std::int64_t j = 0; j + 1 < across; ++j)
+    for (std::int64_t i = 0; i + 1 < row; ++i) {
+      const auto a = static_cast<std::int32_t>(i + row * j), b = a + 1;
+      const auto d = static_cast<std::int32_t>(a + row), c = d + 1;
+      surface.triangles.push_back({a, b, c});
+      surface.triangles.push_back({a, c, d});
+    }
+  surface.motion.assign(surface.nodes(), Vec3::Zero());
+  surface.clear_load();
+  window_start_.assign(own_top.size(), Vec3::Zero());
+}
+
+Vec3 Ground::Room::vector(const Nodal& values, std::int32_t node) const {
+  Vec3 v = Vec3::Zero();
+  for (int c = 0; c < components(); ++c) v[mesh.lattice.axis(c)] = values[c][node];
+  return v;
+}
+
+Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
+  return vector(state.offset, node) + vector(state.displacement, node);
+}
+
+void Ground::Room::set_load(std::span<const Vec3> top_force) {
+  require(top_force.size() == surface.nodes(), "ground: one force per top node");
+  for (const TopNode& top : own_top)
+    for (int c = 0; c < components(); ++c) state.load[c][top.node] = 0;
+  for (const TopNode& top : own_top)  // in a plane both faces add up
+    for (int c = 0; c < components(); ++c)
+      state.load[c][top.node] +=
+          top_force[static_cast<std::size_t>(top.number)][mesh.lattice.axis(c)];
+  // The front node comes first: take the settled load off once per node.
+  std::int32_t faces = mesh.lattice.plane ? 2 : 1;
+  for (std::size_t t = 0; t < own_top.size() / static_cast<std::size_t>(faces); ++t)
+    for (int c = 0; c < components(); ++c)
+      state.load[c][own_top[t].node] -= state.settled[c][own_top[t].node];
+}
+
+void Ground::Room::publish() {
+  mesh.exchange(state.displacement);
+  const Lattice& lattice = mesh.lattice;
+  for (std::size_t t = 0; t < own_top.size(); ++t) {
+    const TopNode& top = own_top[t];
+    const auto number = static_cast<std::size_t>(top.number);
+    const Vec3 now = shown_displacement(top.node);
+    Vec3 home = lattice.position(mesh.node[static_cast<std::size_t>(top.node)]);
+    if (lattice.plane) home.y() = surface.position[number].y();
+    surface.position[number] = home + window_start_[t];
+    surface.motion[number] = now - window_start_[t];
+    window_start_[t] = now;
+  }
+  check_finite();
+}
+
+void Ground::Room::refresh_surface() {
+  for (std::size_t t = 0; t < own_top.size(); ++t)
+    window_start_[t] = shown_displacement(own_top[t].node);
+  publish();
+}
+
+void Ground::Room::check_finite() {
+  for (std::size_t t = 0; t < own_top.size(); ++t)
+    if (!window_start_[t].allFinite()) {
+      trouble = "the ground diverges: top node " + std::to_string(own_top[t].number) +
+                " has no finite displacement";
+      return;
+    }
+}
+
+Ground::Ground(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
+               double thickness)
+    : room_(std::make_unique<Room>(comm, parameters, dimension, thickness)) {}
+Ground::~Ground() = default;
+Ground::Ground(Ground&&) noexcept = default;
+
+double Ground::stable_step(std::string* limit) const {
+  const bool implicit = room_->parameters.integrator == Integrator::newmark;
+  if (limit != nullptr) *limit = implicit ? "nothing: Newmark" : room_->limit;
+  if (implicit) return std::numeric_limits<double>::infinity();
+  return room_->parameters.safety * room_->critical;
+}
+
+Surface& Ground::top() { return room_->surface; }
+const std::vector<int>& Ground::top_owner() const { return room_->mesh.top_owner; }
+std::string Ground::trouble() const { return room_->trouble; }
+
+void Ground::settle(std::span<const Vec3> top_force) { room_->settle(top_force); }
+
+void Ground::advance(double dt, std::span<const Vec3> top_force) {
+  const auto begin = std::chrono::steady_clock::now();
+  room_->set_load(top_force);
+  if (room_->parameters.integrator == Integrator::newmark)
+    room_->newmark_window(dt);
+  else
+    room_->explicit_window(dt);
+  room_->publish();
+  room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace trackbed::fem

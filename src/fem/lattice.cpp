@@ -1,0 +1,101 @@
+#include "lattice.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+namespace trackbed::fem {
+
+namespace {
+
+// Even-odd rule along a ray in +x. Corners on the ray count for one of their two edges only.
+bool inside(std::span<const double> outline, double x, double z) {
+  const std::size_t corners = outline.size() / 2;
+  bool in = false;
+  for (std::size_t a = 0, b = corners - 1; a < corners; b = a++) {
+    const double xa = outline[2 * a], za = outline[2 * a + 1];
+    const double xb = outline[2 * b], zb = outline[2 * b + 1];
+    if ((za > z) != (zb > z) && x < xa + (z - za) * (xb - xa) / (zb - za)) in = !in;
+  }
+  return in;
+}
+
+double depth_of(const GroundParameters& parameters) {
+  return std::accumulate(parameters.layers.begin(), parameters.layers.end(), 0.0,
+                         [](double sum, const Layer& layer) { return sum + layer.thickness; });
+}
+
+}  // namespace
+
+Vec3 Lattice::position(Id node) const {
+  const Index3 p = node_index(node);
+  Vec3 x;
+  for (int a = 0; a < 3; ++a)
+    x[a] = low[a] + static_cast<double>(p[static_cast<std::size_t>(a)]) * size[a];
+  if (plane) x.y() = low.y() + 0.5 * size.y();
+  // The top face is z = 0 to the bit, whatever the zones round to.
+  if (p[2] == zones[2]) x.z() = 0;
+  return x;
+}
+
+Vec3 Lattice::centre(Id zone) const {
+  const Index3 z = zone_index(zone);
+  Vec3 x;
+  for (int a = 0; a < 3; ++a)
+    x[a] = low[a] + (static_cast<double>(z[static_cast<std::size_t>(a)]) + 0.5) * size[a];
+  return x;
+}
+
+int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
+  const Index3 p = node_index(node);
+  int count = 0;
+  for (std::int64_t k = p[2] - 1; k <= p[2]; ++k)
+    for (std::int64_t j = plane ? 0 : p[1] - 1; j <= p[1]; ++j)
+      for (std::int64_t i = p[0] - 1; i <= p[0]; ++i) {
+        const bool in = i >= 0 && j >= 0 && k >= 0 && i < zones[0] && j < zones[1] && k < zones[2];
+        if (in) found[static_cast<std::size_t>(count++)] = zone({i, j, k});
+      }
+  return count;
+}
+
+Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness) {
+  Lattice lattice;
+  lattice.plane = dimension == Dimension::plane;
+  lattice.zones = {parameters.zones_x, lattice.plane ? 1 : parameters.zones_y, parameters.zones_z};
+  const double depth = depth_of(parameters);
+  lattice.low = {parameters.x[0], lattice.plane ? -0.5 * thickness : parameters.y[0], -depth};
+  const Vec3 extent(parameters.x[1] - parameters.x[0],
+                    lattice.plane ? thickness : parameters.y[1] - parameters.y[0], depth);
+  for (int a = 0; a < 3; ++a)
+    lattice.size[a] = extent[a] / static_cast<double>(lattice.zones[static_cast<std::size_t>(a)]);
+  return lattice;
+}
+
+Solids solids_of(const GroundParameters& parameters) {
+  Solids solids;
+  for (const Layer& layer : parameters.layers) {
+    solids.solid.push_back(layer.solid);
+    solids.name.push_back("layer " + layer.name);
+  }
+  for (const Block& block : parameters.blocks) {
+    solids.solid.push_back(block.solid);
+    solids.name.push_back("block " + block.name);
+  }
+  return solids;
+}
+
+int solid_at(const GroundParameters& parameters, const Vec3& point) {
+  for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
+    const Block& block = parameters.blocks[b];
+    if (block.present && inside(block.outline, point.x(), point.z()))
+      return static_cast<int>(parameters.layers.size() + b);
+  }
+  double bottom = 0;
+  for (std::size_t l = 0; l < parameters.layers.size(); ++l) {
+    bottom -= parameters.layers[l].thickness;
+    if (point.z() > bottom) return static_cast<int>(l);
+  }
+  return static_cast<int>(parameters.layers.size()) - 1;
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,63 @@
+// The regular block of zones the ground is meshed with: pure index arithmetic, no ranks.
+//
+// Zones and nodes are counted with x fastest, then y, then z from the bottom up. A plane model has
+// one zone and one line of nodes across y. These numbers name zones and nodes on every rank.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+using Index3 = std::array<std::int64_t, 3>;
+
+struct Lattice {
+  bool plane = false;
+  Index3 zones{};  // in x, y, z
+  Vec3 low, size;  // m: lower corner, size of a zone
+
+  int components() const { return plane ? 2 : 3; }
+  int corners() const { return plane ? 4 : 8; }
+  int axis(int component) const { return plane ? 2 * component : component; }
+  // Nodes per direction.
+  Index3 points() const { return {zones[0] + 1, plane ? 1 : zones[1] + 1, zones[2] + 1}; }
+  std::int64_t zone_count() const { return zones[0] * zones[1] * zones[2]; }
+  std::int64_t node_count() const { return points()[0] * points()[1] * points()[2]; }
+
+  Id node(const Index3& p) const { return p[0] + points()[0] * (p[1] + points()[1] * p[2]); }
+  Index3 node_index(Id id) const {
+    const Index3 n = points();
+    return {id % n[0], id / n[0] % n[1], id / (n[0] * n[1])};
+  }
+  Id zone(const Index3& z) const { return z[0] + zones[0] * (z[1] + zones[1] * z[2]); }
+  Index3 zone_index(Id id) const {
+    return {id % zones[0], id / zones[0] % zones[1], id / (zones[0] * zones[1])};
+  }
+  // Node at a corner: bits of `corner` are x, y, z in space and x, z in a plane.
+  Id corner(const Index3& z, int corner) const {
+    const int up = plane ? corner >> 1 : corner >> 2, across = plane ? 0 : corner >> 1 & 1;
+    return node({z[0] + (corner & 1), z[1] + across, z[2] + up});
+  }
+  // m; a plane node lies amid the thickness.
+  Vec3 position(Id node) const;
+  Vec3 centre(Id zone) const;
+
+  // Zones that touch a node, ascending (at most 8); returns how many.
+  int zones_at(Id node, std::array<Id, 8>& found) const;
+};
+
+Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness);
+
+// Solids of the ground: layers in turn, then blocks in turn, and which one a point has.
+struct Solids {
+  std::vector<Elastic> solid;
+  std::vector<std::string> name;
+};
+Solids solids_of(const GroundParameters& parameters);
+int solid_at(const GroundParameters& parameters, const Vec3& point);
+
+}  // namespace trackbed::fem

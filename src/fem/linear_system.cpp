@@ -1,0 +1,204 @@
+#include "linear_system.hpp"
+
+#include <petscksp.h>
+
+#include <algorithm>
+
+#include "petsc_check.hpp"
+#include "trackbed/fem/petsc.hpp"
+#include "trackbed/par/mpi.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+constexpr const char* prefix = "ground_";
+
+// An option of our choosing unless the user chose it.
+void suggest(const std::string& name, const char* value) {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, prefix, ("-" + name).c_str(), &given), "read its options");
+  if (given == PETSC_TRUE) return;
+  check(PetscOptionsSetValue(nullptr, ("-" + (prefix + name)).c_str(), value), "set an option");
+}
+
+}  // namespace
+
+struct LinearSystem::Handles {
+  explicit Handles(Mesh& m) : mesh(m), components(m.lattice.components()) {}
+  ~Handles() {
+    PetscBool running = PETSC_FALSE;
+    PetscInitialized(&running);
+    if (running == PETSC_FALSE) return;
+    KSPDestroy(&solver);
+    MatDestroy(&matrix);
+    VecDestroy(&right);
+    VecDestroy(&solution);
+  }
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  void create();
+  void assemble(const Stiffness& stiffness, const Spec& spec);
+  void add_zone(std::size_t zone, const Eigen::MatrixXd& stiffness, const Spec& spec);
+  void tell_rigid_motions();
+  void make_solver(double tolerance);
+  bool is_held(const Spec& spec, std::int32_t node, int c) const {
+    return (spec.held[static_cast<std::size_t>(node)] >> c & 1) != 0;
+  }
+  PetscInt row(std::int32_t node, int c) const {
+    return static_cast<PetscInt>(number[static_cast<std::size_t>(node)] * components + c);
+  }
+
+  Mesh& mesh;
+  int components;
+  std::vector<std::int64_t> number;  // of local nodes among all ranks' own nodes
+  std::vector<std::uint8_t> held;
+  Mat matrix = nullptr;
+  KSP solver = nullptr;
+  Vec right = nullptr, solution = nullptr;
+};
+
+void LinearSystem::Handles::create() {
+  std::vector<std::int64_t> mine(mesh.nodes(), -1);
+  for (std::size_t n = 0; n < mesh.own.size(); ++n)
+    mine[static_cast<std::size_t>(mesh.own[n])] = mesh.first_own + static_cast<std::int64_t>(n);
+  number = mesh.exchange(mine);
+  const auto rows = static_cast<PetscInt>(mesh.own.size()) * components;
+  // A node meets 27 nodes in space and 9 in a plane.
+  const PetscInt in_row = components == 3 ? 81 : 18;
+  const MPI_Comm comm = par::mpi(mesh.comm);
+  check(MatCreate(comm, &matrix), "create a matrix");
+  check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE), "size a matrix");
+  check(MatSetBlockSize(matrix, components), "size a matrix");
+  check(MatSetType(matrix, MATAIJ), "type a matrix");
+  check(MatSeqAIJSetPreallocation(matrix, in_row, nullptr), "allocate a matrix");
+  check(MatMPIAIJSetPreallocation(matrix, in_row, nullptr, in_row, nullptr), "allocate a matrix");
+  check(MatCreateVecs(matrix, &solution, &right), "create vectors");
+}
+
+// Rows of own nodes are complete here: every zone that touches them is held.
+void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k, const Spec& spec) {
+  const int corners = mesh.lattice.corners();
+  for (int a = 0; a < corners; ++a) {
+    const std::int32_t node = mesh.corner(zone, a);
+    if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
+    for (int c = 0; c < components; ++c) {
+      if (is_held(spec, node, c)) continue;
+      std::array<PetscInt, 24> columns{};
+      std::array<PetscScalar, 24> values{};
+      PetscInt count = 0;
+      for (int b = 0; b < corners; ++b)
+        for (int d = 0; d < components; ++d) {
+          if (is_held(spec, mesh.corner(zone, b), d)) continue;
+          columns[static_cast<std::size_t>(count)] = row(mesh.corner(zone, b), d);
+          values[static_cast<std::size_t>(count++)] =
+              spec.stiffness_factor * k(a * components + c, b * components + d);
+        }
+      const PetscInt at = row(node, c);
+      check(MatSetValues(matrix, 1, &at, count, columns.data(), values.data(), ADD_VALUES),
+            "fill a matrix");
+    }
+  }
+}
+
+void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spec) {
+  held = spec.held;
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z)
+    add_zone(z, stiffness.element(mesh.solid[z]).stiffness, spec);
+  // A held unknown keeps a row of its own, as stiff as its neighbours for the multigrid's sake.
+  double stiff = 0;
+  for (std::size_t z = 0; z < mesh.zone.size() && stiff == 0; ++z)
+    stiff = spec.stiffness_factor * stiffness.element(mesh.solid[z]).stiffness(0, 0);
+  for (const std::int32_t node : mesh.own)
+    for (int c = 0; c < components; ++c) {
+      const PetscInt at = row(node, c);
+      const double value = is_held(spec, node, c) ? stiff : spec.diagonal[c][node];
+      check(MatSetValues(matrix, 1, &at, 1, &at, &value, ADD_VALUES), "fill a matrix");
+    }
+  check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
+  check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
+  check(MatSetOption(matrix, MAT_SPD, PETSC_TRUE), "mark a matrix");
+}
+
+void LinearSystem::Handles::tell_rigid_motions() {
+  Vec places = nullptr;
+  check(VecDuplicate(right, &places), "create a vector");
+  check(VecSetBlockSize(places, components), "size a vector");
+  PetscScalar* x = nullptr;
+  check(VecGetArray(places, &x), "open a vector");
+  for (std::size_t n = 0; n < mesh.own.size(); ++n) {
+    const Vec3 at = mesh.lattice.position(mesh.node[static_cast<std::size_t>(mesh.own[n])]);
+    for (int c = 0; c < components; ++c)
+      x[n * static_cast<std::size_t>(components) + static_cast<std::size_t>(c)] =
+          at[mesh.lattice.axis(c)];
+  }
+  check(VecRestoreArray(places, &x), "close a vector");
+  MatNullSpace motions = nullptr;
+  check(MatNullSpaceCreateRigidBody(places, &motions), "form the rigid motions");
+  check(MatSetNearNullSpace(matrix, motions), "set the rigid motions");
+  MatNullSpaceDestroy(&motions);
+  VecDestroy(&places);
+}
+
+void LinearSystem::Handles::make_solver(double tolerance) {
+  suggest("ksp_type", "cg");
+  suggest("pc_type", "hypre");
+  suggest("pc_hypre_type", "boomeramg");
+  suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
+  suggest("pc_hypre_boomeramg_relax_type_all", "symmetric-SOR/Jacobi");
+  suggest("ksp_norm_type", "unpreconditioned");
+  check(KSPCreate(par::mpi(mesh.comm), &solver), "create a solver");
+  check(KSPSetOptionsPrefix(solver, prefix), "name a solver");
+  check(KSPSetOperators(solver, matrix, matrix), "give a solver its matrix");
+  check(KSPSetTolerances(solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
+        "set the tolerance");
+  check(KSPSetInitialGuessNonzero(solver, PETSC_TRUE), "set the first guess");
+  check(KSPSetFromOptions(solver), "take the solver options after --");
+  check(KSPSetUp(solver), "set up the linear solver");
+}
+
+LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec) {
+  Petsc::ensure();
+  handles_ = std::make_unique<Handles>(mesh);
+  handles_->create();
+  handles_->assemble(stiffness, spec);
+  handles_->tell_rigid_motions();
+  handles_->make_solver(spec.tolerance);
+}
+
+LinearSystem::~LinearSystem() = default;
+
+int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
+  Handles& h = *handles_;
+  PetscScalar *b = nullptr, *guess = nullptr;
+  check(VecGetArray(h.right, &b), "open a vector");
+  check(VecGetArray(h.solution, &guess), "open a vector");
+  std::size_t at = 0;
+  for (const std::int32_t node : h.mesh.own)
+    for (int c = 0; c < h.components; ++c, ++at) {
+      const bool held = (h.held[static_cast<std::size_t>(node)] >> c & 1) != 0;
+      b[at] = held ? 0 : right_side[c][node];
+      guess[at] = held ? 0 : x[c][node];
+    }
+  check(VecRestoreArray(h.right, &b), "close a vector");
+  check(VecRestoreArray(h.solution, &guess), "close a vector");
+  check(KSPSolve(h.solver, h.right, h.solution), "solve the ground");
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt iterations = 0;
+  check(KSPGetConvergedReason(h.solver, &reason), "say why it stopped");
+  check(KSPGetIterationNumber(h.solver, &iterations), "count iterations");
+  if (reason < 0)
+    throw RunError("the linear solver of the ground stopped after " + std::to_string(iterations) +
+                   " iterations: " + KSPConvergedReasons[reason] +
+                   "; try other solver options after --");
+  const PetscScalar* found = nullptr;
+  check(VecGetArrayRead(h.solution, &found), "open a vector");
+  at = 0;
+  for (const std::int32_t node : h.mesh.own)
+    for (int c = 0; c < h.components; ++c, ++at) x[c][node] = found[at];
+  check(VecRestoreArrayRead(h.solution, &found), "close a vector");
+  return static_cast<int>(iterations);
+}
+
+}  // namespace trackbed::fem

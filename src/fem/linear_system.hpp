@@ -1,0 +1,36 @@
+// Distributed linear system s K + diagonal by PETSc: assembled once, solved many times.
+//
+// Default: conjugate gradients with hypre's BoomerAMG, which is told the rigid body motions; every
+// choice is open through PETSc options with the prefix `ground_`.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "mesh.hpp"
+#include "stiffness.hpp"
+
+namespace trackbed::fem {
+
+class LinearSystem {
+ public:
+  struct Spec {
+    double stiffness_factor = 1;            // s
+    Nodal diagonal;                         // N/m per component and node
+    const std::vector<std::uint8_t>& held;  // bit c: the unknown is zero
+    double tolerance = 1e-8;                // residual over right-hand side
+  };
+  LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec);
+  ~LinearSystem();
+
+  // Solves for x of own nodes, starting from the x given. Returns the iterations. Throws RunError
+  // on all ranks if it does not converge. Collective.
+  int solve(const Nodal& right_side, Nodal& x);
+
+ private:
+  struct Handles;
+  std::unique_ptr<Handles> handles_;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,145 @@
+#include "mesh.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/par/partition.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+// METIS splits the zones; a node goes to the lowest rank among its zones. Every rank computes the
+// whole answer, which costs 40 bytes per zone for a moment and no message.
+std::vector<int> node_owners(const Lattice& lattice, int ranks) {
+  std::vector<int> owner(static_cast<std::size_t>(lattice.node_count()), 0);
+  if (ranks == 1) return owner;
+  require(lattice.node_count() < std::numeric_limits<std::int32_t>::max(),
+          "the ground has more than 2^31 nodes");
+  std::vector<std::int32_t> corners;
+  corners.reserve(static_cast<std::size_t>(lattice.zone_count() * lattice.corners()));
+  for (Id z = 0; z < lattice.zone_count(); ++z)
+    for (int k = 0; k < lattice.corners(); ++k)
+      corners.push_back(static_cast<std::int32_t>(lattice.corner(lattice.zone_index(z), k)));
+  // Zones are neighbours if they share a face: 4 nodes in space, 2 in a plane.
+  const auto part = par::partition_mesh(corners, lattice.corners(), lattice.corners() / 2, ranks);
+  std::fill(owner.begin(), owner.end(), ranks);
+  for (std::size_t at = 0; at < corners.size(); ++at) {
+    int& mine = owner[static_cast<std::size_t>(corners[at])];
+    mine = std::min(mine, part[at / static_cast<std::size_t>(lattice.corners())]);
+  }
+  return owner;
+}
+
+}  // namespace
+
+Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Dimension dimension,
+           double thickness)
+    : comm(communicator),
+      lattice(make_lattice(parameters, dimension, thickness)),
+      solids(solids_of(parameters)) {
+  const std::vector<int> owner = node_owners(lattice, comm.size());
+  hold(owner, parameters);
+  connect(owner);
+  const Index3 points = lattice.points();
+  const std::int64_t across = lattice.plane ? 2 : points[1];
+  for (std::int64_t j = 0; j < across; ++j)
+    for (std::int64_t i = 0; i < points[0]; ++i) {
+      const Id id = lattice.node({i, lattice.plane ? 0 : j, lattice.zones[2]});
+      top_owner.push_back(owner[static_cast<std::size_t>(id)]);
+    }
+  first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));
+}
+
+void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameters) {
+  for (Id z = 0; z < lattice.zone_count(); ++z) {
+    const Index3 at = lattice.zone_index(z);
+    bool touches = false;
+    for (int k = 0; k < lattice.corners() && !touches; ++k)
+      touches = owner[static_cast<std::size_t>(lattice.corner(at, k))] == comm.rank();
+    if (!touches) continue;
+    zone.push_back(z);
+    solid.push_back(solid_at(parameters, lattice.centre(z)));
+    for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
+  }
+  std::sort(node.begin(), node.end());
+  node.erase(std::unique(node.begin(), node.end()), node.end());
+  node.shrink_to_fit();
+  for (std::size_t n = 0; n < node.size(); ++n) {
+    owned.push_back(owner[static_cast<std::size_t>(node[n])] == comm.rank());
+    if (owned.back() != 0) own.push_back(static_cast<std::int32_t>(n));
+  }
+  line.resize(zone.size());
+  for (std::size_t z = 0; z < zone.size(); ++z)
+    for (int l = 0; l < lines(); ++l)
+      line[z][static_cast<std::size_t>(l)] =
+          local_node(lattice.corner(lattice.zone_index(zone[z]), 2 * l));
+}
+
+void Mesh::connect(const std::vector<int>& owner) {
+  std::vector<std::vector<Id>> wanted(static_cast<std::size_t>(comm.size()));
+  for (std::size_t n = 0; n < node.size(); ++n)
+    if (owned[n] == 0)
+      wanted[static_cast<std::size_t>(owner[static_cast<std::size_t>(node[n])])].push_back(node[n]);
+  for (const auto& from : wanted)
+    for (const Id id : from) ghost_.push_back(local_node(id));
+  // What others want from here, in their order; the halo sends from a compact list of it.
+  std::vector<std::vector<std::int32_t>> send(static_cast<std::size_t>(comm.size()));
+  const auto asked = comm.exchange(wanted);
+  for (std::size_t rank = 0; rank < asked.size(); ++rank)
+    for (const Id id : asked[rank]) {
+      send[rank].push_back(static_cast<std::int32_t>(shared_.size()));
+      shared_.push_back(local_node(id));
+    }
+  halo_.connect(comm, send);
+  packed_.resize(3 * shared_.size());
+  received_.resize(3 * ghost_.size());
+}
+
+std::int32_t Mesh::local_node(Id id) const {
+  const auto found = std::lower_bound(node.begin(), node.end(), id);
+  if (found == node.end() || *found != id) return -1;
+  return static_cast<std::int32_t>(found - node.begin());
+}
+
+std::int64_t Mesh::local_zone(Id id) const {
+  const auto found = std::lower_bound(zone.begin(), zone.end(), id);
+  return found == zone.end() || *found != id ? -1 : found - zone.begin();
+}
+
+template <int D>
+void Mesh::exchange_packed(Nodal& values) {
+  using Item = std::array<double, D>;
+  auto* packed = reinterpret_cast<Item*>(packed_.data());
+  auto* received = reinterpret_cast<Item*>(received_.data());
+  for (int c = 0; c < D; ++c)
+    for (std::size_t s = 0; s < shared_.size(); ++s)
+      packed[s][static_cast<std::size_t>(c)] = values[c][shared_[s]];
+  halo_.forward(packed, received);
+  for (int c = 0; c < D; ++c)
+    for (std::size_t g = 0; g < ghost_.size(); ++g)
+      values[c][ghost_[g]] = received[g][static_cast<std::size_t>(c)];
+}
+
+void Mesh::exchange(Nodal& values) {
+  lattice.plane ? exchange_packed<2>(values) : exchange_packed<3>(values);
+}
+
+std::vector<std::int64_t> Mesh::exchange(const std::vector<std::int64_t>& values) {
+  std::vector<std::int64_t> sent(shared_.size()), received(ghost_.size()), result = values;
+  for (std::size_t s = 0; s < shared_.size(); ++s)
+    sent[s] = values[static_cast<std::size_t>(shared_[s])];
+  halo_.forward(sent.data(), received.data());
+  for (std::size_t g = 0; g < ghost_.size(); ++g)
+    result[static_cast<std::size_t>(ghost_[g])] = received[g];
+  return result;
+}
+
+std::size_t Mesh::bytes() const {
+  return node.capacity() * sizeof(Id) + owned.capacity() + own.capacity() * 4 +
+         zone.capacity() * sizeof(Id) + solid.capacity() * 4 + line.capacity() * 16 +
+         top_owner.capacity() * 4 + (packed_.capacity() + received_.capacity()) * 8;
+}
+
+}  // namespace trackbed::fem

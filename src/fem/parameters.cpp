@@ -1,0 +1,78 @@
+// The deck section [ground]: every number once, with unit, range and sentence.
+#include <array>
+
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+using input::Section;
+
+namespace {
+
+// Lowest accepted corner count of an outline; two numbers per corner.
+constexpr std::size_t fewest_corners = 3;
+// Beyond this the bulk modulus is 1700 times the shear modulus and rounding eats the pressure.
+constexpr double largest_poisson = 0.4999;
+
+bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
+
+}  // namespace
+
+void Elastic::declare(Section& s) {
+  s.number("young", young, {.unit = "Pa", .above = 0}, "Young's modulus.");
+  s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");
+  s.number("density", density, {.unit = "kg/m^3", .above = 0}, "Mass per volume.");
+}
+
+void Layer::declare(Section& s) {
+  s.text("name", name, "What messages and overrides call the layer.");
+  s.number("thickness", thickness, {.unit = "m", .above = 0},
+           "Height of the layer; its borders need not lie on element borders.");
+  solid.declare(s);
+}
+
+void Block::declare(Section& s) {
+  s.text("name", name, "What messages and overrides call the block.");
+  s.flag("present", present, "Without it the layers run through.");
+  s.numbers("outline", outline, {.unit = "m"},
+            "Corners as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
+  s.rule("outline", outline.size() % 2 == 0 && outline.size() >= 2 * fewest_corners,
+         "must list x and z of at least 3 corners");
+  solid.declare(s);
+}
+
+void GroundParameters::declare(Section& s) {
+  s.flag("present", present, "Without it the bed stands on whatever else the deck has.");
+  s.numbers("x", x, {.unit = "m"}, "Where the ground begins and ends along the track.", 2);
+  s.rule("x", rises(x), "must end beyond its begin");
+  s.numbers("y", y, {.unit = "m"},
+            "Lateral begin and end; a plane model takes its thickness from the model.", 2);
+  s.rule("y", rises(y), "must end beyond its begin");
+  s.integer("zones_x", zones_x, {.at_least = 1, .at_most = 1e5}, "Elements along the track.");
+  s.integer("zones_y", zones_y, {.at_least = 1, .at_most = 1e5},
+            "Elements across; a plane model has one.");
+  s.integer("zones_z", zones_z, {.at_least = 1, .at_most = 1e5}, "Elements over the depth.");
+  s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
+  s.rule("layer", !present || !layers.empty(), "must be given at least once: the ground is empty");
+  s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
+  s.choice("plane", plane, {"stress", "strain"}, "State across a plane model.");
+  s.choice("base", base, {"fixed", "quiet"}, "Lower border; quiet: Lysmer-Kuhlemeyer dashpots.");
+  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = 0},
+           "Springs beside the dashpots of a quiet base: the ground below; 0: none.");
+  s.choice("sides", sides, {"free", "roller", "quiet"},
+           "Lateral borders; roller: held along the normal.");
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0},
+           "Damping matrix over mass matrix.");
+  s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
+           "Damping matrix over stiffness matrix; lowers the stable explicit step.");
+  s.choice("integrator", integrator, {"explicit", "newmark"}, "How time advances.");
+  s.number("safety", safety, {.above = 0, .at_most = 1}, "Explicit step over the critical one.");
+  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta.");
+  s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1}, "Newmark's gamma.");
+  s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
+         "must be at least half of newmark_gamma, or the integrator is not stable");
+  s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
+           "Relative residual at which linear solves stop.");
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,60 @@
+#include "trackbed/fem/petsc.hpp"
+
+#include <petscsys.h>
+
+#include "petsc_check.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+// PETSc's signal handler is left out so that the program's own stays, and errors come back as codes
+// instead of an abort: they become RunError and its exit code.
+void start(const std::vector<std::string>& options) {
+  std::vector<std::string> words = {"trackbed", "-no_signal_handler"};
+  words.insert(words.end(), options.begin(), options.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  int count = static_cast<int>(words.size());
+  char** list = pointers.data();
+  check(PetscInitialize(&count, &list, nullptr, nullptr), "start PETSc");
+  check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr), "set the error handler of PETSc");
+}
+
+void finish() {
+  PetscBool running = PETSC_FALSE;
+  PetscInitialized(&running);
+  if (running == PETSC_TRUE) PetscFinalize();
+}
+
+// MPI_Finalize first frees the attributes of MPI_COMM_SELF (MPI 4.0, 11.2.4): the place to end a
+// library that was started on demand.
+int finish_with_mpi(MPI_Comm, int, void*, void*) {
+  finish();
+  return MPI_SUCCESS;
+}
+
+}  // namespace
+
+void check(int code, const char* what) {
+  if (code == 0) return;
+  const char* text = nullptr;
+  PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
+  throw RunError(std::string("PETSc could not ") + what + ": " + (text != nullptr ? text : "?"));
+}
+
+Petsc::Petsc(const std::vector<std::string>& options) { start(options); }
+Petsc::~Petsc() { finish(); }
+
+void Petsc::ensure() {
+  PetscBool running = PETSC_FALSE;
+  check(PetscInitialized(&running), "say whether it runs");
+  if (running == PETSC_TRUE) return;
+  start({});
+  int key = MPI_KEYVAL_INVALID;
+  MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, finish_with_mpi, &key, nullptr);
+  MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
+}
+
+}  // namespace trackbed::fem

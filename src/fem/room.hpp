@@ -1,0 +1,97 @@
+// Inside of Ground: mesh, operators and the state, in deviation from the state of rest.
+//
+// All motion counts from the last `settle`: u = 0 is the ground at rest under its weight and the
+// settled load F_0, held by its reactions. Since the solid is linear, the deviation obeys
+//   M a + C v + K u = F - F_0,
+// without weight, reactions or the static solution. So nothing creeps on quiet borders, nothing
+// jumps, and the explicit run keeps its bits although the static solve is iterative.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "linear_system.hpp"
+#include "mesh.hpp"
+#include "stiffness.hpp"
+#include "terms.hpp"
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+// One top node of the door: where it lives here.
+struct TopNode {
+  std::int32_t number, node;  // in the surface, local
+};
+
+// What goes through a checkpoint, listed once: nodal states at one time level.
+struct State {
+  State(int components, std::size_t nodes)
+      : displacement(components, nodes),
+        velocity(components, nodes),
+        acceleration(components, nodes),
+        internal(components, nodes),
+        load(components, nodes),
+        settled(components, nodes),
+        offset(components, nodes),
+        rest(components, nodes) {}
+  Nodal displacement, velocity;  // m, m/s: deviation from rest
+  Nodal acceleration;            // m/s^2 at the end of the last window; Newmark carries it
+  Nodal internal;                // N, K (u + rayleigh_stiffness v) + springs at the present time
+  Nodal load;                    // N, F - F_0 of the last window
+  Nodal settled;                 // N, F_0
+  Nodal offset;                  // m, displacement at `settle`, added to the shape shown outside
+  Nodal rest;                    // m, static solution at `settle` under weight and F_0
+
+  // Calls visit(name, unit, meaning, values) for each of them.
+  using Visit = std::function<void(const char*, const char*, const char*, Nodal&)>;
+  void list(const Visit& visit);
+};
+
+struct Ground::Room {
+  Room(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
+       double thickness);
+
+  int components() const { return mesh.lattice.components(); }
+  void set_load(std::span<const Vec3> top_force);  // load = top_force - settled
+  void explicit_window(double dt);
+  void newmark_window(double dt);
+  void settle(std::span<const Vec3> top_force);
+  void publish();          // ghosts of u current, surface motion of this window
+  void refresh_surface();  // positions from the state, no motion
+  Vec3 vector(const Nodal& values, std::int32_t node) const;
+  Vec3 shown_displacement(std::int32_t node) const;
+  double surface_stress(std::int32_t node) const;  // Pa, sigma_z at a top node
+
+  GroundParameters parameters;
+  Dimension dimension;
+  Mesh mesh;
+  Stiffness stiffness;
+  Terms terms;
+  State state;
+  Surface surface;
+  std::vector<TopNode> own_top;
+  double critical = 0;  // s, without safety
+  std::string limit, trouble;
+  std::int64_t steps = 0, solves = 0, iterations = 0;
+  double seconds = 0;
+
+ private:
+  void make_surface();
+  void internal_force(const Nodal& w);
+  enum class Part { drift, kick_and_drift, kick };
+  void move(Part part, double h);
+  void prepare_step(double h);
+  void check_finite();
+
+  // Explicit: derived numbers per node, and the displacement the stiffness acts on.
+  Nodal inverse_mass_, damping_rate_, implicit_factor_;  // 1/kg (0: held, ghost), 1/s, -
+  Nodal blend_;  // u + rayleigh_stiffness v, if that differs
+  double prepared_step_ = -1;
+  std::vector<Vec3> window_start_;  // displacement of own top nodes as the window began
+  std::unique_ptr<LinearSystem> newmark_;
+  double newmark_step_ = -1;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,169 @@
+#include "stiffness.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+constexpr std::int32_t lanes = 8;
+// One number of eight zones. Plain multiplications and additions on it round as scalars do, so the
+// result does not depend on which lane, or how full a vector, a zone falls into.
+using Lane = double __attribute__((vector_size(8 * lanes)));
+
+Lane load(const double* from) {
+  Lane value;
+  std::memcpy(&value, from, sizeof(Lane));
+  return value;
+}
+void store(double* to, const Lane& value) { std::memcpy(to, &value, sizeof(Lane)); }
+
+// Sums and differences over the corners: bit a of the index turns from "which corner along axis a"
+// into "differs along axis a".
+template <int D>
+inline void to_patterns(Lane (&value)[1 << D]) {
+  for (int bit = 1; bit < 1 << D; bit <<= 1)
+    for (int k = 0; k < 1 << D; ++k)
+      if ((k & bit) == 0) {
+        const Lane low = value[k], high = value[k | bit];
+        value[k] = low + high;
+        value[k | bit] = high - low;
+      }
+}
+template <int D>
+inline void to_corners(Lane (&value)[1 << D]) {
+  for (int bit = 1; bit < 1 << D; bit <<= 1)
+    for (int k = 0; k < 1 << D; ++k)
+      if ((k & bit) == 0) {
+        const Lane even = value[k], odd = value[k | bit];
+        value[k] = even - odd;
+        value[k | bit] = even + odd;
+      }
+}
+
+// Corner forces of a run, kept apart for the left and right corners of its zones.
+template <int D>
+struct RunForces {
+  static constexpr int lines = 1 << (D - 1);
+  double left[D][lines][64 + 8], right[D][lines][64 + 8];
+};
+
+template <int D>
+inline void eight_zones(const Stiffness::Blocks& stiffness, const double* const (&from)[D][4],
+                        std::int32_t at, RunForces<D>& forces) {
+  constexpr int corners = 1 << D;
+  Lane u[D][corners], f[D][corners];
+#pragma GCC unroll 8
+  for (int c = 0; c < D; ++c) {
+#pragma GCC unroll 8
+    for (int k = 0; k < corners; ++k) u[c][k] = load(from[c][k >> 1] + at + (k & 1));
+    to_patterns<D>(u[c]);
+  }
+#pragma GCC unroll 8
+  for (int g = 0; g < corners; ++g)
+#pragma GCC unroll 8
+    for (int c = 0; c < D; ++c) {
+      Lane sum = stiffness.block[g][c][0] * u[0][g ^ 1];
+#pragma GCC unroll 8
+      for (int d = 1; d < D; ++d) sum += stiffness.block[g][c][d] * u[d][g ^ (1 << d)];
+      f[c][g ^ (1 << c)] = sum;
+    }
+#pragma GCC unroll 8
+  for (int c = 0; c < D; ++c) {
+    to_corners<D>(f[c]);
+#pragma GCC unroll 8
+    for (int l = 0; l < corners / 2; ++l) {
+      store(&forces.left[c][l][at], f[c][2 * l]);
+      store(&forces.right[c][l][at], f[c][2 * l + 1]);
+    }
+  }
+}
+
+// A node gets first what the zone on its left gives, then the zone on its right: ascending zones.
+inline void add_line(double* to, const double* left, const double* right, std::int32_t zones) {
+  to[0] += left[0];
+  for (std::int32_t n = 1; n < zones; ++n) to[n] = (to[n] + right[n - 1]) + left[n];
+  to[zones] += right[zones - 1];
+}
+
+template <int D, class Runs>
+void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, const Nodal& w,
+                Nodal& f) {
+  constexpr int lines = 1 << (D - 1);
+  RunForces<D> forces;
+  for (const auto& run : runs) {
+    const double* from[D][4];
+    for (int c = 0; c < D; ++c)
+      for (int l = 0; l < lines; ++l) from[c][l] = w[c] + run.line[static_cast<std::size_t>(l)];
+    const auto& stiffness = blocks[static_cast<std::size_t>(run.solid)];
+    for (std::int32_t at = 0; at < run.zones; at += lanes)
+      eight_zones<D>(stiffness, from, at, forces);
+    for (int l = 0; l < lines; ++l)
+      for (int c = 0; c < D; ++c)
+        add_line(f[c] + run.line[static_cast<std::size_t>(l)], forces.left[c][l],
+                 forces.right[c][l], run.zones);
+  }
+}
+
+double sign(int pattern, int corner) {
+  return std::popcount(static_cast<unsigned>(pattern & ~corner)) % 2 != 0 ? -1.0 : 1.0;
+}
+
+// With u_k = 1/n sum_p s_pk m_p and f_k = sum_p s_pk t_p: t = (1/n^2) S K S^T m.
+Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
+  const int corners = 1 << components;
+  Eigen::MatrixXd patterns = Eigen::MatrixXd::Zero(k.rows(), k.cols());
+  for (int p = 0; p < corners; ++p)
+    for (int corner = 0; corner < corners; ++corner)
+      for (int c = 0; c < components; ++c)
+        patterns(p * components + c, corner * components + c) = sign(p, corner);
+  Eigen::MatrixXd t = patterns * k * patterns.transpose() / (corners * corners);
+  // What symmetry makes zero is rounding noise here; exact zeros keep a rigid shift free of force.
+  const double noise = 1e-13 * t.cwiseAbs().maxCoeff();
+  t = (t.array().abs() < noise).select(0.0, t);
+  Stiffness::Blocks blocks{};
+  double inside = 0;
+  for (int g = 0; g < corners; ++g)
+    for (int c = 0; c < components; ++c)
+      for (int d = 0; d < components; ++d) {
+        const double value = t((g ^ (1 << c)) * components + c, (g ^ (1 << d)) * components + d);
+        blocks.block[g][c][d] = value;
+        inside += value * value;
+      }
+  require(std::abs(inside - t.squaredNorm()) < 1e-10 * inside,
+          "the stiffness of a zone lacks the symmetry of a box");
+  return blocks;
+}
+
+}  // namespace
+
+Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements)
+    : elements_(std::move(elements)), nodes_(mesh.nodes()), components_(mesh.lattice.components()) {
+  for (const ZoneElement& element : elements_)
+    blocks_.push_back(blocks_of(element.stiffness, components_));
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
+    const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&
+                         mesh.solid[z] == mesh.solid[z - 1] && runs_.back().zones < longest_run;
+    if (goes_on)
+      ++runs_.back().zones;
+    else
+      runs_.push_back({1, mesh.solid[z], mesh.line[z]});
+  }
+  runs_.shrink_to_fit();
+}
+
+void Stiffness::apply(const Nodal& w, Nodal& f) const {
+  for (int c = 0; c < components_; ++c) std::fill_n(f[c], nodes_, 0.0);
+  if (components_ == 2)
+    apply_runs<2>(runs_, blocks_, w, f);
+  else
+    apply_runs<3>(runs_, blocks_, w, f);
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,50 @@
+// Internal force f = K w without a matrix: the inner loop of the explicit ground.
+//
+// The stiffness of a box-shaped isotropic zone keeps the symmetry of the box. Written in the sums
+// and differences of its corner displacements along x, y, z (one pattern of signs per corner), the
+// 24x24 matrix falls apart into eight blocks of 3x3 (in a plane 8x8 into four of 2x2): 288 flops
+// per zone instead of 1152. Component c with pattern p belongs to block p ^ (1 << c). Zones that
+// follow one another along x and share a solid form a run; eight of them are worked on at once,
+// one per vector lane, with unit-stride loads. See docs/decisions/ground_elements.md.
+#pragma once
+
+#include <vector>
+
+#include "element.hpp"
+#include "mesh.hpp"
+
+namespace trackbed::fem {
+
+class Stiffness {
+ public:
+  Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements);
+
+  // f = K w on own nodes; ghosts of w must be current, f of ghosts is not meaningful.
+  void apply(const Nodal& w, Nodal& f) const;
+  const ZoneElement& element(std::int32_t solid) const {
+    return elements_[static_cast<std::size_t>(solid)];
+  }
+  std::size_t bytes() const { return runs_.capacity() * sizeof(Run); }
+
+  // Stiffness in patterns: block[g][c][d] ties component c with pattern g ^ (1 << c) to component
+  // d.
+  struct Blocks {
+    double block[8][3][3];
+  };
+
+ private:
+  struct Run {
+    std::int32_t zones, solid;
+    std::array<std::int32_t, 4> line;  // first node of each line of nodes along x
+  };
+  // Short enough for the forces of a run to stay in the first-level cache.
+  static constexpr std::int32_t longest_run = 64;
+
+  std::vector<ZoneElement> elements_;
+  std::vector<Blocks> blocks_;  // of each solid
+  std::vector<Run> runs_;
+  std::size_t nodes_;
+  int components_;
+};
+
+}  // namespace trackbed::fem

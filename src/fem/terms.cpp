@@ -1,0 +1,156 @@
+#include "terms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trackbed::fem {
+
+namespace {
+
+// Impedances of a half space, Pa s/m (Lysmer, Kuhlemeyer 1969, doi:10.1061/JMCEA3.0001144):
+// rho c_p for motion along the normal, rho c_s across it. In plane stress waves run with the plate
+// modulus E / (1 - nu^2).
+struct Impedance {
+  double normal, tangential;
+};
+Impedance impedance(const Elastic& s, bool plane_stress) {
+  const double nu = s.poisson, shear = s.young / (2 * (1 + nu));
+  const double modulus =
+      plane_stress ? s.young / (1 - nu * nu) : s.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
+}
+
+struct Builder {
+  const Mesh& mesh;
+  const GroundParameters& parameters;
+  Terms& terms;
+
+  // Share of one corner in the face normal to `component`, m^2.
+  double face_share(int component) const {
+    const Lattice& lattice = mesh.lattice;
+    const double face = lattice.size.prod() / lattice.size[lattice.axis(component)];
+    return face / (lattice.corners() / 2);
+  }
+
+  void dashpots(std::size_t z, std::int32_t node, int normal) const {
+    const bool stress = mesh.lattice.plane && parameters.plane == PlaneState::stress;
+    const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
+    const Impedance of = impedance(solid, stress);
+    for (int c = 0; c < mesh.lattice.components(); ++c)
+      terms.damping[c][node] += (c == normal ? of.normal : of.tangential) * face_share(normal);
+  }
+
+  void base(std::size_t z, std::int32_t node) const {
+    const auto n = static_cast<std::size_t>(node);
+    const auto all = static_cast<std::uint8_t>((1 << mesh.lattice.components()) - 1);
+    const bool quiet = parameters.base == Base::quiet;
+    const int up = mesh.lattice.components() - 1;
+    if (!quiet) terms.held[n] |= all;
+    if (!quiet || parameters.base_stiffness == 0) terms.held_at_rest[n] |= all;
+    if (!quiet) return;
+    dashpots(z, node, up);
+    if (parameters.base_stiffness > 0)
+      terms.springs.push_back({node, parameters.base_stiffness * face_share(up)});
+  }
+
+  void side(std::size_t z, std::int32_t node, int normal) const {
+    if (parameters.sides == Sides::free) return;
+    const auto n = static_cast<std::size_t>(node);
+    const auto bit = static_cast<std::uint8_t>(1 << normal);
+    terms.held_at_rest[n] |= bit;
+    if (parameters.sides == Sides::roller)
+      terms.held[n] |= bit;
+    else
+      dashpots(z, node, normal);
+  }
+
+  void borders(std::size_t z) const {
+    const Lattice& lattice = mesh.lattice;
+    const Index3 at = lattice.zone_index(mesh.zone[z]);
+    const int up = lattice.components() - 1;
+    for (int k = 0; k < lattice.corners(); ++k)
+      for (int c = 0; c <= up; ++c) {
+        const auto axis = static_cast<std::size_t>(lattice.axis(c));
+        const bool high = (k >> c & 1) != 0;
+        if (at[axis] != (high ? lattice.zones[axis] - 1 : 0)) continue;
+        if (c < up) side(z, mesh.corner(z, k), c);
+        if (c == up && !high) base(z, mesh.corner(z, k));
+      }
+  }
+};
+
+// The springs of one node come from several zones: one entry each, in the order of nodes.
+void merge(std::vector<Spring>& springs) {
+  std::stable_sort(springs.begin(), springs.end(),
+                   [](const Spring& a, const Spring& b) { return a.node < b.node; });
+  std::vector<Spring> merged;
+  for (const Spring& s : springs)
+    if (!merged.empty() && merged.back().node == s.node)
+      merged.back().stiffness += s.stiffness;
+    else
+      merged.push_back(s);
+  springs = std::move(merged);
+}
+
+double largest_eigenvalue(const Eigen::MatrixXd& k) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+}  // namespace
+
+Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness)
+    : mass(mesh.nodes(), 0.0),
+      damping(mesh.lattice.components(), mesh.nodes()),
+      held(mesh.nodes(), 0),
+      held_at_rest(mesh.nodes(), 0) {
+  const Builder builder{mesh, parameters, *this};
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    for (int k = 0; k < mesh.lattice.corners(); ++k)
+      mass[static_cast<std::size_t>(mesh.corner(z, k))] +=
+          stiffness.element(mesh.solid[z]).corner_mass;
+    builder.borders(z);
+  }
+  for (int c = 0; c < mesh.lattice.components(); ++c)
+    for (std::size_t n = 0; n < mesh.nodes(); ++n)
+      damping[c][n] += parameters.rayleigh_mass * mass[n];
+  merge(springs);
+}
+
+double critical_step(const Mesh& mesh, const GroundParameters& parameters,
+                     const Stiffness& stiffness, std::string& limit) {
+  const Lattice& lattice = mesh.lattice;
+  const bool springs = parameters.base == Base::quiet && parameters.base_stiffness > 0;
+  const double share = lattice.size.prod() / lattice.size.z() / (lattice.corners() / 2);
+  double highest = 0;  // square of the largest angular frequency
+  // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
+  const std::size_t solids = mesh.solids.solid.size();
+  std::vector<std::int64_t> used(2 * solids, 0);  // inside, at the base
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    const bool low = springs && lattice.zone_index(mesh.zone[z])[2] == 0;
+    used[2 * static_cast<std::size_t>(mesh.solid[z]) + (low ? 1 : 0)] = 1;
+  }
+  mesh.comm.sum(used);
+  for (std::size_t at = 0; at < used.size(); ++at) {
+    if (used[at] == 0) continue;
+    const ZoneElement& element = stiffness.element(static_cast<std::int32_t>(at / 2));
+    Eigen::MatrixXd k = element.stiffness;
+    for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // low corners come first
+      k(f, f) += parameters.base_stiffness * share;
+    const double squared = largest_eigenvalue(k) / element.corner_mass;
+    if (squared <= highest) continue;
+    highest = squared;
+    limit = fmt::format("zones of {}{} ({:.4g} x {:.4g} x {:.4g} m)", mesh.solids.name[at / 2],
+                        at % 2 == 1 ? " on base springs" : "", lattice.size.x(), lattice.size.y(),
+                        lattice.size.z());
+  }
+  const double omega = std::sqrt(highest), z = 0.5 * parameters.rayleigh_stiffness * omega;
+  if (z > 0.1) limit += ", lowered by rayleigh_stiffness";
+  return 2 / omega * (std::sqrt(1 + z * z) - z);
+}
+
+}  // namespace trackbed::fem
