@@ -11,8 +11,8 @@ function(trackbed_room name)
   target_link_libraries(${name} PUBLIC ${ROOM_LINKS})
 endfunction()
 
-# What every test finds in its environment: Open MPI refuses root unless told, and ranks that share a
-# core must yield to each other. Leaks are not looked for: Open MPI keeps memory to the end.
+# What every test finds in its environment: Open MPI refuses root unless told, and ranks that share
+# a core must yield to each other. Leaks are not looked for: Open MPI keeps memory to the end.
 set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     OMPI_MCA_mpi_yield_when_idle=1 ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1
     MPLBACKEND=Agg)

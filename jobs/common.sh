@@ -53,7 +53,8 @@ run_model() {
   local deck=$1 folder=$2
   shift 2
   mkdir -p "$folder"
-  mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none build/release/trackbed run "$deck" -o "$folder" "$@"
+  mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
+    build/release/trackbed run "$deck" -o "$folder" "$@"
 }
 
 figures() {

@@ -14,4 +14,4 @@ part "Figures" figures $results/wedge $results/no_wedge -o $results/figures
 printf '\nDone in %d s. Figures:\n' $SECONDS
 printf '  %s\n' "$PWD"/$results/figures/*.png
 echo "Table: $PWD/$results/figures/table.txt"
-echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5, fields for ParaView in fields/ beside them"
+echo "Results: $PWD/$results/{wedge,no_wedge}/results.h5; fields for ParaView in fields/ there"
