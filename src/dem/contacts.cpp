@@ -178,7 +178,8 @@ void Particles::Room::feel_surfaces(double dt, double s, int steps_in_window) {
       Vec3 motion = Vec3::Zero();  // of the surface at the contact, over the window
       for (int k = 0; k < 3; ++k)
         motion += c.weight[k] * surface.motion[static_cast<std::size_t>(nodes[k])];
-      const Vec3 arm = c.point - body;
+      // From raw positions: which periodic image was taken must not change a bit.
+      const Vec3 arm = (piece.vec3() - state.x[b].vec3()) + c.distance * c.normal;
       const Vec3 spin = state.w[b].vec3();
       const Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion / (dt * steps_in_window);
       const Touch touch{c.normal.x(),

@@ -96,8 +96,8 @@ Mesh::Mesh(const Surface& surface) : triangles_(surface.triangles) {
   for (const auto& [edge, sharing] : edges)
     for (std::size_t k = 1; k < sharing.size(); ++k)
       if (normal[sharing[0]].dot(normal[sharing[k]]) > std::cos(smooth_angle)) {
-        const auto [low, high] = std::minmax(find(sharing[0]), find(sharing[k]));
-        root[high] = low;
+        const std::size_t a = find(sharing[0]), b = find(sharing[k]);
+        root[std::max(a, b)] = std::min(a, b);
       }
   patch_.resize(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t)

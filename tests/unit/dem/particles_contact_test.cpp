@@ -1,0 +1,174 @@
+// Contacts of particles with each other: balances, neighbour search, checks of the input.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "support/scene.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed {
+namespace {
+
+dem::ContactLaw elastic(double friction = 0) {
+  dem::ContactLaw law;
+  law.k_n = law.k_s = 1e6;
+  law.friction = friction;
+  return law;
+}
+
+dem::Parameters weightless() {
+  dem::Parameters p;
+  p.gravity = 0;
+  return p;
+}
+
+// Energy error of one collision of two clumps at dt = fraction * sqrt(m/k), over the energy.
+double energy_error(double fraction, std::uint64_t seed) {
+  dem::Particles p(par::Comm::self(), test::one_material(elastic()), weightless(),
+                   test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+  p.add_template(test::clump());
+  std::vector<dem::NewParticle> two(2);
+  for (int k = 0; k < 2; ++k) {
+    const auto key = seed * 2 + static_cast<std::uint64_t>(k);
+    dem::NewParticle& n = two[static_cast<std::size_t>(k)];
+    n.id = k;
+    n.scale = 0.02;
+    n.position = Vec3(k ? 0.045 : -0.045, 0.01 * (uniform(1, key) - 0.5), 0);
+    n.velocity = Vec3(k ? -0.5 : 0.5, 0, 0);
+    n.spin = 20 * Vec3(uniform(2, key) - 0.5, uniform(3, key) - 0.5, uniform(4, key) - 0.5);
+    n.attitude = Quat(uniform(5, key), uniform(6, key), uniform(7, key), 0.3).normalized();
+  }
+  p.add(two);
+  const double before = p.totals().kinetic;
+  const double dt = fraction * std::sqrt(p[0].mass / 1e6);
+  const int steps = static_cast<int>(0.2 / dt);
+  p.advance(steps * dt, steps);
+  EXPECT_EQ(p.totals().contacts, 0);  // apart again
+  EXPECT_LT((p[0].velocity - Vec3(0.5, 0, 0)).dot(Vec3(1, 0, 0)), -0.01);  // they have met
+  return std::abs(p.totals().kinetic - before) / before;
+}
+
+TEST(Contact, CollisionsOfClumpsKeepEnergyToSecondOrder) {
+  double coarse = 0, fine = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    coarse += energy_error(0.1, seed);
+    fine += energy_error(0.025, seed);
+  }
+  constexpr double largest_mean = 2e-3;  // a few pebbles touch in turn; each like (dt w)^2 / 12
+  EXPECT_LT(coarse / 12, largest_mean);
+  const double order = std::log(coarse / fine) / std::log(4.0);
+  EXPECT_GT(order, 1.6);  // second, less what the opening and closing of contacts costs
+}
+
+TEST(Contact, FreeRotationKeepsEnergyAndMomentum) {
+  const auto drift = [](double dt) {
+    dem::Particles p(par::Comm::self(), test::one_material(elastic()), weightless(),
+                     test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+    p.add_template(test::clump());
+    dem::NewParticle n;
+    n.scale = 0.05;
+    n.spin = Vec3(3, 40, 5);
+    p.add(std::span(&n, 1));
+    const double energy = p.totals().kinetic;
+    double largest = 0;
+    for (int k = 0; k < 200; ++k) {
+      p.advance(0.01, static_cast<int>(std::lround(0.01 / dt)));
+      largest = std::max(largest, std::abs(p.totals().kinetic - energy) / energy);
+      EXPECT_NEAR(p[0].attitude.norm(), 1, 1e-15);
+    }
+    return largest;
+  };
+  const double coarse = drift(1e-3), fine = drift(5e-4);
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3);
+}
+
+TEST(Contact, CellsFindWhatBruteForceFinds) {
+  dem::Domain domain = test::box({0, 0, 0}, {0.2, 0.2, 0.2});
+  domain.periodic = {true, true, true};
+  dem::Particles p(par::Comm::self(), test::one_material(elastic()), weightless(), domain);
+  p.add_template(test::clump());
+  p.add_template(test::sphere());
+  auto all = test::lattice({8, 8, 8}, 0.025, 0.014, 2);
+  p.add(all);
+  p.advance(1e-9, 1);
+  struct Sphere {
+    Id id;
+    Vec3 x;
+    double r;
+  };
+  std::vector<Sphere> pieces;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    p.pieces(i, [&](const Vec3& c, double r) { pieces.push_back({p[i].id, c, r}); });
+  std::int64_t brute = 0;
+  for (std::size_t a = 0; a < pieces.size(); ++a)
+    for (std::size_t b = a + 1; b < pieces.size(); ++b) {
+      if (pieces[a].id == pieces[b].id) continue;
+      Vec3 d = pieces[b].x - pieces[a].x;
+      for (int k = 0; k < 3; ++k) d[k] -= 0.2 * std::round(d[k] / 0.2);
+      brute += d.norm() < pieces[a].r + pieces[b].r;
+    }
+  EXPECT_GT(brute, 250);
+  EXPECT_EQ(p.totals().contacts, brute);
+}
+
+TEST(Contact, MomentumIsKept) {
+  dem::ContactLaw law = elastic(0.5);
+  law.zeta_n = law.zeta_s = 0.3;
+  dem::Domain domain = test::box({0, 0, 0}, {0.2, 0.2, 0.2});
+  domain.periodic = {true, true, true};
+  dem::Particles p(par::Comm::self(), test::one_material(law), weightless(), domain);
+  p.add_template(test::clump());
+  p.add(test::lattice({8, 8, 8}, 0.025, 0.014, 1));
+  const Vec3 before = p.totals().momentum;
+  p.advance(1e-9, 1);
+  EXPECT_GT(p.totals().contacts, 100);
+  p.advance(0.02, 1000);
+  EXPECT_LT((p.totals().momentum - before).norm(), 1e-12);  // kg m/s, of about 1
+}
+
+TEST(Contact, PiecesWithManyVerticesAreRefused) {
+  dem::Particles p(par::Comm::self(), test::one_material(elastic()), {},
+                   test::box(Vec3::Constant(-1), Vec3::Constant(1)));
+  dem::Template cube = test::sphere();
+  cube.pieces[0].core.push_back(Vec3(1, 0, 0));
+  EXPECT_THROW(p.add_template(cube), InputError);
+}
+
+TEST(Contact, AMissingLawIsNamed) {
+  dem::Physics physics = test::one_material(elastic());
+  physics.materials.push_back({.name = "rubber"});
+  dem::Particles p(par::Comm::self(), physics, {}, test::box(Vec3::Constant(-1), Vec3::Ones()));
+  p.add_template(test::sphere(0.01));
+  std::vector<dem::NewParticle> two(2);
+  two[1].id = 1, two[1].material = 1, two[1].position = Vec3(0.5, 0, 0);
+  try {
+    p.add(two);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "contact: no law is given between \"stone\" and \"rubber\"\n"
+                 "contact: no law is given between \"rubber\" and \"rubber\"");
+  }
+}
+
+TEST(Contact, LostAndOverlappingParticlesAreReported) {
+  dem::Particles p(par::Comm::self(), test::one_material(elastic()), {},
+                   test::box(Vec3::Constant(-1), Vec3::Ones()));
+  p.add_template(test::sphere(0.01));
+  dem::NewParticle n;
+  n.velocity = Vec3(0, 0, -100);
+  p.add(std::span(&n, 1));
+  p.advance(0.02, 20);
+  EXPECT_EQ(p.trouble().rfind("particle 0 left the domain at (0, 0, -", 0), 0u);
+  std::vector<dem::NewParticle> two(2);
+  two[0].id = 1, two[1].id = 2;
+  two[1].position = Vec3(0.005, 0, 0);
+  p.add(two);
+  p.remove([](const dem::ParticleView& view) { return view.id == 0; });
+  p.advance(1e-6, 1);
+  EXPECT_EQ(p.trouble().rfind("two particles overlap by 1.5 of the smaller radius", 0), 0u);
+}
+
+}  // namespace
+}  // namespace trackbed
