@@ -15,62 +15,82 @@
 
 namespace trackbed::bed {
 
-enum class StoneKind { disk, pebbles, clump };  // disk/sphere; plane outline of disks; given spheres
+enum class StoneKind {
+  disk,
+  pebbles,
+  clump
+};  // disk/sphere; plane outline of disks; given spheres
 
 struct BedParameters {
   StoneKind stone = StoneKind::pebbles;
   std::string material = "ballast";
-  std::vector<double> x = {0, 6};            // m, between the end walls (or the periodic cell)
-  std::vector<double> y = {-0.5, 0.5};       // m, space models
-  double height = 0.5;                       // m, wanted after compaction (bulk area/volume is set by it)
-  double porosity = 0.4;                     // expected after compaction, sets the number of stones
-  std::vector<double> sieve = {22.4, 31.5, 40, 50, 63};      // mm
-  std::vector<double> passing = {0, 13, 47.5, 85, 100};      // per cent by mass
-  double pebble_radius = 0.004;              // m, of the disks of a plane stone
-  double pebble_spacing = 2;                 // radii
-  std::int64_t shapes = 24;                  // different outlines
+  std::vector<double> x = {0, 6};       // m, between the end walls (or the periodic cell)
+  std::vector<double> y = {-0.5, 0.5};  // m, space models
+  double height = 0.5;    // m, wanted after compaction (bulk area/volume is set by it)
+  double porosity = 0.4;  // expected after compaction, sets the number of stones
+  std::vector<double> sieve = {22.4, 31.5, 40, 50, 63};  // mm, linear in log(size) in between
+  std::vector<double> passing = {0, 13, 47.5, 85, 100};  // per cent by mass
+  double pebble_radius = 0.004;                          // m, of the disks of a plane stone
+  double pebble_spacing = 2;                             // radii
+  std::int64_t shapes = 24;                              // different outlines
   double elongation = 0.7, angularity = 0.3;
-  std::vector<double> clump;                 // x y z r of each sphere at unit scale, clump only
+  std::vector<double> clump;  // x y z r of each sphere at unit scale, clump only
   std::int64_t seed = 1;
   void declare(input::Section& s);
 };
 
-// Adds templates and a loose, non-overlapping lattice of stones above z = 0 to `particles`, ids from
-// left to right. The same stones on any number of ranks. Returns the height it reaches (m).
+// Adds templates and loose columns of stones that do not overlap above z = 0 to `particles`, ids
+// from left to right and upwards. The same stones on any number of ranks. Returns the height they
+// reach (m). Throws InputError for parameters that do not go together. Collective.
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
             int material);
 // Stones that `fill` will make, for `check`.
 std::int64_t count(const BedParameters& parameters, const dem::Domain& domain);
 
-// Flat floor at z = 0 and walls at the ends (and sides in space) up to `height`; periodic sides have none.
+// Flat floor at z = 0 (if `floor`) and walls at the ends (and sides in space) up to `height`;
+// periodic sides have none. All reach beyond their edges, so that no stone slips through a corner.
 std::vector<Surface> walls(const dem::Domain& domain, double height, int material, bool floor);
 
 struct PlatenParameters {
-  double pressure = 200e3;     // Pa
-  double speed = 0.5;          // m/s, never faster
-  double acceleration = 50;    // m/s^2, speed changes no faster
-  double average = 0.01;       // s, time constant of the measured force
+  double pressure = 200e3;   // Pa
+  double speed = 0.5;        // m/s, never faster
+  double acceleration = 50;  // m/s^2, speed changes no faster
+  double average = 0.01;     // s, time constant of the measured force
   void declare(input::Section& s);
 };
 
-// A rigid plate that a servo presses on the bed: speed follows the averaged force error.
+// A rigid plate that a servo presses on the bed: its speed follows the force error, (target -
+// force) / target * speed, with the force averaged over average/10. Speeding up is limited by the
+// acceleration, braking is not: a stiff bed would be overrun. Each time the average passes the
+// target from below the gain is halved (down to 1/16), so that the servo settles on a bed of any
+// stiffness.
 class Platen {
  public:
   Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material);
   Surface& surface();
-  void place(double z);                       // at rest, its lower face at z
-  void advance(double dt, double force_up);   // measured force from stones in the last window, N
-  double pressure() const;                    // Pa, averaged
+  void place(double z);                      // at rest, its lower face at z
+  void advance(double dt, double force_up);  // measured force from stones in the last window, N
+  double pressure() const;                   // Pa, averaged
   double z() const;
   bool steady() const;  // averaged pressure within 2 % of the target for 5 time constants
 
-  void save(io::File& file, const std::string& group) const;
+  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
+  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
   void load(const io::File& file, const std::string& group);
 
  private:
+  void show(double motion);
+
+  struct State {
+    double z = 0, speed = 0;      // m, m/s downwards
+    double recent = 0, mean = 0;  // N, averaged over average/10 and average
+    double gain = 1;
+    double steady_for = 0;  // s
+  };
   PlatenParameters parameters_;
   Surface surface_;
-  double area_, z_ = 0, speed_ = 0, mean_ = 0, steady_for_ = 0;
+  double area_;  // m^2
+  State state_;
 };
 
 }  // namespace trackbed::bed

@@ -1,0 +1,45 @@
+#include "grading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trackbed::bed {
+
+namespace {
+
+// Class [k, k + 1] of a rising table that holds `value`; empty classes are passed over.
+std::size_t class_of(const std::vector<double>& table, double value) {
+  const auto above = std::upper_bound(table.begin(), table.end(), value) - table.begin();
+  const auto last = static_cast<std::ptrdiff_t>(table.size()) - 1;
+  return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, last)) - 1;
+}
+
+}  // namespace
+
+Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& passing,
+                 int dimension)
+    : sieve_(sieve), mass_(passing), stones_(sieve.size(), 0.0), power_(dimension) {
+  for (double& share : mass_) share /= 100;
+  for (std::size_t k = 0; k + 1 < sieve.size(); ++k) {
+    const double a = sieve[k], b = sieve[k + 1];
+    const double per_mass =
+        (std::pow(a, -power_) - std::pow(b, -power_)) / (power_ * std::log(b / a));
+    stones_[k + 1] = stones_[k] + (mass_[k + 1] - mass_[k]) * per_mass;
+  }
+}
+
+double Grading::by_mass(double share) const {
+  const std::size_t k = class_of(mass_, share);
+  const double part = std::clamp((share - mass_[k]) / (mass_[k + 1] - mass_[k]), 0.0, 1.0);
+  return sieve_[k] * std::pow(sieve_[k + 1] / sieve_[k], part);
+}
+
+double Grading::by_number(double share) const {
+  const double wanted = share * stones_.back();
+  const std::size_t k = class_of(stones_, wanted);
+  const double part = std::clamp((wanted - stones_[k]) / (stones_[k + 1] - stones_[k]), 0.0, 1.0);
+  const double a = std::pow(sieve_[k], -power_), b = std::pow(sieve_[k + 1], -power_);
+  return std::pow(a - part * (a - b), -1 / power_);
+}
+
+}  // namespace trackbed::bed

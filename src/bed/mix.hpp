@@ -1,0 +1,39 @@
+// The stones a bed is made of: their templates and how often each occurs.
+#pragma once
+
+#include <vector>
+
+#include "grading.hpp"
+#include "trackbed/bed/bed.hpp"
+
+namespace trackbed::bed {
+
+struct Draw {
+  int shape;  // index into Mix::templates
+  double scale;
+};
+
+class Mix {
+ public:
+  // Throws InputError if the stones cannot be made.
+  Mix(const BedParameters& parameters, Dimension dimension);
+
+  const std::vector<dem::Template>& templates() const { return templates_; }
+  // Stone for a number u in [0, 1): evenly spread u give the grading.
+  Draw draw(double u) const;
+  double bound(const Draw& draw) const;  // m, radius of the circle or sphere around the stone
+  double largest_bound() const;          // m, of all that can be drawn
+  double mean_volume() const;            // m^3 (plane: m^2), number mean
+
+ private:
+  void add_outlines(const BedParameters& parameters);
+  void add_scaled(const BedParameters& parameters, Dimension dimension);
+
+  Grading grading_;
+  double power_;
+  std::vector<dem::Template> templates_;
+  std::vector<double> bounds_;     // m at unit scale
+  std::vector<double> frequency_;  // pebbles: cumulative share by number
+};
+
+}  // namespace trackbed::bed

@@ -1,0 +1,85 @@
+// Parameters of the bed and of the platen, each declared once.
+#include <algorithm>
+
+#include "trackbed/bed/bed.hpp"
+
+namespace trackbed::bed {
+
+namespace {
+
+bool rises(const std::vector<double>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
+}
+
+bool is_range(const std::vector<double>& values) {
+  return values.size() == 2 && values[0] < values[1];
+}
+
+void declare_grading(BedParameters& bed, input::Section& s) {
+  s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0},
+            "Openings of the sieves, rising: square holes in space, slots in a plane.");
+  s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
+            "Share of the mass that passes each sieve, from 0 to 100.");
+  s.rule("sieve", bed.sieve.size() >= 2 && rises(bed.sieve),
+         "must be at least two, each above the last");
+  s.rule("passing",
+         bed.passing.size() == bed.sieve.size() && !bed.passing.empty() &&
+             std::is_sorted(bed.passing.begin(), bed.passing.end()) && bed.passing.front() == 0 &&
+             bed.passing.back() == 100,
+         "must be as many as the sieves, never fall, begin with 0 and end with 100");
+}
+
+void declare_shape(BedParameters& bed, input::Section& s) {
+  s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0},
+           "Radius of the disks of a plane stone (pebbles).");
+  s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
+           "Largest distance between neighbouring disks along the border of a stone (pebbles).");
+  s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
+            "Number of different stones; each stands for the same share of the mass (pebbles).");
+  s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
+           "Smallest width over largest extent of an outline (pebbles).");
+  s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
+           "0: corners on an ellipse; 1: far off it (pebbles).");
+  s.numbers("clump", bed.clump, {.unit = "m"},
+            "x, y, z, radius of each sphere of the stone, at any size (clump).");
+  const bool pebbles = bed.stone == StoneKind::pebbles;
+  s.rule("pebble_radius",
+         !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
+         "must be at most a third of the smallest sieve");
+  bool radii = true;
+  for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
+  s.rule("clump",
+         bed.stone != StoneKind::clump || (!bed.clump.empty() && bed.clump.size() % 4 == 0),
+         "must hold x, y, z and radius of each sphere");
+  s.rule("clump", radii, "has a radius that is not above 0");
+}
+
+}  // namespace
+
+void BedParameters::declare(input::Section& s) {
+  s.choice("stone", stone, {"disk", "pebbles", "clump"},
+           "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: the "
+           "given spheres, scaled.");
+  s.text("material", material, "Contact material of the stones.");
+  s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
+  s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
+  s.number("height", height, {.unit = "m", .above = 0}, "Height wanted after compaction.");
+  s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
+           "Share of voids expected after compaction: sets the number of stones.");
+  s.integer("seed", seed, {}, "Another seed makes another bed of the same kind.");
+  s.rule("x", is_range(x), "must rise");
+  s.rule("y", is_range(y), "must rise");
+  declare_grading(*this, s);
+  declare_shape(*this, s);
+}
+
+void PlatenParameters::declare(input::Section& s) {
+  s.number("pressure", pressure, {.unit = "Pa", .above = 0}, "Pressure that is held.");
+  s.number("speed", speed, {.unit = "m/s", .above = 0}, "Speed of approach, never exceeded.");
+  s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
+           "The plate speeds up no faster; it may brake faster.");
+  s.number("average", average, {.unit = "s", .above = 0},
+           "Time constant of the measured pressure; the servo acts on a tenth of it.");
+}
+
+}  // namespace trackbed::bed

@@ -1,0 +1,29 @@
+// Flat rectangles as surfaces.
+#pragma once
+
+#include <string>
+
+#include "trackbed/core/surface.hpp"
+#include "trackbed/dem/particles.hpp"
+
+namespace trackbed::bed {
+
+// Corner and two edges; the normal (side of the stones) is first x second.
+Surface plate(const std::string& name, int material, const Vec3& corner, const Vec3& first,
+              const Vec3& second);
+
+// Sizes along x and y between the sides: in a plane model y is the thickness, about 0.
+struct Footprint {
+  Vec3 low, high;  // m, z = 0
+  double area() const { return (high.x() - low.x()) * (high.y() - low.y()); }
+  // Larger by `margin` on all sides, so that the edges of plates lie beyond other plates.
+  Footprint grown(double margin) const {
+    return {low - Vec3(margin, margin, 0), high + Vec3(margin, margin, 0)};
+  }
+};
+Footprint footprint(const dem::Domain& domain);
+
+// m: more than a stone may stick out over a periodic side, whose home image alone feels surfaces.
+inline constexpr double beyond = 0.25;
+
+}  // namespace trackbed::bed

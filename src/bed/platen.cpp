@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plate.hpp"
+#include "trackbed/bed/bed.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::bed {
+
+namespace {
+
+constexpr double lead = 0.1;  // time constant of the servo over that of the mean
+constexpr double lowest_gain = 1.0 / 16;
+constexpr double close = 0.02;  // of the target: steady
+constexpr double patience = 5;  // time constants within `close`
+
+// First-order low pass, exact for a force that is constant in the window.
+void follow(double& mean, double value, double windows) {
+  mean += (value - mean) * -std::expm1(-windows);
+}
+
+}  // namespace
+
+Platen::Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material)
+    : parameters_(parameters), area_(footprint(domain).area()) {
+  const Footprint outside = footprint(domain).grown(beyond);
+  const Vec3 size = outside.high - outside.low;
+  surface_ = plate("platen", material, outside.low, Vec3(0, size.y(), 0), Vec3(size.x(), 0, 0));
+}
+
+Surface& Platen::surface() { return surface_; }
+double Platen::pressure() const { return state_.mean / area_; }
+double Platen::z() const { return state_.z; }
+bool Platen::steady() const { return state_.steady_for >= patience * parameters_.average; }
+
+void Platen::show(double motion) {
+  for (Vec3& node : surface_.position) node.z() = state_.z;
+  for (Vec3& node : surface_.motion) node = Vec3(0, 0, motion);
+}
+
+void Platen::place(double z) {
+  state_ = {};
+  state_.z = z;
+  show(0);
+}
+
+void Platen::advance(double dt, double force_up) {
+  State& s = state_;
+  const double target = parameters_.pressure * area_;
+  const double force = std::max(force_up, 0.0);  // stones cannot pull the plate down
+  const bool was_below = s.mean < target;
+  follow(s.recent, force, dt / (lead * parameters_.average));
+  follow(s.mean, force, dt / parameters_.average);
+  if (was_below && s.mean >= target) s.gain = std::max(s.gain / 2, lowest_gain);
+  s.steady_for = std::abs(s.mean - target) <= close * target ? s.steady_for + dt : 0;
+
+  const double error = std::clamp((target - s.recent) / target, -1.0, 1.0);
+  const double wanted = s.gain * parameters_.speed * error;
+  const double step = parameters_.acceleration * dt;
+  // Braking, also to a stop before turning round, is free; gaining speed is limited.
+  const double kept = wanted * s.speed > 0
+                          ? std::copysign(std::min(std::abs(wanted), std::abs(s.speed)), wanted)
+                          : 0;
+  s.speed = kept + std::clamp(wanted - kept, -step, step);
+  const double motion = -s.speed * dt;
+  show(motion);
+  s.z += motion;
+}
+
+// The state, listed once: columns z (m), speed (m/s), recent, mean (N), gain, steady_for (s).
+void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
+  const std::array row{state_.z,    state_.speed, state_.recent,
+                       state_.mean, state_.gain,  state_.steady_for};
+  const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
+  file.write<double>(
+      group + "/servo", mine, row.size(),
+      {"-", "z (m), speed down (m/s), recent and mean force (N), gain, steady for (s)"});
+}
+
+void Platen::load(const io::File& file, const std::string& group) {
+  const auto row = file.read_all<double>(group + "/servo");
+  if (row.size() != 6) throw RunError(group + "/servo does not hold the state of a platen");
+  state_ = {row[0], row[1], row[2], row[3], row[4], row[5]};
+  show(0);
+}
+
+}  // namespace trackbed::bed

@@ -1,0 +1,132 @@
+// Sizes drawn by number give the sieve curve by mass, whatever the stones are made of.
+#include "bed/grading.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "bed/mix.hpp"
+#include "bed/shapes.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::bed {
+namespace {
+
+constexpr double rounding = 1e-12;
+constexpr int many = 20000;
+
+// Per cent of the mass that passes `sieve` (m), for evenly spread draws.
+double passing(const Mix& mix, double sieve, int dimension) {
+  double below = 0, all = 0;
+  for (int i = 0; i < many; ++i) {
+    const Draw draw = mix.draw((i + 0.5) / many);
+    const auto& shape = mix.templates()[static_cast<std::size_t>(draw.shape)];
+    const double mass = shape.volume * std::pow(draw.scale, dimension);
+    all += mass;
+    if (shape.sieve * draw.scale <= sieve) below += mass;
+  }
+  return 100 * below / all;
+}
+
+void expect_grading(const BedParameters& bed, Dimension dimension, double tolerance) {
+  const Mix mix(bed, dimension);
+  for (std::size_t k = 0; k < bed.sieve.size(); ++k)
+    EXPECT_NEAR(passing(mix, 1e-3 * bed.sieve[k], dimension == Dimension::plane ? 2 : 3),
+                bed.passing[k], tolerance)
+        << bed.sieve[k] << " mm";
+}
+
+TEST(Grading, QuantilesMeetTheSieves) {
+  const BedParameters bed;
+  for (const int dimension : {2, 3}) {
+    const Grading grading({0.02, 0.04, 0.05}, {0, 40, 100}, dimension);
+    EXPECT_NEAR(grading.by_mass(0), 0.02, rounding);
+    EXPECT_NEAR(grading.by_mass(0.4), 0.04, rounding);
+    EXPECT_NEAR(grading.by_mass(1), 0.05, rounding);
+    EXPECT_NEAR(grading.by_mass(0.2), std::sqrt(0.02 * 0.04), rounding);
+    EXPECT_NEAR(grading.by_number(0), 0.02, rounding);
+    EXPECT_NEAR(grading.by_number(1), 0.05, rounding);
+    EXPECT_LT(grading.by_number(0.5), grading.by_mass(0.5));  // small stones are many
+    double mean = 0;
+    for (int i = 0; i < many; ++i)
+      mean += std::pow(grading.by_number((i + 0.5) / many), dimension) / many;
+    EXPECT_NEAR(mean / grading.mean_power(), 1, 1e-6);  // midpoint rule of 20000 points
+  }
+}
+
+// 20000 draws: one of the largest is 0.02 % of the mass.
+TEST(Grading, DisksAndSpheresAreGradedByMass) {
+  BedParameters bed;
+  bed.stone = StoneKind::disk;
+  expect_grading(bed, Dimension::plane, 0.05);
+  expect_grading(bed, Dimension::space, 0.05);
+}
+
+TEST(Grading, ClumpsAreGradedByTheirSieve) {
+  BedParameters bed;
+  bed.stone = StoneKind::clump;
+  bed.clump = {0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1, 0.7};
+  expect_grading(bed, Dimension::plane, 0.05);
+  expect_grading(bed, Dimension::space, 0.05);
+}
+
+TEST(Grading, OutlinesStandForEqualSharesOfTheMass) {
+  BedParameters bed;
+  bed.shapes = 40;
+  expect_grading(bed, Dimension::plane, 100.0 / 40);  // a sieve may cut off half a shape: 1.25 %
+  bed.shapes = 200;
+  expect_grading(bed, Dimension::plane, 100.0 / 200);
+}
+
+TEST(Grading, EmptyClassesAreSkipped) {
+  BedParameters bed;
+  bed.stone = StoneKind::disk;
+  bed.sieve = {10, 20, 30, 40, 50};
+  bed.passing = {0, 0, 50, 50, 100};
+  expect_grading(bed, Dimension::plane, 0.1);
+  const Mix mix(bed, Dimension::plane);
+  for (int i = 0; i < many; ++i) {
+    const double size = mix.draw((i + 0.5) / many).scale;
+    EXPECT_TRUE((size >= 0.02 && size <= 0.03) || (size >= 0.04 && size <= 0.05)) << size;
+  }
+}
+
+TEST(Shapes, HoleAndSlotOfAPairOfSpheres) {
+  // End to end 3, thickness 2: slot 2; the pair passes the hole of one sphere lengthwise.
+  const std::vector<geom::Sphere> pair{{Vec3(0, 0, 0), 1}, {Vec3(0.6, 0, 0.8), 1}};
+  EXPECT_NEAR(smallest_slot(pair), 2, 0.01);
+  EXPECT_NEAR(smallest_hole(pair), 2, 0.05);  // nearest view is up to 3 degrees off
+  const std::vector<geom::Sphere> three{{Vec3(0, 0, 0), 1}, {Vec3(1, 0, 0), 1}, {Vec3(0, 2, 0), 1}};
+  // Seen along its longest side, of sqrt(5), the flat triangle shows its height 2/sqrt(5) on the
+  // diagonal of the square. Views are up to 3 degrees off: at most 0.07 more, never less.
+  const double exact = 2 + 2 / std::sqrt(10.0);
+  EXPECT_NEAR(smallest_hole(three), exact + 0.035, 0.036);
+  EXPECT_NEAR(smallest_slot({{Vec3(1, 0, 3), 0.25}}), 0.5, rounding);
+}
+
+TEST(Shapes, TemplatesHaveTheMassOfTheSolid) {
+  BedParameters bed;
+  bed.clump = {5, 5, 5, 0.01, 5, 5, 5.03, 0.01};  // apart: two spheres, extent 0.05
+  const dem::Template pair = clump_stone(bed, Dimension::space);
+  const double r = 0.2, sphere = 4 * std::numbers::pi / 3 * r * r * r;
+  EXPECT_NEAR(pair.volume, 2 * sphere, 2e-3 * sphere);
+  EXPECT_NEAR(std::abs(pair.pieces[0].core[0].norm()), 0.3, 1e-6);
+  EXPECT_NEAR(pair.gyration.maxCoeff(), 0.4 * r * r + 0.09, 1e-4);
+  const dem::Template stone = outline_stone(bed, 0.04, 3);
+  EXPECT_NEAR(stone.sieve, 0.04, 1e-6 * 0.04);
+  for (const dem::Piece& piece : stone.pieces) {
+    EXPECT_EQ(piece.radius, bed.pebble_radius);
+    EXPECT_EQ(piece.core[0].y(), 0);
+  }
+}
+
+TEST(Shapes, WhatCannotBeMadeIsBadInput) {
+  BedParameters bed;
+  EXPECT_THROW(Mix(bed, Dimension::space), InputError);
+  bed.pebble_radius = 0.02;
+  EXPECT_THROW(Mix(bed, Dimension::plane), InputError);
+}
+
+}  // namespace
+}  // namespace trackbed::bed

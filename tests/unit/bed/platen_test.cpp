@@ -1,0 +1,148 @@
+// The servo on beds of springs: the pressure is reached and held.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "trackbed/bed/bed.hpp"
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::bed {
+namespace {
+
+constexpr double dt = 1e-4;  // s
+
+dem::Domain domain() {
+  dem::Domain d;
+  d.dimension = Dimension::plane;
+  d.thickness = 1.3;
+  d.low = {0, -1, -0.2};
+  d.high = {6, 1, 5};
+  return d;
+}
+constexpr double area = 6 * 1.3;  // m^2
+
+struct Course {
+  double peak = 0;           // Pa, of the true pressure
+  double fastest = 0;        // m/s
+  double steady_after = -1;  // s
+};
+
+// Springs of `stiffness` Pa/m below z = 0; `noise` of the force at random.
+Course press(Platen& platen, double stiffness, double seconds, double noise = 0) {
+  Course course;
+  double pressure = 0;
+  for (int k = 0; k * dt < seconds; ++k) {
+    const double rattle = 1 + noise * (2 * uniform(1, static_cast<std::uint64_t>(k)) - 1);
+    platen.advance(dt, pressure * rattle * area);
+    const Surface& surface = platen.surface();
+    course.fastest = std::max(course.fastest, std::abs(surface.motion[0].z()) / dt);
+    pressure = std::max(0.0, -platen.z() * stiffness);
+    course.peak = std::max(course.peak, pressure);
+    if (platen.steady() && course.steady_after < 0) course.steady_after = k * dt;
+  }
+  return course;
+}
+
+class PlatenOn : public ::testing::TestWithParam<double> {};
+
+TEST_P(PlatenOn, SpringsReachesTheTargetWithoutOvershoot) {
+  const PlatenParameters parameters;
+  Platen platen(parameters, domain(), 0);
+  platen.place(0.05);
+  const double stiffness = GetParam();
+  const double travel = 0.05 + parameters.pressure / stiffness;  // m
+  const Course course = press(platen, stiffness, 1.5 + 3 * travel / parameters.speed);
+  EXPECT_NEAR(platen.pressure(), parameters.pressure, 0.02 * parameters.pressure);
+  EXPECT_LT(course.peak, 1.10 * parameters.pressure);
+  EXPECT_GT(course.peak, 0.98 * parameters.pressure);
+  EXPECT_TRUE(platen.steady());
+  EXPECT_LE(course.fastest, parameters.speed * (1 + 1e-9));
+  EXPECT_GT(course.fastest, 0.9 * parameters.speed);  // full speed until contact
+}
+
+// Pa/m: loose and soft, loose, and 50 MPa over 0.35 m.
+INSTANTIATE_TEST_SUITE_P(Stiffness, PlatenOn, ::testing::Values(2e6, 2e7, 143e6));
+
+TEST(Platen, SettlesOnAVeryStiffBed) {
+  Platen platen({}, domain(), 0);
+  platen.place(0.01);
+  // 350 MPa over 0.35 m: at 0.5 m/s the target is passed within two windows of the servo's average.
+  press(platen, 1e9, 3);
+  EXPECT_NEAR(platen.pressure(), 200e3, 0.02 * 200e3);
+  EXPECT_TRUE(platen.steady());
+}
+
+TEST(Platen, RattlingStonesDoNotKeepItFromTheTarget) {
+  Platen platen({}, domain(), 0);
+  platen.place(0.01);
+  const Course course = press(platen, 2e7, 1, 0.5);
+  // +-50 % every window: 100 windows in the average leave 2 %.
+  EXPECT_NEAR(platen.pressure(), 200e3, 0.06 * 200e3);
+  EXPECT_LT(course.peak, 1.15 * 200e3);
+}
+
+TEST(Platen, StartsWithinItsAcceleration) {
+  const PlatenParameters parameters;
+  Platen platen(parameters, domain(), 0);
+  platen.place(1);
+  double before = 0;
+  for (int k = 0; k < 200; ++k) {
+    platen.advance(dt, 0);
+    const double speed = -platen.surface().motion[0].z() / dt;
+    EXPECT_LE(speed - before, parameters.acceleration * dt * (1 + 1e-9));
+    EXPECT_GE(speed, before);
+    before = speed;
+  }
+  EXPECT_NEAR(before, parameters.speed, 1e-9);
+  EXPECT_FALSE(platen.steady());
+}
+
+TEST(Platen, StonesDoNotPullIt) {
+  Platen pulled({}, domain(), 0), free({}, domain(), 0);
+  pulled.place(1), free.place(1);
+  for (int k = 0; k < 100; ++k) pulled.advance(dt, -1e6), free.advance(dt, 0);
+  EXPECT_EQ(pulled.z(), free.z());
+  EXPECT_EQ(pulled.pressure(), 0);
+}
+
+TEST(Platen, SurfaceLooksDownAndMovesWithoutAGap) {
+  Platen platen({}, domain(), 4);
+  platen.place(0.7);
+  const Surface& surface = platen.surface();
+  EXPECT_EQ(surface.material, 4);
+  for (const auto& t : surface.triangles) {
+    const Vec3 &a = surface.position[static_cast<std::size_t>(t[0])],
+               &b = surface.position[static_cast<std::size_t>(t[1])],
+               &c = surface.position[static_cast<std::size_t>(t[2])];
+    EXPECT_LT((b - a).cross(c - a).z(), 0);
+  }
+  for (int k = 0; k < 50; ++k) {
+    const double end = platen.z();
+    platen.advance(dt, 1e5);
+    EXPECT_EQ(surface.position[0].z(), end);
+    EXPECT_EQ(surface.position[0].z() + surface.motion[0].z(), platen.z());
+  }
+}
+
+TEST(Platen, ResumedRunGivesTheSameBits) {
+  const par::Comm world = par::Comm::world();
+  const std::string path = "platen_" + std::to_string(world.size()) + ".h5";
+  Platen straight({}, domain(), 0), first({}, domain(), 0), second({}, domain(), 0);
+  straight.place(0.01), first.place(0.01);
+  press(straight, 1e8, 0.05);
+  press(first, 1e8, 0.05);
+  {
+    io::File file(world, path, io::Mode::create);
+    first.save(file, "platen", world);
+    file.close();
+  }
+  second.load(io::File(world, path, io::Mode::read), "platen");
+  press(straight, 1e8, 0.05);
+  press(second, 1e8, 0.05);
+  EXPECT_EQ(second.z(), straight.z());
+  EXPECT_EQ(second.pressure(), straight.pressure());
+  EXPECT_LT(second.z(), 0);  // it did touch
+}
+
+}  // namespace
+}  // namespace trackbed::bed
