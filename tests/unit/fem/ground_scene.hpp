@@ -18,20 +18,29 @@ inline GroundParameters box(const Vec3& size, std::array<std::int64_t, 3> zones,
   return p;
 }
 
-// Uniform vertical pressure (Pa) as consistent nodal forces of the top face; a plane model's two
-// faces share the force.
+// Uniform vertical pressure (Pa) as nodal forces of the top face: a quarter of each zone's share to
+// each of its corners (two triangles in turn make a zone).
 inline std::vector<Vec3> pressure(Ground& ground, double pressure) {
   const Surface& top = ground.top();
   std::vector<Vec3> force(top.nodes(), Vec3::Zero());
-  for (const auto& t : top.triangles) {
-    const Vec3 a = top.position[static_cast<std::size_t>(t[0])];
-    const Vec3 b = top.position[static_cast<std::size_t>(t[1])];
-    const Vec3 c = top.position[static_cast<std::size_t>(t[2])];
-    const double area = 0.5 * std::abs((b - a).cross(c - a).z());
-    for (const auto n : t) force[static_cast<std::size_t>(n)].z() -= pressure * area / 3;
+  for (std::size_t t = 0; t < top.triangles.size(); t += 2) {
+    const auto at = [&](std::size_t triangle, std::size_t corner) {
+      return static_cast<std::size_t>(top.triangles[triangle][corner]);
+    };
+    const std::array<std::size_t, 4> quad = {at(t, 0), at(t, 1), at(t, 2), at(t + 1, 2)};
+    const Vec3 a = top.position[quad[0]];
+    const double area = (top.position[quad[1]] - a).cross(top.position[quad[3]] - a).norm();
+    for (const std::size_t n : quad) force[n].z() -= 0.25 * pressure * area;
   }
-  // Triangles weigh corners unevenly; on a regular mesh the even share is half per line end.
   return force;
+}
+
+// A column of the reference case: E 50 MPa, nu 0.3, rho 2000, H 10 m, no lateral motion.
+inline GroundParameters column(std::int64_t zones) {
+  GroundParameters p = box({1, 1, 10}, {1, 1, zones}, {50e6, 0.3, 2000});
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  return p;
 }
 
 }  // namespace trackbed::fem

@@ -1,0 +1,123 @@
+// Waves in a column (reference case "Column"): 1 kPa step on top of 10 m, plane strain and space.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+constexpr double wave_speed = 183.4498;            // m/s
+constexpr double particle_velocity = 2.725541e-3;  // m/s
+constexpr double step_pressure = 1e3;              // Pa
+
+// Downward velocity at height z from the output fields, on every rank.
+double downward_velocity(const Comm& comm, const Ground& ground, double z) {
+  const io::Grid grid = ground.fields();
+  double found = -1e300;
+  for (std::size_t n = 0; n < grid.points.size(); ++n)
+    if (std::abs(grid.points[n].z() - z) < 1e-6)
+      found = std::max(found, -grid.point_data[1].values[3 * n + 2]);
+  return comm.max(found);
+}
+
+double top_displacement(const Comm& comm, const Ground& ground) {
+  double found = -1e300;
+  for (const auto n : ground.own_top())
+    found = std::max(found, -ground.top_state(n).displacement.z());
+  return comm.max(found);
+}
+
+class Column : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Column, ::testing::Values(Dimension::plane, Dimension::space));
+
+TEST_P(Column, FrontArrivesInTimeWithTheRightVelocity) {
+  const Comm comm = Comm::world();
+  GroundParameters p = column(200);
+  Ground ground(comm, p, GetParam(), 1.0);
+  const auto load = pressure(ground, step_pressure);
+  const double dt = ground.stable_step();
+  const std::array<double, 3> depth = {2.5, 5.0, 7.5};
+  const std::array<double, 3> exact = {13.6277e-3, 27.2554e-3, 40.8831e-3};
+  std::array<double, 3> arrival{}, before{};
+  double sum = 0;
+  int samples = 0;
+  for (double t = dt; t < 52e-3; t += dt) {
+    ground.advance(dt, load);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double v = downward_velocity(comm, ground, -depth[i]), half = 0.5 * particle_velocity;
+      if (arrival[i] == 0 && v > half) arrival[i] = t - dt * (v - half) / (v - before[i]);
+      before[i] = v;
+    }
+    if (t > 20e-3) sum += before[0], ++samples;
+  }
+  // The front is smeared over about two of the 200 zones: 0.1 m / c_p.
+  constexpr double front = 0.1 / wave_speed;
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(arrival[i], exact[i], front) << depth[i];
+  EXPECT_NEAR(sum / samples / particle_velocity, 1, 0.005);  // ringing of the front, averaged
+}
+
+// Nothing comes back from the quiet base: the whole column keeps the particle velocity.
+TEST_P(Column, QuietBaseAbsorbs) {
+  const Comm comm = Comm::world();
+  GroundParameters p = column(100);
+  p.base = Base::quiet;
+  Ground ground(comm, p, GetParam(), 1.0);
+  const auto load = pressure(ground, step_pressure);
+  const double travel = 10 / wave_speed;
+  while (ground.top().position[0].z() == 0 && ground.totals().steps == 0)
+    ground.advance(4 * travel, load);
+  double sum = 0;
+  constexpr int samples = 40;
+  for (int s = 0; s < samples; ++s) {
+    ground.advance(travel / samples, load);
+    sum += downward_velocity(comm, ground, -5.0);
+  }
+  EXPECT_NEAR(sum / samples / particle_velocity, 1, 0.002);  // left ringing after four travels
+}
+
+// An interface reflects (1 - a)/(1 + a) of the velocity, a = impedance below over above; the free
+// top doubles it. a = 2 through density and stiffness: c_p is the same in both.
+TEST_P(Column, ImpedanceJumpReflectsItsShare) {
+  const Comm comm = Comm::world();
+  GroundParameters p = column(200);
+  p.layers = {{"soft", 5, {50e6, 0.3, 2000}}, {"stiff", 5, {100e6, 0.3, 4000}}};
+  p.base = Base::quiet;
+  Ground ground(comm, p, GetParam(), 1.0);
+  const auto load = pressure(ground, step_pressure);
+  const double travel = 5 / wave_speed;
+  ground.advance(2.4 * travel, load);
+  double sum = 0;
+  constexpr int samples = 40;
+  for (int s = 0; s < samples; ++s) {
+    ground.advance(1.2 * travel / samples, load);
+    sum += downward_velocity(comm, ground, 0);
+  }
+  const double a = 2, expected = 1 + 2 * (1 - a) / (1 + a);
+  EXPECT_NEAR(sum / samples / particle_velocity, expected, 0.02);  // ringing of the fronts
+}
+
+TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {
+  const Comm comm = Comm::world();
+  Ground ground(comm, column(100), GetParam(), 1.0);
+  const auto load = pressure(ground, step_pressure);
+  const double dt = 0.2e-3, period = 218.043e-3;
+  double largest = 0, when = 0, before = 0, back = 0;
+  for (int w = 1; w * dt < 1.3 * period; ++w) {
+    ground.advance(dt, load);
+    const double u = top_displacement(comm, ground);
+    if (u > largest) largest = u, when = w * dt;
+    if (back == 0 && w * dt > 0.75 * period && u > before) back = w * dt;  // turned upward
+    before = u;
+  }
+  EXPECT_NEAR(largest, 0.297143e-3, 0.01 * 0.297143e-3);
+  EXPECT_NEAR(when, 0.5 * period, 0.01 * period);
+  EXPECT_NEAR(back, period, 0.02 * period);
+}
+
+}  // namespace
+}  // namespace trackbed::fem

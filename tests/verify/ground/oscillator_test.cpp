@@ -1,0 +1,123 @@
+// One zone between rollers on a fixed base is an oscillator with one freedom, whose discrete
+// frequency and decay are known in closed form: Newmark's and the explicit scheme's periods
+// (reference "Integrators"), energy, Rayleigh damping, springs below the base.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+constexpr Elastic solid{50e6, 0.3, 2000};
+
+double modulus() {
+  const double nu = solid.poisson;
+  return solid.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+}
+// k = M A / H on half the mass.
+double angular_frequency() { return std::sqrt(2 * modulus() / solid.density); }
+
+GroundParameters oscillator(Integrator integrator) {
+  GroundParameters p = box({1, 1, 1}, {1, 1, 1}, solid);
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  p.integrator = integrator;
+  p.tolerance = 1e-13;
+  p.safety = 1;
+  return p;
+}
+
+// Displacement of the top about its static value under a step of 1 kPa, window after window.
+std::vector<double> swing(const GroundParameters& p, Dimension dimension, double dt, int windows) {
+  Ground ground(Comm::world(), p, dimension, 1.0);
+  const auto load = pressure(ground, 1e3);
+  const double rest = -1e3 / modulus();
+  std::vector<double> u;
+  for (int w = 0; w < windows; ++w) {
+    ground.advance(dt, load);
+    double mine = -1e300;
+    for (const auto n : ground.own_top())
+      mine = std::max(mine, ground.top_state(n).displacement.z() - rest);
+    u.push_back(Comm::world().max(mine));
+  }
+  return u;
+}
+
+// Any undamped one-step scheme obeys u_(n+1) + u_(n-1) = 2 cos(W) u_n.
+double phase_per_step(const std::vector<double>& u) {
+  double product = 0, square = 0;
+  for (std::size_t n = 2; n + 1 < u.size(); ++n) {
+    product += 0.5 * (u[n + 1] + u[n - 1]) * u[n];
+    square += u[n] * u[n];
+  }
+  return std::acos(product / square);
+}
+
+class Oscillator : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Oscillator, ::testing::Values(Dimension::plane, Dimension::space));
+
+TEST_P(Oscillator, NewmarkHasItsPeriodErrorAndKeepsEnergy) {
+  const double period = 2 * std::numbers::pi / angular_frequency();
+  const auto u = swing(oscillator(Integrator::newmark), GetParam(), 0.1 * period, 400);
+  const double error = 0.2 * std::numbers::pi / phase_per_step(u) - 1;
+  EXPECT_NEAR(error, 0.03207, 5e-6);  // the reference has five decimals
+  double early = 0, late = 0;
+  for (std::size_t n = 0; n < 100; ++n) {
+    early = std::max(early, std::abs(u[n + 1]));
+    late = std::max(late, std::abs(u[n + 300]));
+  }
+  EXPECT_NEAR(late / early, 1, 1e-3);  // spectral radius 1; peaks are sampled ten times a period
+}
+
+TEST_P(Oscillator, ExplicitSchemeHasItsPeriodError) {
+  const double period = 2 * std::numbers::pi / angular_frequency();
+  const auto u = swing(oscillator(Integrator::explicit_), GetParam(), 0.1 * period, 400);
+  // sin(W/2) = w h / 2.
+  EXPECT_NEAR(phase_per_step(u), 2 * std::asin(0.1 * std::numbers::pi), 1e-9);
+}
+
+TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
+  const double omega = angular_frequency(), ratio = 0.05;
+  const double dt = 0.02 * 2 * std::numbers::pi / omega;
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark})
+    for (const bool by_mass : {true, false}) {
+      GroundParameters p = oscillator(integrator);
+      (by_mass ? p.rayleigh_mass : p.rayleigh_stiffness) =
+          by_mass ? 2 * ratio * omega : 2 * ratio / omega;
+      const auto u = swing(p, GetParam(), dt, 600);
+      // Amplitude from displacement and its neighbours, ten periods apart.
+      const double damped = omega * std::sqrt(1 - ratio * ratio);
+      const auto amplitude = [&](std::size_t n) {
+        const double v = (u[n + 1] - u[n - 1]) / (2 * dt);
+        return std::hypot(u[n], (v + ratio * omega * u[n]) / damped);
+      };
+      const double decay = std::log(amplitude(50) / amplitude(550));
+      // First order in dt for the lagged stiffness part: w dt / 2 = 6 % at most.
+      EXPECT_NEAR(decay / (ratio * omega * 500 * dt), 1, 0.02)
+          << (by_mass ? "mass" : "stiffness") << static_cast<int>(integrator);
+    }
+}
+
+// Springs beside dashpots: a stiff block sinks to p / k_s with the time constant rho c_p / k_s.
+TEST_P(Oscillator, BlockSinksIntoBaseSprings) {
+  GroundParameters p = oscillator(Integrator::explicit_);
+  p.base = Base::quiet;
+  p.base_stiffness = 1e4;  // Pa/m, 1/6700 of the block's own
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  const auto load = pressure(ground, 1.0);
+  const double constant = std::sqrt(modulus() * solid.density) / p.base_stiffness;
+  for (int w = 0; w < 100; ++w) ground.advance(0.01 * constant, load);
+  double mine = -1e300;
+  for (const auto n : ground.own_top())
+    mine = std::max(mine, -ground.top_state(n).displacement.z());
+  const double expected = 1.0 / p.base_stiffness * (1 - std::exp(-1.0));
+  EXPECT_NEAR(Comm::world().max(mine) / expected, 1, 0.01);  // inertia: 0.5 % of the constant
+}
+
+}  // namespace
+}  // namespace trackbed::fem

@@ -1,0 +1,139 @@
+// Static solutions: weight, cantilever, manufactured solution of order 2.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "fem/linear_system.hpp"
+#include "fem/stiffness.hpp"
+#include "fem/terms.hpp"
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+using std::numbers::pi;
+
+std::vector<ZoneElement> elements(const Mesh& mesh) {
+  const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
+  std::vector<ZoneElement> all;
+  for (const Elastic& s : mesh.solids.solid)
+    all.push_back(zone_element(mesh.lattice.size, s, dimension, PlaneState::strain));
+  return all;
+}
+
+class Static : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Static, ::testing::Values(Dimension::plane, Dimension::space));
+
+TEST_P(Static, WeightPressesAsTheDepth) {
+  GroundParameters p = column(40);
+  p.base = Base::quiet;
+  p.sides = Sides::quiet;
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  ground.settle(pressure(ground, 5e3));
+  const io::Grid grid = ground.fields();
+  const double weight = 2000 * gravity;
+  for (std::size_t c = 0; c < grid.cells.size() / 8; ++c) {
+    double z = 0;
+    for (std::size_t k = 0; k < 8; ++k)
+      z += grid.points[static_cast<std::size_t>(grid.cells[8 * c + k])].z() / 8;
+    const double exact = -5e3 + weight * z;
+    // The solver's tolerance of 1e-8 times the condition of a column of 40 zones.
+    EXPECT_NEAR(grid.cell_data[1].values[6 * c + 2], exact, 1e-5 * weight * 10);
+    EXPECT_NEAR(grid.cell_data[1].values[6 * c], exact * 0.3 / 0.7, 1e-5 * weight * 10);
+  }
+}
+
+// Upright slender beam, one zone across, sheared at its tip: w = F L^3 / 3 E I + F L / (5/6 G A).
+TEST(Cantilever, BendsWithoutLocking) {
+  for (const double nu : {0.0, 0.3, 0.4999}) {
+    GroundParameters p = box({1, 1, 20}, {1, 1, 20}, {1e9, nu, 1e-6});
+    p.base = Base::fixed;
+    p.sides = Sides::free;
+    p.tolerance = 1e-10;
+    Mesh mesh(Comm::world(), p, Dimension::space, 1.0);
+    const Stiffness stiffness(mesh, elements(mesh));
+    const Terms terms(mesh, p, stiffness);
+    LinearSystem::Spec spec{1.0, Nodal(3, mesh.nodes()), terms.held, p.tolerance};
+    LinearSystem system(mesh, stiffness, spec);
+    Nodal force(3, mesh.nodes()), u(3, mesh.nodes());
+    for (const auto n : mesh.own)
+      if (mesh.lattice.node_index(mesh.node[static_cast<std::size_t>(n)])[2] == 20)
+        force[0][n] = 250;
+    system.solve(force, u);
+    double tip = 0;
+    for (const auto n : mesh.own) tip = std::max(tip, u[0][n]);
+    const double shear = 1e9 / (2 * (1 + nu));
+    const double exact = 1000.0 * 8000 / (3 * 1e9 / 12) + 1000.0 * 20 / (5.0 / 6 * shear);
+    // 20 zones follow the cubic to 1e-3; the clamp stiffens a little with nu. Locking would be 70
+    // %.
+    EXPECT_NEAR(Comm::world().max(tip) / exact, 1, 0.02) << "nu " << nu;
+  }
+}
+
+// u = a sin(pi x) sin(pi y) sin(pi z) with a = (1, 2, -1) (in a plane without y) in a unit cube
+// held all round. Body force -div sigma, lumped. Returns the root mean square error.
+double manufactured_error(Dimension dimension, std::int64_t zones, double nu) {
+  GroundParameters p = box({1, 1, 1}, {zones, zones, zones}, {1.0, nu, 1.0});
+  p.sides = Sides::free;
+  Mesh mesh(Comm::world(), p, dimension, 1.0);
+  const Stiffness stiffness(mesh, elements(mesh));
+  const Terms terms(mesh, p, stiffness);
+  const int d = mesh.lattice.components();
+  const double mu = 1 / (2 * (1 + nu)), lambda = nu / ((1 + nu) * (1 - 2 * nu));
+  const std::array<double, 3> amplitude = {1, dimension == Dimension::plane ? -1.0 : 2.0, -1};
+  std::vector<std::uint8_t> held(mesh.nodes(), 0);
+  Nodal force(d, mesh.nodes()), u(d, mesh.nodes()), exact(d, mesh.nodes());
+  for (std::size_t n = 0; n < mesh.nodes(); ++n) {
+    const Vec3 at = mesh.lattice.position(mesh.node[n]);
+    std::array<double, 3> s{}, c{};
+    double all = 1;
+    bool border = false;
+    for (int a = 0; a < d; ++a) {
+      const double x = at[mesh.lattice.axis(a)];
+      s[static_cast<std::size_t>(a)] = std::sin(pi * x);
+      c[static_cast<std::size_t>(a)] = std::cos(pi * x);
+      all *= s[static_cast<std::size_t>(a)];
+      border = border || std::abs(s[static_cast<std::size_t>(a)]) < 1e-9;
+    }
+    held[n] = border ? 7 : 0;
+    for (int i = 0; i < d; ++i) {
+      exact[i][n] = amplitude[static_cast<std::size_t>(i)] * all;
+      // -(lambda + mu) grad div u - mu laplace u.
+      double value = mu * d * pi * pi * exact[i][n];
+      for (int j = 0; j < d; ++j) {
+        double mixed = -amplitude[static_cast<std::size_t>(j)] * pi * pi;  // d2 u_j / dx_i dx_j
+        for (int a = 0; a < d; ++a) {
+          const auto at_a = static_cast<std::size_t>(a);
+          if (i == j) mixed *= s[at_a];
+          if (i != j) mixed *= a == i || a == j ? c[at_a] : s[at_a];
+        }
+        if (i != j) mixed = -mixed;
+        value -= (lambda + mu) * mixed;
+      }
+      force[i][n] = terms.mass[n] * value;  // density 1
+    }
+  }
+  LinearSystem::Spec spec{1.0, Nodal(d, mesh.nodes()), held, 1e-11};
+  LinearSystem(mesh, stiffness, spec).solve(force, u);
+  double sum = 0, count = 0;
+  for (const auto n : mesh.own)
+    for (int i = 0; i < d; ++i) sum += std::pow(u[i][n] - exact[i][n], 2), count += 1;
+  return std::sqrt(Comm::world().sum(sum) / Comm::world().sum(count));
+}
+
+TEST_P(Static, ManufacturedSolutionConvergesWithOrderTwo) {
+  for (const double nu : {0.3, 0.4999}) {
+    const std::int64_t n = GetParam() == Dimension::plane ? 8 : 4;
+    const double coarse = manufactured_error(GetParam(), n, nu);
+    const double middle = manufactured_error(GetParam(), 2 * n, nu);
+    const double fine = manufactured_error(GetParam(), 4 * n, nu);
+    // Two sides: the asymptotic order of trilinear displacement.
+    EXPECT_NEAR(std::log2(middle / fine), 2, 0.15) << nu << ": " << coarse << ' ' << middle;
+    EXPECT_NEAR(std::log2(coarse / middle), 2, 0.4) << nu;
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::fem
