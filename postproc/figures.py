@@ -272,8 +272,8 @@ def overview(runs):
     return figure
 
 
-FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress, "spectrum": spectra,
-           "force_chains": force_chains, "energy": energy}
+FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
+           "spectrum": spectra, "force_chains": force_chains, "energy": energy}
 
 
 def draw_all(runs, folder):
