@@ -77,10 +77,9 @@ Solid polygon_solid(const std::vector<Point>& polygon) {
 
 std::vector<Sphere> pebbles_inside(const std::vector<Point>& polygon, double radius,
                                    double spacing) {
-  constexpr double crowded = 0.2;  // radii between corners that share a disk
+  constexpr double crowded = 0.4;  // radii between corners that share a disk
   std::vector<Sphere> disks;
-  for (Polygon ring = inset(polygon, radius); !ring.empty(); ring = inset(ring, 2 * radius))
-    place_along(thinned(ring, crowded * radius), radius, spacing * radius, disks);
+  place_along(thinned(inset(polygon, radius), crowded * radius), radius, spacing * radius, disks);
   if (disks.empty()) throw std::invalid_argument("no disk of this radius fits into the outline");
   return disks;
 }

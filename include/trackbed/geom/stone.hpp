@@ -39,8 +39,9 @@ Solid polygon_solid(const std::vector<Eigen::Vector2d>& polygon);
 double smallest_width(const std::vector<Eigen::Vector2d>& polygon);
 
 // Disks of `radius` inside the convex polygon (x, z; y = 0), touching its border, at most `spacing`
-// radii apart along it, so that a stone of disks has the outline's size; further rings inside while
-// a disk of the same radius would fit in between. Throws std::invalid_argument if none fits.
+// radii apart along it, so that a stone of disks has the outline's size. One ring: up to a spacing
+// of 3 no disk of this radius gets between two of them with less than half a radius of overlap, so
+// the inside needs none. Throws std::invalid_argument if none fits.
 std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, double radius,
                                    double spacing);
 
