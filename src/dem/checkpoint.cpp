@@ -56,17 +56,17 @@ void save_shapes(io::File& file, const std::string& group, const Shapes& shapes,
     for (const Piece& p : t.pieces)
       pieces.insert(pieces.end(), {p.core[0].x(), p.core[0].y(), p.core[0].z(), p.radius});
   }
-  file.write<double>(group + "/shape/solid", solids, 5,
+  file.write<double>(group + "/template/solid", solids, 5,
                      {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
-  file.write<std::int64_t>(group + "/shape/pieces", counts, 1, {"-", "pieces of each template"});
-  file.write<double>(group + "/shape/piece", pieces, 4,
+  file.write<std::int64_t>(group + "/template/pieces", counts, 1, {"-", "pieces of each template"});
+  file.write<double>(group + "/template/piece", pieces, 4,
                      {"m", "core vertex x y z and radius of each piece, template after template"});
 }
 
 Shapes load_shapes(const io::File& file, const std::string& group) {
-  const auto solids = file.read_all<double>(group + "/shape/solid");
-  const auto counts = file.read_all<std::int64_t>(group + "/shape/pieces");
-  const auto pieces = file.read_all<double>(group + "/shape/piece");
+  const auto solids = file.read_all<double>(group + "/template/solid");
+  const auto counts = file.read_all<std::int64_t>(group + "/template/pieces");
+  const auto pieces = file.read_all<double>(group + "/template/piece");
   Shapes shapes;
   for (std::size_t k = 0, p = 0; k < counts.size(); ++k) {
     Template t;
