@@ -2,7 +2,7 @@
 
 #include <petscksp.h>
 
-#include <algorithm>
+#include <array>
 
 #include "petsc_check.hpp"
 #include "trackbed/fem/petsc.hpp"
@@ -14,12 +14,16 @@ namespace {
 
 constexpr const char* prefix = "ground_";
 
-// An option of our choosing unless the user chose it.
-void suggest(const std::string& name, const char* value) {
+// Sets an option unless the user did; true if it is ours.
+bool suggest(const std::string& name, const char* value) {
   PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, prefix, ("-" + name).c_str(), &given), "read its options");
-  if (given == PETSC_TRUE) return;
+  std::array<char, 256> word{};
+  check(PetscOptionsGetString(nullptr, prefix, ("-" + name).c_str(), word.data(), word.size(),
+                              &given),
+        "read its options");
+  if (given == PETSC_TRUE) return std::string(word.data()) == value;
   check(PetscOptionsSetValue(nullptr, ("-" + (prefix + name)).c_str(), value), "set an option");
+  return true;
 }
 
 }  // namespace
@@ -142,19 +146,23 @@ void LinearSystem::Handles::tell_rigid_motions() {
 }
 
 void LinearSystem::Handles::make_solver(double tolerance) {
-  suggest("ksp_type", "cg");
-  suggest("pc_type", "hypre");
-  suggest("pc_hypre_type", "boomeramg");
-  suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
-  suggest("pc_hypre_boomeramg_relax_type_all", "symmetric-SOR/Jacobi");
-  suggest("ksp_norm_type", "unpreconditioned");
+  if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
+  if (suggest("pc_type", "hypre")) {
+    suggest("pc_hypre_type", "boomeramg");
+    suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
+    suggest("pc_hypre_boomeramg_relax_type_all", "symmetric-SOR/Jacobi");
+  }
   check(KSPCreate(par::mpi(mesh.comm), &solver), "create a solver");
   check(KSPSetOptionsPrefix(solver, prefix), "name a solver");
   check(KSPSetOperators(solver, matrix, matrix), "give a solver its matrix");
   check(KSPSetTolerances(solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
         "set the tolerance");
-  check(KSPSetInitialGuessNonzero(solver, PETSC_TRUE), "set the first guess");
   check(KSPSetFromOptions(solver), "take the solver options after --");
+  PetscBool direct = PETSC_FALSE;  // a direct solve has no use for a guess, and refuses one
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(solver), KSPPREONLY, &direct),
+        "say its type");
+  check(KSPSetInitialGuessNonzero(solver, direct == PETSC_TRUE ? PETSC_FALSE : PETSC_TRUE),
+        "set the first guess");
   check(KSPSetUp(solver), "set up the linear solver");
 }
 
