@@ -1,0 +1,169 @@
+#include "trackbed/input/deck.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "input/reader.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::input {
+
+struct Deck::Text {
+  std::string origin;
+  Node root;
+  Problems problems;  // of overrides; the rest is found by fill
+};
+
+namespace {
+
+// "stage.passage.duration", "layer[1].young" -> the words between the points; an index is a word.
+std::vector<std::string> words_of(const std::string& path) {
+  std::vector<std::string> words(1);
+  for (const char c : path) {
+    if (c == ']') continue;
+    if (c == '.' || c == '[')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  return words;
+}
+
+// The element of a list that `word` means: by its `name`, else by its number. Null if none.
+Node* element(Node& list, const std::string& word) {
+  for (Node& item : list.items) {
+    const Node* name = item.is_table() ? item.member("name") : nullptr;
+    if (name != nullptr && name->kind == Node::Kind::text && name->text == word) return &item;
+  }
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+  const bool number = error == std::errc() && end == word.data() + word.size();
+  return number && index < list.items.size() ? &list.items[index] : nullptr;
+}
+
+std::string elements_in_words(const Node& list) {
+  std::string words;
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const Node* name = list.items[i].is_table() ? list.items[i].member("name") : nullptr;
+    words += words.empty() ? "" : ", ";
+    words += name != nullptr && name->kind == Node::Kind::text ? name->text : fmt::format("{}", i);
+  }
+  return words.empty() ? "it has none" : fmt::format("it has {}", words);
+}
+
+// Puts one value into the tree, making sections on the way. Returns what is wrong, or nothing.
+std::string put(Node& root, const std::string& path, Node value) {
+  Node* node = &root;
+  for (const std::string& word : words_of(path)) {
+    if (word.empty()) return fmt::format("\"{}\" is not the name of a parameter", path);
+    if (node->is_list()) {
+      Node* const found = element(*node, word);
+      if (found == nullptr)
+        return fmt::format("{}: there is no element {}; {}", path, word, elements_in_words(*node));
+      node = found;
+      continue;
+    }
+    if (!node->is_table())
+      return fmt::format("{}: what comes before {} is a value, not a section", path, word);
+    Node* next = node->member(word);
+    if (next == nullptr) {
+      next = &node->members.emplace_back(word, Node{}).second;
+      next->commanded = true;
+    }
+    node = next;
+  }
+  *node = std::move(value);
+  return "";
+}
+
+void mark_commanded(Node& node) {
+  node.commanded = true;
+  node.line = 0;
+  for (Node& item : node.items) mark_commanded(item);
+  for (auto& [name, value] : node.members) mark_commanded(value);
+}
+
+std::string stripped(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+void apply(const std::string& override_text, Node& root, Problems& problems) {
+  static const Node on_command_line = [] {
+    Node node;
+    node.commanded = true;
+    return node;
+  }();
+  const std::size_t equals = override_text.find('=');
+  if (equals == std::string::npos)
+    return problems.add(&on_command_line, fmt::format("\"{}\" must read key=value", override_text));
+  Node value = parse_value(stripped(override_text.substr(equals + 1)));
+  mark_commanded(value);
+  const std::string wrong = put(root, stripped(override_text.substr(0, equals)), std::move(value));
+  if (!wrong.empty()) problems.add(&on_command_line, wrong);
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+Deck::Deck(std::unique_ptr<Text> text) : text_(std::move(text)) {}
+Deck::~Deck() = default;
+Deck::Deck(Deck&&) noexcept = default;
+Deck& Deck::operator=(Deck&&) noexcept = default;
+
+Deck Deck::read(const par::Comm& comm, const std::string& path,
+                const std::vector<std::string>& overrides) {
+  std::string problem, text;
+  if (comm.root()) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error))
+      problem = fmt::format("{}: does not exist", path);
+    else if (!std::filesystem::is_regular_file(path, error) || !std::ifstream(path))
+      problem = fmt::format("{}: cannot be read", path);
+    else
+      text = text_of(path);
+  }
+  problem = comm.broadcast(problem);
+  if (!problem.empty()) throw InputError({problem});
+  return parse(comm.broadcast(text), path, overrides);
+}
+
+Deck Deck::parse(const std::string& text, const std::string& origin,
+                 const std::vector<std::string>& overrides) {
+  auto deck = std::make_unique<Text>(origin, parse_toml(text, origin), Problems(origin));
+  for (const std::string& one : overrides) apply(one, deck->root, deck->problems);
+  return Deck(std::move(deck));
+}
+
+void Deck::fill(const Declaration& declaration) const {
+  Problems problems = text_->problems;
+  const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
+  Reader reader(text_->root, folder, all_parameters(declaration), problems);
+  declaration(reader);
+  reader.finish();
+  problems.throw_if_any();
+}
+
+std::string Deck::where(const std::string& key) const {
+  Node* node = &text_->root;
+  for (const std::string& word : words_of(key)) {
+    Node* next = node->is_list() ? element(*node, word) : node->member(word);
+    if (next == nullptr) return text_->problems.start(nullptr) + key;
+    node = next;
+  }
+  return text_->problems.start(node) + key;
+}
+
+}  // namespace trackbed::input

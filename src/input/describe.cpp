@@ -1,0 +1,123 @@
+// The reference of all parameters: Markdown for docs/input.md, plain lines for a terminal.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "input/limits.hpp"
+#include "input/spec.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::input {
+
+namespace {
+
+std::string header_of(const Spec& section, bool in_list) {
+  if (section.path.empty()) return "Top of the deck";
+  return in_list ? fmt::format("[[{}]]", section.path) : fmt::format("[{}]", section.path);
+}
+
+bool is_group(const Spec& spec) { return spec.is_section() || spec.is_list(); }
+
+std::string kind_in_words(const Spec& spec) {
+  if (spec.kind == "integer") return "whole number";
+  if (spec.kind == "flag") return "true or false";
+  if (spec.kind == "texts") return "list of texts";
+  if (spec.kind == "numbers")
+    return spec.length == 0 ? "list of numbers" : fmt::format("list of {} numbers", spec.length);
+  if (spec.kind != "choice") return spec.kind;
+  return fmt::format("one of {}", fmt::join(spec.choices, ", "));
+}
+
+std::string default_in_words(const Spec& spec) {
+  return spec.limits.required ? "must be given" : shown(spec.value);
+}
+
+std::string range_of(const Spec& spec) {
+  Limits limits = spec.limits;
+  limits.unit = "-";  // has its own column
+  return range_in_words(limits);
+}
+
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
+  return text;
+}
+
+void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
+  const bool has_scalars =
+      std::any_of(parts.begin(), parts.end(), [](const Spec& part) { return !is_group(part); });
+  if (!section.path.empty() || has_scalars)
+    out += fmt::format("\n## `{}`\n\n{}\n", header_of(section, in_list), section.meaning);
+  if (has_scalars)
+    out += "\n| parameter | kind | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
+  for (const Spec& part : parts)
+    if (!is_group(part))
+      out += fmt::format("| `{}` | {} | {} | `{}` | {} | {} |\n", part.name,
+                         cell(kind_in_words(part)), cell(part.unit), cell(default_in_words(part)),
+                         range_of(part), cell(part.meaning));
+  for (const Spec& part : parts)
+    if (is_group(part))
+      markdown(part, part.is_list() ? part.element() : part.parts, part.is_list(), out);
+}
+
+void plain(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
+  out += fmt::format("{}\n  {}\n", header_of(section, in_list), section.meaning);
+  for (const Spec& part : parts) {
+    if (is_group(part)) continue;
+    const std::string range = range_of(part);
+    out += fmt::format("\n  {} = {}{}\n      {}{}\n      {}\n", part.name, default_in_words(part),
+                       part.unit == "-" ? "" : " " + part.unit, kind_in_words(part),
+                       range.empty() ? "" : fmt::format(", {}", range), part.meaning);
+  }
+  for (const Spec& part : parts)
+    if (is_group(part)) {
+      out += '\n';
+      plain(part, part.is_list() ? part.element() : part.parts, part.is_list(), out);
+    }
+}
+
+// `layer[].x` and `layer.x` name the same.
+std::string without_brackets(std::string path) {
+  for (std::size_t at; (at = path.find("[]")) != std::string::npos;) path.erase(at, 2);
+  return path;
+}
+
+const Spec* find(const Spec& spec, const std::string& path, std::vector<std::string>& known) {
+  for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
+    known.push_back(without_brackets(part.path));
+    if (known.back() == path) return &part;
+    if (!is_group(part)) continue;
+    if (const Spec* found = find(part, path, known)) return found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string describe(const Declaration& declaration, const std::string& section) {
+  const Spec root = collect(declaration, Lists::at_least_one_element);
+  std::string out;
+  if (section.empty()) {
+    markdown(root, root.parts, false, out);
+    return out.substr(std::min<std::size_t>(out.size(), 1));  // no blank line at the start
+  }
+  std::vector<std::string> known;
+  const Spec* found = find(root, without_brackets(section), known);
+  if (found == nullptr) {
+    const std::string near = nearest(section, known);
+    throw InputError({fmt::format("{} is not a section or parameter{}", section,
+                                  near.empty() ? "" : fmt::format("; did you mean {}?", near))});
+  }
+  if (is_group(*found)) {
+    plain(*found, found->is_list() ? found->element() : found->parts, found->is_list(), out);
+    return out;
+  }
+  Spec around;  // a single parameter is shown as a section of one
+  around.path = found->path.substr(
+      0, found->path.rfind('.') == std::string::npos ? 0 : found->path.rfind('.'));
+  plain(around, {*found}, false, out);
+  return out;
+}
+
+}  // namespace trackbed::input

@@ -1,0 +1,273 @@
+#include "input/reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "input/limits.hpp"
+
+namespace trackbed::input {
+
+namespace {
+
+using Kind = Node::Kind;
+
+// "5 mm": somebody wrote the unit beside the number.
+bool starts_like_a_number(const std::string& text) {
+  const std::size_t at = text.find_first_not_of(" +-.");
+  return at != std::string::npos && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
+}
+
+std::string number_hint(const Node& node, const Limits& limits) {
+  if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
+  return limits.unit == "-" ? "; give a number without quotes"
+                            : fmt::format("; give a number in {}", limits.unit);
+}
+
+std::string listed(const std::vector<std::string_view>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+std::string did_you_mean(const std::string& word) {
+  return word.empty() ? "" : fmt::format("; did you mean {}?", word);
+}
+
+std::string last_word(const std::string& path) {
+  return path.substr(path.rfind('.') + 1);  // the whole path if it has no point
+}
+
+}  // namespace
+
+Reader::Reader(const Node& root, std::string folder, std::vector<ParameterInfo> paths,
+               Problems& problems)
+    : folder_(std::move(folder)), paths_(std::move(paths)), problems_(problems) {
+  open({"", &root, {}, 0});
+}
+
+void Reader::number(std::string_view name, double& value, const Limits& limits, std::string_view) {
+  if (const Node* node = find(name))
+    take_number(*node, path_of(name), limits, value);
+  else if (limits.required)
+    missing(name, std::string(limits.unit));
+}
+
+void Reader::integer(std::string_view name, std::int64_t& value, const Limits& limits,
+                     std::string_view) {
+  const Node* node = find(name);
+  if (node == nullptr) {
+    if (limits.required) missing(name, std::string(limits.unit));
+    return;
+  }
+  constexpr double exact_to = 9007199254740992.0;  // 2^53: 1e6 is welcome as a whole number
+  std::int64_t whole = node->integer;
+  if (node->kind == Kind::number && std::abs(node->number) <= exact_to &&
+      node->number == std::floor(node->number))
+    whole = static_cast<std::int64_t>(node->number);
+  else if (node->kind != Kind::integer)
+    return refuse(*node, path_of(name), "must be a whole number" + number_hint(*node, limits));
+  if (!within(limits, static_cast<double>(whole)))
+    return refuse(*node, path_of(name), "must be " + range_in_words(limits));
+  value = whole;
+}
+
+void Reader::flag(std::string_view name, bool& value, std::string_view) {
+  const Node* node = find(name);
+  if (node == nullptr) return;
+  if (node->kind != Kind::flag) return refuse(*node, path_of(name), "must be true or false");
+  value = node->flag;
+}
+
+void Reader::text(std::string_view name, std::string& value, std::string_view,
+                  const std::vector<std::string_view>& choices, bool required) {
+  const Node* node = find(name);
+  if (node == nullptr) {
+    if (required) missing(name, "-");
+    return;
+  }
+  if (!choices.empty() && (node->kind != Kind::text ||
+                           std::find(choices.begin(), choices.end(), node->text) == choices.end()))
+    return refuse(*node, path_of(name),
+                  fmt::format("must be {}{}", listed(choices),
+                              did_you_mean(nearest(node->text, {choices.begin(), choices.end()}))));
+  if (node->kind != Kind::text) return refuse(*node, path_of(name), "must be text (in quotes)");
+  value = node->text;
+}
+
+void Reader::file(std::string_view name, std::string& value, std::string_view) {
+  namespace fs = std::filesystem;
+  const Node* node = find(name);
+  if (node != nullptr && node->kind != Kind::text)
+    return refuse(*node, path_of(name), "must be the name of a file (in quotes)");
+  const std::string given = node != nullptr ? node->text : value;
+  if (given.empty()) {
+    value = given;
+    return;
+  }
+  // Whole paths, so that the effective input means the same file wherever it is read.
+  const fs::path path = fs::absolute(fs::path(folder_) / given).lexically_normal();
+  std::error_code error;
+  if (!fs::exists(path, error))
+    problems_.add(node, fmt::format("{} \"{}\" does not exist", path_of(name), given));
+  else if (!fs::is_regular_file(path, error))
+    problems_.add(node, fmt::format("{} \"{}\" is not a file", path_of(name), given));
+  else
+    value = path.string();
+}
+
+void Reader::numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
+                     std::string_view, std::size_t length) {
+  const Node* node = find(name);
+  if (node == nullptr) {
+    if (limits.required) missing(name, std::string(limits.unit));
+    return;
+  }
+  const std::string what =
+      length == 0 ? "a list of numbers" : fmt::format("a list of {} numbers", length);
+  if (!node->is_list()) return refuse(*node, path_of(name), fmt::format("must be {}", what));
+  if (length != 0 && node->items.size() != length)
+    return refuse(*node, path_of(name),
+                  fmt::format("must be {}, not of {}", what, node->items.size()));
+  std::vector<double> found(node->items.size());
+  bool ok = true;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    ok &= take_number(node->items[i], fmt::format("{}[{}]", path_of(name), i), limits, found[i]);
+  if (ok) values = std::move(found);
+}
+
+void Reader::texts(std::string_view name, std::vector<std::string>& values, std::string_view) {
+  const Node* node = find(name);
+  if (node == nullptr) return;
+  std::vector<std::string> found;
+  if (node->is_list())
+    for (const Node& item : node->items)
+      if (item.kind == Kind::text) found.push_back(item.text);
+  if (!node->is_list() || found.size() != node->items.size())
+    return refuse(*node, path_of(name), "must be a list of texts (each in quotes)");
+  values = std::move(found);
+}
+
+void Reader::rule(std::string_view name, bool holds, std::string_view sentence) {
+  // A value that was refused keeps its default: rules about this section would only confuse.
+  if (holds || problems_.count() > open_.back().problems_before) return;
+  const Node* node = open_.back().node;
+  const Node* value = node != nullptr && node->is_table() ? node->member(name) : nullptr;
+  problems_.add(value != nullptr ? value : node,
+                fmt::format("{}{}: {}", path_of(name),
+                            value != nullptr ? " = " + shown(*value) : "", sentence));
+}
+
+bool Reader::enter(std::string_view name, std::string_view) {
+  const Node* node = find(name);
+  const std::string path = path_of(name);
+  if (node != nullptr && !node->is_table()) {
+    refuse(*node, path, fmt::format("must be a section, [{}]", path));
+    return false;
+  }
+  open({path, node, {}, problems_.count()});
+  return true;
+}
+
+std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string_view,
+                                              std::size_t) {
+  const Node* node = find(name);
+  if (node == nullptr) return std::nullopt;  // the program's own list stays
+  const std::string path = path_of(name);
+  const bool ok = node->is_list() && std::all_of(node->items.begin(), node->items.end(),
+                                                 [](const Node& n) { return n.is_table(); });
+  if (!ok) {
+    refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
+    return std::nullopt;
+  }
+  open({path, node, {}, problems_.count()});
+  return node->items.size();
+}
+
+void Reader::enter_element(std::size_t index) {
+  const Frame& list = open_.back();
+  open({fmt::format("{}[{}]", list.path, index),
+        &list.node->items.at(index),
+        {},
+        problems_.count()});
+}
+
+void Reader::leave() {
+  const Frame frame = std::move(open_.back());
+  open_.pop_back();
+  if (frame.node != nullptr && frame.node->is_table()) report_unknown(frame);
+}
+
+void Reader::open(Frame frame) { open_.push_back(std::move(frame)); }
+
+const Node* Reader::find(std::string_view name) {
+  Frame& frame = open_.back();
+  frame.known.emplace_back(name);
+  return frame.node != nullptr ? frame.node->member(name) : nullptr;
+}
+
+std::string Reader::path_of(std::string_view name) const {
+  const std::string& section = open_.back().path;
+  return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
+}
+
+void Reader::refuse(const Node& node, const std::string& path, const std::string& must) {
+  problems_.add(&node, fmt::format("{} = {} {}", path, shown(node), must));
+}
+
+void Reader::missing(std::string_view name, const std::string& unit) {
+  problems_.add(open_.back().node, fmt::format("{} must be given{}", path_of(name),
+                                               unit == "-" ? "" : fmt::format(" (in {})", unit)));
+}
+
+bool Reader::take_number(const Node& node, const std::string& path, const Limits& limits,
+                         double& value) {
+  if (node.kind != Kind::number && node.kind != Kind::integer) {
+    refuse(node, path, "must be a number" + number_hint(node, limits));
+    return false;
+  }
+  const double found = node.kind == Kind::number ? node.number : static_cast<double>(node.integer);
+  if (!std::isfinite(found)) {
+    refuse(node, path, "must be a finite number");
+    return false;
+  }
+  if (!within(limits, found)) {
+    // As people write it: -5 also where the file has -5.0.
+    problems_.add(&node,
+                  fmt::format("{} = {} must be {}", path, shown(found), range_in_words(limits)));
+    return false;
+  }
+  value = found;
+  return true;
+}
+
+void Reader::report_unknown(const Frame& frame) {
+  for (const auto& [name, value] : frame.node->members) {
+    if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
+    const bool section =
+        value.is_table() || (value.is_list() && !value.items.empty() && value.items[0].is_table());
+    const std::string path = frame.path.empty() ? name : fmt::format("{}.{}", frame.path, name);
+    problems_.add(&value, fmt::format("{} is not a {}{}", path, section ? "section" : "parameter",
+                                      did_you_mean(suggestion(frame, name))));
+  }
+}
+
+// The nearest name of the same section, else the nearest one anywhere.
+std::string Reader::suggestion(const Frame& frame, const std::string& name) const {
+  if (const std::string near = nearest(name, frame.known); !near.empty())
+    return frame.path.empty() ? near : fmt::format("{}.{}", frame.path, near);
+  std::vector<std::string> words;
+  for (const ParameterInfo& parameter : paths_) words.push_back(last_word(parameter.path));
+  const std::string near = nearest(name, words);
+  for (const ParameterInfo& parameter : paths_)
+    if (!near.empty() && last_word(parameter.path) == near) return parameter.path;
+  return "";
+}
+
+}  // namespace trackbed::input

@@ -1,0 +1,66 @@
+// The Section that fills variables from a deck's tree and notes every problem. Private to the room.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "input/problems.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::input {
+
+class Reader : public Section {
+ public:
+  // `folder`: where relative file names start. `paths`: all parameters, for suggestions.
+  Reader(const Node& root, std::string folder, std::vector<ParameterInfo> paths,
+         Problems& problems);
+  // After the visit: what the file has at its top that nobody asked for.
+  void finish() { leave(); }
+
+  void number(std::string_view name, double& value, const Limits& limits,
+              std::string_view meaning) override;
+  void integer(std::string_view name, std::int64_t& value, const Limits& limits,
+               std::string_view meaning) override;
+  void flag(std::string_view name, bool& value, std::string_view meaning) override;
+  void text(std::string_view name, std::string& value, std::string_view meaning,
+            const std::vector<std::string_view>& choices, bool required) override;
+  void file(std::string_view name, std::string& value, std::string_view meaning) override;
+  void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
+               std::string_view meaning, std::size_t length) override;
+  void texts(std::string_view name, std::vector<std::string>& values,
+             std::string_view meaning) override;
+  void rule(std::string_view name, bool holds, std::string_view sentence) override;
+
+ protected:
+  bool enter(std::string_view name, std::string_view meaning) override;
+  std::optional<std::size_t> enter_list(std::string_view name, std::string_view meaning,
+                                        std::size_t present) override;
+  void enter_element(std::size_t index) override;
+  void leave() override;
+
+ private:
+  struct Frame {
+    std::string path;                // "ground.layer[1]"
+    const Node* node = nullptr;      // null: not in the file
+    std::vector<std::string> known;  // names asked for so far
+    std::size_t problems_before = 0;
+  };
+  // The value of a parameter of the open section, or null; notes that it is known.
+  const Node* find(std::string_view name);
+  std::string path_of(std::string_view name) const;
+  // "dem.skin = 5 must be ..."
+  void refuse(const Node& node, const std::string& path, const std::string& must);
+  void missing(std::string_view name, const std::string& unit);
+  // Checks type, finiteness and limits; says what is wrong with `node` and returns false.
+  bool take_number(const Node& node, const std::string& path, const Limits& limits, double& value);
+  void report_unknown(const Frame& frame);
+  std::string suggestion(const Frame& frame, const std::string& name) const;
+  void open(Frame frame);
+
+  std::string folder_;
+  std::vector<ParameterInfo> paths_;
+  Problems& problems_;
+  std::vector<Frame> open_;
+};
+
+}  // namespace trackbed::input

@@ -1,0 +1,88 @@
+// The only place that sees toml++ (https://marzer.github.io/tomlplusplus): a large header, compiled
+// once.
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "input/tree.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::input {
+
+namespace {
+
+Node converted(const toml::node& source);
+
+Node converted_table(const toml::table& source) {
+  Node node;
+  for (const auto& [key, value] : source)
+    node.members.emplace_back(std::string(key.str()), converted(value));
+  // toml++ sorts by name; people read by line.
+  std::stable_sort(node.members.begin(), node.members.end(),
+                   [](const auto& a, const auto& b) { return a.second.line < b.second.line; });
+  return node;
+}
+
+Node converted_list(const toml::array& source) {
+  Node node;
+  node.kind = Node::Kind::list;
+  for (const auto& item : source) node.items.push_back(converted(item));
+  return node;
+}
+
+Node converted_scalar(const toml::node& source) {
+  if (const auto* value = source.as_floating_point()) return make_number(value->get());
+  if (const auto* value = source.as_integer()) return make_integer(value->get());
+  if (const auto* value = source.as_boolean()) return make_flag(value->get());
+  if (const auto* value = source.as_string()) return make_text(value->get());
+  Node date;  // a date or time, which no parameter takes
+  date.kind = Node::Kind::other;
+  std::ostringstream words;
+  source.visit([&](const auto& value) {
+    if constexpr (!toml::is_table<decltype(value)> && !toml::is_array<decltype(value)>)
+      words << value.get();
+  });
+  date.text = words.str();
+  return date;
+}
+
+Node converted(const toml::node& source) {
+  Node node;
+  if (const auto* table = source.as_table())
+    node = converted_table(*table);
+  else if (const auto* list = source.as_array())
+    node = converted_list(*list);
+  else
+    node = converted_scalar(source);
+  node.line = static_cast<int>(source.source().begin.line);
+  // A section that exists only through its sub-sections has no line: take the first one's.
+  if (node.line == 0 && node.is_table() && !node.members.empty())
+    node.line = node.members.front().second.line;
+  if (node.line == 0 && node.is_list() && !node.items.empty()) node.line = node.items.front().line;
+  return node;
+}
+
+}  // namespace
+
+Node parse_toml(const std::string& text, const std::string& origin) {
+  try {
+    return converted_table(toml::parse(std::string_view(text)));
+  } catch (const toml::parse_error& error) {
+    throw InputError({fmt::format("{}:{}: {}", origin, static_cast<int>(error.source().begin.line),
+                                  error.description())});
+  }
+}
+
+Node parse_value(const std::string& text) {
+  try {
+    const toml::table table = toml::parse("value = " + text);
+    // More than one key: the words held a line break; they are not one value.
+    if (table.size() == 1 && table.contains("value")) return converted(*table.get("value"));
+  } catch (const toml::parse_error&) {
+  }
+  return make_text(text);
+}
+
+}  // namespace trackbed::input
