@@ -157,7 +157,7 @@ void Simulation::save(io::File& file) {
   world_.particles.save(file, "particles");
   if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
-  if (world_.platen) world_.platen->save(file, "platen");
+  if (world_.platen) world_.platen->save(file, "platen", comm_);
   save_surfaces(world_, file);
 }
 

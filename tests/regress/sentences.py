@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Bad input: every problem at once, one sentence each with file and line, exit code 2; and the exit
+codes of the other ways a run can end.
+
+    sentences.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+from program import Program  # noqa: E402
+
+PROBLEMS = HERE / "problems.toml"
+# What each problem's sentence must hold besides file and line.
+WANTED = {"window = 0.5": ["window", "unstable"],
+          "k_n = -2e7": ["k_n", "-2", "above 0"],
+          "safty = 0.2": ["safty", "safety"],
+          'height = "high"': ["bed.height", "number"],
+          'file = "no_such_table.csv"': ["load.file", "no_such_table.csv", "exist"]}
+
+
+def expect(holds, what, ran):
+    if not holds:
+        raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
+
+
+def check_problems(program, ranks):
+    ran = program(ranks, "run", PROBLEMS, "-o", "nowhere")
+    expect(ran.returncode == 2, "bad input must end with 2", ran)
+    lines = PROBLEMS.read_text(encoding="utf-8").splitlines()
+    for text, words in WANTED.items():
+        start = f"problems.toml:{lines.index(text) + 1}:"
+        sentences = [line for line in ran.stderr.splitlines() if start in line]
+        expect(len(sentences) == 1, f"one sentence about line {start} is wanted", ran)
+        for word in words:
+            expect(word in sentences[0], f"the sentence about {start} must hold {word}", ran)
+    expect(not pathlib.Path("nowhere").exists(), "a bad deck must leave nothing behind", ran)
+
+
+def check_single_cases(program, deck):
+    cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
+             (["run", deck, "step=1e-4"], 2, "step"),
+             (["run", deck, "load.speeed=3"], 2, "speed"),
+             (["describe", "grund"], 2, "ground"),
+             (["resume", "no_such_checkpoint.h5"], 2, "does not exist"),
+             (["resume", PROBLEMS], 2, "not a trackbed checkpoint"),
+             (["info", "no_such_file.h5"], 2, "does not exist"),
+             (["fly"], 2, ""), (["run"], 2, ""),
+             (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
+             (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
+             (["run", deck, "-o", "/proc/nowhere"], 4, "result folder")]
+    for arguments, code, words in cases:
+        ran = program(1, *arguments)
+        expect(ran.returncode == code, f"{arguments} must end with {code}", ran)
+        expect(words in ran.stdout + ran.stderr, f"{arguments} must say {words}", ran)
+
+
+def check_run_error(program, deck, folder):
+    ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
+    expect(ran.returncode == 4, "a run-time error must end with 4", ran)
+    expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or say none", ran)
+
+
+def check_signals(path, deck, folder):
+    for number in (signal.SIGTERM, signal.SIGUSR1):
+        place = folder / f"signal_{number}"
+        with subprocess.Popen([path, "run", deck, "-o", place], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as running:
+            for line in running.stdout:
+                if re.match(r"stage \w+:", line):
+                    break
+            time.sleep(0.3)
+            running.send_signal(number)
+            running.communicate(timeout=60)
+            code = running.returncode
+        if code != 3 or not list(place.glob("checkpoint_*.h5")) or not (place / "latest").exists():
+            raise SystemExit(f"signal {number}: code {code}, {list(place.glob('*'))}")
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for ranks in (1, 2):
+        check_problems(program, ranks)
+    check_single_cases(program, deck)
+    check_run_error(program, deck, folder)
+    check_signals(sys.argv[1], deck, folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""The same bits on 1, 2 and 4 ranks; coupling balances close to rounding.
+
+    ranks.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+# Relative. Forces are summed as integers of 2^-60 of the largest force: rounding stays far below.
+BALANCE = 1e-10
+
+
+def main():
+    program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(root, ignore_errors=True)
+    hashes = {}
+    for ranks in (1, 2, 4):
+        folder = root / str(ranks)
+        program.done(ranks, "run", deck, "-o", folder)
+        found = summary(folder)
+        hashes[ranks] = found["dem"]["state_hash"]
+        for name, value in found["coupling"].items():
+            if not 0 <= value <= BALANCE:
+                raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
+        if found["ranks"] != ranks or found["dem"]["particles"] < 10:
+            raise SystemExit(f"{ranks} ranks: not the run that was asked for: {found}")
+    print(hashes)
+    if len(set(hashes.values())) != 1:
+        raise SystemExit(f"state depends on the number of ranks: {hashes}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""A run that is stopped and resumed gives the same bits as one that is not.
+
+    restart.py PROGRAM DECK FOLDER
+
+The deck runs through once; then it is stopped after several numbers of time windows, in different
+stages, and resumed on another number of ranks. Stones' state hash, histories, envelopes and
+snapshots must be equal to the last bit. Also: a run started from the end of a stage, and
+observation at another interval, must give the same stones.
+"""
+import pathlib
+import shutil
+import sys
+
+import h5py
+import numpy
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, 3
+
+
+def datasets(path):
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[()]})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def canonical(name, values):
+    """Stones and contacts come in the order of ranks: sort their rows."""
+    if name.startswith(("chains/", "stones/")):
+        rows = values.reshape(len(values), -1)
+        return rows[numpy.lexsort(rows.T)]
+    return values
+
+
+def compare(reference, other, what):
+    first, second = datasets(reference / "results.h5"), datasets(other / "results.h5")
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
+    for name, values in first.items():
+        if not numpy.array_equal(canonical(name, values), canonical(name, second[name])):
+            raise SystemExit(f"{what}: {name} differs")
+    hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
+    if hashes[0] != hashes[1]:
+        raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")
+    print(f"{what}: the same bits")
+
+
+def stops(reference):
+    """Windows to stop after: the first, within each stage, and the last but one."""
+    total, begin, chosen = 0, 0, [1]
+    for stage in summary(reference)["stages"]:
+        windows = round(stage["duration_s"] / stage["window_s"])
+        begin, total = total, total + windows
+        chosen.append(begin + (2 * windows) // 3)
+    return [*chosen, total - 1]
+
+
+def main():
+    program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(root, ignore_errors=True)
+    reference = root / "reference"
+    program.done(1, "run", deck, "-o", reference)
+    for windows in stops(reference):
+        folder = root / f"stopped_{windows}"
+        program.done(RANKS_OF_STOPPED, "run", deck, f"output.stop_after={windows}", "-o", folder,
+                     code=3)
+        program.done(RANKS_OF_RESUMED, "resume", folder)
+        compare(reference, folder, f"stopped after {windows} windows")
+    folder = root / "started"
+    program.done(2, "run", deck, f"start={reference / 'stage_sleepers.h5'}", "-o", folder)
+    hashes = [summary(place)["dem"]["state_hash"] for place in (reference, folder)]
+    if hashes[0] != hashes[1]:
+        raise SystemExit(f"started from a stage: {hashes}")
+    folder = root / "observed"
+    program.done(2, "run", deck, "output.history_interval=1.7e-4", "output.fields=true",
+                 "output.checkpoint_interval=0.011", "-o", folder)
+    if summary(folder)["dem"]["state_hash"] != hashes[0]:
+        raise SystemExit("observation changed the state")
+
+
+if __name__ == "__main__":
+    main()
