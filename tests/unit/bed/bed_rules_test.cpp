@@ -1,0 +1,52 @@
+// Values of the deck that do not go together are named, also where single ones are in range.
+#include <gtest/gtest.h>
+
+#include "trackbed/bed/bed.hpp"
+#include "unit/bed/rules.hpp"
+
+namespace trackbed::bed {
+namespace {
+
+using Names = std::set<std::string>;
+
+Names broken(const std::function<void(BedParameters&)>& change) {
+  BedParameters bed;
+  change(bed);
+  return BrokenRules::of(bed);
+}
+
+TEST(BedRules, DefaultsHold) {
+  EXPECT_EQ(BrokenRules::of(BedParameters{}), Names{});
+  EXPECT_EQ(BrokenRules::of(PlatenParameters{}), Names{});
+}
+
+TEST(BedRules, RangesRise) {
+  EXPECT_EQ(broken([](auto& bed) { bed.x = {2, 2}; }), Names{"x"});
+  EXPECT_EQ(broken([](auto& bed) { bed.y = {0, -1}; }), Names{"y"});
+  EXPECT_EQ(broken([](auto& bed) { bed.x = {0}; }), Names{"x"});
+}
+
+TEST(BedRules, GradingIsASieveCurve) {
+  EXPECT_EQ(broken([](auto& bed) { bed.sieve = {22.4, 22.4, 40, 50, 63}; }), Names{"sieve"});
+  EXPECT_EQ(broken([](auto& bed) { bed.sieve = {}; }), (Names{"sieve", "passing"}));
+  EXPECT_EQ(broken([](auto& bed) { bed.passing = {0, 13, 47, 100}; }), Names{"passing"});
+  EXPECT_EQ(broken([](auto& bed) { bed.passing = {5, 13, 47, 85, 100}; }), Names{"passing"});
+  EXPECT_EQ(broken([](auto& bed) { bed.passing = {0, 50, 47, 85, 100}; }), Names{"passing"});
+  EXPECT_EQ(broken([](auto& bed) { bed.passing = {0, 13, 47, 85, 99}; }), Names{"passing"});
+}
+
+TEST(BedRules, StonesCanBeMade) {
+  EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008; }), Names{"pebble_radius"});
+  EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008, bed.stone = StoneKind::disk; }),
+            Names{});
+  EXPECT_EQ(broken([](auto& bed) { bed.stone = StoneKind::clump; }), Names{"clump"});
+  const auto clump = [](std::vector<double> spheres) {
+    return broken([&](auto& bed) { bed.stone = StoneKind::clump, bed.clump = spheres; });
+  };
+  EXPECT_EQ(clump({0, 0, 0, 1}), Names{});
+  EXPECT_EQ(clump({0, 0, 0, 1, 2}), Names{"clump"});
+  EXPECT_EQ(clump({0, 0, 0, -1}), Names{"clump"});
+}
+
+}  // namespace
+}  // namespace trackbed::bed
