@@ -1,0 +1,103 @@
+#include "trackbed/input/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::input {
+
+namespace {
+
+std::string stripped(const std::string& text) {
+  constexpr const char* blank = " \t\r\"";  // quotes around a name or number are allowed
+  const std::size_t first = text.find_first_not_of(blank);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(blank) - first + 1);
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    cells.push_back(stripped(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+bool is_number(const std::string& cell, double& value) {
+  const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
+  const char* end = cell.data() + cell.size();
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  return error == std::errc() && stop == end && std::isfinite(value);
+}
+
+struct Table {
+  std::string path;
+  std::vector<std::string> names;  // of the columns asked for
+  std::vector<std::size_t> places{};
+  std::size_t width = 0;  // columns of the file
+  std::vector<std::vector<double>> columns{};
+  std::vector<std::string> problems{};
+
+  void header(int line, const std::string& text) {
+    const std::vector<std::string> found = cells_of(text);
+    width = found.size();
+    for (const std::string& name : names) {
+      const auto at = std::find(found.begin(), found.end(), name);
+      places.push_back(static_cast<std::size_t>(at - found.begin()));
+      if (at != found.end()) continue;
+      const std::string near = nearest(name, found);
+      problems.push_back(fmt::format("{}:{}: there is no column {}{}", path, line, name,
+                                     near.empty() ? "" : fmt::format("; is it {}?", near)));
+    }
+  }
+
+  void row(int line, const std::string& text) {
+    const std::vector<std::string> cells = cells_of(text);
+    if (cells.size() != width) {
+      problems.push_back(fmt::format("{}:{}: has {} columns, the first line has {}", path, line,
+                                     cells.size(), width));
+      return;
+    }
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      if (places[c] == width) continue;  // the missing column has been reported
+      double value = 0;
+      if (is_number(cells[places[c]], value))
+        columns[c].push_back(value);
+      else
+        problems.push_back(fmt::format("{}:{}: {} = \"{}\" must be a number", path, line, names[c],
+                                       cells[places[c]]));
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<std::vector<double>> read_table(const std::string& path,
+                                            const std::vector<std::string>& columns) {
+  std::ifstream in(path);
+  if (!in) throw InputError({fmt::format("{}: cannot be read", path)});
+  Table table{path, columns};
+  table.columns.resize(columns.size());
+  std::string text;
+  for (int line = 1; std::getline(in, text); ++line) {
+    const std::string content = stripped(text);
+    if (content.empty() || content.starts_with('#')) continue;
+    if (table.width == 0)
+      table.header(line, text);
+    else
+      table.row(line, text);
+  }
+  if (table.width == 0) table.problems.push_back(fmt::format("{}: is empty", path));
+  if (!table.problems.empty()) throw InputError(std::move(table.problems));
+  return std::move(table.columns);
+}
+
+}  // namespace trackbed::input

@@ -1,0 +1,53 @@
+#include "trackbed/input/table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::input {
+namespace {
+
+using Columns = std::vector<std::vector<double>>;
+using Sentences = std::vector<std::string>;
+
+class Csv {
+ public:
+  explicit Csv(const std::string& text) { std::ofstream("table_test.csv") << text; }
+  ~Csv() { std::remove("table_test.csv"); }
+  Columns read(const Sentences& columns) const { return read_table("table_test.csv", columns); }
+  Sentences problems(const Sentences& columns) const {
+    try {
+      read(columns);
+    } catch (const InputError& error) {
+      return error.problems();
+    }
+    return {};
+  }
+};
+
+TEST(Table, ReadsNamedColumnsInTheOrderAskedFor) {
+  const Csv csv("# seat loads\ntime, note ,load\r\n0, 1, 2.5\n\n1e-3,2,-4e3\n\"2\",3,+1\n");
+  EXPECT_EQ(csv.read({"load", "time"}), (Columns{{2.5, -4000, 1}, {0, 0.001, 2}}));
+}
+
+TEST(Table, SaysAllProblemsAtOnce) {
+  const Csv csv("time,laod\n0,1\n1\n2,x\n3,\n4,nan\n5,6,7\n");
+  EXPECT_EQ(csv.problems({"time", "load"}),
+            (Sentences{"table_test.csv:1: there is no column load; is it laod?",
+                       "table_test.csv:3: has 1 columns, the first line has 2",
+                       "table_test.csv:7: has 3 columns, the first line has 2"}));
+  EXPECT_EQ(csv.problems({"laod"}),
+            (Sentences{"table_test.csv:3: has 1 columns, the first line has 2",
+                       "table_test.csv:4: laod = \"x\" must be a number",
+                       "table_test.csv:5: laod = \"\" must be a number",
+                       "table_test.csv:6: laod = \"nan\" must be a number",
+                       "table_test.csv:7: has 3 columns, the first line has 2"}));
+  EXPECT_EQ(Csv("").problems({"a"}), Sentences{"table_test.csv: is empty"});
+  EXPECT_THROW(read_table("no_such.csv", {"a"}), InputError);
+}
+
+}  // namespace
+}  // namespace trackbed::input
