@@ -1,0 +1,87 @@
+// The deck section [ground]: what is read, what is refused and in which words.
+#include <gtest/gtest.h>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+GroundParameters read(const std::string& text) {
+  GroundParameters p;
+  input::Deck::parse(text, "deck.toml").fill([&](input::Section& s) {
+    s.table("ground", p, "The ground.");
+  });
+  return p;
+}
+
+// All problems of a deck, one per line; empty if it is accepted.
+std::string problems(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    std::string all;
+    for (const auto& problem : error.problems()) all += problem + "\n";
+    return all;
+  }
+  return "";
+}
+
+constexpr const char* good = R"([ground]
+x = [0, 17]
+zones_x = 300
+zones_z = 100
+base = "quiet"
+sides = "quiet"
+plane = "strain"
+integrator = "newmark"
+[[ground.layer]]
+name = "surface"
+thickness = 0.6
+young = 180e6
+[[ground.layer]]
+name = "subgrade"
+thickness = 5.0
+poisson = 0.4
+[[ground.block]]
+name = "wedge"
+outline = [2, 0, 15, 0, 5, -5, 2, -5]
+young = 1e9
+)";
+
+TEST(GroundDeck, IsRead) {
+  const GroundParameters p = read(good);
+  EXPECT_EQ(p.zones_x, 300);
+  EXPECT_EQ(p.base, Base::quiet);
+  EXPECT_EQ(p.sides, Sides::quiet);
+  EXPECT_EQ(p.plane, PlaneState::strain);
+  EXPECT_EQ(p.integrator, Integrator::newmark);
+  ASSERT_EQ(p.layers.size(), 2u);
+  EXPECT_EQ(p.layers[0].solid.young, 180e6);
+  EXPECT_EQ(p.layers[1].solid.poisson, 0.4);
+  ASSERT_EQ(p.blocks.size(), 1u);
+  EXPECT_EQ(p.blocks[0].outline.size(), 8u);
+}
+
+TEST(GroundDeck, RefusesWhatCannotBe) {
+  const std::string text = good;
+  EXPECT_EQ(problems(text), "");
+  EXPECT_NE(problems(text + "young = -1\n"), "");
+  const auto with = [&](const std::string& line) {
+    return problems("[ground]\n" + line + "\n[[ground.layer]]\nthickness = 1\n");
+  };
+  EXPECT_EQ(with("zones_z = 3"), "");
+  EXPECT_NE(with("zones_z = 0").find("zones_z"), std::string::npos);
+  EXPECT_NE(with("x = [3, 1]").find("must end beyond its begin"), std::string::npos);
+  EXPECT_NE(with("x = [3]"), "");
+  EXPECT_NE(with("safety = 1.2").find("safety"), std::string::npos);
+  EXPECT_NE(with("newmark_gamma = 0.9").find("half of newmark_gamma"), std::string::npos);
+  EXPECT_NE(with("base = \"soft\"").find("base"), std::string::npos);
+  EXPECT_NE(problems("[ground]\n").find("the ground is empty"), std::string::npos);
+  EXPECT_NE(with("[[ground.block]]\noutline = [0, 0, 1, 1]").find("at least 3 corners"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace trackbed::fem

@@ -1,0 +1,141 @@
+// Newmark and the static start on several ranks: agreement to the solver's tolerance, agreement
+// with the explicit scheme, rest, failure of a solve.
+#include <gtest/gtest.h>
+#include <petscsys.h>
+
+#include <cmath>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+GroundParameters scene(Integrator integrator) {
+  GroundParameters p = box({3, 1, 2}, {12, 4, 8}, {80e6, 0.35, 1900});
+  p.layers = {{"a", 0.7, {80e6, 0.35, 1900}}, {"b", 1.3, {200e6, 0.3, 2000}}};
+  p.sides = Sides::quiet;
+  p.base_stiffness = 1e8;
+  p.rayleigh_mass = 2, p.rayleigh_stiffness = 2e-5;
+  p.integrator = integrator;
+  p.tolerance = 1e-11;
+  return p;
+}
+
+// A load that rises and falls smoothly over 20 ms, so that both schemes resolve it.
+double pulse(double time) { return 1 - std::cos(2 * M_PI * std::min(time, 0.02) / 0.02); }
+
+// Vertical displacement of every top node on every rank at time `end`.
+std::vector<double> run(const Comm& comm, Ground& ground, double dt, double end = 0.025) {
+  const auto windows = static_cast<int>(std::lround(end / dt));
+  const auto unit = pressure(ground, 1e3);  // of the flat top, before it moves
+  auto load = unit;
+  for (int w = 1; w <= windows; ++w) {
+    for (std::size_t n = 0; n < load.size(); ++n) load[n] = pulse(w * dt) * unit[n];
+    ground.advance(dt, load);
+  }
+  std::vector<double> u(ground.top().nodes(), 0.0);
+  for (const auto n : ground.own_top())
+    u[static_cast<std::size_t>(n)] = ground.top_state(n).displacement.z();
+  comm.sum(std::span<double>(u));
+  return u;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0, size = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    difference = std::max(difference, std::abs(a[n] - b[n]));
+    size = std::max(size, std::abs(a[n]));
+  }
+  return difference / size;
+}
+
+class Implicit : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Implicit, ::testing::Values(Dimension::plane, Dimension::space));
+
+TEST_P(Implicit, RanksAgreeToTheTolerance) {
+  const auto p = scene(Integrator::newmark);
+  Ground alone(Comm::self(), p, GetParam(), 1.0), spread(Comm::world(), p, GetParam(), 1.0);
+  // At the height of the load, so that the difference is seen against the full displacement. The
+  // operator is conditioned like 1 + beta (dt w_max)^2, here a few hundred.
+  const double end = 0.012, bound = 1e3 * p.tolerance;
+  const auto a = run(Comm::self(), alone, 1e-3, end), b = run(Comm::world(), spread, 1e-3, end);
+  EXPECT_LT(largest_difference(a, b), bound);
+  EXPECT_EQ(spread.totals().steps, 12);
+  EXPECT_GT(spread.totals().iterations_mean, 0.5);
+  EXPECT_TRUE(std::isinf(spread.stable_step()));
+}
+
+// Both are second order: their difference falls fourfold when Newmark's step halves. Both loads are
+// taken at the ends of windows; the explicit one holds it, so its windows are kept short.
+TEST_P(Implicit, ConvergesToTheExplicitSolution) {
+  Ground reference(Comm::world(), scene(Integrator::explicit_), GetParam(), 1.0);
+  const auto exact = run(Comm::world(), reference, 5e-6);
+  Ground coarse(Comm::world(), scene(Integrator::newmark), GetParam(), 1.0);
+  Ground fine(Comm::world(), scene(Integrator::newmark), GetParam(), 1.0);
+  const double with_1ms = largest_difference(exact, run(Comm::world(), coarse, 1e-3));
+  const double with_half = largest_difference(exact, run(Comm::world(), fine, 0.5e-3));
+  EXPECT_LT(with_half, 0.02);
+  EXPECT_NEAR(std::log2(with_1ms / with_half), 2, 0.35) << with_1ms << ' ' << with_half;
+}
+
+TEST_P(Implicit, SettledGroundStaysAtRest) {
+  Ground ground(Comm::world(), scene(Integrator::newmark), GetParam(), 1.0);
+  const auto load = pressure(ground, 2e4);
+  ground.settle(load);
+  for (int w = 0; w < 20; ++w) ground.advance(1e-3, load);
+  for (const auto n : ground.own_top()) EXPECT_EQ(ground.top_state(n).displacement.norm(), 0);
+}
+
+// sigma_z on top is the pressure, once the ground has followed it.
+TEST_P(Implicit, SurfaceStressIsThePressure) {
+  GroundParameters p = scene(Integrator::newmark);
+  p.sides = Sides::roller;
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  const auto load = pressure(ground, 2e3);
+  for (int w = 0; w < 60; ++w) ground.advance(0.05, load);
+  for (const auto n : ground.own_top())
+    EXPECT_NEAR(ground.top_state(n).sigma_z, -2e3, 20) << n;  // 1 %: what still swings
+}
+
+// Options reach the solver, and its failure is an error of the run.
+TEST(Petsc, SolverThatStopsShortIsARunError) {
+  Petsc::ensure();
+  PetscOptionsSetValue(nullptr, "-ground_ksp_max_it", "1");
+  Ground ground(Comm::world(), scene(Integrator::newmark), Dimension::plane, 1.0);
+  const auto load = pressure(ground, 2e3);
+  try {
+    ground.advance(1e-3, load);
+    ADD_FAILURE() << "no error";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("linear solver of the ground"), std::string::npos);
+  }
+  PetscOptionsClearValue(nullptr, "-ground_ksp_max_it");
+}
+
+TEST(Petsc, DirectSolverByOption) {
+  const auto p = scene(Integrator::newmark);
+  Ground iterative(Comm::self(), p, Dimension::plane, 1.0);
+  const auto expected = run(Comm::self(), iterative, 1e-3, 0.012);
+  PetscOptionsSetValue(nullptr, "-ground_ksp_type", "preonly");
+  PetscOptionsSetValue(nullptr, "-ground_pc_type", "cholesky");
+  Ground direct(Comm::self(), p, Dimension::plane, 1.0);
+  EXPECT_LT(largest_difference(expected, run(Comm::self(), direct, 1e-3, 0.012)), 1e-8);
+  EXPECT_EQ(direct.totals().iterations_mean, 1);
+  PetscOptionsClearValue(nullptr, "-ground_ksp_type");
+  PetscOptionsClearValue(nullptr, "-ground_pc_type");
+}
+
+TEST(Ground, NotANumberIsReported) {
+  Ground ground(Comm::self(), scene(Integrator::explicit_), Dimension::plane, 1.0);
+  auto load = pressure(ground, 2e3);
+  load[3].z() = std::nan("");
+  ground.advance(1e-4, load);
+  EXPECT_NE(ground.trouble().find("no finite displacement"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
