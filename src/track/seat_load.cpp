@@ -1,6 +1,8 @@
+// The load that passing axles put on a rail seat: closed forms, or a table that was measured.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/table.hpp"
@@ -22,14 +24,14 @@ double winkler(double s, double b) {
 SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
     : parameters_(parameters), spacing_(spacing) {
   if (parameters.kind != SeatLoadKind::table) return;
-  for (const auto& row : input::read_table(parameters.file, {"time_s", "force_N"})) {
-    if (!times_.empty() && row[0] <= times_.back())
-      throw InputError({parameters.file + ": time_s must rise from row to row, but " +
-                        std::to_string(row[0]) + " follows " + std::to_string(times_.back())});
-    times_.push_back(row[0]);
-    forces_.push_back(row[1]);
-  }
-  if (times_.size() < 2) throw InputError({parameters.file + ": needs at least two rows"});
+  const auto columns = input::read_table(parameters.file, {"time_s", "force_N"});
+  times_ = columns[0], forces_ = columns[1];
+  for (std::size_t k = 1; k < times_.size(); ++k)
+    if (times_[k] <= times_[k - 1])
+      throw InputError({fmt::format("{}: time_s must rise from row to row, but {:g} follows {:g}",
+                                    parameters.file, times_[k], times_[k - 1])});
+  if (times_.size() < 2)
+    throw InputError({fmt::format("{}: needs at least two rows", parameters.file)});
 }
 
 double SeatLoad::at(double x, double time) const {

@@ -154,5 +154,10 @@ TEST_F(SeatTable, TimesMustRise) {
   }
 }
 
+TEST_F(SeatTable, OneRowIsNotATable) {
+  const SeatLoadParameters p = written("0,5\n");
+  EXPECT_THROW(SeatLoad(p, spacing), InputError);
+}
+
 }  // namespace
 }  // namespace trackbed::track
