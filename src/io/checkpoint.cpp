@@ -1,7 +1,7 @@
 // How a checkpoint stays whole:
-//   write `name.part`, each dataset with a checksum and the file with a signature over all names,
-//   shapes, attributes and checksums -> close -> open again, compare -> fsync -> rename -> fsync
-//   the folder -> the same way for the one-line text file `latest`.
+//   write `name.part`, each dataset with a checksum, and seal its structure (seal.hpp) -> close ->
+//   open again, compare -> fsync -> rename -> fsync the folder -> the same way for the one-line
+//   text file `latest`.
 // A rename within a folder replaces the old name at one instant (POSIX), so a reader meets either
 // the old file or the new one. Cost: the file is read back once, from the system's cache.
 #include "trackbed/io/checkpoint.hpp"
@@ -16,7 +16,7 @@
 #include <optional>
 
 #include "io/handle.hpp"
-#include "io/signature.hpp"
+#include "io/seal.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::io {
@@ -70,33 +70,6 @@ void verify(const File& file, const std::string& path) {
         stored_hash(file.handle(), dataset) !=
             static_cast<std::uint64_t>(file.integer_attribute(dataset, checksum_name)))
       refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");
-  if (!has_attribute(file, "/", signature_name)) refuse(path + ": was not completed by its writer");
-  if (static_cast<std::uint64_t>(file.integer_attribute("/", signature_name)) != signature(file))
-    refuse(path + ": is damaged: its names and attributes do not match its signature");
-}
-
-// What can be said without HDF5 about a file it would not open: nothing if it looks whole.
-// Layout of superblock 2: HDF5 File Format Specification 3.0, section II.A.
-std::string damage_seen_outside(const std::string& path) {
-  constexpr char magic[] = "\211HDF\r\n\032\n";
-  constexpr std::streamoff end_of_file_at = 28;
-  std::ifstream in(path, std::ios::binary);
-  char head[8] = {};
-  in.read(head, sizeof head);
-  const auto read = in.gcount();
-  if (read == 0) return "is empty";
-  if (std::memcmp(head, magic, static_cast<std::size_t>(read)) != 0)
-    return "is not a trackbed checkpoint";
-  std::uint64_t expected = 0;
-  in.seekg(end_of_file_at);
-  in.read(reinterpret_cast<char*>(&expected), sizeof expected);
-  if (!in) return "is cut short";
-  in.seekg(0, std::ios::end);
-  const auto present = static_cast<std::uint64_t>(in.tellg());
-  if (present < expected)
-    return "is cut short (" + std::to_string(present) + " of " + std::to_string(expected) +
-           " bytes)";
-  return "";
 }
 
 // The file meant by `path`, on rank 0; sets `problem` if there is none.
@@ -116,7 +89,7 @@ std::string resolved(const fs::path& path, std::string& problem) {
     problem = file.string() + ": does not exist";
   else if (!fs::is_regular_file(file, ignored))
     problem = file.string() + ": is not a file";
-  else if (const std::string damage = damage_seen_outside(file.string()); !damage.empty())
+  else if (const std::string damage = why_not_whole(file.string()); !damage.empty())
     problem = file.string() + ": " + damage;
   return file.string();
 }
@@ -129,11 +102,14 @@ void write_part(const par::Comm& comm, const std::string& part,
   file.attribute("/", "format", checkpoint_format);
   file.attribute("/", "trackbed_version", std::string(TRACKBED_VERSION));
   fill(file);
-  file.attribute("/", signature_name, static_cast<std::int64_t>(signature(file)));
+  const std::vector<Extent> extents = extents_of(file);
   file.close();
+  comm.agree(comm.root() ? seal(part, extents) : "");
 }
 
 void read_back(const par::Comm& comm, const std::string& part) {
+  const std::string damage = comm.root() ? why_not_whole(part) : "";
+  comm.agree(damage.empty() ? "" : part + ": " + damage + " right after it was written");
   try {
     verify(File(comm, part, Mode::read), part);
   } catch (const InputError& error) {  // equal on all ranks: found in collective reads
@@ -155,6 +131,7 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
     read_back(comm, part);
   } catch (const RunError&) {
     if (comm.root()) fs::remove(part, error);
+    comm.barrier();
     throw;
   }
   std::string problem;

@@ -1,0 +1,86 @@
+// VTKHDF 1.0, UnstructuredGrid: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
+// Each rank is one piece; a piece's cells count its own points from 0, so no number needs to be
+// translated. Alternatives: VTU with appended data writes one file per rank and an index beside
+// them; XDMF needs a text file beside the data.
+#include "trackbed/io/fields.hpp"
+
+#include <numeric>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/io/file.hpp"
+
+namespace trackbed::io {
+
+namespace {
+
+constexpr const char* root = "/VTKHDF";
+
+std::string at(const std::string& name) { return std::string(root) + "/" + name; }
+
+std::size_t nodes_per_cell(CellKind kind) {
+  switch (kind) {
+    case CellKind::vertex:
+      return 1;
+    case CellKind::line:
+      return 2;
+    case CellKind::triangle:
+      return 3;
+    case CellKind::quad:
+      return 4;
+    case CellKind::hexahedron:
+      return 8;
+  }
+  return 0;
+}
+
+// One number per rank.
+void write_count(File& file, const std::string& name, std::size_t count, const char* meaning) {
+  const auto value = static_cast<std::int64_t>(count);
+  file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
+}
+
+void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
+                std::size_t rows) {
+  for (const FieldData& field : fields) {
+    require(field.values.size() == rows * field.columns, "a field does not fit its grid");
+    // A slash would start a group; "velocity (m/s)" is shown with the division slash U+2215.
+    std::string name = field.name;
+    for (std::size_t i; (i = name.find('/')) != std::string::npos;) name.replace(i, 1, "∕");
+    file.write<double>(at(group + "/" + name), field.values, field.columns, {"-", field.name});
+  }
+}
+
+void write_cells(File& file, const Grid& grid, std::size_t cells) {
+  const std::size_t nodes = nodes_per_cell(grid.kind);
+  std::vector<std::int64_t> offsets(cells + 1);  // each piece has one more than cells
+  for (std::size_t cell = 0; cell <= cells; ++cell)
+    offsets[cell] = static_cast<std::int64_t>(cell * nodes);
+  const std::vector<std::uint8_t> types(cells, static_cast<std::uint8_t>(grid.kind));
+  file.write<std::int64_t>(at("Connectivity"), grid.cells, 1, {"-", "points of cells, per piece"});
+  file.write<std::int64_t>(at("Offsets"), offsets, 1, {"-", "first point of each cell"});
+  file.write<std::uint8_t>(at("Types"), types, 1, {"-", "VTK cell types"});
+}
+
+}  // namespace
+
+void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
+  const std::size_t nodes = nodes_per_cell(grid.kind);
+  require(nodes > 0 && grid.cells.size() % nodes == 0, "a grid's cells are not whole");
+  const std::size_t cells = grid.cells.size() / nodes;
+  File file(comm, path, Mode::create);
+  file.attribute(root, "Version", std::vector<std::int64_t>{1, 0});
+  file.attribute(root, "Type", std::string("UnstructuredGrid"));
+  write_count(file, "NumberOfPoints", grid.points.size(), "points of each piece");
+  write_count(file, "NumberOfCells", cells, "cells of each piece");
+  write_count(file, "NumberOfConnectivityIds", grid.cells.size(), "point numbers of each piece");
+  const auto* coordinates = reinterpret_cast<const double*>(grid.points.data());
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  file.write<double>(at("Points"), std::span(coordinates, 3 * grid.points.size()), 3,
+                     {"m", "positions"});
+  write_cells(file, grid, cells);
+  write_data(file, "PointData", grid.point_data, grid.points.size());
+  write_data(file, "CellData", grid.cell_data, cells);
+  file.close();
+}
+
+}  // namespace trackbed::io

@@ -1,0 +1,102 @@
+// Every failure is one sentence on all ranks, and the program goes on.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/io/file.hpp"
+#include "unit/io/scratch.hpp"
+
+namespace trackbed::io {
+namespace {
+
+par::Comm world() { return par::Comm::world(); }
+const Label label{"m", "a test's numbers"};
+
+template <class F>
+std::string failure_of(F&& act) {
+  try {
+    act();
+  } catch (const RunError& error) {
+    return error.what();
+  }
+  return "no failure";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(FileFailure, NamesAFileThatIsNotThere) {
+  EXPECT_EQ(failure_of([] { File(world(), "no/such/file.h5", Mode::read); }),
+            "rank 0: no/such/file.h5: cannot be opened (No such file or directory)");
+  EXPECT_EQ(failure_of([] { File(world(), "no/such/file.h5", Mode::create); }),
+            "rank 0: no/such/file.h5: cannot be created (No such file or directory)");
+  EXPECT_EQ(failure_of([] { File(world(), "/", Mode::read); }),
+            "rank 0: /: cannot be opened (not a regular file)");
+}
+
+TEST(FileFailure, NamesADatasetThatIsNotThereOrOfAnotherType) {
+  const Scratch scratch("missing");
+  File file(world(), scratch / "a.h5", Mode::create);
+  file.write<std::int32_t>("/x", std::vector<std::int32_t>(4, 1), 2, label);
+  const std::string start = "rank 0: " + scratch / "a.h5" + ": ";
+  const auto missing = failure_of([&] { file.read_all<double>("/dem/x"); });
+  EXPECT_TRUE(contains(missing, start + "dataset /dem/x cannot be opened")) << missing;
+  EXPECT_EQ(failure_of([&] { file.read_all<double>("/x"); }),
+            start + "dataset /x holds 32-bit integers, not 64-bit real numbers");
+  const auto twice = failure_of([&] { file.write<double>("/x", {}, 1, label); });
+  EXPECT_TRUE(contains(twice, start + "dataset /x cannot be created")) << twice;
+  const auto group = failure_of([&] { file.names("/y"); });
+  EXPECT_TRUE(contains(group, start + "group /y cannot be listed")) << group;
+}
+
+// A file larger than the process may write stands for a full disk: the system calls fail in the
+// same places (EFBIG for ENOSPC).
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~SmallDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(FileFailure, SurvivesADiskThatFillsUp) {
+  const Scratch scratch("full");
+  const std::vector<double> much(200000, 1.5);  // 1.6 MB per rank
+  {
+    const SmallDisk disk(1 << 20);
+    File file(world(), scratch / "full.h5", Mode::create);
+    file.write<double>("/small", std::vector<double>(10, 2.0), 1, label);
+    const auto text = failure_of([&] { file.write<double>("/much", much, 1, label); });
+    EXPECT_TRUE(contains(text, scratch / "full.h5: dataset /much cannot be written")) << text;
+  }
+  // The next file is written as if nothing had happened.
+  File file(world(), scratch / "next.h5", Mode::create);
+  file.write<double>("/much", much, 1, label);
+  file.close();
+}
+
+TEST(FileFailure, SurvivesADiskThatFillsUpWhileAppending) {
+  const Scratch scratch("full_append");
+  const SmallDisk disk(1 << 20);
+  File file(world(), scratch / "a.h5", Mode::create);
+  const std::vector<double> block(4096, 1.5);
+  std::string text = "no failure";
+  for (int i = 0; i < 100 && text == "no failure"; ++i)
+    text = failure_of([&] { file.append<double>("/history", block, 1, label); });
+  EXPECT_TRUE(contains(text, scratch / "a.h5: dataset /history cannot be written")) << text;
+}
+
+}  // namespace
+}  // namespace trackbed::io

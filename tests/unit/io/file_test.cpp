@@ -1,0 +1,165 @@
+// What is written comes back to the bit, whatever the number of ranks on either side.
+#include "trackbed/io/file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+#include "unit/io/scratch.hpp"
+
+namespace trackbed::io {
+namespace {
+
+par::Comm world() { return par::Comm::world(); }
+const Label label{"m/s", "a test's numbers"};
+
+// Uneven on purpose: rank r holds r * 5 rows, so rank 0 has none.
+std::size_t rows_of(int rank) { return static_cast<std::size_t>(rank) * 5; }
+std::size_t rows_before(int rank) {
+  std::size_t rows = 0;
+  for (int r = 0; r < rank; ++r) rows += rows_of(r);
+  return rows;
+}
+
+template <class T>
+T value(std::size_t index) {
+  return static_cast<T>(mix(index) >> 11) / static_cast<T>(3);
+}
+template <class T>
+std::vector<T> values(std::size_t first, std::size_t count) {
+  std::vector<T> list(count);
+  for (std::size_t i = 0; i < count; ++i) list[i] = value<T>(first + i);
+  return list;
+}
+
+template <class T>
+class EveryType : public ::testing::Test {};
+using Types = ::testing::Types<double, float, std::int64_t, std::uint64_t, std::int32_t,
+                               std::int8_t, std::uint8_t>;
+TYPED_TEST_SUITE(EveryType, Types);
+
+TYPED_TEST(EveryType, ComesBackToTheBitOnAnyRanks) {
+  using T = TypeParam;
+  const Scratch scratch(std::string("types_") + typeid(T).name());
+  constexpr std::size_t columns = 3;
+  const std::size_t total = rows_before(world().size());
+  {
+    File file(world(), scratch / "a.h5", Mode::create);
+    const auto mine =
+        values<T>(rows_before(world().rank()) * columns, rows_of(world().rank()) * columns);
+    file.write<T>("/dem/deep/x", mine, columns, label);
+    file.close();
+  }
+  const auto whole = values<T>(0, total * columns);
+  const File together(world(), scratch / "a.h5", Mode::read);
+  EXPECT_EQ(together.extent("/dem/deep/x"), (std::vector<std::size_t>{total, columns}));
+  EXPECT_EQ(together.read_all<T>("/dem/deep/x"), whole);
+  const Share mine = share(total, world().rank(), world().size());
+  EXPECT_EQ(together.read_share<T>("/dem/deep/x"),
+            values<T>(mine.begin * columns, mine.count * columns));
+  const File alone(par::Comm::self(), scratch / "a.h5", Mode::read);
+  EXPECT_EQ(alone.read_share<T>("/dem/deep/x"), whole);
+}
+
+TEST(File, ReadsAnyRows) {
+  const Scratch scratch("rows");
+  {
+    File file(world(), scratch / "a.h5", Mode::create);
+    file.write<double>(
+        "/x", values<double>(world().rank() == 0 ? 0 : 7, world().rank() == 0 ? 7 : 0), 1, label);
+  }
+  const File file(world(), scratch / "a.h5", Mode::read);
+  // Each rank another window, the last rank an empty one.
+  const bool last = world().rank() == world().size() - 1 && world().size() > 1;
+  const auto begin = static_cast<std::size_t>(world().rank());
+  EXPECT_EQ(file.read_rows<double>("/x", begin, last ? 0 : 3), values<double>(begin, last ? 0 : 3));
+  EXPECT_THROW(file.read_rows<double>("/x", 5, 3), RunError);
+  EXPECT_THROW(file.read_rows<double>("/x", 8, 0), RunError);
+  EXPECT_THROW(file.read_rows<double>("/x", 1, SIZE_MAX), RunError);
+}
+
+TEST(File, TakesNoRowsAtAll) {
+  const Scratch scratch("empty");
+  {
+    File file(world(), scratch / "a.h5", Mode::create);
+    file.write<double>("/none", {}, 3, label);
+    file.append<double>("/grows", {}, 1, label);
+  }
+  const File file(world(), scratch / "a.h5", Mode::read);
+  EXPECT_EQ(file.extent("/none"), (std::vector<std::size_t>{0, 3}));
+  EXPECT_EQ(file.extent("/grows"), (std::vector<std::size_t>{0, 1}));
+  EXPECT_TRUE(file.read_all<double>("/none").empty());
+  EXPECT_TRUE(file.read_share<double>("/grows").empty());
+}
+
+TEST(File, GrowsAndIsCutAndGrowsAgain) {
+  const Scratch scratch("append");
+  const std::string path = scratch / "a.h5";
+  const auto append_as = [](File& file, std::size_t first, std::size_t rows) {
+    const Share mine = share(rows, world().rank(), world().size());
+    file.append<double>("/history", values<double>(2 * (first + mine.begin), 2 * mine.count), 2,
+                        label);
+  };
+  {
+    File file(world(), path, Mode::create);
+    append_as(file, 0, 5000);  // more than one chunk
+    append_as(file, 5000, 1);
+    append_as(file, 5001, 99);
+  }
+  {
+    File file(world(), path, Mode::append);
+    EXPECT_EQ(file.extent("/history"), (std::vector<std::size_t>{5100, 2}));
+    file.truncate("/history", 4000);
+    append_as(file, 4000, 50);
+    EXPECT_THROW(file.truncate("/history", 5000), RunError);
+    EXPECT_THROW(file.append<double>("/history", {}, 3, label), RunError);
+    EXPECT_THROW(file.append<float>("/history", {}, 2, label), RunError);
+  }
+  const File file(world(), path, Mode::read);
+  EXPECT_EQ(file.read_all<double>("/history"), values<double>(0, 2 * 4050));
+  EXPECT_EQ(file.text_attribute("/history", "unit"), "m/s");
+}
+
+TEST(File, KeepsFactsBesideTheNumbers) {
+  const Scratch scratch("attributes");
+  {
+    File file(world(), scratch / "a.h5", Mode::create);
+    file.write<std::int32_t>("/a/x", {}, 1, {"kN/m²", ""});
+    file.attribute("/", "title", std::string("first"));
+    file.attribute("/", "title", std::string("second"));
+    file.attribute("/made/here", "time", 0.1);
+    file.attribute("/a/x", "window", std::int64_t{1} << 60);
+    file.attribute("/a", "Version", std::vector<std::int64_t>{1, 0});
+  }
+  const File file(world(), scratch / "a.h5", Mode::read);
+  EXPECT_EQ(file.text_attribute("/a/x", "unit"), "kN/m²");
+  EXPECT_EQ(file.text_attribute("/a/x", "meaning"), "");
+  EXPECT_EQ(file.text_attribute("/", "title"), "second");
+  EXPECT_EQ(file.number_attribute("/made/here", "time"), 0.1);
+  EXPECT_EQ(file.integer_attribute("/a/x", "window"), std::int64_t{1} << 60);
+  EXPECT_EQ(file.names("/"), (std::vector<std::string>{"a", "made"}));
+  EXPECT_TRUE(file.has("/") && file.has("/a") && file.has("/a/x"));
+  EXPECT_FALSE(file.has("/a/y") || file.has("/b/x/y") || file.has("/a/x/y"));
+  EXPECT_THROW(file.integer_attribute("/a", "Version"), RunError);
+  EXPECT_THROW(file.number_attribute("/a/x", "window"), RunError);
+  EXPECT_THROW(file.text_attribute("/a/x", "nothing"), RunError);
+}
+
+TEST(File, SharesRowsEvenly) {
+  for (const std::size_t rows : {0UL, 1UL, 3UL, 100UL, 101UL})
+    for (const int size : {1, 2, 3, 7}) {
+      std::size_t next = 0;
+      for (int rank = 0; rank < size; ++rank) {
+        const Share mine = share(rows, rank, size);
+        EXPECT_EQ(mine.begin, next);
+        EXPECT_LE(mine.count, rows / static_cast<std::size_t>(size) + 1);
+        next += mine.count;
+      }
+      EXPECT_EQ(next, rows);
+    }
+}
+
+}  // namespace
+}  // namespace trackbed::io
