@@ -1,3 +1,5 @@
+// Columns of loose stones. Each stone depends only on its number and the seed, each column only on
+// its own stones: any rank can build any part, in time proportional to that part.
 #include "columns.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Apart from `fill`, so that a check of a deck need not know the particles' code.
 #include "columns.hpp"
 
 namespace trackbed::bed {

@@ -1,3 +1,4 @@
+// Stones for the particles, each rank its share.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// See grading.hpp for the two distributions; both are tables of cumulative shares per sieve.
 #include "grading.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Which stones there are and how often. Round stones and clumps are one template at any scale;
+// outlines are as many templates as shapes, because their pebbles must not scale with them.
 #include "mix.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The servo, and why it is built so: docs/decisions/packing.md has the overshoot on springs of
+// several stiffnesses for this form and simpler ones.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,6 @@
+// Stones as templates: round ones, outlines filled with disks, clumps of given spheres.
+// Openings are found by looking from a raster of directions: exact minimal boxes of sphere unions
+// would be much more code for a number that grades ballast to a per cent.
 #include "shapes.hpp"
 
 #include <fmt/format.h>

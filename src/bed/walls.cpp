@@ -1,3 +1,4 @@
+// Rectangles of two triangles: floor, end walls, side walls.
 #include <algorithm>
 
 #include "plate.hpp"

@@ -1,3 +1,4 @@
+// Received against given, see balance.hpp. Costs one small reduction per window.
 #include "balance.hpp"
 
 #include <algorithm>

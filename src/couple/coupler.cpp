@@ -1,3 +1,6 @@
+// Traffic of surfaces between ranks. Per window and surface with owners one message each way to
+// every rank that shares nodes with this one, and one integer reduction for all other surfaces
+// together: those are small (tens of nodes), and all ranks need their whole load anyway.
 #include "trackbed/couple/coupler.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Centre and principal axes from integrals over a body, for bodies in space and laminas.
 #include "mass.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// CGAL stays in this file: its headers take seconds to compile and its types would spread.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/convex_hull_2.h>
 

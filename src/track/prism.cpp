@@ -1,3 +1,4 @@
+// Sleepers are prisms: mass properties by Green's theorem over the profile, surface by extrusion.
 #include "prism.hpp"
 
 namespace trackbed::track {

@@ -1,4 +1,7 @@
-// Motion of rigid sleepers under seat loads, weight and stones.
+// Motion of rigid sleepers under seat loads, weight and stones: leapfrog for centre and spin, the
+// attitude turned by the exponential of spin times window. All ranks do the same operations in the
+// same order on the same numbers, so nothing is sent. docs/decisions/interface.md says why
+// leapfrog.
 #include <algorithm>
 #include <cmath>
 
