@@ -8,6 +8,7 @@
 #include "trackbed/io/file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@
 #include <cstring>
 
 #include "io/handle.hpp"
+#include "io/write_failures.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/par/mpi.hpp"
 
@@ -54,9 +56,13 @@ herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
 }  // namespace
 
 void File::Handle::agree(bool ok, const std::string& subject, std::string_view what) const {
-  if (ok) return comm.agree("");
-  comm.agree(path + ": " + subject + (subject.empty() ? "" : " ") + std::string(what) +
-             hdf5_reason());
+  const std::string reason = ok ? "" : hdf5_reason();
+  const std::string unwritten = take_write_failure();
+  const std::string start = fmt::format("{}: {}{}", path, subject, subject.empty() ? "" : " ");
+  std::string problem;
+  if (!ok) problem = fmt::format("{}{}{}", start, what, reason);
+  if (!unwritten.empty()) problem = fmt::format("{}cannot be written ({})", start, unwritten);
+  comm.agree(problem);
 }
 
 File::File(const par::Comm& comm, const std::string& path, Mode mode)
@@ -74,6 +80,7 @@ File::~File() {
     Hid file = std::move(handle_->file);
     if (handle_->mode != Mode::read) H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
     file.close();
+    take_write_failure();  // nobody is left to tell: see close()
   }
 }
 File::File(File&&) noexcept = default;
@@ -84,9 +91,8 @@ void File::close() {
   Hid file = std::move(handle_->file);
   // The flush also asks the operating system to put the data on the disk (MPI_File_sync).
   const bool flushed = handle_->mode == Mode::read || H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
-  const std::string reason = flushed ? "" : hdf5_reason();
   const bool closed = file.close();
-  handle_->agree(flushed && closed, "", "cannot be completed" + reason);
+  handle_->agree(flushed && closed, "", "cannot be completed");
 }
 
 bool File::has(const std::string& path) const {

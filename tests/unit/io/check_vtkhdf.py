@@ -1,0 +1,52 @@
+"""Opens what fields_test wrote on N ranks with VTK, as ParaView does: check_vtkhdf.py FOLDER N"""
+
+import sys
+
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+folder, ranks = sys.argv[1], int(sys.argv[2])
+
+
+def read(kind):
+    reader = vtk.vtkHDFReader()
+    path = f"{folder}/fields_{kind}_{ranks}.vtkhdf"
+    if not reader.CanReadFile(path):
+        sys.exit(f"{path} is not taken for a VTKHDF file")
+    reader.SetFileName(path)
+    reader.Update()
+    return reader.GetOutput()
+
+
+def expect(found, wanted, what):
+    if found != wanted:
+        sys.exit(f"{what}: {found}, expected {wanted}")
+
+
+cubes = read("cubes")
+cells = sum(range(ranks))
+points = sum(4 * (r + 1) for r in range(1, ranks))
+expect(cubes.GetNumberOfPoints(), points, "points")
+expect(cubes.GetNumberOfCells(), cells, "cells")
+if cells:
+    expect({cubes.GetCellType(c) for c in range(cells)}, {vtk.VTK_HEXAHEDRON}, "cell types")
+    # Each cell has volume 1 only if every piece's point numbers are understood.
+    quality = vtk.vtkCellSizeFilter()
+    quality.SetInputData(cubes)
+    quality.Update()
+    volumes = vtk_to_numpy(quality.GetOutput().GetCellData().GetArray("Volume"))
+    expect([round(float(v), 12) for v in volumes], [1.0] * cells, "volumes")
+    data = cubes.GetPointData()
+    names = sorted(data.GetArrayName(i) for i in range(data.GetNumberOfArrays()))
+    expect(names, ["height (m)", "velocity (m∕s)"], "point arrays")
+    z = vtk_to_numpy(cubes.GetPoints().GetData())[:, 2]
+    expect(vtk_to_numpy(data.GetArray("height (m)")).tolist(), z.tolist(), "heights")
+    expect(vtk_to_numpy(data.GetArray("velocity (m∕s)"))[:, 2].tolist(), z.tolist(), "speeds")
+    stress = vtk_to_numpy(cubes.GetCellData().GetArray("stress (Pa)"))
+    expect(stress.tolist(), [[0, 1, 2, 3, 4, 5]] * cells, "stress")
+
+particles = read("particles")
+expect(particles.GetNumberOfPoints(), 5 * ranks, "particles")
+expect(particles.GetNumberOfCells(), 5 * ranks, "particle cells")
+expect(particles.GetCellType(0), vtk.VTK_VERTEX, "particle cell type")
+expect(read("nothing").GetNumberOfPoints(), 0, "points of nothing")

@@ -1,0 +1,55 @@
+// Writes pictures that tests/unit/io/check_vtkhdf.py opens with VTK afterwards: see CMakeLists.txt.
+#include "trackbed/io/fields.hpp"
+
+#include <gtest/gtest.h>
+
+namespace trackbed::io {
+namespace {
+
+const par::Comm world() { return par::Comm::world(); }
+
+std::string name_of(const std::string& kind) {
+  return "fields_" + kind + "_" + std::to_string(world().size()) + ".vtkhdf";
+}
+
+// Rank r holds a row of r unit cubes, so that rank 0 holds nothing.
+Grid cubes(int count) {
+  Grid grid;
+  grid.kind = CellKind::hexahedron;
+  FieldData height{"height (m)", 1, {}}, speed{"velocity (m/s)", 3, {}};
+  FieldData stress{"stress (Pa)", 6, {}};
+  for (int i = 0; i <= count && count > 0; ++i)
+    for (int corner = 0; corner < 4; ++corner) {
+      const double y = corner == 1 || corner == 2 ? 1 : 0, z = corner >= 2 ? 1 : 0;
+      grid.points.emplace_back(i, y + 2 * world().rank(), z);
+      height.values.push_back(z);
+      speed.values.insert(speed.values.end(), {1, 2, z});
+    }
+  for (int cell = 0; cell < count; ++cell) {
+    for (int node = 0; node < 8; ++node) grid.cells.push_back(4 * cell + node);
+    for (int component = 0; component < 6; ++component) stress.values.push_back(component);
+  }
+  grid.point_data = {height, speed};
+  grid.cell_data = {stress};
+  return grid;
+}
+
+TEST(Fields, WritesPiecesSomeOfThemEmpty) {
+  EXPECT_NO_THROW(write_fields(world(), name_of("cubes"), cubes(world().rank())));
+}
+
+TEST(Fields, WritesSeparateParticles) {
+  Grid grid;
+  for (int i = 0; i < 5; ++i) {
+    grid.points.emplace_back(i, world().rank(), 0);
+    grid.cells.push_back(i);
+  }
+  EXPECT_NO_THROW(write_fields(world(), name_of("particles"), grid));
+}
+
+TEST(Fields, WritesNothingAtAll) {
+  EXPECT_NO_THROW(write_fields(world(), name_of("nothing"), Grid{}));
+}
+
+}  // namespace
+}  // namespace trackbed::io
