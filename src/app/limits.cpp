@@ -94,13 +94,13 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
                    const input::Deck& deck) {
   std::string dem_words, ground_words;
   const double dem_limit = world.particles.stable_step(&dem_words);
-  if (model.step > dem_limit * (1 + rounding))
+  if (model.time.step > dem_limit * (1 + rounding))
     throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
-                                  deck.where("step"), model.step, dem_limit, dem_words)});
-  const double step = model.step > 0 ? model.step : dem_limit;
+                                  deck.where("time.step"), model.time.step, dem_limit, dem_words)});
+  const double step = model.time.step > 0 ? model.time.step : dem_limit;
   const double coupling = coupling_limit(model, stage.ground_moves);
   Steps steps;
-  steps.window = step * static_cast<double>(model.substeps);
+  steps.window = step * static_cast<double>(model.time.substeps);
   steps.limit = "stones: " + dem_words;
   if (stage.ground_moves && world.ground) {
     const double ground = world.ground->stable_step(&ground_words);
@@ -110,11 +110,11 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
     steps.window = coupling;
     steps.limit = "coupling: contact stiffness and mass of what the stones touch";
   }
-  if (model.window > 0) {
-    if (model.window > coupling * (1 + rounding))
+  if (model.time.window > 0) {
+    if (model.time.window > coupling * (1 + rounding))
       throw InputError({fmt::format("{} = {:g} s is above the stable window of {:.4g} s",
-                                    deck.where("window"), model.window, coupling)});
-    steps.window = model.window, steps.limit = "given";
+                                    deck.where("time.window"), model.time.window, coupling)});
+    steps.window = model.time.window, steps.limit = "given";
   }
   if (!std::isfinite(steps.window))
     throw InputError({fmt::format("{}: stage \"{}\" has nothing that moves, so no time step",

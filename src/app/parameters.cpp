@@ -38,39 +38,15 @@ void declare_rules(const Model& model, input::Section& s) {
   s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"");
 }
 
-void declare_steps(Model& model, input::Section& s) {
-  s.number("window", model.window, {.unit = "s", .at_least = 0},
-           "Length of a time window of the coupling; 0: chosen from stability.");
-  s.number("step", model.step, {.unit = "s", .at_least = 0},
-           "Sub-step of the stones; 0: chosen from stability.");
-  s.integer("substeps", model.substeps, {.at_least = 1, .at_most = 10000},
-            "Sub-steps in a window whose length is chosen, as far as the coupling allows.");
-}
-
-// Known before anything is built, so that a grossly wrong step is reported with all other problems;
-// the exact limits are checked when a stage begins.
-void check_steps(const Model& model, input::Section& s) {
-  const double step = rough_step_limit(model);
-  s.rule(
-      "step", model.step <= step,
-      fmt::format("= {:g} s is unstable: the stiffest contact and the lightest stone allow about "
-                  "{:.3g} s",
-                  model.step, step));
-  const double window = coupling_limit(model, true);
-  s.rule(
-      "window", model.window <= window,
-      fmt::format("= {:g} s is unstable: contact stiffness and the mass of what the stones touch "
-                  "allow {:.3g} s",
-                  model.window, window));
-}
-
 }  // namespace
 
 void Stage::declare(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
-  s.choice("kind", kind, {"fill", "settle", "compact", "sleepers", "load", "passage", "run"},
+  s.choice("kind", kind,
+           {"fill", "settle", "compact", "release", "sleepers", "load", "passage", "run"},
            "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
-           "steady; sleepers: they are placed and settle; load: the same force on all seats; "
+           "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
+           "they are placed and settle; load: the same force on all seats; "
            "passage: axles pass; run: nothing but time.");
   s.number("duration", duration, {.unit = "s", .at_least = 0},
            "Simulated time; passage: 0 means until the last axle has left.");
@@ -80,6 +56,7 @@ void Stage::declare(input::Section& s) {
            "The stage ends early once the mean unbalanced force over the mean contact force is "
            "below this; 0: never. Not used by load and passage.");
   s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
+  s.number("lift", lift, {.unit = "m/s", .above = 0}, "Release: speed of the platen upwards.");
   s.number("height", height, {.unit = "m"}, "Sleepers: their lower face.");
   s.number("profile", profile, {.unit = "m"},
            "Sleepers: stones with their centre above this height are taken away; 0: none.");
@@ -91,6 +68,23 @@ void Stage::declare(input::Section& s) {
             "Load: haversines in the duration; 0: ramp, hold, ramp.");
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
+}
+
+void TimeParameters::declare(input::Section& s) {
+  s.number("window", window, {.unit = "s", .at_least = 0},
+           "Length of a time window of the coupling; 0: chosen from stability.");
+  s.number("step", step, {.unit = "s", .at_least = 0},
+           "Sub-step of the stones; 0: chosen from stability.");
+  s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
+            "Sub-steps in a window whose length is chosen, as far as the coupling allows.");
+  s.rule(
+      "step", step <= rough_step,
+      fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
+                  rough_step));
+  s.rule("window", window <= rough_window,
+         fmt::format("is unstable: contact stiffness and the mass of what the stones touch allow "
+                     "{:.3g} s",
+                     rough_window));
 }
 
 void Output::declare(input::Section& s) {
@@ -113,7 +107,6 @@ void Model::declare(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
   s.number("thickness", thickness, {.unit = "m", .above = 0}, "Of a plane model.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
-  declare_steps(*this, s);
   s.file("start", start,
          "Checkpoint (a file stage_*.h5 or the folder it is in): the stages up to the one it was "
          "written after are not done again.");
@@ -132,7 +125,9 @@ void Model::declare(input::Section& s) {
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
-  check_steps(*this, s);
+  time.rough_step = rough_step_limit(*this);
+  time.rough_window = coupling_limit(*this, true);
+  s.table("time", time, "Steps in time.");
 }
 
 bool Model::periodic_in(const std::string& axis) const {

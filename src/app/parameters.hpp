@@ -14,7 +14,7 @@
 namespace trackbed::app {
 
 // What a stage begins with, does in every window, and ends with: see stages.hpp.
-enum class StageKind { fill, settle, compact, sleepers, load, passage, run };
+enum class StageKind { fill, settle, compact, release, sleepers, load, passage, run };
 
 struct Stage {
   std::string name;
@@ -23,6 +23,7 @@ struct Stage {
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
   double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never
   bool ground_moves = false;
+  double lift = 0.01;       // m/s, release: speed of the platen
   double height = 0.35;     // m, sleepers: lower face
   double profile = 0;       // m, sleepers: stones with centres above are taken away; 0: none
   double seat_force = 0;    // N on each rail seat throughout the stage
@@ -42,14 +43,22 @@ struct Output {
   void declare(input::Section& s);
 };
 
+// Steps in time; 0 leaves the choice to the program.
+struct TimeParameters {
+  double window = 0;          // s, of the coupling
+  double step = 0;            // s, sub-step of the stones
+  std::int64_t substeps = 1;  // in a window that is chosen
+  // Known from the rest of the deck before anything is built, so that a grossly wrong step is
+  // reported with all other problems; the exact limits are checked when a stage begins.
+  double rough_window = 0, rough_step = 0;  // s, set before `declare`
+  void declare(input::Section& s);
+};
+
 struct Model {
   std::string title;
   Dimension dimension = Dimension::plane;
   double thickness = 1.3;             // m, plane models
   std::vector<std::string> periodic;  // "x", "y"
-  double window = 0;                  // s; 0: chosen from stability
-  double step = 0;                    // s, sub-step of the stones; 0: chosen from stability
-  std::int64_t substeps = 1;          // in a window that is chosen
   std::string start;                  // checkpoint, written at the end of a stage
   std::string wall_material = "ballast", ground_material = "ballast";
   double settle_average = 5e-3;  // s, of the load on the ground before it is let go
@@ -61,6 +70,7 @@ struct Model {
   track::SeatLoadParameters load;
   bed::PlatenParameters platen;
   Output output;
+  TimeParameters time;
   std::vector<Stage> stages;
   void declare(input::Section& s);
 

@@ -85,10 +85,13 @@ void Progress::line(const Course& course, const Model& model, const World& world
   const double speed = (course.clock.time() - last_time_) / (wall - last_line_);  // s per s
   say(comm_,
       "  {:>8.4f} s | {:.3g} ms/s | left {} | E_kin {:.3g} J | overlap {:.3g} um | unbalanced "
-      "{:.2g} | {} contacts\n",
+      "{:.2g} | {} contacts{}\n",
       course.clock.time(), speed * 1e3,
       clock_words(speed > 0 ? remaining(course, model) / speed : 0), totals.kinetic,
-      totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts);
+      totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
+      world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
+                                 world.platen->z())
+                   : "");
   last_line_ = wall, last_time_ = course.clock.time();
 }
 

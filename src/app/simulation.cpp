@@ -58,7 +58,11 @@ void Simulation::move_sleepers(double dt) {
 }
 
 void Simulation::press_platen(double dt) {
-  if (world_.platen) world_.platen->advance(dt, world_.on_platen());
+  if (!world_.platen) return;
+  if (stage().kind == StageKind::release)
+    world_.lift_platen(course_.clock.window() > 0 ? stage().lift * dt : 0, stage().lift * dt);
+  else
+    world_.platen->advance(dt, world_.on_platen());
 }
 
 void Simulation::move_ground(double dt) {

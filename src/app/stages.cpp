@@ -35,6 +35,8 @@ StageActions::StageActions(World& world, const Model& model)
 
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
+  const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release;
+  if (!pressed && world_.platen) world_.take_platen_away();  // compact leaves it in place
   if (stage.kind == StageKind::fill) {
     const double height =
         bed::fill(world_.particles, world_.comm, model_.bed, model_.material(model_.bed.material));
@@ -45,7 +47,7 @@ void StageActions::begin(const Stage& stage) {
     world_.ground->settle(world_.support);
     world_.ground_settled = true;
   }
-  if (stage.kind == StageKind::compact)
+  if (stage.kind == StageKind::compact && !world_.platen)
     world_.place_platen(world_.top_of_stones());  // meets
   else
     world_.meet();
@@ -96,7 +98,7 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
 }
 
 void StageActions::end(const Stage& stage) {
-  if (stage.kind == StageKind::compact) world_.take_platen_away();
+  if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
   world_.particles.set_local_damping(-1);
 }

@@ -66,6 +66,11 @@ void World::place_platen(double z) {
   meet();
 }
 
+void World::lift_platen(double before, double motion) {
+  platen->place(platen->z() + before);
+  for (Vec3& node : platen->surface().motion) node = Vec3(0, 0, motion);
+}
+
 void World::take_platen_away() {
   platen.reset();
   meet();

@@ -26,6 +26,8 @@ struct World {
   void rebalance();
   void raise_walls(double height);  // m; floor at z = 0 if there is no ground
   void place_platen(double z);
+  // One window of lifting: it was lifted by `before` in the last window and goes up by `motion`, m.
+  void lift_platen(double before, double motion);
   void take_platen_away();
   double top_of_stones() const;  // m, highest point of any pebble. Collective.
 

@@ -18,7 +18,7 @@ from program import Program  # noqa: E402
 
 PROBLEMS = HERE / "problems.toml"
 # What each problem's sentence must hold besides file and line.
-WANTED = {"window = 0.5": ["window", "unstable"],
+WANTED = {"window = 0.5": ["time.window", "unstable"],
           "k_n = -2e7": ["k_n", "-2", "above 0"],
           "safty = 0.2": ["safty", "safety"],
           'height = "high"': ["bed.height", "number"],
@@ -45,7 +45,7 @@ def check_problems(program, ranks):
 
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
-             (["run", deck, "step=1e-4"], 2, "step"),
+             (["run", deck, "time.step=1.4e-4"], 2, "step"),
              (["run", deck, "load.speeed=3"], 2, "speed"),
              (["describe", "grund"], 2, "ground"),
              (["resume", "no_such_checkpoint.h5"], 2, "does not exist"),
