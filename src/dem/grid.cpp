@@ -12,15 +12,20 @@ namespace trackbed::dem {
 namespace {
 
 constexpr const char* axis_name[] = {"x", "y", "z"};
-constexpr int most_cells_per_axis = 4096;  // bounds the map when stones are tiny beside the domain
+constexpr double most_cells = 1 << 22;  // bounds the map when stones are tiny beside the domain
 
 }  // namespace
 
 Grid::Grid(const Domain& domain, double edge) : domain_(domain), extent_(domain.high - domain.low) {
   std::vector<std::string> problems;
+  const auto cells_of = [&](double length) {
+    return (extent_ / length).array().floor().max(1).prod();
+  };
+  double length = edge;
+  while (cells_of(length) > most_cells) length *= 1.1;
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
-    count_[axis] = std::clamp(static_cast<int>(extent_[a] / edge), 1, most_cells_per_axis);
+    count_[axis] = std::max(static_cast<int>(extent_[a] / length), 1);
     edge_[a] = extent_[a] / count_[axis];
     if (domain.periodic[axis] && count_[axis] < 3)
       problems.push_back(fmt::format(

@@ -104,7 +104,7 @@ class LawTable {
 };
 
 // beta (share of critical damping in Tsuji's form) for which a collision without attraction has
-// restitution e: bisection on the integrated collision, to 1e-12.
+// restitution e: bisection on the integrated collision.
 double hertz_damping(double restitution, bool cut);
 
 }  // namespace trackbed::dem

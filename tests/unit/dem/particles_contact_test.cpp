@@ -43,7 +43,7 @@ double energy_error(double fraction, std::uint64_t seed) {
   const double dt = fraction * std::sqrt(p[0].mass / 1e6);
   const int steps = static_cast<int>(0.2 / dt);
   p.advance(steps * dt, steps);
-  EXPECT_EQ(p.totals().contacts, 0);  // apart again
+  EXPECT_EQ(p.totals().contacts, 0);                                       // apart again
   EXPECT_LT((p[0].velocity - Vec3(0.5, 0, 0)).dot(Vec3(1, 0, 0)), -0.01);  // they have met
   return std::abs(p.totals().kinetic - before) / before;
 }
@@ -119,7 +119,8 @@ TEST(Contact, MomentumIsKept) {
   domain.periodic = {true, true, true};
   dem::Particles p(par::Comm::self(), test::one_material(law), weightless(), domain);
   p.add_template(test::clump());
-  p.add(test::lattice({8, 8, 8}, 0.025, 0.014, 1));
+  p.add_template(test::sphere());
+  p.add(test::lattice({8, 8, 8}, 0.025, 0.014, 2));
   const Vec3 before = p.totals().momentum;
   p.advance(1e-9, 1);
   EXPECT_GT(p.totals().contacts, 100);
