@@ -2,6 +2,8 @@
 // attitude turned by the exponential of spin times window. All ranks do the same operations in the
 // same order on the same numbers, so nothing is sent. docs/decisions/interface.md says why
 // leapfrog.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -116,7 +118,7 @@ Sleepers::Sleepers(const SleeperParameters& parameters, Dimension dimension, dou
   Surface shape = room_->shape;
   shape.material = material;
   for (std::size_t i = 0; i < count(); ++i) {
-    shape.name = "sleeper." + std::to_string(i);
+    shape.name = fmt::format("sleeper.{}", i);
     room_->surfaces.push_back(shape);
   }
   room_->show_at_rest();
@@ -186,7 +188,7 @@ std::string Sleepers::trouble() const {
   for (std::size_t i = 0; i < count(); ++i) {
     const Body& body = room_->bodies[i];
     if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())
-      return "sleeper " + std::to_string(i) + " has a position that is not a number";
+      return fmt::format("sleeper {} has a position that is not a number", i);
   }
   return "";
 }
