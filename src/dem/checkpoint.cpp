@@ -112,6 +112,7 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "steps", r.steps);
   file.attribute(group, "rebuilds", r.rebuilds);
   file.attribute(group, "local_damping", r.local_damping);
+  file.attribute(group, "load_quantum", r.load_quantum);
 }
 
 void Particles::load(const io::File& file, const std::string& group) {
@@ -136,6 +137,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.steps = file.integer_attribute(group, "steps");
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
+  r.load_quantum = file.number_attribute(group, "load_quantum");
   r.choose_grid();
 }
 

@@ -136,15 +136,10 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   r.surfaces = std::move(surfaces);
   r.surface_names.clear(), r.meshes.clear();
   r.surface_reference.assign(r.surfaces.size(), {});
-  double stiffest = 0, largest = 0;
-  for (const Law& law : r.laws.all()) stiffest = std::max(stiffest, law.k_n);
-  for (std::size_t b = 0; b < r.state.own; ++b) largest = std::max(largest, r.state.x[b].w);
-  largest = r.comm.max(largest);
   for (Surface* surface : r.surfaces) {
     r.surface_names.push_back(r.name_number(surface->name));
     r.meshes.emplace_back(*surface);
-    // Room for the force of an overlap of 4 largest particles; see ExactSum.
-    surface->load_quantum = exact_quantum(4 * stiffest * std::max(largest, 1e-6));
+    surface->load_quantum = r.load_quantum;
     surface->clear_load();
   }
   r.check_laws();

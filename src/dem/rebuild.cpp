@@ -191,6 +191,7 @@ void Particles::Room::choose_grid() {
   for (std::size_t b = 0; b < state.own; ++b)
     bound = std::max(bound, shapes.bound(state.shape[b]) * state.scale[b]);
   bound = comm.max(bound);
+  choose_quantum();
   skin = parameters.skin > 0 ? parameters.skin : default_skin();
   grid = Grid(domain, 2 * bound + skin);
   std::vector<double> weights(grid.cells(), 0);
@@ -201,6 +202,18 @@ void Particles::Room::choose_grid() {
   comm.sum(weights);  // whole numbers: exact in any order
   grid.share_out(weights, comm.size());
   ready = false;
+}
+
+// Room on a node for the force of an overlap of 4 largest particles; see ExactSum.
+void Particles::Room::choose_quantum() {
+  double stiffest = 0;
+  for (const Law& law : laws.all()) stiffest = std::max(stiffest, law.k_n);
+  if (bound > 0) load_quantum = std::max(load_quantum, exact_quantum(4 * stiffest * bound));
+  for (Surface* surface : surfaces) {
+    if (surface->load_quantum == load_quantum) continue;
+    surface->load_quantum = load_quantum;
+    surface->clear_load();
+  }
 }
 
 void Particles::Room::remember_reference() {

@@ -9,6 +9,7 @@
 #include "mesh.hpp"
 #include "pairs.hpp"
 #include "state.hpp"
+#include "trackbed/core/exact_sum.hpp"
 #include "trackbed/par/halo.hpp"
 
 namespace trackbed::dem {
@@ -35,6 +36,7 @@ struct Particles::Room {
   void sort_own();
   void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
   void choose_grid();              // collective
+  void choose_quantum();
   void remember_reference();
   double default_skin() const;  // collective
 
@@ -73,6 +75,7 @@ struct Particles::Room {
   std::vector<int> surface_names;
   std::vector<std::string> names;  // of all surfaces met so far; history refers to their numbers
   std::vector<Mesh> meshes;
+  double load_quantum = exact_quantum(1);            // N; only grows, so that it survives a restart
   std::vector<std::vector<Vec3>> surface_reference;  // m, at the end of the rebuild's window
   double surface_motion = 0;                         // m, largest of a node since then
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
