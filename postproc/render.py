@@ -3,8 +3,9 @@
 
     render.py FILE.vtkhdf -o PICTURE.png [--array NAME]
 
-Looks along y, coloured by NAME (default: the first array; a vector by its length). ParaView opens
-the same file, with more ways to look at it. Ends with 1 if the picture is of one colour only.
+Looks along y, coloured by NAME (default: the first array that is not the same everywhere; a vector
+by its length). ParaView opens the same file, with more ways to look at it. Ends with 1 if the
+picture is of one colour only.
 """
 import argparse
 import os
@@ -32,13 +33,22 @@ def read_grid(vtk, path):
     return reader.GetOutput()
 
 
+def range_of(array):
+    """(smallest, largest) value; of vectors the length."""
+    return array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0)
+
+
 def find_array(grid, name):
-    """(array, whether it belongs to points); names default to the first there is."""
-    for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False)):
-        names = [data.GetArrayName(k) for k in range(data.GetNumberOfArrays())]
-        if names and name in (None, *names):
-            return data.GetArray(name or names[0]), on_points
-    raise SystemExit(f"there is no array {name}")
+    """(array, whether it belongs to points): the one named, or the first that varies, or any."""
+    arrays = [(data.GetArray(k), on_points)
+              for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False))
+              for k in range(data.GetNumberOfArrays())]
+    if name is not None:
+        arrays = [each for each in arrays if each[0].GetName() == name]
+    if not arrays:
+        raise SystemExit(f"there is no array {name}" if name else "there is no array")
+    varying = [each for each in arrays if range_of(each[0])[0] < range_of(each[0])[1]]
+    return (varying or arrays)[0]
 
 
 def coloured(vtk, grid, name):
@@ -50,9 +60,8 @@ def coloured(vtk, grid, name):
     table.SetHueRange(0.667, 0)  # blue is low, red is high
     if array.GetNumberOfComponents() > 1:
         table.SetVectorModeToMagnitude()
-    component = -1 if array.GetNumberOfComponents() > 1 else 0
     mapper.SetLookupTable(table)
-    mapper.SetScalarRange(array.GetRange(component))
+    mapper.SetScalarRange(range_of(array))
     if on_points:
         mapper.SetScalarModeToUsePointFieldData()
     else:

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Opens every field file of a run in VTK, draws it, and wants to see something in the pictures.
+"""Opens the field files of a stage in VTK, draws them, and wants to see something in the pictures.
 
-    render_fields.py FIELDS PICTURES
+    render_fields.py FIELDS STAGE PICTURES
 
-Every file must open with cells in it. Of each kind (stones, contacts, ground) at least one picture
-must have more than one colour: at rest a field may well be the same everywhere.
+There must be a file of each kind (stones, contacts, ground), with cells in it and a picture of more
+than one colour.
 """
-import collections
 import pathlib
 import re
 import subprocess
@@ -26,15 +25,13 @@ def colours_of(path, picture):
 
 
 def main():
-    fields, pictures = (pathlib.Path(name) for name in sys.argv[1:3])
+    fields, stage, pictures = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     pictures.mkdir(parents=True, exist_ok=True)
-    most = collections.Counter()
-    for path in sorted(fields.glob("*.vtkhdf")):
-        kind = path.stem.rsplit("_", 1)[1]
-        most[kind] = max(most[kind], colours_of(path, pictures / f"{path.stem}.png"))
-    print(dict(most))
-    missing = KINDS - set(most)
-    flat = [kind for kind, colours in most.items() if colours < 2]
+    colours = {path.stem.rsplit("_", 1)[1]: colours_of(path, pictures / f"{path.stem}.png")
+               for path in sorted(fields.glob(f"{stage}_*.vtkhdf"))}
+    print(colours)
+    missing = KINDS - set(colours)
+    flat = [kind for kind, found in colours.items() if found < 2]
     if missing or flat:
         raise SystemExit(f"no file of {sorted(missing)}, nothing to see in {flat}")
 

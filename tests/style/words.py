@@ -4,7 +4,7 @@
     words.py [SOURCE_FOLDER]
 
 - no path of one machine (a home, a work or a scratch folder) in any file;
-- no line beyond 100 columns in sources, scripts, decks and prose (tables and links may);
+- no line beyond 100 columns in sources, scripts and decks (prose is laid out by who shows it);
 - no blanks at line ends, and a line feed at the end of each file;
 - each deck below inputs/ begins with a comment that says purpose, source, ranks and run time.
 Prints each breach as file:line and ends with 1 if there is any.
@@ -18,22 +18,17 @@ import tree
 COLUMNS = 100
 # Written so that this line does not match itself.
 MACHINE_PATH = re.compile(r"(?<![\w.$}>])/(work|root|home|farm|tmp|Users|scratch)/\w")
-CHECKED_WIDTH = {".cpp", ".hpp", ".py", ".sh", ".toml", ".cmake", ".md", ".txt", ".cff"}
-GENERATED = {"docs/input.md", "docs/input.schema.json"}
+CHECKED_WIDTH = {".cpp", ".hpp", ".py", ".sh", ".toml", ".cmake", ".txt", ".cff"}
 FOREIGN = {"LICENSE"}  # a text that is not ours to lay out
 DECK_WORDS = ("purpose", "source", "ranks", "run time")
-
-
-def may_be_wide(name, line):
-    return name.suffix == ".md" and (line.lstrip().startswith("|") or "](" in line or "://" in line)
 
 
 def breaches_of_text(name, text):
     for number, line in enumerate(text.splitlines(), 1):
         if MACHINE_PATH.search(line):
             yield number, "a path of one machine"
-        if name.suffix in CHECKED_WIDTH and str(name) not in GENERATED:
-            if len(line) > COLUMNS and not may_be_wide(name, line):
+        if name.suffix in CHECKED_WIDTH:
+            if len(line) > COLUMNS:
                 yield number, f"{len(line)} columns, at most {COLUMNS}"
             if line != line.rstrip():
                 yield number, "blanks at the line's end"
