@@ -48,6 +48,14 @@ Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
   return Hid(H5Fopen(path.c_str(), flags, access.get()));
 }
 
+// Gives back disk space reserved beyond the file's end (see reserve in dataset.cpp).
+void trim(const File::Handle& file) {
+  if (!file.comm.root() || file.mode == Mode::read) return;
+  struct stat status {};
+  if (::stat(file.path.c_str(), &status) == 0 && ::truncate(file.path.c_str(), status.st_size) != 0)
+    return;  // some blocks stay reserved: no harm
+}
+
 herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
   static_cast<std::vector<std::string>*>(names)->emplace_back(name);
   return 0;
@@ -80,6 +88,7 @@ File::~File() {
     Hid file = std::move(handle_->file);
     if (handle_->mode != Mode::read) H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
     file.close();
+    trim(*handle_);
     take_write_failure();  // nobody is left to tell: see close()
   }
 }
@@ -92,6 +101,7 @@ void File::close() {
   // The flush also asks the operating system to put the data on the disk (MPI_File_sync).
   const bool flushed = handle_->mode == Mode::read || H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
   const bool closed = file.close();
+  trim(*handle_);
   handle_->agree(flushed && closed, "", "cannot be completed");
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/io/checkpoint.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/io/scratch.hpp"
 
@@ -96,6 +97,24 @@ TEST(FileFailure, SurvivesADiskThatFillsUpWhileAppending) {
   for (int i = 0; i < 100 && text == "no failure"; ++i)
     text = failure_of([&] { file.append<double>("/history", block, 1, label); });
   EXPECT_TRUE(contains(text, scratch / "a.h5: dataset /history cannot be written")) << text;
+}
+
+TEST(FileFailure, KeepsTheLastCheckpointWhenTheDiskFillsUp) {
+  const Scratch scratch("full_checkpoint");
+  const auto write = [&](const std::string& name, std::size_t count) {
+    const std::vector<double> values(count, 1.5);
+    write_checkpoint(world(), scratch.folder(), name,
+                     [&](File& file) { file.write<double>("/x", values, 1, label); });
+  };
+  write("good.h5", 10);
+  {
+    const SmallDisk disk(1 << 20);
+    const auto text = failure_of([&] { write("large.h5", 200000); });
+    EXPECT_TRUE(contains(text, scratch / "large.h5.part: dataset /x cannot be written")) << text;
+  }
+  EXPECT_FALSE(std::filesystem::exists(scratch / "large.h5.part"));
+  EXPECT_EQ(open_checkpoint(world(), scratch.folder()).extent("/x")[0],
+            10 * static_cast<std::size_t>(world().size()));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "trackbed/io/file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <numeric>
 
@@ -120,6 +121,21 @@ TEST(File, GrowsAndIsCutAndGrowsAgain) {
   const File file(world(), path, Mode::read);
   EXPECT_EQ(file.read_all<double>("/history"), values<double>(0, 2 * 4050));
   EXPECT_EQ(file.text_attribute("/history", "unit"), "m/s");
+}
+
+// Space reserved against a full disk is given back: thousands of small files are written per run.
+TEST(File, TakesNoMoreDiskThanItHolds) {
+  const Scratch scratch("size");
+  File file(world(), scratch / "a.h5", Mode::create);
+  for (int i = 0; i < 20; ++i) file.append<double>("/x", values<double>(0, 100), 1, label);
+  file.close();
+  struct stat status {};
+  ASSERT_EQ(stat((scratch / "a.h5").c_str(), &status), 0);
+  constexpr std::int64_t block = 512, rounding = 16384;  // file systems round up to pages
+  EXPECT_LE(status.st_blocks * block, status.st_size + rounding);
+  EXPECT_GE(status.st_size, 20 * 100 * 8);
+  // Two chunks of each rank's worth at the most.
+  EXPECT_LE(status.st_size, 20 * 100 * 8 * world().size() + 2 * 32768);
 }
 
 TEST(File, KeepsFactsBesideTheNumbers) {
