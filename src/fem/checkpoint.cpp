@@ -23,6 +23,7 @@ void State::list(const Visit& visit) {
   visit("rest", "m", "static displacement under weight and settled load", rest);
 }
 
+// Own nodes only: every node of the model is in the file once.
 void Ground::save(io::File& file, const std::string& group) const {
   const Mesh& mesh = room_->mesh;
   const int components = room_->components();
@@ -39,6 +40,8 @@ void Ground::save(io::File& file, const std::string& group) const {
   file.attribute(group, "steps", room_->steps);
 }
 
+// Each rank walks through all rows in pieces and keeps its own: memory stays bounded. Sorting rows
+// to their owners first would read less per rank and is not worth it until that shows.
 void Ground::load(const io::File& file, const std::string& group) {
   Mesh& mesh = room_->mesh;
   const auto components = static_cast<std::size_t>(room_->components());
@@ -59,6 +62,7 @@ void Ground::load(const io::File& file, const std::string& group) {
       }
     });
   }
+  // Displacement of ghosts comes with refresh_surface; the other arrays matter on own nodes only.
   for (Nodal* values : {&room_->state.offset, &room_->state.rest}) mesh.exchange(*values);
   room_->steps = file.integer_attribute(group, "steps");
   room_->refresh_surface();

@@ -1,3 +1,9 @@
+// Enhanced-strain hexahedron: integration, condensation, stress recovery, reduction to a plane.
+//
+// Everything here runs once per solid at the start, so it is written for clarity: 6x24 strain
+// matrices at eight points. Rejected: one-point quadrature with hourglass control (a parameter to
+// tune and to defend), selective reduced integration (locks in bending), nodal pressure (couples
+// elements, no lumped explicit step).
 #include "element.hpp"
 
 #include <cmath>
@@ -6,6 +12,7 @@ namespace trackbed::fem {
 
 namespace {
 
+// -1 or +1: on which side of the unit cube a corner lies.
 double sign_of(int corner, int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; }
 
 // Gradient of the shape function of a corner on the unit cube.
@@ -26,6 +33,7 @@ Eigen::Matrix<double, 6, 1> voigt(const Mat3& e) {
   return v;
 }
 
+// Two points per direction integrate the stiffness of a box exactly.
 Vec3 gauss_point(int index) {
   const double g = 1 / std::sqrt(3.0);
   return {g * sign_of(index, 0), g * sign_of(index, 1), g * sign_of(index, 2)};
@@ -34,6 +42,7 @@ Vec3 gauss_point(int index) {
 }  // namespace
 
 Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
+  // Lame's constants: sigma = lame tr(e) I + 2 shear e.
   const double nu = solid.poisson, shear = solid.young / (2 * (1 + nu));
   const double lame = solid.young * nu / ((1 + nu) * (1 - 2 * nu));
   Voigt d = Voigt::Zero();
@@ -41,6 +50,7 @@ Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
   d.topLeftCorner<3, 3>().diagonal().array() += 2 * shear;
   d.bottomRightCorner<3, 3>().diagonal().setConstant(shear);
   if (!sigma_y_free) return d;
+  // Static condensation of one row and column: what is left never has sigma_y.
   const Eigen::Matrix<double, 6, 1> y = d.col(1);
   return d - y * y.transpose() / d(1, 1);
 }
@@ -50,6 +60,7 @@ Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
   const Mat3 centre = jacobian(Vec3::Zero());
   centre_inverse_ = centre.inverse();
   centre_volume_ = centre.determinant();
+  // Stationary in alpha: H alpha + Gamma u = 0, so K = K_uu - Gamma^T H^-1 Gamma.
   Eigen::Matrix<double, 12, 12> h = Eigen::Matrix<double, 12, 12>::Zero();
   Eigen::Matrix<double, 12, 24> gamma = Eigen::Matrix<double, 12, 24>::Zero();
   stiffness_.setZero();
@@ -65,6 +76,7 @@ Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
   // A parameter without stiffness (sigma_y free) must stay zero: least-norm solution.
   alpha_ = -h.completeOrthogonalDecomposition().solve(gamma);
   stiffness_ += gamma.transpose() * alpha_;
+  // Symmetric to the bit, as solvers and the pattern form assume.
   stiffness_ = (0.5 * (stiffness_ + stiffness_.transpose())).eval();
 }
 
@@ -80,6 +92,7 @@ Eigen::Matrix<double, 6, 24> Hexahedron::compatible(const Vec3& xi) const {
   const Mat3 inverse = jacobian(xi).inverse();
   for (int k = 0; k < 8; ++k) {
     const Vec3 g = inverse.transpose() * shape_gradient(k, xi);
+    // Columns of u_x, u_y, u_z; rows xx yy zz xy yz zx.
     const int at = 3 * k;
     b(0, at) = b(3, at + 1) = b(5, at + 2) = g.x();
     b(1, at + 1) = b(3, at) = b(4, at + 2) = g.y();
@@ -90,6 +103,7 @@ Eigen::Matrix<double, 6, 24> Hexahedron::compatible(const Vec3& xi) const {
 
 Eigen::Matrix<double, 6, 12> Hexahedron::enhanced(const Vec3& xi) const {
   Eigen::Matrix<double, 6, 12> e;
+  // This factor makes the integral of E over the element that of an odd function: zero.
   const double scale = centre_volume_ / jacobian(xi).determinant();
   int column = 0;
   // Incompatible mode (component a) * (1 - xi_b^2): covariant strain e_ab ~ xi_b.
@@ -100,6 +114,8 @@ Eigen::Matrix<double, 6, 12> Hexahedron::enhanced(const Vec3& xi) const {
       tensor(b, a) += 0.5 * xi[b];
       e.col(column++) = scale * voigt(centre_inverse_.transpose() * tensor * centre_inverse_);
     }
+  // Bilinear volume strains, which the modes above cannot cancel: without them three bending-like
+  // patterns of a corner stiffen as nu -> 1/2.
   for (int a = 0; a < 3; ++a)
     e.col(column++) = scale * xi[a] * xi[(a + 1) % 3] * voigt(Mat3::Identity());
   return e;
@@ -112,6 +128,7 @@ Eigen::Matrix<double, 6, 24> Hexahedron::stress(const Vec3& xi) const {
 ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
                          PlaneState plane) {
   const bool flat = dimension == Dimension::plane;
+  // Only size matters: the corners may lie about the origin.
   Corners corners;
   for (int k = 0; k < 8; ++k)
     for (int a = 0; a < 3; ++a)
@@ -130,6 +147,7 @@ ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimen
   zone.stiffness = motion.transpose() * solid_zone.stiffness() * motion;
   zone.centre_stress = solid_zone.stress(Vec3::Zero()) * motion;
   zone.top_stress = solid_zone.stress(Vec3::UnitZ()) * motion;
+  // Equal shares: for a box this is also the row sum of the consistent mass.
   zone.corner_mass = solid.density * size.prod() / (flat ? 4 : 8);
   return zone;
 }

@@ -13,13 +13,14 @@ namespace trackbed::fem {
 
 void Ground::Room::prepare_step(double h) {
   if (h == prepared_step_) return;
-  prepared_step_ = h;
+  prepared_step_ = h;  // windows usually repeat: computed once per run
   if (inverse_mass_.of[0].empty()) {
     inverse_mass_ = damping_rate_ = implicit_factor_ = Nodal(components(), mesh.nodes());
     if (parameters.rayleigh_stiffness > 0) blend_ = Nodal(components(), mesh.nodes());
   }
   for (int c = 0; c < components(); ++c)
     for (std::size_t n = 0; n < mesh.nodes(); ++n) {
+      // Zero for what must not move: no branch in the loops of `move`.
       const bool moves = mesh.owned[n] != 0 && (terms.held[n] >> c & 1) == 0;
       inverse_mass_[c][n] = moves ? 1 / terms.mass[n] : 0;
       damping_rate_[c][n] = terms.damping[c][n] * inverse_mass_[c][n];
@@ -27,6 +28,9 @@ void Ground::Room::prepare_step(double h) {
     }
 }
 
+// One sweep over the nodes. The end of a step and the begin of the next are one sweep, so that the
+// arrays pass through the caches once per step.
+//
 // Ghosts and held freedoms have no inverse mass and stay where they are.
 void Ground::Room::move(Part part, double h) {
   const bool blends = parameters.rayleigh_stiffness > 0;
@@ -66,6 +70,8 @@ void Ground::Room::move(Part part, double h) {
   }
 }
 
+// What the deformed ground pulls back with: solid and springs below the base. The springs are left
+// out of the stiffness-proportional damping, whose ratio belongs to the solid.
 void Ground::Room::internal_force(const Nodal& w) {
   stiffness.apply(w, state.internal);
   for (const Spring& spring : terms.springs)
@@ -81,6 +87,7 @@ void Ground::Room::explicit_window(double dt) {
   const std::int64_t n = count > 0 ? count : 1;
   const double h = dt / static_cast<double>(n);
   prepare_step(h);
+  // Without stiffness damping the zones see the displacement itself: one array less to move.
   Nodal& w = parameters.rayleigh_stiffness > 0 ? blend_ : state.displacement;
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);

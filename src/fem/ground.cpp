@@ -1,3 +1,5 @@
+// The door of the ground and its surface. Time stepping is in explicit.cpp and implicit.cpp, output
+// in output.cpp, restart in checkpoint.cpp.
 #include "trackbed/fem/ground.hpp"
 
 #include <chrono>
@@ -12,6 +14,7 @@ namespace trackbed::fem {
 
 namespace {
 
+// One element per solid: all zones have the same size.
 std::vector<ZoneElement> elements_of(const Mesh& mesh, const GroundParameters& parameters) {
   std::vector<ZoneElement> elements;
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
@@ -67,12 +70,14 @@ void Ground::Room::make_surface() {
   window_start_.assign(own_top.size(), Vec3::Zero());
 }
 
+// Components of the model as a vector in space; a plane has no y.
 Vec3 Ground::Room::vector(const Nodal& values, std::int32_t node) const {
   Vec3 v = Vec3::Zero();
   for (int c = 0; c < components(); ++c) v[mesh.lattice.axis(c)] = values[c][node];
   return v;
 }
 
+// Of the shape the stones touch: settling moves the reference, not the surface.
 Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
   return vector(state.offset, node) + vector(state.displacement, node);
 }
@@ -92,6 +97,7 @@ void Ground::Room::set_load(std::span<const Vec3> top_force) {
       state.load[c][own_top[t].node] -= state.settled[c][own_top[t].node];
 }
 
+// The surface of the window that just ended: where its nodes were and how far they went.
 void Ground::Room::publish() {
   mesh.exchange(state.displacement);
   const Lattice& lattice = mesh.lattice;
@@ -108,12 +114,14 @@ void Ground::Room::publish() {
   check_finite();
 }
 
+// After construction, settling, loading: a surface at rest where the state says.
 void Ground::Room::refresh_surface() {
   for (std::size_t t = 0; t < own_top.size(); ++t)
     window_start_[t] = shown_displacement(own_top[t].node);
   publish();
 }
 
+// What diverges anywhere reaches the top within as many steps as there are zones in between.
 void Ground::Room::check_finite() {
   for (std::size_t t = 0; t < own_top.size(); ++t)
     if (!window_start_[t].allFinite()) {
@@ -132,6 +140,7 @@ Ground::Ground(Ground&&) noexcept = default;
 double Ground::stable_step(std::string* limit) const {
   const bool implicit = room_->parameters.integrator == Integrator::newmark;
   if (limit != nullptr) *limit = implicit ? "nothing: Newmark" : room_->limit;
+  // Newmark is stable for any step; accuracy is the caller's choice.
   if (implicit) return std::numeric_limits<double>::infinity();
   return room_->parameters.safety * room_->critical;
 }

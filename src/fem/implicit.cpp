@@ -24,6 +24,7 @@ void Ground::Room::newmark_window(double dt) {
   const double beta = parameters.newmark_beta, gamma = parameters.newmark_gamma;
   const double rayleigh = parameters.rayleigh_stiffness;
   const std::size_t nodes = mesh.nodes();
+  // The operator and its multigrid hierarchy are kept while the window keeps its length.
   if (newmark_step_ != dt) {
     newmark_step_ = dt;
     LinearSystem::Spec spec{beta * dt * dt + gamma * dt * rayleigh, Nodal(components(), nodes),
@@ -36,6 +37,7 @@ void Ground::Room::newmark_window(double dt) {
     newmark_ = std::make_unique<LinearSystem>(mesh, stiffness, spec);
     if (blend_.of[0].empty()) blend_ = Nodal(components(), nodes);
   }
+  // Predictor, in place: afterwards u and v hold u* and v*.
   Nodal& w = blend_;
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {
@@ -52,6 +54,7 @@ void Ground::Room::newmark_window(double dt) {
     for (const std::int32_t n : mesh.own)
       right[c][n] =
           state.load[c][n] - state.internal[c][n] - terms.damping[c][n] * state.velocity[c][n];
+  // Held freedoms keep a = 0: the solver leaves them out.
   iterations += newmark_->solve(right, state.acceleration);
   ++solves;
   ++steps;
@@ -69,6 +72,8 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration, &state.internal,
                         &state.load, &state.settled})
     values->fill(0);
+  // With nothing settled yet the load is the whole force: the new F_0, bit for bit what set_load
+  // will take off later, so that the same force leaves exactly nothing.
   set_load(top_force);
   std::swap(state.settled, state.load);
 
@@ -76,6 +81,7 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   const int up = components() - 1;
   for (const std::int32_t n : mesh.own)
     right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
+  // Plain K: damping and mass have no part in rest.
   LinearSystem::Spec spec{1.0, Nodal(components(), mesh.nodes()), terms.held_at_rest,
                           parameters.tolerance};
   add_springs(terms.springs, 1.0, components(), spec.diagonal);

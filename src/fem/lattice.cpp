@@ -1,3 +1,7 @@
+// Geometry of the zones and which solid each has.
+//
+// A zone takes the solid its centre lies in. So layers and outlines need not follow zone borders;
+// a slope becomes a staircase, whose steps shrink with the zones.
 #include "lattice.hpp"
 
 #include <algorithm>
@@ -12,6 +16,7 @@ namespace {
 bool inside(std::span<const double> outline, double x, double z) {
   const std::size_t corners = outline.size() / 2;
   bool in = false;
+  // Edges (b, a); x of the crossing by linear interpolation.
   for (std::size_t a = 0, b = corners - 1; a < corners; b = a++) {
     const double xa = outline[2 * a], za = outline[2 * a + 1];
     const double xb = outline[2 * b], zb = outline[2 * b + 1];
@@ -20,6 +25,7 @@ bool inside(std::span<const double> outline, double x, double z) {
   return in;
 }
 
+// The layers together are the ground: there is no separate depth that could disagree.
 double depth_of(const GroundParameters& parameters) {
   return std::accumulate(parameters.layers.begin(), parameters.layers.end(), 0.0,
                          [](double sum, const Layer& layer) { return sum + layer.thickness; });
@@ -28,10 +34,12 @@ double depth_of(const GroundParameters& parameters) {
 }  // namespace
 
 Vec3 Lattice::position(Id node) const {
+  // One product per coordinate, not a running sum: the same bits wherever it is asked.
   const Index3 p = node_index(node);
   Vec3 x;
   for (int a = 0; a < 3; ++a)
     x[a] = low[a] + static_cast<double>(p[static_cast<std::size_t>(a)]) * size[a];
+  // A plane node stands for both faces.
   if (plane) x.y() = low.y() + 0.5 * size.y();
   // The top face is z = 0 to the bit, whatever the zones round to.
   if (p[2] == zones[2]) x.z() = 0;
@@ -47,6 +55,7 @@ Vec3 Lattice::centre(Id zone) const {
 }
 
 int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
+  // Loops in the order of zone numbers, so the result is ascending.
   const Index3 p = node_index(node);
   int count = 0;
   for (std::int64_t k = p[2] - 1; k <= p[2]; ++k)
@@ -86,6 +95,7 @@ Solids solids_of(const GroundParameters& parameters) {
 
 int solid_at(const GroundParameters& parameters, const Vec3& point) {
   for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
+    // From the last block backwards: later ones win.
     const Block& block = parameters.blocks[b];
     if (block.present && inside(block.outline, point.x(), point.z()))
       return static_cast<int>(parameters.layers.size() + b);
@@ -95,6 +105,7 @@ int solid_at(const GroundParameters& parameters, const Vec3& point) {
     bottom -= parameters.layers[l].thickness;
     if (point.z() > bottom) return static_cast<int>(l);
   }
+  // Only rounding of the lowest centre can lead here.
   return static_cast<int>(parameters.layers.size()) - 1;
 }
 

@@ -1,3 +1,5 @@
+// Assembly and solution with PETSc. Each rank adds the rows of its own nodes from the zones it
+// holds anyway, so assembly sends nothing.
 #include "linear_system.hpp"
 
 #include <petscksp.h>
@@ -28,9 +30,11 @@ bool suggest(const std::string& name, const char* value) {
 
 }  // namespace
 
+// PETSc's objects, destroyed in one place, and how they are filled.
 struct LinearSystem::Handles {
   explicit Handles(Mesh& m) : mesh(m), components(m.lattice.components()) {}
   ~Handles() {
+    // Static destruction after PetscFinalize would be an error of PETSc's.
     PetscBool running = PETSC_FALSE;
     PetscInitialized(&running);
     if (running == PETSC_FALSE) return;
@@ -63,6 +67,8 @@ struct LinearSystem::Handles {
   Vec right = nullptr, solution = nullptr;
 };
 
+// Unknowns are numbered by owner, then by node, components of a node together (blocks for solvers
+// that know them). Ghosts learn their number from the owner.
 void LinearSystem::Handles::create() {
   std::vector<std::int64_t> mine(mesh.nodes(), -1);
   for (std::size_t n = 0; n < mesh.own.size(); ++n)
@@ -88,6 +94,7 @@ void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k,
     const std::int32_t node = mesh.corner(zone, a);
     if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
     for (int c = 0; c < components; ++c) {
+      // Rows and columns of held unknowns are left out: the matrix stays symmetric.
       if (is_held(spec, node, c)) continue;
       std::array<PetscInt, 24> columns{};
       std::array<PetscScalar, 24> values{};
@@ -125,6 +132,8 @@ void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spe
   check(MatSetOption(matrix, MAT_SPD, PETSC_TRUE), "mark a matrix");
 }
 
+// Translations and rotations: what an elastic solid does not resist. Smoothed aggregation needs
+// them to coarsen well.
 void LinearSystem::Handles::tell_rigid_motions() {
   Vec places = nullptr;
   check(VecDuplicate(right, &places), "create a vector");
@@ -145,6 +154,7 @@ void LinearSystem::Handles::tell_rigid_motions() {
   VecDestroy(&places);
 }
 
+// The unpreconditioned residual is a force, which is what the tolerance in the deck means.
 void LinearSystem::Handles::make_solver(double tolerance) {
   if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
   if (suggest("pc_type", "hypre")) {
@@ -192,6 +202,7 @@ int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
   check(VecRestoreArray(h.right, &b), "close a vector");
   check(VecRestoreArray(h.solution, &guess), "close a vector");
   check(KSPSolve(h.solver, h.right, h.solution), "solve the ground");
+  // The same reason on every rank, so all throw together.
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
   check(KSPGetConvergedReason(h.solver, &reason), "say why it stopped");

@@ -1,3 +1,9 @@
+// From the lattice to what one rank holds: partition, own nodes, held zones, ghosts.
+//
+// METIS cuts few faces, so few zones are computed twice: one layer of 40 between two halves of 40^3
+// zones. Building visits every zone on every rank, without messages, and the lists of the whole
+// mesh are gone before the state is allocated. Rejected: own forces sent back to owners, which
+// needs a second message per step and an agreed order of sums.
 #include "mesh.hpp"
 
 #include <algorithm>
@@ -25,6 +31,7 @@ std::vector<int> node_owners(const Lattice& lattice, int ranks) {
   // Zones are neighbours if they share a face: 4 nodes in space, 2 in a plane.
   const auto part = par::partition_mesh(corners, lattice.corners(), lattice.corners() / 2, ranks);
   std::fill(owner.begin(), owner.end(), ranks);
+  // The lowest rank around a node: a rule every rank can apply alone.
   for (std::size_t at = 0; at < corners.size(); ++at) {
     int& mine = owner[static_cast<std::size_t>(corners[at])];
     mine = std::min(mine, part[at / static_cast<std::size_t>(lattice.corners())]);
@@ -42,6 +49,8 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
   const std::vector<int> owner = node_owners(lattice, comm.size());
   hold(owner, parameters);
   connect(owner);
+  // Who moves which top node is asked by the coupler on every rank; both faces of a plane model
+  // belong to the owner of the plane node.
   const Index3 points = lattice.points();
   const std::int64_t across = lattice.plane ? 2 : points[1];
   for (std::int64_t j = 0; j < across; ++j)
@@ -63,6 +72,8 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
     solid.push_back(solid_at(parameters, lattice.centre(z)));
     for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
   }
+  // Local numbers follow global ones. Along a row of zones all nodes are held, so neighbours along
+  // x are neighbours in memory too: the kernel relies on it.
   std::sort(node.begin(), node.end());
   node.erase(std::unique(node.begin(), node.end()), node.end());
   node.shrink_to_fit();
@@ -77,7 +88,9 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
           local_node(lattice.corner(lattice.zone_index(zone[z]), 2 * l));
 }
 
+// Each rank asks the owners for its ghosts; the answers fix what is sent in every step.
 void Mesh::connect(const std::vector<int>& owner) {
+  // Ascending by owner, then by number: the order in which the halo delivers.
   std::vector<std::vector<Id>> wanted(static_cast<std::size_t>(comm.size()));
   for (std::size_t n = 0; n < node.size(); ++n)
     if (owned[n] == 0)
@@ -108,6 +121,7 @@ std::int64_t Mesh::local_zone(Id id) const {
   return found == zone.end() || *found != id ? -1 : found - zone.begin();
 }
 
+// All components of a node travel in one item: one message per neighbour.
 template <int D>
 void Mesh::exchange_packed(Nodal& values) {
   using Item = std::array<double, D>;

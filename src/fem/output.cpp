@@ -8,8 +8,10 @@ namespace trackbed::fem {
 
 namespace {
 
+// xx yy zz xy yz zx, tension positive.
 using Stress = Eigen::Matrix<double, 6, 1>;
 
+// Stress at the point that `recovery` stands for, from the corner displacements.
 Stress stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recovery,
                  const Nodal& u) {
   const int components = mesh.lattice.components();
@@ -44,6 +46,7 @@ std::vector<std::int32_t> Ground::own_top() const {
   return numbers;
 }
 
+// Both faces of a plane model show the plane node.
 Ground::TopState Ground::top_state(std::int32_t number) const {
   const auto& own = room_->own_top;
   const auto found =
@@ -56,6 +59,8 @@ Ground::TopState Ground::top_state(std::int32_t number) const {
           room_->vector(state.acceleration, found->node), room_->surface_stress(found->node)};
 }
 
+// Points are all nodes this rank holds; those of ghosts that no own cell uses do no harm.
+// Collective because of the velocities of ghosts.
 io::Grid Ground::fields() const {
   const Mesh& mesh = room_->mesh;
   const Lattice& lattice = mesh.lattice;
@@ -109,6 +114,7 @@ GroundTotals Ground::totals() const {
   if (room.solves > 0)
     totals.iterations_mean =
         static_cast<double>(room.iterations) / static_cast<double>(room.solves);
+  // Energies of the motion since rest: 1/2 v M v and 1/2 u K u with the springs.
   Nodal force(room.components(), mesh.nodes());
   room.stiffness.apply(room.state.displacement, force);
   for (const Spring& s : room.terms.springs)

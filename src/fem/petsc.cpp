@@ -1,3 +1,4 @@
+// Start and end of PETSc, and its error codes.
 #include "trackbed/fem/petsc.hpp"
 
 #include <petscsys.h>
@@ -22,6 +23,7 @@ void start(const std::vector<std::string>& options) {
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr), "set the error handler of PETSc");
 }
 
+// Harmless if somebody else ended PETSc already.
 void finish() {
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
@@ -37,6 +39,7 @@ int finish_with_mpi(MPI_Comm, int, void*, void*) {
 
 }  // namespace
 
+// Carries PETSc's own words for the code; the return handler keeps its traceback off the screen.
 void check(int code, const char* what) {
   if (code == 0) return;
   const char* text = nullptr;

@@ -1,3 +1,9 @@
+// The force kernel. Per zone in space: 72 additions to patterns, 72 multiplications and 48
+// additions in the blocks, 72 additions back, 48 to assemble. Four times the speed of the dense
+// matrix.
+//
+// Rejected: scatter by zone with gathered indices (no unit stride), colouring of zones (another
+// order of sums per rank), fused multiply-add (bits would hang on the compiler's choices).
 #include "stiffness.hpp"
 
 #include <algorithm>
@@ -16,6 +22,7 @@ constexpr std::int32_t lanes = 8;
 // result does not depend on which lane, or how full a vector, a zone falls into.
 using Lane = double __attribute__((vector_size(8 * lanes)));
 
+// Loads and stores are unaligned: a zone's right corners are its left ones shifted by one.
 Lane load(const double* from) {
   Lane value;
   std::memcpy(&value, from, sizeof(Lane));
@@ -35,6 +42,7 @@ inline void to_patterns(Lane (&value)[1 << D]) {
         value[k | bit] = high - low;
       }
 }
+// The way back, transposed: corner k gets the sum over patterns of sign * value.
 template <int D>
 inline void to_corners(Lane (&value)[1 << D]) {
   for (int bit = 1; bit < 1 << D; bit <<= 1)
@@ -53,10 +61,13 @@ struct RunForces {
   double left[D][lines][64 + 8], right[D][lines][64 + 8];
 };
 
+// Corner forces of zones at, at + 1 ... at + 7 of a run. Lanes beyond the end of the run compute
+// something from nodes that follow (or padding); their results are never added.
 template <int D>
 inline void eight_zones(const Stiffness::Blocks& stiffness, const double* const (&from)[D][4],
                         std::int32_t at, RunForces<D>& forces) {
   constexpr int corners = 1 << D;
+  // All indices below are known to the compiler: unrolled, everything lives in registers.
   Lane u[D][corners], f[D][corners];
 #pragma GCC unroll 8
   for (int c = 0; c < D; ++c) {
@@ -68,6 +79,7 @@ inline void eight_zones(const Stiffness::Blocks& stiffness, const double* const 
   for (int g = 0; g < corners; ++g)
 #pragma GCC unroll 8
     for (int c = 0; c < D; ++c) {
+      // Fixed order of terms: part of the promise of equal bits.
       Lane sum = stiffness.block[g][c][0] * u[0][g ^ 1];
 #pragma GCC unroll 8
       for (int d = 1; d < D; ++d) sum += stiffness.block[g][c][d] * u[d][g ^ (1 << d)];
@@ -91,6 +103,8 @@ inline void add_line(double* to, const double* left, const double* right, std::i
   to[zones] += right[zones - 1];
 }
 
+// Runs come in the order of zone numbers, so each node sees its zones in ascending order however
+// the runs are cut.
 template <int D, class Runs>
 void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, const Nodal& w,
                 Nodal& f) {
@@ -110,6 +124,7 @@ void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, 
   }
 }
 
+// +1 or -1: the sign a pattern gives to a corner, the product over the axes of the pattern.
 double sign(int pattern, int corner) {
   return std::popcount(static_cast<unsigned>(pattern & ~corner)) % 2 != 0 ? -1.0 : 1.0;
 }
@@ -127,7 +142,7 @@ Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
   const double noise = 1e-13 * t.cwiseAbs().maxCoeff();
   t = (t.array().abs() < noise).select(0.0, t);
   Stiffness::Blocks blocks{};
-  double inside = 0;
+  double inside = 0;  // squared size of what the blocks hold; must be all of it
   for (int g = 0; g < corners; ++g)
     for (int c = 0; c < components; ++c)
       for (int d = 0; d < components; ++d) {
@@ -146,6 +161,8 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements)
     : elements_(std::move(elements)), nodes_(mesh.nodes()), components_(mesh.lattice.components()) {
   for (const ZoneElement& element : elements_)
     blocks_.push_back(blocks_of(element.stiffness, components_));
+  // Zones are ascending with x fastest, so a row of the lattice is contiguous unless the partition
+  // or a change of solid cuts it.
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
     const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
     const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&

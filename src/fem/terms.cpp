@@ -1,3 +1,8 @@
+// Masses, border terms and the critical step.
+//
+// All borders are lumped to nodes, face by face, so that the explicit step stays diagonal: a
+// consistent dashpot matrix would need a solve and is not more accurate for waves that the mesh
+// resolves.
 #include "terms.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +28,8 @@ Impedance impedance(const Elastic& s, bool plane_stress) {
   return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
 }
 
+// Visits the borders of one zone after the other, in ascending order: nodal sums have the same bits
+// on any number of ranks.
 struct Builder {
   const Mesh& mesh;
   const GroundParameters& parameters;
@@ -35,6 +42,7 @@ struct Builder {
     return face / (lattice.corners() / 2);
   }
 
+  // Lysmer's dashpots on one corner of a border face, for all components.
   void dashpots(std::size_t z, std::int32_t node, int normal) const {
     const bool stress = mesh.lattice.plane && parameters.plane == PlaneState::stress;
     const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
@@ -43,6 +51,7 @@ struct Builder {
       terms.damping[c][node] += (c == normal ? of.normal : of.tangential) * face_share(normal);
   }
 
+  // Held, or quiet with or without springs.
   void base(std::size_t z, std::int32_t node) const {
     const auto n = static_cast<std::size_t>(node);
     const auto all = static_cast<std::uint8_t>((1 << mesh.lattice.components()) - 1);
@@ -56,6 +65,7 @@ struct Builder {
       terms.springs.push_back({node, parameters.base_stiffness * face_share(up)});
   }
 
+  // A quiet side gives no static support across it; at rest it acts as a roller.
   void side(std::size_t z, std::int32_t node, int normal) const {
     if (parameters.sides == Sides::free) return;
     const auto n = static_cast<std::size_t>(node);
@@ -68,6 +78,7 @@ struct Builder {
   }
 
   void borders(std::size_t z) const {
+    // A corner of the block meets several borders; each adds its part.
     const Lattice& lattice = mesh.lattice;
     const Index3 at = lattice.zone_index(mesh.zone[z]);
     const int up = lattice.components() - 1;
@@ -95,6 +106,7 @@ void merge(std::vector<Spring>& springs) {
   springs = std::move(merged);
 }
 
+// Of a symmetric matrix of 24 rows at most.
 double largest_eigenvalue(const Eigen::MatrixXd& k) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
       .eigenvalues()
@@ -108,6 +120,7 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
       damping(mesh.lattice.components(), mesh.nodes()),
       held(mesh.nodes(), 0),
       held_at_rest(mesh.nodes(), 0) {
+  // Masses first by zones, then what hangs on them.
   const Builder builder{mesh, parameters, *this};
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
     for (int k = 0; k < mesh.lattice.corners(); ++k)
