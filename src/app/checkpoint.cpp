@@ -68,6 +68,8 @@ std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
   return all;
 }
 
+// Walls are made again from their height; ground, sleepers and platen bring their own shape. The
+// mean forces matter: they move the bodies in the next window.
 void save_surfaces(World& world, io::File& file) {
   const par::Comm& comm = world.comm;
   std::vector<double> height;
@@ -87,6 +89,7 @@ void save_surfaces(World& world, io::File& file) {
                 {"N", "mean force of stones on the nodes in the last window"});
 }
 
+// `meet` first, since the coupler must know the surfaces before it can take their forces.
 void load_surfaces(World& world, const io::File& file) {
   const double height = file.read_all<double>("run/wall_height").at(0);
   if (height > 0) world.raise_walls(height);
@@ -120,6 +123,7 @@ void Simulation::checkpoint(const std::string& name) {
   last_checkpoint_ = folder_ + "/" + name;
 }
 
+// Parts that do not exist yet are left out; `load` sees that and leaves them new.
 void Simulation::save(io::File& file) {
   file.attribute("/", "version", version());
   file.attribute("/", "deck", effective_deck(model_));
@@ -185,6 +189,7 @@ void Simulation::load(const io::File& file) {
   load_surfaces(world_, file);
 }
 
+// Histories go on in the file beside the checkpoint, or begin anew if it is not there.
 void Simulation::resume(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   load(file);
@@ -204,6 +209,7 @@ void Simulation::resume(const std::string& checkpoint) {
   measured_ = measure_from(stage().name, timers_, world_);
 }
 
+// Stages are matched by name, so that the deck may have others before and after.
 void Simulation::start_from(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   const std::string name = file.text_attribute("/", "stage");

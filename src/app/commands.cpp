@@ -1,3 +1,4 @@
+// What each word of the command line does. All commands but `describe` and `schema` are collective.
 #include "app/commands.hpp"
 
 #include <fmt/format.h>
@@ -85,6 +86,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   return finish(comm, simulation, folder);
 }
 
+// The deck comes from the checkpoint; overrides may change what later windows use.
 int resume(const par::Comm& comm, const Arguments& arguments) {
   std::string text, name;
   {

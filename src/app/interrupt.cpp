@@ -1,3 +1,4 @@
+// A handler only notes that a signal came; the run looks at the note once per window.
 #include "app/interrupt.hpp"
 
 #include <csignal>

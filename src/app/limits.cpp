@@ -1,3 +1,7 @@
+// Time steps. Three things limit them: the stiffest contact of the lightest stone (sub-step), the
+// ground's elements (its own steps within a window) and the staggered coupling (window). The first
+// two are asked of the rooms; the third is ours. Nothing here depends on ranks or on the machine,
+// so a run has the same windows everywhere.
 #include "app/limits.hpp"
 
 #include <fmt/format.h>
@@ -103,8 +107,10 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
   steps.window = step * static_cast<double>(model.time.substeps);
   steps.limit = "stones: " + dem_words;
   if (stage.ground_moves && world.ground) {
+    // No limit of the window: the ground divides it into as many steps as it needs.
     const double ground = world.ground->stable_step(&ground_words);
-    if (ground < steps.window) steps.window = ground, steps.limit = "ground: " + ground_words;
+    if (ground < steps.window)
+      steps.limit += fmt::format("; ground in steps of at most {:.4g} s: {}", ground, ground_words);
   }
   if (coupling < steps.window) {
     steps.window = coupling;

@@ -1,3 +1,6 @@
+// All parameters of a deck that no single room owns, and the rules that tie rooms together: which
+// stages need which, which material names exist, which steps are grossly unstable. Rooms declare
+// their own sections; the order here is the order of docs/input.md.
 #include "app/parameters.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Command line by CLI11. Words after `--` go to PETSc unseen, so that any of its options can be
+// used.
 #include "app/program.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Text for a person who waits. Lines come by wall time, decided on rank 0 and spread with the
+// agreement of the window, because what they print are sums over all ranks.
 #include "app/progress.hpp"
 
 #include <fmt/format.h>

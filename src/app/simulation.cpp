@@ -1,3 +1,7 @@
+// The run: a loop over stages, in each a loop over windows. What is in a window is in `window`,
+// what is around it in `run_stages`; both are to stay as short as they are. One agreement per
+// window covers trouble on any rank, signals, the wall-time limit and reports, and costs one
+// reduction.
 #include "app/simulation.hpp"
 
 #include <fmt/format.h>
@@ -49,6 +53,7 @@ void Simulation::window() {
   average_support(dt);
 }
 
+// Loads are taken at mid-window: second order in the window for a load that varies smoothly.
 void Simulation::move_sleepers(double dt) {
   if (!world_.sleepers || !world_.sleepers->placed()) return;
   const auto timing = timers_.scope(Verb::track);
@@ -57,6 +62,7 @@ void Simulation::move_sleepers(double dt) {
   world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
 }
 
+// In the compact stage the servo decides, in the release stage the deck.
 void Simulation::press_platen(double dt) {
   if (!world_.platen) return;
   if (stage().kind == StageKind::release)
@@ -65,6 +71,7 @@ void Simulation::press_platen(double dt) {
     world_.platen->advance(dt, world_.on_platen());
 }
 
+// A ground that is held still keeps its shape but still collects the load of the bed.
 void Simulation::move_ground(double dt) {
   if (!world_.ground) return;
   const auto timing = timers_.scope(Verb::ground);
@@ -80,6 +87,7 @@ void Simulation::move_ground(double dt) {
   }
 }
 
+// Scopes are narrow so that waiting for surfaces is booked under coupling, not under dem.
 void Simulation::move_stones(double dt) {
   {
     const auto timing = timers_.scope(Verb::coupling);
@@ -106,6 +114,7 @@ void Simulation::average_support(double dt) {
   }
 }
 
+// Errors leave with the words a user needs to go on: when, where, and from which checkpoint.
 Outcome Simulation::run() {
   try {
     const Outcome outcome = run_stages();
@@ -119,6 +128,7 @@ Outcome Simulation::run() {
   }
 }
 
+// A resumed run enters a stage that has begun, and so skips `begin_stage`; nothing else differs.
 Outcome Simulation::run_stages() {
   catch_interrupts();
   progress_.start(world_, model_, name_);
@@ -148,10 +158,13 @@ Outcome Simulation::run_stages() {
   return Outcome::finished;
 }
 
+// Asked again for the same window by a run that resumes there: must depend on state alone.
 bool Simulation::runs() const {
   return course_.clock.runs() && !actions_.settled(stage(), course_.clock);
 }
 
+// The clock of a stage counts its windows from 0, so that stages of different windows follow each
+// other without rounding.
 void Simulation::begin_stage() {
   const double time = course_.clock.time();
   actions_.begin(stage());
@@ -219,12 +232,14 @@ void Simulation::write_summary(bool finished) {
                       .finished = finished});
 }
 
+// Counted in whole windows of the stage, so that it needs no state and does not drift.
 bool Simulation::every(double interval) const {
   if (interval <= 0) return false;
   const auto windows = std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
   return course_.clock.window() % windows == 0;
 }
 
+// Rows, pictures, and the balance of work over ranks; none of them changes a result.
 void Simulation::observe() {
   if (every(model_.output.history_interval)) sample();
   if (model_.output.fields && every(model_.output.fields_interval)) {

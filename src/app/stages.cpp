@@ -1,3 +1,5 @@
+// The kinds of stages. A stage has no state of its own: what it does in a window follows from the
+// deck, the clock and the model, so that a checkpoint within it needs nothing more.
 #include "app/stages.hpp"
 
 #include <algorithm>
@@ -33,6 +35,8 @@ bool at_rest(const dem::Totals& totals, double ratio) {
 StageActions::StageActions(World& world, const Model& model)
     : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing) {}
 
+// The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
+// it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release;
@@ -53,6 +57,7 @@ void StageActions::begin(const Stage& stage) {
     world_.meet();
 }
 
+// Sleepers are put where they belong and the stones in their way go: digging, not pushing.
 void StageActions::place_sleepers(const Stage& stage) {
   world_.sleepers->place(stage.height);
   const auto in_the_way = [&](const dem::ParticleView& stone, std::size_t i) {
@@ -74,6 +79,7 @@ void StageActions::place_sleepers(const Stage& stage) {
   });
 }
 
+// Known before the stage begins, since the passage depends on the axles and the last sleeper only.
 double StageActions::duration(const Stage& stage) const {
   if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
   const auto& s = model_.sleepers;
@@ -97,6 +103,8 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   return at_rest(world_.particles.totals(), stage.until_ratio);
 }
 
+// What is left when a packing stage is over: stones at rest, the platen only where the next stage
+// wants it, the materials' own damping.
 void StageActions::end(const Stage& stage) {
   if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();

@@ -1,3 +1,5 @@
+// The names of these figures are a contract (docs/running.md). Speeds are particles (elements)
+// times steps over the largest wall time of any rank, per rank, of the last stage.
 #include "app/summary.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// 0 where nothing was done: a figure must not be infinite in JSON.
 double ratio(double above, double below) { return below > 0 ? above / below : 0; }
 
 double peak_memory_mb() {

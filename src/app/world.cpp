@@ -1,3 +1,6 @@
+// Surfaces come and go with stages: floor and walls with the fill, the platen for a while, sleepers
+// for good. Each time `meet` tells stones and coupler anew. Rejected: surfaces that exist from the
+// start and are switched off; every room would have to know the switch.
 #include "app/world.hpp"
 
 #include <algorithm>
@@ -13,6 +16,8 @@ bool uses_sleepers(const Model& model) {
 
 }  // namespace
 
+// The ground and the sleepers exist from the start, because their sizes are columns of the
+// histories; sleepers take part once they are placed.
 World::World(const par::Comm& world, const Model& deck)
     : comm(world),
       model(deck),
@@ -50,6 +55,7 @@ void World::meet() {
   rebalance();
 }
 
+// Whose stones are where decides which nodes a rank needs: coupler after stones.
 void World::rebalance() {
   particles.repartition();
   coupler.connect([&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
@@ -66,6 +72,7 @@ void World::place_platen(double z) {
   meet();
 }
 
+// `place` also puts the servo to rest, whose forces mean nothing while the plate goes up.
 void World::lift_platen(double before, double motion) {
   platen->place(platen->z() + before);
   for (Vec3& node : platen->surface().motion) node = Vec3(0, 0, motion);
@@ -84,6 +91,7 @@ double World::top_of_stones() const {
   return comm.max(top);
 }
 
+// Spans into the coupler: valid until the next `meet`.
 std::vector<std::span<const Vec3>> World::on_sleepers() const {
   std::vector<std::span<const Vec3>> forces;
   for (std::size_t i = 0; i < sleepers->count(); ++i)
@@ -93,6 +101,7 @@ std::vector<std::span<const Vec3>> World::on_sleepers() const {
 
 std::span<const Vec3> World::on_ground() const { return coupler.mean_force(0); }
 
+// Nodes in their order: the same bits on every rank.
 double World::on_platen() const {
   double force = 0;
   for (const Vec3& node : coupler.mean_force(platen_number_)) force += node.z();
