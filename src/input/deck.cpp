@@ -1,3 +1,5 @@
+// The text of a deck and the overrides that are put into its tree before anything is read, so that
+// both meet the same checks.
 #include "trackbed/input/deck.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// "Did you mean": the declared name with the fewest typing errors in between.
 #include <algorithm>
 #include <cctype>
 #include <numeric>

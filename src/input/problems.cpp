@@ -1,3 +1,4 @@
+// Sentences are sorted by line, because declarations are visited in another order than people read.
 #include "input/problems.hpp"
 
 #include <fmt/format.h>

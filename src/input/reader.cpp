@@ -1,3 +1,5 @@
+// Reading never stops at a problem: a refused value keeps its default and the visit goes on. All
+// sentences have one form, "place: path = value must be ...", so that a user can search for them.
 #include "input/reader.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Collects a declaration into a tree without changing any variable, and prints from it what a deck
+// could say: the names, and the present values as effective input.
 #include "input/spec.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// A small CSV reader: numbers only, so cells hold no commas and need no escaping. A bad row is
+// noted and reading goes on, so that a user repairs a table once.
 #include "trackbed/input/table.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Writes values as TOML. Everything written here reads back to the same bits.
 #include "input/tree.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Words for what HDF5 reports and for what it stores.
 #include "io/hdf5.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// Layout behind the end of the HDF5 file: the extents (offset, bytes) in ascending order, then the
+// foot. Nothing read from a file is believed before it is checked: a damaged count must not ask
+// for memory, a damaged extent must not hide bytes.
 #include "io/seal.hpp"
 
 #include <fmt/format.h>

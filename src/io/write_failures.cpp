@@ -1,11 +1,13 @@
+// Four of the twelve MPI-IO calls HDF5 makes change a file; each is passed on to the MPI library
+// under its second name (PMPI_). Calls by others, MPI-IO of PETSc say, would be noted here too.
 #include "io/write_failures.hpp"
-
-#include <mpi.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
+
+#include "trackbed/par/mpi.hpp"
 
 namespace trackbed::io {
 

@@ -16,11 +16,13 @@ using Declaration = std::function<void(Section&)>;
 
 class Deck {
  public:
-  // Reads `path` on rank 0 and shares the text. `overrides`: `key.path=value` (value in TOML syntax;
-  // a bare word is text). Throws InputError for a missing file or a syntax error. Collective.
+  // Reads `path` on rank 0 and shares the text. `overrides`: `key.path=value` (value in TOML
+  // syntax; a bare word is text). Throws InputError for a missing file or a syntax error.
+  // Collective.
   static Deck read(const par::Comm& comm, const std::string& path,
                    const std::vector<std::string>& overrides);
-  // For tests and for the effective input stored in a checkpoint. `origin` is what messages call it.
+  // For tests and for the effective input stored in a checkpoint. `origin` is what messages call
+  // it.
   static Deck parse(const std::string& text, const std::string& origin,
                     const std::vector<std::string>& overrides = {});
   ~Deck();

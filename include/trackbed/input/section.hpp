@@ -26,10 +26,10 @@ inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 struct Limits {
   std::string_view unit = "-";
-  double above = -unbounded;    // value > above
-  double at_least = -unbounded; // value >= at_least
-  double at_most = unbounded;   // value <= at_most
-  bool required = false;        // no default: an input without it is refused
+  double above = -unbounded;     // value > above
+  double at_least = -unbounded;  // value >= at_least
+  double at_most = unbounded;    // value <= at_most
+  bool required = false;         // no default: an input without it is refused
 };
 
 class Section {
@@ -57,7 +57,7 @@ class Section {
 
   // A word of a fixed list held as an enum: `words` in the order of the enum's values from 0.
   template <class E>
-    requires std::is_enum_v<E>
+  requires std::is_enum_v<E>
   void choice(std::string_view name, E& value, const std::vector<std::string_view>& words,
               std::string_view meaning) {
     std::string word(words.at(static_cast<std::size_t>(value)));
@@ -72,8 +72,8 @@ class Section {
     value.declare(*this);
     leave();
   }
-  // An array of tables [[name]], in the order of the file. Each may have a `name` parameter, by which
-  // overrides address it (`stage.passage.duration=2`), else by number from 0.
+  // An array of tables [[name]], in the order of the file. Each may have a `name` parameter, by
+  // which overrides address it (`stage.passage.duration=2`), else by number from 0.
   template <class T>
   void tables(std::string_view name, std::vector<T>& values, std::string_view meaning) {
     const std::optional<std::size_t> count = enter_list(name, meaning, values.size());

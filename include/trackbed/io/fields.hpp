@@ -11,7 +11,13 @@
 
 namespace trackbed::io {
 
-enum class CellKind : std::uint8_t { vertex = 1, line = 3, triangle = 5, quad = 9, hexahedron = 12 };
+enum class CellKind : std::uint8_t {
+  vertex = 1,
+  line = 3,
+  triangle = 5,
+  quad = 9,
+  hexahedron = 12
+};
 
 struct FieldData {
   std::string name;            // "velocity (m/s)"
@@ -21,9 +27,9 @@ struct FieldData {
 
 // This rank's piece: cells refer to this rank's points.
 struct Grid {
-  std::vector<Vec3> points;              // m
+  std::vector<Vec3> points;  // m
   CellKind kind = CellKind::vertex;
-  std::vector<std::int64_t> cells;       // point numbers, cell after cell
+  std::vector<std::int64_t> cells;               // point numbers, cell after cell
   std::vector<FieldData> point_data, cell_data;  // same names on every rank
 };
 

@@ -1,6 +1,6 @@
-// Parallel HDF5 behind one small class. A dataset is an array of rows; each rank holds some of them.
-// Any number of ranks reads what any number wrote. Failures throw RunError (agreed on all ranks)
-// that names file and dataset. All calls are collective unless they say otherwise.
+// Parallel HDF5 behind one small class. A dataset is an array of rows; each rank holds some of
+// them. Any number of ranks reads what any number wrote. Failures throw RunError (agreed on all
+// ranks) that names file and dataset. All calls are collective unless they say otherwise.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,7 @@ class File {
               const Label& label);
   void truncate(const std::string& path, std::size_t rows);
 
-  bool has(const std::string& path) const;  // a dataset or group
+  bool has(const std::string& path) const;                         // a dataset or group
   std::vector<std::size_t> extent(const std::string& path) const;  // rows, columns
   std::vector<std::string> names(const std::string& group) const;  // sorted members
 
