@@ -38,10 +38,14 @@ std::string range_of(const Spec& spec) {
   return range_in_words(limits);
 }
 
-std::string cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
-    text.insert(at, "\\");
-  return text;
+// A bar would end the cell of a Markdown table.
+std::string cell(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '|') escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
 }
 
 void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
