@@ -124,7 +124,9 @@ double manufactured_error(Dimension dimension, std::int64_t zones, double nu) {
 }
 
 TEST_P(Static, ManufacturedSolutionConvergesWithOrderTwo) {
-  for (const double nu : {0.3, 0.4999}) {
+  // 0.4999 makes the multigrid of the larger meshes slow: there 0.49, where locking shows as well.
+  const double high = GetParam() == Dimension::plane ? 0.4999 : 0.49;
+  for (const double nu : {0.3, high}) {
     const std::int64_t n = GetParam() == Dimension::plane ? 8 : 4;
     const double coarse = manufactured_error(GetParam(), n, nu);
     const double middle = manufactured_error(GetParam(), 2 * n, nu);
