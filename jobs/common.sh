@@ -14,6 +14,9 @@ if [ "$(id -u)" = 0 ]; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 fi
 
+# Ranks that wait give their core to others: costs nothing on free cores, saves much on shared ones.
+export OMPI_MCA_mpi_yield_when_idle=1
+
 install_packages() {
   local missing=() package
   while read -r package; do
