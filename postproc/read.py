@@ -60,7 +60,8 @@ class Results:
     def passage(self):
         """Rows of the histories during the train's passage; of the last stage if there is none."""
         kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
-        wanted = kinds.index("passage") if "passage" in kinds else -1
+        passages = [i for i, kind in enumerate(kinds) if kind == "passage"]
+        wanted = passages[-1] if passages else -1  # earlier ones bed the sleepers in
         rows = np.flatnonzero(self.stage == wanted)
         if not len(rows):
             rows = np.flatnonzero(self.stage == self.stage[-1])

@@ -163,6 +163,14 @@ bool Simulation::runs() const {
   return course_.clock.runs() && !actions_.settled(stage(), course_.clock);
 }
 
+// Envelopes are those of the last passage: earlier ones bed the sleepers in.
+bool Simulation::is_last_passage() const {
+  if (stage().kind != StageKind::passage) return false;
+  for (std::size_t later = course_.stage + 1; later < model_.stages.size(); ++later)
+    if (model_.stages[later].kind == StageKind::passage) return false;
+  return true;
+}
+
 // The clock of a stage counts its windows from 0, so that stages of different windows follow each
 // other without rounding.
 void Simulation::begin_stage() {
@@ -186,8 +194,7 @@ void Simulation::end_stage() {
     const auto timing = timers_.scope(Verb::output);
     results_.snapshot(stage().name, world_.scene());
     results_.flush();
-    if (stage().kind == StageKind::passage)
-      results_.envelope(static_cast<std::int64_t>(course_.stage));
+    if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(course_.stage));
     if (model_.output.fields)
       observe::write_pictures(comm_, folder_ + "/fields",
                               fmt::format("{}_{:06d}", stage().name, course_.clock.window()),

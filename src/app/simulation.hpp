@@ -43,6 +43,7 @@ class Simulation {
 
   const Stage& stage() const { return model_.stages[course_.stage]; }
   bool runs() const;
+  bool is_last_passage() const;
   void begin_stage();
   void end_stage();
   Outcome run_stages();

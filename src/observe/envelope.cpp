@@ -87,7 +87,7 @@ void Results::envelope(std::int64_t stage) {
   {
     const io::File file(room.comm, room.path, io::Mode::read);
     const auto rows = rows_of_stage(file, stage);
-    if (rows.first == rows.second || file.has("envelope")) return;  // of the first passage only
+    if (rows.first == rows.second || file.has("envelope")) return;
     for (const Wanted& wanted : envelopes())
       if (file.has(wanted.source))
         found.emplace_back(&wanted, extremes(room.comm, file, wanted, rows));
