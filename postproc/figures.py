@@ -24,6 +24,7 @@ GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # upper end of the spectra
 CHAIN_WIDTH = 6       # points, line of the largest force
+CHAIN_STAGES = 3      # the last ones are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
 
 
@@ -39,7 +40,8 @@ def needs(holds, what):
 def mark_blocks(axes, run):
     """Shades the stretches of the ground's blocks and writes their names at the lower edge."""
     for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
-        axes.axvspan(low, high, color="0.85" if number % 2 else "0.75", alpha=0.5, lw=0, zorder=0)
+        axes.axvspan(low, high, color="0.6" if name == "structure" else "0.8", alpha=0.3, lw=0,
+                     zorder=0)
         # Blocks may start together; names step up so that they do not cover each other.
         axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
                   va="bottom", fontsize=8)
@@ -165,7 +167,8 @@ def spectra(runs):
             panel.axvline(target, color="0.4", lw=0.8, ls=":")
             panel.text(target, 0.97, f" {mark}", transform=panel.get_xaxis_transform(), va="top")
         panel.grid(alpha=0.3)
-    panels[0].set_ylabel(f"acceleration (m/s^2)\n{FILTER.name_for(runs[0].time[rows])}", fontsize=9)
+    sampled = runs[0].time[runs[0].passage()]
+    panels[0].set_ylabel(f"acceleration (m/s^2)\n{FILTER.name_for(sampled)}", fontsize=9)
     panels[0].legend(fontsize=8)
     panels[-1].set_xlabel("frequency (Hz)")
     panels[0].set_title("Spectra of sleepers, root mean square over all\n" + "\n".join(text),
@@ -188,10 +191,10 @@ def draw_chains(panel, chains, stones, largest):
 
 
 def force_chains(runs):
-    """Force chains at the end of each stage, as Fig. 2 of the transition zone study: the whole bed
-    in the first panel, a stretch of it in the following ones. First run only."""
+    """Force chains at the end of the last stages, as Fig. 2 of the transition zone study: the whole
+    bed in the first panel, a stretch of it in the following ones. First run only."""
     run = runs[0]
-    stages = [name for name, chains in run.chains.items() if len(chains.force)]
+    stages = [name for name, chains in run.chains.items() if len(chains.force)][-CHAIN_STAGES:]
     needs(stages, "no force chains")
     edge = measures.edge_of_structure(run)
     figure, panels = plt.subplots(len(stages) + 1, 1, figsize=(11, 2.4 * (len(stages) + 1)),

@@ -20,7 +20,7 @@ class Transition:
     stress_beyond: float            # Pa, and the same behind it
     stress_jump: float              # Pa, highest before minus lowest behind, same two stretches
     sleeper_displacement: float     # m, downwards, largest of all sleepers
-    steepest: float                 # m/m, of the smoothed ground displacement
+    steepest: float                 # m/m, smoothed ground displacement, two spacings from the edge
 
 
 def spacing(results):
@@ -96,7 +96,7 @@ def transition(results):
         stress_beyond=float(np.mean(compression[behind])),
         stress_jump=float(np.max(compression[before]) - np.min(compression[behind])),
         sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else float("nan"),
-        steepest=float(np.max(np.abs(np.gradient(smooth, way)))))
+        steepest=float(np.max(np.abs(np.gradient(smooth, way))[(way >= 0) & (way <= 2 * reach)])))
 
 
 def loading_frequencies(results):
@@ -115,7 +115,7 @@ ROWS = (  # label, unit, field, factor
     ("ground surface displacement on the structure", "mm", "structure_displacement", 1e3),
     ("ground surface displacement far beyond it", "mm", "far_displacement", 1e3),
     (f"width of the transition ({REACHED:.0%} of the way)", "m", "width", 1),
-    ("steepest slope of the displacement", "mm/m", "steepest", 1e3),
+    ("steepest slope, two spacings from the edge", "mm/m", "steepest", 1e3),
     ("stress before the edge, mean of one spacing", "kPa", "stress_structure", 1e-3),
     ("stress behind the edge, mean of one spacing", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, highest - lowest", "kPa", "stress_jump", 1e-3),

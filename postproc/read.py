@@ -81,6 +81,12 @@ def _quantities(file, group):
         if group in file else {}
 
 
+def _in_order(names, deck):
+    """Names of stages as the deck orders them; HDF5 lists them by alphabet."""
+    order = [stage.get("name") for stage in deck.get("stage", [])]
+    return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
+
+
 def _array(file, path):
     return file[path][()] if path in file else np.empty(0)
 
@@ -97,11 +103,12 @@ def results(path):
     """Reads results.h5 (given itself or by its folder); parts a run did not have are empty."""
     file_path = _place(path, "results.h5")
     with h5py.File(file_path, "r") as file:
+        deck = tomllib.loads(_text(file.attrs["deck"]))
         stages = file["chains"] if "chains" in file else {}
         stone_stages = file["stones"] if "stones" in file else {}
         return Results(
             name=file_path.parent.name,
-            deck=tomllib.loads(_text(file.attrs["deck"])),
+            deck=deck,
             version=_text(file.attrs["version"]),
             ranks=int(np.ravel(file.attrs["ranks"])[0]),
             sleepers_x=_array(file, "sleepers/x"),
@@ -113,10 +120,12 @@ def results(path):
             energy=_quantities(file, "history/energy"),
             sleeper_envelope=_quantities(file, "envelope/sleeper"),
             ground_envelope=_quantities(file, "envelope/ground"),
-            chains={name: Chains(group["segments"][()].reshape(-1, 4), group["force"][()])
-                    for name, group in stages.items()},
-            stones={name: Stones(group["centre"][()].reshape(-1, 2), group["radius"][()])
-                    for name, group in stone_stages.items()})
+            chains={name: Chains(stages[name]["segments"][()].reshape(-1, 4),
+                                 stages[name]["force"][()])
+                    for name in _in_order(stages, deck)},
+            stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
+                                 stone_stages[name]["radius"][()])
+                    for name in _in_order(stone_stages, deck)})
 
 
 def datasets(path):

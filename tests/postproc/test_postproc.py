@@ -36,8 +36,11 @@ def test_read_gives_arrays_units_and_deck(runs):
     assert run.deck["load"]["speed"] == made.SPEED
     assert run.chains["load"].segments.shape == (2, 4)
     assert run.stones["load"].centre.shape == (2, 2)
+    deck = {"stage": [{"name": name} for name in ("fill", "compact", "load")]}
+    assert read._in_order(["compact", "fill", "load", "new"], deck) == ["fill", "compact", "load",
+                                                                        "new"]
     # Stage 4 of the deck is the passage: 2 s that begin at 0.1 s. Without one it is the last stage.
-    for deck in (run.deck, {}, {"stage": [{"kind": "passage"}]}):
+    for deck in (run.deck, {}, {"stage": 3 * [{"kind": "fill"}] + 2 * [{"kind": "passage"}]}):
         rows = dataclasses.replace(run, deck=deck).passage()
         assert run.time[rows][0] == pytest.approx(0.1) and len(run.time[rows]) == 2000
     first = [{"kind": "fill"}] * 3 + [{"kind": "passage"}]
