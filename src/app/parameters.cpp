@@ -60,7 +60,8 @@ void Stage::declare(input::Section& s) {
            "below this; 0: never. Not used by load and passage.");
   s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
   s.number("lift", lift, {.unit = "m/s", .above = 0}, "Release: speed of the platen upwards.");
-  s.number("height", height, {.unit = "m"}, "Sleepers: their lower face.");
+  s.number("height", height, {.unit = "m", .at_least = 0},
+           "Sleepers: their lower face; 0: on top of the stones.");
   s.number("profile", profile, {.unit = "m"},
            "Sleepers: stones with their centre above this height are taken away; 0: none.");
   s.number("seat_force", seat_force, {.unit = "N"}, "Constant force on each rail seat, downwards.");

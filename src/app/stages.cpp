@@ -59,7 +59,7 @@ void StageActions::begin(const Stage& stage) {
 
 // Sleepers are put where they belong and the stones in their way go: digging, not pushing.
 void StageActions::place_sleepers(const Stage& stage) {
-  world_.sleepers->place(stage.height);
+  world_.sleepers->place(stage.height > 0 ? stage.height : world_.top_of_stones());
   const auto in_the_way = [&](const dem::ParticleView& stone, std::size_t i) {
     bool hit = stage.profile > 0 && stone.position.z() > stage.profile;
     world_.particles.pieces(i, [&](const Vec3& centre, double radius) {
