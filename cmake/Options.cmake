@@ -4,7 +4,7 @@ target_compile_options(trackbed_options INTERFACE
   -Wall -Wextra -Wpedantic -Wno-psabi
   # Contacts are computed on several ranks by differently inlined code: fused multiply-adds chosen
   # by the compiler would change their last bits. None of these changes a value.
-  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+  -ffp-contract=off -fno-math-errno -fno-trapping-math -fopenmp-simd)
 if(TRACKBED_NATIVE)
   target_compile_options(trackbed_options INTERFACE -march=native)
 endif()

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::dem {
@@ -48,7 +50,7 @@ int material_named(const Physics& physics, const std::string& name) {
 
 Law linear_law(const ContactLaw& c) {
   return {.kind = LawKind::linear,
-          .cut = !c.attraction,
+          .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
           .k_n = c.k_n,
           .k_s = c.k_s,
           .c_n = 2 * c.zeta_n * std::sqrt(c.k_n),
@@ -71,7 +73,7 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
   const double beta = hertz_damping(c.restitution, !c.attraction);
   const double damping = 2 * std::sqrt(5.0 / 6.0) * beta;
   return {.kind = LawKind::hertz,
-          .cut = !c.attraction,
+          .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
           .k_n = 4.0 / 3.0 * e_star,
           .k_s = 8 * g_star,
           .c_n = damping * std::sqrt(2 * e_star),

@@ -39,7 +39,7 @@ namespace {
 
 // Elastic part of a contact's force on the first piece.
 Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
-  const Coefficients c = coefficients(law, delta, 0, radius);
+  const Coefficients c = coefficients<true>(law, delta, 0, radius);
   return -c.k_n * delta * n - c.k_s * xi.vec3();
 }
 

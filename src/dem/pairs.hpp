@@ -36,11 +36,18 @@ struct Row {
   std::uint32_t begin, end;
 };
 
+// An entry that touches, with its row's piece.
+struct Contact {
+  std::uint32_t entry;
+  std::int32_t piece;  // i
+};
+
 struct PairList {
   std::vector<Row> rows;
   std::vector<Entry> entries;
-  std::vector<Vec4> xi;      // m, history; w: sqrt of the effective mass
-  std::vector<Vec4> shifts;  // m, [0] is zero
+  std::vector<Vec4> xi;           // m, history; w: sqrt of the effective mass
+  std::vector<Vec4> shifts;       // m, [0] is zero
+  std::vector<Contact> touching;  // in this sub-step, in the order of entries
   void clear() { rows.clear(), entries.clear(), xi.clear(), shifts.assign(1, Vec4{}); }
 };
 

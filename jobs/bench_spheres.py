@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Speed of inputs/bench/spheres.toml beside LAMMPS on the same spheres, in one run, alternating.
+
+    bench_spheres.py TRACKBED FOLDER [RUNS]
+
+TRACKBED: the program. FOLDER: where the settled bed is prepared (kept for the next call) and the
+results go. Needs Debian's lammps. Prints particle-steps per second and core of each run and the
+medians. Both integrate the same spheres at rest (positions and radii from our checkpoint, the same
+linear law with history) on one core; LAMMPS needs some steps to build its contact histories, which
+are not counted.
+"""
+import json
+import re
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+DECK = Path(__file__).resolve().parent.parent / "inputs" / "bench" / "spheres.toml"
+STIFFNESS, RATIO, ZETA, FRICTION, DENSITY = 1e6, 0.8, 0.3, 0.5, 2600  # of the deck, SI units
+BOX = ((0.0, 0.5), (-0.25, 0.25))  # m, the deck's periodic sides
+STEPS = 3000
+
+LAMMPS_INPUT = """units si
+atom_style sphere
+boundary p p f
+comm_modify vel yes
+newton off
+read_data spheres.data
+pair_style gran/hooke/history {kn} {kt} {gn} {gt} {mu} 1
+pair_coeff * *
+fix 1 all nve/sphere
+fix 2 all gravity 9.81 vector 0 0 -1
+fix 3 all wall/gran hooke/history {kn} {kt} {gn} {gt} {mu} 1 zplane 0 NULL
+neighbor {skin} bin
+neigh_modify delay 0 every 1
+timestep {dt}
+thermo 1000000
+run 200
+run {steps}
+"""
+
+
+def prepare(program, folder):
+    state = folder / "stage_settle.h5"
+    if not state.exists():
+        subprocess.run([program, "run", DECK, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+    return state
+
+
+def write_lammps(state, folder):
+    with h5py.File(state) as file:
+        bed = file["particles"]
+        x, radius = bed["position"][:], bed["scale"][:] * bed["template/piece"][0, 3]
+    for axis, (low, high) in enumerate(BOX):
+        x[:, axis] = low + np.mod(x[:, axis] - low, high - low)
+    lightest = DENSITY * 4 / 3 * np.pi * radius.min() ** 3
+    mean_mass = DENSITY * 4 / 3 * np.pi * (radius**3).mean() / 2  # effective, of a pair
+    gamma = 2 * ZETA * np.sqrt(STIFFNESS / mean_mass)
+    head = ["spheres", "", f"{len(x)} atoms", "1 atom types", ""]
+    head += [f"{low} {high} {a}lo {a}hi" for a, (low, high) in zip("xy", BOX)]
+    head += [f"0 {x[:, 2].max() + 0.1} zlo zhi", "", "Atoms", ""]
+    rows = [
+        f"{i + 1} 1 {2 * r} {DENSITY} {p[0]} {p[1]} {p[2]}" for i, (p, r) in enumerate(zip(x, radius))
+    ]
+    (folder / "spheres.data").write_text("\n".join(head + rows) + "\n")
+    (folder / "spheres.in").write_text(
+        LAMMPS_INPUT.format(
+            kn=STIFFNESS, kt=RATIO * STIFFNESS, gn=gamma, gt=gamma, mu=FRICTION,
+            skin=0.15 * radius.min(), dt=0.2 * np.sqrt(lightest / STIFFNESS), steps=STEPS,
+        )
+    )
+
+
+def run_ours(program, folder, state):
+    out = folder / "run"
+    command = [program, "run", DECK, f"start={state}", "-o", out]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return json.loads((out / "summary.json").read_text())["dem"]
+
+
+def run_lammps(folder):
+    command = ["lmp", "-in", "spheres.in", "-log", "none"]
+    text = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms", text)
+    seconds, steps, atoms = loops[-1]
+    return int(steps) * int(atoms) / float(seconds)
+
+
+def main():
+    program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
+    folder.mkdir(parents=True, exist_ok=True)
+    state = prepare(program, folder)
+    write_lammps(state, folder)
+    ours, theirs = [], []
+    for _ in range(runs):
+        dem = run_ours(program, folder, state)
+        ours.append(dem["particle_steps_per_second_per_core"])
+        theirs.append(run_lammps(folder))
+        print(f"trackbed {ours[-1]:.3e}  LAMMPS {theirs[-1]:.3e}  ratio {ours[-1] / theirs[-1]:.2f}",
+              flush=True)
+    print(f"{dem['particles']} spheres, {dem['contacts_per_particle']:.2f} contacts each")
+    ratio = statistics.median(a / b for a, b in zip(ours, theirs))
+    print(f"medians: trackbed {statistics.median(ours):.3e}, LAMMPS {statistics.median(theirs):.3e}, "
+          f"ratio {ratio:.2f}")
+
+
+if __name__ == "__main__":
+    main()

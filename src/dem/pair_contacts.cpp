@@ -1,0 +1,200 @@
+// Forces of pieces on pieces, in three passes: which entries touch (cheap, most do not); eight
+// touching contacts at a time through the law (vectorised: all lanes do the same arithmetic, so a
+// contact's bits do not depend on its lane); the forces added to the particles in the order of the
+// list. The sphere's case (piece = particle) is compiled apart.
+//
+// Cost per touching contact of spheres: about 150 flops with 2 roots and 3 divisions, and 0.5 kB of
+// particle data that mostly sits in cache when ids run along the bed.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "room.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
+
+struct alignas(64) Lane3 {
+  double x[lanes], y[lanes], z[lanes];
+  void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
+};
+
+// Eight contacts: what the law reads and what it gives.
+struct alignas(64) Group {
+  Lane3 d, vi, vj, wi, wj, ai, aj;  // a: piece centre from the particle's, clumps only
+  Lane3 xi, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
+  double ri[lanes], rj[lanes], root_mass[lanes];
+  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
+};
+
+// Arrays of the pair loop, so that the compiler sees plain pointers.
+struct Arrays {
+  const Vec4* piece_x;
+  const std::int32_t* body;
+  const Vec4* x;
+  const Vec4* v;
+  const Vec4* w;
+  Vec4* f;
+  Vec4* t;
+};
+
+// Marks entries that touch; those that do no more lose their history.
+void find_touching(const Vec4* piece_x, PairList& list) {
+  list.touching.clear();
+  for (const Row& row : list.rows) {
+    const Vec4 pi = piece_x[row.piece];
+    for (std::uint32_t e = row.begin; e < row.end; ++e) {
+      Entry& entry = list.entries[e];
+      const Vec4& pj = piece_x[entry.piece];
+      const Vec4& h = list.shifts[entry.shift];
+      const double dx = pj.x - pi.x + h.x, dy = pj.y - pi.y + h.y, dz = pj.z - pi.z + h.z;
+      const double reach = pi.w + pj.w;
+      if (dx * dx + dy * dy + dz * dz < reach * reach) {
+        entry.touching = 1;
+        list.touching.push_back({e, row.piece});
+      } else if (entry.touching) {
+        entry.touching = 0;
+        list.xi[e].set(Vec3::Zero());
+      }
+    }
+  }
+}
+
+template <bool spheres>
+std::size_t particle(const Arrays& a, std::int32_t piece) {
+  return static_cast<std::size_t>(spheres ? piece : a.body[piece]);
+}
+
+template <bool spheres>
+void load(const Arrays& a, const LawTable& laws, const PairList& list, const Contact* contacts,
+          std::size_t count, Group& g) {
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const Contact& c = contacts[k < count ? k : 0];  // spare lanes repeat a contact, unused
+    const Entry& entry = list.entries[c.entry];
+    const Vec4 &pi = a.piece_x[c.piece], &pj = a.piece_x[entry.piece],
+               &h = list.shifts[entry.shift];
+    const std::size_t i = particle<spheres>(a, c.piece), j = particle<spheres>(a, entry.piece);
+    g.d.put(k, {pj.x - pi.x + h.x, pj.y - pi.y + h.y, pj.z - pi.z + h.z, 0});
+    g.ri[k] = pi.w, g.rj[k] = pj.w;
+    g.vi.put(k, a.v[i]), g.vj.put(k, a.v[j]);
+    g.wi.put(k, a.w[i]), g.wj.put(k, a.w[j]);
+    if constexpr (!spheres) {
+      g.ai.put(k, {pi.x - a.x[i].x, pi.y - a.x[i].y, pi.z - a.x[i].z, 0});
+      g.aj.put(k, {pj.x - a.x[j].x, pj.y - a.x[j].y, pj.z - a.x[j].z, 0});
+    }
+    const Vec4& xi = list.xi[c.entry];
+    g.xi.put(k, xi), g.root_mass[k] = xi.w;
+    const Law& law = laws[entry.law];
+    g.k_n[k] = law.k_n, g.k_s[k] = law.k_s, g.c_n[k] = law.c_n, g.c_s[k] = law.c_s;
+    g.mu[k] = law.mu, g.least[k] = law.least;
+    g.hertz[k] = law.kind == LawKind::hertz;
+  }
+}
+
+// The law on all lanes. Everything is inlined into one loop without branches.
+template <bool spheres, bool hertz>
+void respond(Group& g, double dt) {
+#pragma omp simd
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const double dx = g.d.x[k], dy = g.d.y[k], dz = g.d.z[k];
+    const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+    const double over = 1.0 / (distance > 1e-300 ? distance : 1e-300);
+    const double reach = g.ri[k] + g.rj[k], delta = reach - distance;
+    const double nx = dx * over, ny = dy * over, nz = dz * over;
+    const double ci = g.ri[k] - 0.5 * delta, cj = 0.5 * delta - g.rj[k];
+    double rix = ci * nx, riy = ci * ny, riz = ci * nz;
+    double rjx = cj * nx, rjy = cj * ny, rjz = cj * nz;
+    if constexpr (!spheres) {
+      rix += g.ai.x[k], riy += g.ai.y[k], riz += g.ai.z[k];
+      rjx += g.aj.x[k], rjy += g.aj.y[k], rjz += g.aj.z[k];
+    }
+    const double wix = g.wi.x[k], wiy = g.wi.y[k], wiz = g.wi.z[k];
+    const double wjx = g.wj.x[k], wjy = g.wj.y[k], wjz = g.wj.z[k];
+    const double vx = (g.vi.x[k] + (wiy * riz - wiz * riy)) - (g.vj.x[k] + (wjy * rjz - wjz * rjy));
+    const double vy = (g.vi.y[k] + (wiz * rix - wix * riz)) - (g.vj.y[k] + (wjz * rjx - wjx * rjz));
+    const double vz = (g.vi.z[k] + (wix * riy - wiy * rix)) - (g.vj.z[k] + (wjx * rjy - wjy * rjx));
+    const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
+    double stiff = 1, damp = g.root_mass[k];
+    if constexpr (hertz) {
+      const double contact_radius = std::sqrt(g.ri[k] * g.rj[k] / reach * delta);
+      stiff = g.hertz[k] > 0 ? contact_radius : 1.0;
+      damp *= std::sqrt(stiff);
+    }
+    const Coefficients c{g.k_n[k] * stiff, g.k_s[k] * stiff, g.c_n[k] * damp,
+                         g.c_s[k] * damp,  g.mu[k],          g.least[k]};
+    Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
+    const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, delta, twist}, dt, xi);
+    g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
+    g.force.x[k] = f.x, g.force.y[k] = f.y, g.force.z[k] = f.z;
+    g.turn_i.x[k] = riy * f.z - riz * f.y, g.turn_j.x[k] = rjy * f.z - rjz * f.y;
+    g.turn_i.y[k] = riz * f.x - rix * f.z, g.turn_j.y[k] = rjz * f.x - rjx * f.z;
+    g.turn_i.z[k] = rix * f.y - riy * f.x, g.turn_j.z[k] = rjx * f.y - rjy * f.x;
+    g.d.x[k] = delta / (g.ri[k] < g.rj[k] ? g.ri[k] : g.rj[k]);  // for the check of overlaps
+  }
+}
+
+// Adds forces in the order of the list; returns the largest overlap over the smaller radius.
+template <bool spheres>
+double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t count,
+           const Group& g) {
+  double worst = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t e = contacts[k].entry;
+    Vec4& xi = list.xi[e];
+    xi.x = g.xi.x[k], xi.y = g.xi.y[k], xi.z = g.xi.z[k];
+    const std::size_t i = particle<spheres>(a, contacts[k].piece);
+    const std::size_t j = particle<spheres>(a, list.entries[e].piece);
+    Vec4 &fi = a.f[i], &ti = a.t[i], &fj = a.f[j], &tj = a.t[j];
+    fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
+    ti.x += g.turn_i.x[k], ti.y += g.turn_i.y[k], ti.z += g.turn_i.z[k];
+    fj.x -= g.force.x[k], fj.y -= g.force.y[k], fj.z -= g.force.z[k];
+    tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
+    worst = g.d.x[k] > worst ? g.d.x[k] : worst;
+  }
+  return worst;
+}
+
+template <bool spheres, bool hertz>
+double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
+  double worst = 0;
+  Group group{};
+  for (std::size_t begin = 0; begin < list.touching.size(); begin += lanes) {
+    const Contact* contacts = list.touching.data() + begin;
+    const std::size_t count = std::min(lanes, list.touching.size() - begin);
+    load<spheres>(a, laws, list, contacts, count, group);
+    respond<spheres, hertz>(group, dt);
+    worst = std::max(worst, add<spheres>(a, list, contacts, count, group));
+  }
+  return worst;
+}
+
+}  // namespace
+
+void Particles::Room::feel_pairs(double dt) {
+  std::fill(state.f.begin(), state.f.end(), Vec4{});
+  std::fill(state.t.begin(), state.t.end(), Vec4{});
+  const bool spheres = shapes.only_spheres(), hertz = laws.any_hertz();
+  if (!spheres) place(state, shapes, pieces);
+  const Arrays a{spheres ? state.x.data() : pieces.x.data(),
+                 pieces.body.data(),
+                 state.x.data(),
+                 state.v.data(),
+                 state.w.data(),
+                 state.f.data(),
+                 state.t.data()};
+  find_touching(a.piece_x, pairs);
+  const auto loop = spheres ? (hertz ? pair_loop<true, true> : pair_loop<true, false>)
+                            : (hertz ? pair_loop<false, true> : pair_loop<false, false>);
+  const double worst = loop(a, laws, pairs, dt);
+  if (worst > parameters.largest_overlap)
+    report(
+        fmt::format("two particles overlap by {:.3g} of the smaller radius (limit "
+                    "dem.largest_overlap = {:.3g}); a smaller step, a stiffer contact or a "
+                    "slower load may help",
+                    worst, parameters.largest_overlap));
+}
+
+}  // namespace trackbed::dem
