@@ -124,58 +124,71 @@ double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
   return sum.value();
 }
 
+// One list of terms for every sum that Totals holds.
+struct Terms {
+  using Axes = std::array<std::vector<double>, 3>;
+  std::vector<double> mass, kinetic, potential, elastic;
+  std::vector<double> net, contact;  // N, sizes of net forces and of contact forces
+  Axes momentum, force, moment;
+
+  static void add(Axes& axes, const Vec3& term) {
+    for (int a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(term[a]);
+  }
+  void add(const ParticleView& p, const Vec3& angular_momentum, double g) {
+    mass.push_back(p.mass);
+    kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * angular_momentum.dot(p.spin));
+    potential.push_back(p.mass * g * p.position.z());
+    net.push_back((p.force - Vec3(0, 0, p.mass * g)).norm());
+    add(momentum, p.mass * p.velocity);
+  }
+  void add(const ContactView& c, double energy) {
+    elastic.push_back(energy);
+    contact.push_back(c.force.norm());
+    if (c.second >= 0) return;  // what follows is of surfaces
+    add(force, -c.force);
+    add(moment, c.to.cross(-c.force));
+  }
+};
+
+Vec3 exact_total(const par::Comm& comm, const Terms::Axes& terms) {
+  return {exact_total(comm, terms[0]), exact_total(comm, terms[1]), exact_total(comm, terms[2])};
+}
+
+double mean(double sum, std::int64_t count) {
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
 }  // namespace
 
 Totals Particles::totals() const {
   const Room& r = *room_;
   Totals total;
-  std::array<std::vector<double>, 4> sums;  // mass, kinetic, potential, elastic
-  std::array<std::vector<double>, 3> momentum, force, moment;
-  double net = 0, contact = 0;
+  Terms terms;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     const ParticleView p = (*this)[b];
-    const Vec3 l = r.state.l[b].vec3();
-    sums[0].push_back(p.mass);
-    sums[1].push_back(0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * l.dot(p.spin));
-    sums[2].push_back(p.mass * r.parameters.gravity * p.position.z());
-    for (std::size_t a = 0; a < 3; ++a)
-      momentum[a].push_back(p.mass * p.velocity[static_cast<int>(a)]);
-    net += (p.force - Vec3(0, 0, p.mass * r.parameters.gravity)).norm();
+    terms.add(p, r.state.l[b].vec3(), r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
   ContactLoop{r.state, r.shapes, r.pieces, r.pairs, r.approaches, r.laws}.run(
       [&](const ContactView& c, double energy) {
         ++total.contacts;
-        sums[3].push_back(energy);
-        contact += c.force.norm();
         total.largest_overlap = std::max(total.largest_overlap, c.overlap);
-        if (c.second >= 0) return;
-        const Vec3 turning = c.to.cross(-c.force);
-        for (std::size_t a = 0; a < 3; ++a) {
-          force[a].push_back(-c.force[static_cast<int>(a)]);
-          moment[a].push_back(turning[static_cast<int>(a)]);
-        }
+        terms.add(c, energy);
       });
   total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
-  total.mass = exact_total(r.comm, sums[0]);
-  total.kinetic = exact_total(r.comm, sums[1]);
-  total.potential = exact_total(r.comm, sums[2]);
-  total.elastic = exact_total(r.comm, sums[3]);
   total.largest_overlap = r.comm.max(total.largest_overlap);
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<int>(a);
-    total.momentum[axis] = exact_total(r.comm, momentum[a]);
-    total.surface_force[axis] = exact_total(r.comm, force[a]);
-    total.surface_moment[axis] = exact_total(r.comm, moment[a]);
-  }
-  net = r.comm.sum(net), contact = r.comm.sum(contact);
-  const auto per = [](double sum, std::int64_t n) {
-    return n > 0 ? sum / static_cast<double>(n) : 0;
-  };
-  const double mean_contact = per(contact, total.contacts);
-  total.unbalanced = mean_contact > 0 ? per(net, total.particles) / mean_contact : 1;
+  total.mass = exact_total(r.comm, terms.mass);
+  total.kinetic = exact_total(r.comm, terms.kinetic);
+  total.potential = exact_total(r.comm, terms.potential);
+  total.elastic = exact_total(r.comm, terms.elastic);
+  total.momentum = exact_total(r.comm, terms.momentum);
+  total.surface_force = exact_total(r.comm, terms.force);
+  total.surface_moment = exact_total(r.comm, terms.moment);
+  const double mean_contact = mean(exact_total(r.comm, terms.contact), total.contacts);
+  const double mean_net = mean(exact_total(r.comm, terms.net), total.particles);
+  total.unbalanced = mean_contact > 0 ? mean_net / mean_contact : 1;
   return total;
 }
 

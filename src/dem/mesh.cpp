@@ -104,8 +104,9 @@ Mesh::Mesh(const Surface& surface) : triangles_(surface.triangles) {
     patch_[t] = find(t) == t ? patches_++ : patch_[find(t)];
 }
 
-void Mesh::touch(const Vec3& centre, double radius, const std::vector<int>& candidates,
-                 const Surface& surface, double s, std::vector<MeshContact>& found) const {
+void Mesh::touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface,
+                 double s, std::vector<MeshContact>& found) const {
+  const auto& [centre, radius] = ball;
   thread_local std::vector<Closest> near;  // keeps its capacity: no allocation per step
   near.clear();
   for (const int t : candidates) {

@@ -17,6 +17,11 @@ namespace trackbed::dem {
 
 inline constexpr double smooth_angle = 0.35;  // rad (20 degrees)
 
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
 struct MeshContact {
   int triangle = -1;
   int patch = -1;
@@ -34,9 +39,9 @@ class Mesh {
   int patches() const { return patches_; }
 
   // All contacts of the sphere with the candidate triangles (ascending), one per patch, in the
-  // order of patches. `node`: position of the surface's nodes now. Appends to `found`.
-  void touch(const Vec3& centre, double radius, const std::vector<int>& candidates,
-             const Surface& surface, double s, std::vector<MeshContact>& found) const;
+  // order of patches, when the share `s` of the window has passed. Appends to `found`.
+  void touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface, double s,
+             std::vector<MeshContact>& found) const;
 
  private:
   std::vector<std::array<std::int32_t, 3>> triangles_;

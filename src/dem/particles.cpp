@@ -193,7 +193,7 @@ void Particles::advance(double dt_window, int steps) {
   if (!r.ready) r.rebuild();
   r.surface_motion = r.surface_motion_since_rebuild();
   for (int k = 1; k <= steps; ++k)
-    r.substep(dt_window / steps, static_cast<double>(k) / steps, steps);
+    r.substep({dt_window / steps, static_cast<double>(k) / steps, steps});
   double sums[7];
   Eigen::Map<Vec3>(sums, 3) = r.action.force;
   Eigen::Map<Vec3>(sums + 3, 3) = r.action.moment;

@@ -14,12 +14,18 @@
 
 namespace trackbed::dem {
 
+// The k-th of `count` sub-steps of a window: share = k / count of the window has passed at its end.
+struct SubStep {
+  double dt;  // s
+  double share;
+  int count;
+};
+
 struct Particles::Room {
   Room(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
        const Domain& domain);
 
-  // The sub-step (step.cpp). s: share of the window that has passed at its end.
-  void substep(double dt, double s, int steps);
+  void substep(const SubStep& step);            // step.cpp
   bool lists_are_old() const;                   // collective
   double surface_motion_since_rebuild() const;  // m, at the end of this window
   void kick_and_drift(double dt);
@@ -27,7 +33,8 @@ struct Particles::Room {
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
   // contacts.cpp
   void feel_pairs(double dt);
-  void feel_surfaces(double dt, double s, int steps);
+  void feel_surfaces(const SubStep& step);
+  void touch_surface(Approach& a, const MeshContact& c, const SubStep& step);
   // rebuild.cpp: new owners, ghosts and lists, from the state alone.
   void rebuild();
   void migrate(std::vector<History>& history);
@@ -49,8 +56,6 @@ struct Particles::Room {
   std::vector<History> history() const {
     return collect_history(state, pieces, pairs, approaches, surface_names);
   }
-  const Law& law_of(const Approach& a) const { return laws[static_cast<std::size_t>(a.law)]; }
-
   par::Comm comm;
   Physics physics;
   Parameters parameters;

@@ -129,15 +129,15 @@ bool Particles::Room::lists_are_old() const {
   return comm.max(static_cast<std::int64_t>(old)) > 0;
 }
 
-void Particles::Room::substep(double dt, double s, int steps_in_window) {
-  kick_and_drift(dt);
+void Particles::Room::substep(const SubStep& step) {
+  kick_and_drift(step.dt);
   if (lists_are_old())
     rebuild();
   else
     update_ghosts();
-  feel_pairs(dt);
-  feel_surfaces(dt, s, steps_in_window);
-  kick(dt);
+  feel_pairs(step.dt);
+  feel_surfaces(step);
+  kick(step.dt);
   ++steps;
 }
 
