@@ -1,0 +1,81 @@
+// Stones, ground and sleepers in the order of the program's time window, without the program.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "support/scene.hpp"
+#include "trackbed/couple/coupler.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::test {
+
+class Coupled {
+ public:
+  Coupled(const par::Comm& world, const dem::Physics& physics, const dem::Domain& domain,
+          double weight_per_mass = gravity)
+      : comm(world), particles(world, physics, with(weight_per_mass), domain), coupler(world) {}
+  Coupled(const Coupled&) = delete;  // surfaces are known by address
+  Coupled& operator=(const Coupled&) = delete;
+
+  // Tells stones and coupler which surfaces there are. Ground first, then walls, then sleepers.
+  void meet() {
+    coupler.clear();
+    std::vector<Surface*> felt;
+    const auto add = [&](Surface& surface, std::vector<int> owner) {
+      felt.push_back(&surface);
+      return coupler.add(surface, std::move(owner));
+    };
+    if (ground) add(ground->top(), ground->top_owner());
+    for (Surface& wall : walls) add(wall, {});
+    on_sleeper.clear();
+    if (sleepers && sleepers->placed())
+      for (Surface& sleeper : sleepers->surfaces()) on_sleeper.push_back(add(sleeper, {}));
+    particles.set_surfaces(felt);
+    rebalance();
+  }
+  void rebalance() {
+    particles.repartition();
+    coupler.connect(
+        [&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
+  }
+  // The sub-steps of a window, after bodies and ground moved under the last window's mean forces.
+  void window(double dt, int substeps, std::span<const double> seat_force = {}) {
+    if (!on_sleeper.empty()) {
+      std::vector<std::span<const Vec3>> forces;
+      for (const std::size_t number : on_sleeper) forces.push_back(coupler.mean_force(number));
+      sleepers->advance(dt, seat_force, forces, gravity);
+    }
+    if (ground) ground->advance(dt, coupler.mean_force(0));
+    coupler.publish();
+    particles.advance(dt, substeps);
+    const dem::SurfaceAction& did = particles.surface_action();
+    coupler.collect(substeps, dt, {did.force, did.moment, did.work});
+  }
+  // Vertical force of the last window on the ground, N, over all ranks.
+  double on_ground() const {
+    double mine = 0;
+    for (const std::int32_t node : ground->own_top())
+      mine += coupler.mean_force(0)[static_cast<std::size_t>(node)].z();
+    return comm.sum(mine);
+  }
+
+  par::Comm comm;
+  dem::Particles particles;
+  std::optional<fem::Ground> ground;
+  std::optional<track::Sleepers> sleepers;
+  std::vector<Surface> walls;
+  couple::Coupler coupler;
+  std::vector<std::size_t> on_sleeper;  // numbers in the coupler
+
+ private:
+  static dem::Parameters with(double weight_per_mass) {
+    dem::Parameters parameters;
+    parameters.gravity = weight_per_mass;
+    return parameters;
+  }
+};
+
+}  // namespace trackbed::test

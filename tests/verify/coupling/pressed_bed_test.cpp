@@ -1,0 +1,108 @@
+// A bed of disks pressed by a sleeper: at rest every force finds its counterpart, and neither the
+// number of ranks nor the way stones are shared out changes a bit.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+#include "verify/coupling/disks.hpp"
+
+namespace trackbed {
+namespace {
+
+constexpr test::DiskBed bed{};
+constexpr double seat_force = 5e3;  // N
+
+class PressedBed {
+ public:
+  explicit PressedBed(const par::Comm& comm, int windows_between_splits = 0)
+      : scene(comm, test::disk_physics(bed.damping), test::disk_domain(bed)),
+        between_(windows_between_splits) {
+    test::fill(scene, bed);
+  }
+  void run(double duration, double seat) {
+    const std::vector<double> force(1, seat);
+    for (double t = 0; t < duration; t += bed.dt) {
+      scene.window(bed.dt, 1, force);
+      if (between_ > 0 && ++windows_ % between_ == 0) scene.rebalance();
+    }
+  }
+  void press(double fall, double pressing) {
+    run(fall, 0);
+    test::place_sleeper(scene, bed);
+    run(pressing, seat_force);
+  }
+  test::Coupled scene;
+
+ private:
+  int between_, windows_ = 0;
+};
+
+// Through a horizontal cut across the lowest row of zones, N: their mean stress times area.
+double base_reaction(const test::Coupled& scene) {
+  const io::Grid grid = scene.ground->fields();
+  const io::FieldData& stress = grid.cell_data[0];
+  const double zone_area = bed.length / 8, lowest = -0.31;  // m^2, m
+  double mine = 0;
+  for (std::size_t cell = 0; cell * 8 < grid.cells.size(); ++cell) {
+    double top = -1;
+    for (std::size_t k = 0; k < 8; ++k)
+      top = std::max(top, grid.points[static_cast<std::size_t>(grid.cells[8 * cell + k])].z());
+    if (top < lowest + 0.02) mine -= stress.values[6 * cell + 2] * zone_area;
+  }
+  return scene.comm.sum(mine);
+}
+
+TEST(PressedBed, ForcesAtRestFindTheirCounterparts) {
+  if (par::Comm::world().size() > 1) GTEST_SKIP() << "the other test shows that ranks do not count";
+  PressedBed pressed(par::Comm::self());
+  pressed.press(0.5, 5);
+  const test::Coupled& scene = pressed.scene;
+  const dem::Totals totals = scene.particles.totals();
+  ASSERT_EQ(totals.particles, bed.columns * bed.rows);
+  const double sleeper = scene.sleepers->mass() * gravity + seat_force;
+  const double whole = sleeper + totals.mass * gravity;
+  std::printf("kinetic %.1e J; sleeper %.3e, ground %.3e, base %.3e (relative)\n", totals.kinetic,
+              scene.sleepers->reaction(0).z() / sleeper - 1, -scene.on_ground() / whole - 1,
+              base_reaction(scene) / whole - 1);
+  // What still moves after 5 s gives 1e-6; a weight left out would be 10 % or more.
+  constexpr double rest = 1e-5;
+  EXPECT_NEAR(scene.sleepers->reaction(0).z(), sleeper, rest * sleeper);
+  EXPECT_NEAR(-scene.on_ground(), whole, rest * whole);
+  EXPECT_NEAR(base_reaction(scene), whole, rest * whole);
+  constexpr double closed = 1e-10;  // promise of the coupling
+  EXPECT_LT(scene.coupler.balance().force, closed);
+  EXPECT_LT(scene.coupler.balance().moment, closed);
+  EXPECT_LT(scene.coupler.balance().work, closed);
+  EXPECT_LT(scene.coupler.balance().impulse, closed);
+}
+
+// Displacements of all top nodes; those of other ranks add zero, which is exact.
+std::vector<double> top_of(test::Coupled& scene) {
+  std::vector<double> all(3 * scene.ground->top().nodes(), 0.0);
+  for (const std::int32_t node : scene.ground->own_top()) {
+    const Vec3 u = scene.ground->top_state(node).displacement;
+    std::copy_n(u.data(), 3, all.begin() + 3 * static_cast<std::ptrdiff_t>(node));
+  }
+  scene.comm.sum(std::span<double>(all));
+  return all;
+}
+
+TEST(PressedBed, SplitOfStonesAndRanksChangeNoBit) {
+  constexpr double fall = 0.08, pressing = 0.04;  // s, while everything moves
+  constexpr int often = 37;                       // windows
+  PressedBed alone(par::Comm::self()), shared(par::Comm::world()),
+      moving(par::Comm::world(), often);
+  for (PressedBed* one : {&alone, &shared, &moving}) one->press(fall, pressing);
+  EXPECT_GT(alone.scene.particles.totals().kinetic, 1e-6);  // J
+  for (PressedBed* other : {&shared, &moving}) {
+    EXPECT_EQ(other->scene.particles.state_hash(), alone.scene.particles.state_hash());
+    EXPECT_EQ(other->scene.sleepers->state(0).displacement,
+              alone.scene.sleepers->state(0).displacement);
+    EXPECT_EQ(other->scene.sleepers->state(0).rotation, alone.scene.sleepers->state(0).rotation);
+    EXPECT_EQ(top_of(other->scene), top_of(alone.scene));
+  }
+}
+
+}  // namespace
+}  // namespace trackbed

@@ -1,0 +1,190 @@
+// Two masses in a row across the interface swing in their first mode: a disk on an elastic column
+// of one element, and a sleeper on a sphere on a floor. Frequency and motion are known in closed
+// form; the error must shrink in proportion to the window, because each side moves under the mean
+// force of the window before (docs/decisions/interface.md).
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+
+#include "unit/fem/ground_scene.hpp"
+#include "verify/coupling/coupled.hpp"
+
+namespace trackbed {
+namespace {
+
+constexpr double substep = 1e-5;  // s, of the stones: its own error is 100 times smaller
+constexpr int periods = 3;
+
+// m1 x1'' = -k1 (x1 - x2), m2 x2'' = k1 (x1 - x2) - k2 x2, both from their place at rest.
+struct TwoMasses {
+  double m1, k1, m2, k2;  // kg, N/m
+  double omega = 0;       // rad/s, first mode
+  double ratio = 0;       // x2 over x1 in it
+  void solve() {
+    Eigen::Matrix2d stiffness, mass;
+    stiffness << k1, -k1, -k1, k1 + k2;
+    mass << m1, 0, 0, m2;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> modes(stiffness, mass);
+    omega = std::sqrt(modes.eigenvalues()[0]);
+    ratio = modes.eigenvectors()(1, 0) / modes.eigenvectors()(0, 0);
+  }
+};
+
+struct Swing {
+  double omega;  // rad/s, measured
+  double error;  // largest deviation of the upper mass from the cosine, over its amplitude
+};
+
+// `above`(): height of the upper mass above its place at rest after each window, m.
+template <class Window, class Above>
+Swing follow(const TwoMasses& exact, double amplitude, double dt, const Window& window,
+             const Above& above) {
+  const int windows = static_cast<int>(periods * 2 * std::numbers::pi / exact.omega / dt);
+  double last = amplitude, first_crossing = 0, last_crossing = 0, error = 0;
+  int crossings = 0;
+  for (int w = 1; w <= windows; ++w) {
+    window();
+    const double now = above(), time = w * dt;
+    if (now * last < 0) {
+      last_crossing = time - dt * now / (now - last);
+      if (crossings++ == 0) first_crossing = last_crossing;
+    }
+    error = std::max(error, std::abs(now / amplitude - std::cos(exact.omega * time)));
+    last = now;
+  }
+  EXPECT_EQ(crossings, 2 * periods);
+  return {std::numbers::pi * (crossings - 1) / (last_crossing - first_crossing), error};
+}
+
+dem::Physics springs(double stiffness, double density) {
+  dem::ContactLaw law;
+  law.k_n = law.k_s = stiffness;
+  return test::one_material(law, density);
+}
+
+double sphere_mass(double radius, double density) {
+  return density * 4 / 3 * std::numbers::pi * std::pow(radius, 3);
+}
+
+void put(test::Coupled& scene, const dem::Template& shape, double radius, const Vec3& at) {
+  scene.particles.add_template(shape);
+  dem::NewParticle one;
+  one.scale = radius, one.position = at;
+  scene.particles.add(std::span(&one, 1));
+}
+
+constexpr fem::Elastic soil{50e6, 0, 2000};
+constexpr double radius = 0.3, density = 2500;  // m, kg/m^3
+
+// Plane, 1 m thick: the disk stands amid the two edges of the top, which share its force evenly.
+// A column of 1 m x 1 m x 1 m: half its mass swings on E A / H.
+TwoMasses disk_on_column() {
+  const double mass = density * std::numbers::pi * radius * radius;
+  TwoMasses exact{mass, 2e7, soil.density / 2, soil.young};
+  exact.solve();
+  return exact;
+}
+
+// The ground is let go under another force than the disk's weight, so that it starts displaced.
+Swing swing_of_disk(double dt) {
+  const TwoMasses exact = disk_on_column();
+  dem::Domain domain = test::box(Vec3(0, -0.5, -1), Vec3(1, 0.5, 2));
+  domain.dimension = Dimension::plane;
+  test::Coupled scene(par::Comm::self(), springs(exact.k1, density), domain);
+  fem::GroundParameters column = fem::box({1, 1, 1}, {1, 1, 1}, soil);
+  column.base = fem::Base::fixed;
+  scene.ground.emplace(par::Comm::self(), column, Dimension::plane, 1.0);
+  const double weight = exact.m1 * gravity, amplitude = 0.2 * weight / exact.k1;
+  const double lower = exact.ratio * amplitude;  // m, of the column's top above its rest
+  const std::vector<Vec3> held(4, Vec3(0, 0, (exact.k2 * lower - weight) / 4));
+  scene.ground->settle(held);
+  const double overlap = weight / exact.k1 + lower - amplitude;
+  const double begin = radius - overlap;
+  put(scene, test::disk(), radius, {0.5, 0, begin});
+  scene.meet();
+  scene.coupler.load_mean(0, std::vector<Vec3>(4, Vec3(0, 0, -exact.k1 * overlap / 4)));
+  const int substeps = static_cast<int>(std::lround(dt / substep));
+  return follow(
+      exact, amplitude, dt, [&] { scene.window(dt, substeps); },
+      [&] { return scene.particles[0].position.z() - begin + amplitude; });
+}
+
+constexpr double stone_radius = 0.1;
+
+TwoMasses sleeper_on_stone(double sleeper_mass) {
+  TwoMasses exact{sleeper_mass, 2e7, sphere_mass(stone_radius, density), 3e7};
+  exact.solve();
+  return exact;
+}
+
+// A stiffer contact below than above the stone, so that both surfaces and both laws count.
+dem::Physics two_laws(double above, double below) {
+  dem::Physics physics = springs(below, density);
+  physics.materials.push_back({.name = "sleeper"});
+  physics.laws.push_back(physics.laws[0]);
+  physics.laws[1].second = "sleeper";
+  physics.laws[1].k_n = physics.laws[1].k_s = above;
+  return physics;
+}
+
+Swing swing_of_sleeper(double dt) {
+  track::SleeperParameters body;
+  body.count = 1, body.first = 0, body.free = {"z"}, body.length = 1;
+  track::Sleepers sleepers(body, Dimension::space, 1, 1);
+  const TwoMasses exact = sleeper_on_stone(sleepers.mass());
+  test::Coupled scene(par::Comm::self(), two_laws(exact.k1, exact.k2),
+                      test::box(Vec3(-1, -1, -1), Vec3(1, 1, 2)));
+  scene.sleepers.emplace(std::move(sleepers));
+  scene.walls = {test::floor_of(2, 1)};
+  const double weight = exact.m1 * gravity, amplitude = 0.2 * weight / exact.k1;
+  const double lower = exact.ratio * amplitude;
+  const double centre = stone_radius - (weight + exact.m2 * gravity) / exact.k2 + lower;
+  put(scene, test::sphere(), stone_radius, {0, 0, centre});
+  const double overlap = weight / exact.k1 + lower - amplitude;
+  scene.sleepers->place(centre + stone_radius - overlap);
+  scene.meet();
+  const std::size_t nodes = scene.sleepers->surfaces()[0].nodes();
+  std::vector<Vec3> force(nodes, Vec3(0, 0, exact.k1 * overlap / static_cast<double>(nodes)));
+  scene.coupler.load_mean(scene.on_sleeper[0], force);
+  const int substeps = static_cast<int>(std::lround(dt / substep));
+  const std::vector<double> no_force(1, 0);
+  return follow(
+      exact, amplitude, dt, [&] { scene.window(dt, substeps, no_force); },
+      [&] { return scene.sleepers->state(0).displacement.z() + amplitude; });
+}
+
+// The window is halved twice; the lag of one window makes the scheme of first order.
+template <class Of>
+void check_order(const TwoMasses& exact, const Of& swing) {
+  constexpr double coarse = 3.2e-4;  // s, about 1/130 of a period
+  std::vector<double> error;
+  for (const double dt : {coarse, coarse / 2, coarse / 4}) {
+    const Swing found = swing(dt);
+    error.push_back(found.error);
+    std::printf("window %.1e s: frequency off by %.2e, motion by %.2e\n", dt,
+                found.omega / exact.omega - 1, found.error);
+    // Second order in omega dt, about 0.05 in the coarsest window.
+    constexpr double frequency = 2e-3;
+    EXPECT_NEAR(found.omega / exact.omega, 1, frequency);
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double order = std::log2(error[k] / error[k + 1]);
+    EXPECT_GT(order, 0.85);
+    EXPECT_LT(order, 1.3);
+  }
+  EXPECT_LT(error[2], 0.15);
+}
+
+TEST(TwoMasses, DiskOnAnElasticColumn) { check_order(disk_on_column(), swing_of_disk); }
+
+TEST(TwoMasses, SleeperOnAStone) {
+  track::SleeperParameters body;
+  body.length = 1;
+  const double mass = track::Sleepers(body, Dimension::space, 1, 0).mass();
+  check_order(sleeper_on_stone(mass), swing_of_sleeper);
+}
+
+}  // namespace
+}  // namespace trackbed
