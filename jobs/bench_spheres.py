@@ -63,9 +63,8 @@ def write_lammps(state, folder):
     head = ["spheres", "", f"{len(x)} atoms", "1 atom types", ""]
     head += [f"{low} {high} {a}lo {a}hi" for a, (low, high) in zip("xy", BOX)]
     head += [f"0 {x[:, 2].max() + 0.1} zlo zhi", "", "Atoms", ""]
-    rows = [
-        f"{i + 1} 1 {2 * r} {DENSITY} {p[0]} {p[1]} {p[2]}" for i, (p, r) in enumerate(zip(x, radius))
-    ]
+    rows = [f"{i + 1} 1 {2 * r} {DENSITY} {p[0]} {p[1]} {p[2]}"
+            for i, (p, r) in enumerate(zip(x, radius))]
     (folder / "spheres.data").write_text("\n".join(head + rows) + "\n")
     (folder / "spheres.in").write_text(
         LAMMPS_INPUT.format(
@@ -101,12 +100,12 @@ def main():
         dem = run_ours(program, folder, state)
         ours.append(dem["particle_steps_per_second_per_core"])
         theirs.append(run_lammps(folder))
-        print(f"trackbed {ours[-1]:.3e}  LAMMPS {theirs[-1]:.3e}  ratio {ours[-1] / theirs[-1]:.2f}",
-              flush=True)
+        ratio = ours[-1] / theirs[-1]
+        print(f"trackbed {ours[-1]:.3e}  LAMMPS {theirs[-1]:.3e}  ratio {ratio:.2f}", flush=True)
     print(f"{dem['particles']} spheres, {dem['contacts_per_particle']:.2f} contacts each")
     ratio = statistics.median(a / b for a, b in zip(ours, theirs))
-    print(f"medians: trackbed {statistics.median(ours):.3e}, LAMMPS {statistics.median(theirs):.3e}, "
-          f"ratio {ratio:.2f}")
+    print(f"medians: trackbed {statistics.median(ours):.3e}, "
+          f"LAMMPS {statistics.median(theirs):.3e}, ratio {ratio:.2f}")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
     return static_cast<int>(ExitCode::success);
   }
   print(comm, "stopped early; go on with: trackbed resume " + folder + "\n");
-  return exit_stopped;
+  return static_cast<int>(ExitCode::stopped);
 }
 
 // Millions of stone-steps per second and core that small plane stones reach; only for an estimate.

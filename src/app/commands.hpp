@@ -8,9 +8,6 @@
 
 namespace trackbed::app {
 
-// 0 done; 2 bad input; 3 stopped early on request with a checkpoint; 4 trouble while running.
-inline constexpr int exit_stopped = 3;
-
 struct Arguments {
   std::string deck;                    // run, check
   std::string file;                    // resume, info

@@ -8,7 +8,8 @@
 
 namespace trackbed {
 
-enum class ExitCode { success = 0, bad_input = 2, run_failed = 4 };
+// stopped: on request (signal, wall-time limit), after writing a checkpoint.
+enum class ExitCode { success = 0, bad_input = 2, stopped = 3, run_failed = 4 };
 
 // All problems of an input at once; each is one sentence that starts with `file:line:`.
 class InputError : public std::runtime_error {
