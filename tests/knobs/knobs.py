@@ -1,0 +1,262 @@
+#!/usr/bin/env python3
+"""No dead knobs: every parameter of the program, changed, changes something a user can see.
+
+    knobs.py PROGRAM DECK FOLDER
+
+What can be seen: stones, histories and snapshots, figures of the summary, files, the report on
+screen without times, the exit code and the sentence of a refusal. The deck stored in the results is
+left out, as it would differ for any knob. The list of parameters comes from the program's own
+schema, so that a new parameter without an entry in KNOBS fails the test.
+"""
+import concurrent.futures
+import hashlib
+import json
+import pathlib
+import re
+import shutil
+import sys
+
+import h5py
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
+# Surroundings in which some parameters count: overrides that hold before and after the change.
+SPACE = ["dimension=space", "bed.stone=disk", "sleepers.length=0.3"]
+CLUMP = [*SPACE[:1], SPACE[2], "bed.stone=clump", "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4]"]
+HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
+         "material.1.young=3e9"]
+NEWMARK = ["ground.integrator=newmark"]
+POWER = ["load.kind=power"]
+TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
+FIELDS = ["output.fields=true"]
+
+# Parameter of the schema -> (change, surroundings). List elements are called by name or number.
+KNOBS = {
+    "title": ("title=Other", []),
+    "dimension": ("dimension=space", SPACE[1:]),
+    "thickness": ("thickness=0.9", []),
+    "periodic": ('periodic=["x"]', []),
+    "start": ("start={folder}/started_from/stage_compact.h5", []),
+    "wall_material": ("wall_material=sleeper", ["contact.1.friction=0.1"]),
+    "ground_material": ("ground_material=sleeper", ["contact.1.friction=0.1"]),
+    "settle_average": ("settle_average=0.05", []),
+    "material.[].name": ("material.0.name=granite", []),
+    "material.[].density": ("material.0.density=2700", []),
+    "material.[].local_damping": ("material.0.local_damping=0.3", []),
+    "material.[].young": ("material.0.young=3.3e9", HERTZ),
+    "material.[].poisson": ("material.0.poisson=0.4", HERTZ),
+    "contact.[].first": ("contact.1.first=sleeper", []),
+    "contact.[].second": ("contact.0.second=sleeper", []),
+    "contact.[].law": ("contact.0.law=hertz", HERTZ[2:]),
+    "contact.[].k_n": ("contact.0.k_n=9e6", []),
+    "contact.[].k_s": ("contact.0.k_s=9e6", []),
+    "contact.[].friction": ("contact.0.friction=0.3", []),
+    "contact.[].zeta_n": ("contact.0.zeta_n=0.1", []),
+    "contact.[].zeta_s": ("contact.0.zeta_s=0.1", []),
+    "contact.[].restitution": ("contact.0.restitution=0.5", HERTZ),
+    "contact.[].attraction": ("contact.0.attraction=true", []),
+    "dem.safety": ("dem.safety=0.15", []),
+    "dem.largest_overlap": ("dem.largest_overlap=1e-6", []),
+    "dem.gravity": ("dem.gravity=9", []),
+    "bed.stone": ("bed.stone=disk", []),
+    "bed.material": ("bed.material=sleeper", ["material.1.density=2000"]),
+    "bed.x": ("bed.x=[0.0, 0.45]", []),
+    "bed.y": ("bed.y=[-0.15, 0.1]", SPACE),
+    "bed.height": ("bed.height=0.1", []),
+    "bed.porosity": ("bed.porosity=0.5", []),
+    "bed.seed": ("bed.seed=2", []),
+    "bed.sieve": ("bed.sieve=[45, 63]", []),
+    "bed.passing": ("bed.passing=[0, 50, 100]", ["bed.sieve=[45, 50, 63]",
+                                                 "bed.passing=[0, 20, 100]"]),
+    "bed.pebble_radius": ("bed.pebble_radius=0.015", []),
+    "bed.pebble_spacing": ("bed.pebble_spacing=1.2", []),
+    "bed.shapes": ("bed.shapes=4", []),
+    "bed.elongation": ("bed.elongation=0.9", []),
+    "bed.angularity": ("bed.angularity=0.6", []),
+    "bed.clump": ("bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.5]", CLUMP),
+    "ground.present": ("ground.present=false", []),
+    "ground.x": ("ground.x=[-0.1, 0.6]", []),
+    "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),
+    "ground.zones_x": ("ground.zones_x=7", []),
+    "ground.zones_y": ("ground.zones_y=3", SPACE),
+    "ground.zones_z": ("ground.zones_z=5", []),
+    "ground.layer.[].name": ("ground.layer.0.name=clay", ["ground.block.0.present=false"]),
+    "ground.layer.[].thickness": ("ground.layer.0.thickness=0.5", []),
+    "ground.layer.[].young": ("ground.layer.0.young=60e6", []),
+    "ground.layer.[].poisson": ("ground.layer.0.poisson=0.2", []),
+    "ground.layer.[].density": ("ground.layer.0.density=1800", []),
+    "ground.block.[].name": ("ground.block.0.name=bridge", []),
+    "ground.block.[].present": ("ground.block.0.present=false", []),
+    "ground.block.[].outline": ("ground.block.0.outline=[0,0, 0.4,0, 0.4,-0.2, 0,-0.2]", []),
+    "ground.block.[].young": ("ground.block.0.young=200e6", []),
+    "ground.block.[].poisson": ("ground.block.0.poisson=0.3", []),
+    "ground.block.[].density": ("ground.block.0.density=2000", []),
+    "ground.plane": ("ground.plane=strain", []),
+    "ground.base": ("ground.base=fixed", []),
+    "ground.base_stiffness": ("ground.base_stiffness=50e6", []),
+    "ground.sides": ("ground.sides=quiet", []),
+    "ground.rayleigh_mass": ("ground.rayleigh_mass=10", []),
+    "ground.rayleigh_stiffness": ("ground.rayleigh_stiffness=1e-5", []),
+    "ground.integrator": ("ground.integrator=newmark", []),
+    "ground.safety": ("ground.safety=0.2", []),
+    "ground.newmark_beta": ("ground.newmark_beta=0.3", NEWMARK),
+    "ground.newmark_gamma": ("ground.newmark_gamma=0.6", [*NEWMARK, "ground.newmark_beta=0.3025"]),
+    "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
+    "sleepers.count": ("sleepers.count=2", ["sleepers.width=0.15", "sleepers.spacing=0.2"]),
+    "sleepers.first": ("sleepers.first=0.2", []),
+    "sleepers.spacing": ("sleepers.spacing=0.22", ["sleepers.width=0.15", "sleepers.count=2",
+                                                   "sleepers.spacing=0.2"]),
+    "sleepers.width": ("sleepers.width=0.25", []),
+    "sleepers.height": ("sleepers.height=0.2", []),
+    "sleepers.length": ("sleepers.length=0.25", SPACE[:2]),
+    "sleepers.density": ("sleepers.density=2300", []),
+    "sleepers.material": ("sleepers.material=ballast", ["contact.1.friction=0.1"]),
+    "sleepers.free": ('sleepers.free=["z"]', []),
+    "sleepers.bevel": ("sleepers.bevel=0.03", []),
+    "load.kind": ("load.kind=power", []),
+    "load.peak": ("load.peak=2.5e3", []),
+    "load.speed": ("load.speed=50", []),
+    "load.axles": ("load.axles=[0, 0.5]", []),
+    "load.start": ("load.start=0.1", []),
+    "load.decay": ("load.decay=2", []),
+    "load.ratio": ("load.ratio=0.7", POWER),
+    "load.file": ("load.file={folder}/strong.csv", TABLE),
+    "platen.pressure": ("platen.pressure=5e3", []),
+    "platen.speed": ("platen.speed=0.3", []),
+    "platen.acceleration": ("platen.acceleration=20", []),
+    "platen.average": ("platen.average=0.02", []),
+    "output.history_interval": ("output.history_interval=1e-3", []),
+    "output.fields": ("output.fields=true", []),
+    "output.fields_interval": ("output.fields_interval=0.01", FIELDS),
+    "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),
+    "output.wall_time": ("output.wall_time=1e-3", []),
+    "output.stop_after": ("output.stop_after=20", []),
+    "stage.[].name": ("stage.load.name=press", []),
+    "stage.[].kind": ("stage.load.kind=run", []),
+    "stage.[].duration": ("stage.fill.duration=0.14", []),
+    "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
+    "stage.[].until_ratio": ("stage.compact.until_ratio=1e3", []),
+    "stage.[].ground_moves": ("stage.load.ground_moves=false", []),
+    "stage.[].lift": ("stage.release.lift=0.02", []),
+    "stage.[].height": ("stage.sleepers.height=0.12", []),
+    "stage.[].profile": ("stage.sleepers.profile=0.06", []),
+    "stage.[].seat_force": ("stage.load.seat_force=1e3", []),
+    "stage.[].load": ("stage.load.load=2.5e3", []),
+    "stage.[].ramp": ("stage.load.ramp=0.002", []),
+    "stage.[].cycles": ("stage.load.cycles=1", []),
+    "time.window": ("time.window=1e-4", []),
+    "time.step": ("time.step=1e-4", []),
+    "time.substeps": ("time.substeps=2", []),
+}
+
+# Parameters that must change nothing here, each with the reason.
+EXCEPTIONS = {
+    "dem.skin": "speed only: a result that changed with it would be an error",
+}
+SPEED_ONLY = {"dem.skin": "dem.skin=0.01"}
+
+# Figures that differ from run to run.
+TIMES = re.compile(r"wall|seconds|per_core|memory|share|imbalance|deck")
+
+
+def figures(value, name=""):
+    """The summary without times and speeds."""
+    if isinstance(value, dict):
+        return {k: figures(v, k) for k, v in value.items() if not TIMES.search(k)}
+    if isinstance(value, list):
+        return [figures(item) for item in value]
+    return value
+
+
+def data(path):
+    """One digest for all datasets."""
+    digest = hashlib.sha256()
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: digest.update(name.encode() + item[()].tobytes())
+                        if isinstance(item, h5py.Dataset) else None)
+    return digest.hexdigest()
+
+
+def report(text):
+    """What the screen says of model and stages; memory and wall time aside."""
+    lines = [line for line in text.splitlines()
+             if re.match(r"trackbed:|  (ground|sleepers):|stage ", line)]
+    return [re.sub(r"; \d+ MB per rank", "", line) for line in lines]
+
+
+class Bench:
+    def __init__(self, program, deck, folder):
+        self.program, self.deck, self.folder, self.known = program, deck, folder, {}
+
+    def seen(self, name, overrides):
+        """Everything observable of one run."""
+        place = self.folder / re.sub(r"\W+", "_", name)
+        overrides = [o.replace("{folder}", str(self.folder)) for o in overrides]
+        ran = self.program(1, "run", self.deck, *overrides, "-o", place)
+        found = {"code": ran.returncode, "report": report(ran.stdout)}
+        if ran.returncode == 2:
+            found["refused"] = ran.stderr
+        for path in place.glob("**/*"):
+            found.setdefault("files", []).append(str(path.relative_to(place)))
+        found.get("files", []).sort()
+        if (place / "results.h5").exists():
+            found["data"] = data(place / "results.h5")
+        if (place / "summary.json").exists():
+            found["summary"] = figures(json.loads((place / "summary.json").read_text()))
+        shutil.rmtree(place, ignore_errors=True)
+        return found
+
+    def verdict(self, parameter):
+        """Empty if the knob does something."""
+        change, around = KNOBS[parameter]
+        before, after = self.known[tuple(around)], self.seen(parameter, [*around, change])
+        words = [word for word in parameter.split(".") if word != "[]"]
+        if after["code"] == 2 and not any(word in after["refused"] for word in words):
+            return f"{parameter}: refused, but the sentence does not name it: {after['refused']}"
+        return f"{parameter}: {change} changes nothing" if after == before else ""
+
+
+def parameters(schema, path=()):
+    """Paths of all scalars and lists of scalars."""
+    if "properties" in schema:
+        for name, inner in schema["properties"].items():
+            yield from parameters(inner, (*path, name))
+    elif schema.get("type") == "array" and "properties" in schema["items"]:
+        yield from parameters(schema["items"], (*path, "[]"))
+    else:
+        yield ".".join(path)
+
+
+def main():
+    program, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name, force in (("weak", 2000), ("strong", 4000)):
+        (folder / f"{name}.csv").write_text(f"time_s,force_N\n0,{force}\n1,{force}\n")
+    declared = set(parameters(json.loads(program.done(1, "schema").stdout)))
+    listed = set(KNOBS) | set(EXCEPTIONS)
+    problems = [f"{name}: no entry in this test" for name in sorted(declared - listed)]
+    problems += [f"{name}: not a parameter" for name in sorted(listed - declared)]
+    bench = Bench(program, sys.argv[2], folder)
+    program.done(1, "run", sys.argv[2], "-o", folder / "started_from")
+    surroundings = sorted({tuple(around) for _, around in KNOBS.values()})
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        bases = pool.map(lambda k: bench.seen(f"base_{k}", surroundings[k]),
+                         range(len(surroundings)))
+        bench.known = dict(zip(surroundings, bases))
+        problems += [f"{list(around)}: the base does not run: {found}"
+                     for around, found in bench.known.items() if found["code"] != 0]
+        if bench.seen("again", []) != bench.known[()]:
+            problems.append("the same run twice differs: this test would prove nothing")
+        for name, change in SPEED_ONLY.items():
+            if bench.seen(name, [change]) != bench.known[()]:
+                problems.append(f"{name} changes results: {EXCEPTIONS[name]}")
+        problems += filter(None, pool.map(bench.verdict, sorted(declared & set(KNOBS))))
+    print(f"{len(declared)} parameters")
+    if problems:
+        raise SystemExit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()
