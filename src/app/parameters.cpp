@@ -52,7 +52,7 @@ void Stage::declare(input::Section& s) {
            "they are placed and settle; load: the same force on all seats; "
            "passage: axles pass; run: nothing but time.");
   s.number("duration", duration, {.unit = "s", .at_least = 0},
-           "Simulated time; passage: 0 means until the last axle has left.");
+           "Simulated time, at most; passage: 0 means until the last axle has left.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: the materials' own.");
   s.number("until_ratio", until_ratio, {.at_least = 0},
@@ -76,11 +76,12 @@ void Stage::declare(input::Section& s) {
 
 void TimeParameters::declare(input::Section& s) {
   s.number("window", window, {.unit = "s", .at_least = 0},
-           "Length of a time window of the coupling; 0: chosen from stability.");
+           "Length of a time window of the coupling; 0: as many sub-steps as `substeps` says, or "
+           "what the coupling allows if that is less.");
   s.number("step", step, {.unit = "s", .at_least = 0},
            "Sub-step of the stones; 0: chosen from stability.");
   s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
-            "Sub-steps in a window whose length is chosen, as far as the coupling allows.");
+            "Sub-steps in a window if `window` is 0, as far as the coupling allows.");
   s.rule(
       "step", step <= rough_step,
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
@@ -109,7 +110,8 @@ void Output::declare(input::Section& s) {
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
-  s.number("thickness", thickness, {.unit = "m", .above = 0}, "Of a plane model.");
+  s.number("thickness", thickness, {.unit = "m", .above = 0},
+           "Extent of a plane model across the track.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file("start", start,
          "Checkpoint (a file stage_*.h5 or the folder it is in): the stages up to the one it was "

@@ -63,9 +63,10 @@ void BedParameters::declare(input::Section& s) {
   s.text("material", material, "Contact material of the stones.");
   s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
   s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
-  s.number("height", height, {.unit = "m", .above = 0}, "Height wanted after compaction.");
+  s.number("height", height, {.unit = "m", .above = 0},
+           "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
-           "Share of voids expected after compaction: sets the number of stones.");
+           "Share of voids expected after compaction.");
   s.integer("seed", seed, {}, "Another seed makes another bed of the same kind.");
   s.rule("x", is_range(x), "must rise");
   s.rule("y", is_range(y), "must rise");

@@ -42,7 +42,7 @@ void Block::declare(Section& s) {
 }
 
 void GroundParameters::declare(Section& s) {
-  s.flag("present", present, "Without it the bed stands on whatever else the deck has.");
+  s.flag("present", present, "Without it the stones stand on a rigid floor at z = 0.");
   s.numbers("x", x, {.unit = "m"}, "Where the ground begins and ends along the track.", 2);
   s.rule("x", rises(x), "must end beyond its begin");
   s.numbers("y", y, {.unit = "m"},
@@ -55,24 +55,30 @@ void GroundParameters::declare(Section& s) {
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
   s.rule("layer", !present || !layers.empty(), "must be given at least once: the ground is empty");
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
-  s.choice("plane", plane, {"stress", "strain"}, "State across a plane model.");
-  s.choice("base", base, {"fixed", "quiet"}, "Lower border; quiet: Lysmer-Kuhlemeyer dashpots.");
+  s.choice("plane", plane, {"stress", "strain"},
+           "Plane stress or plane strain across a plane model.");
+  s.choice("base", base, {"fixed", "quiet"},
+           "Lower border; fixed: held; quiet: Lysmer-Kuhlemeyer dashpots that let waves out.");
   s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = 0},
            "Springs beside the dashpots of a quiet base: the ground below; 0: none.");
   s.choice("sides", sides, {"free", "roller", "quiet"},
-           "Lateral borders; roller: held along the normal.");
+           "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out.");
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0},
-           "Damping matrix over mass matrix.");
+           "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
-           "Damping matrix over stiffness matrix; lowers the stable explicit step.");
-  s.choice("integrator", integrator, {"explicit", "newmark"}, "How time advances.");
-  s.number("safety", safety, {.above = 0, .at_most = 1}, "Explicit step over the critical one.");
-  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta.");
-  s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1}, "Newmark's gamma.");
+           "Rayleigh damping: share of the stiffness matrix; lowers the stable explicit step.");
+  s.choice("integrator", integrator, {"explicit", "newmark"},
+           "explicit: central differences, as many steps in a window as stability asks for; "
+           "newmark: one implicit step per window.");
+  s.number("safety", safety, {.above = 0, .at_most = 1},
+           "Longest explicit step over the critical one.");
+  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
+  s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
+           "Newmark's gamma; above 0.5 it damps (newmark).");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
-           "Relative residual at which linear solves stop.");
+           "Relative residual at which linear solves stop (newmark, and equilibrium at rest).");
 }
 
 }  // namespace trackbed::fem

@@ -52,7 +52,9 @@ void SeatLoadParameters::declare(input::Section& s) {
             "Distance of each axle behind the first (winkler, power).");
   s.number("start", start, {.unit = "m"},
            "x of the first axle when the passage begins (winkler, power).");
-  s.number("decay", decay, {.unit = "1/m", .above = 0}, "b of winkler.");
+  s.number(
+      "decay", decay, {.unit = "1/m", .above = 0},
+      "b in the load exp(-b|s|) (cos b|s| + sin b|s|) at a distance s from the axle (winkler).");
   s.number("ratio", ratio, {.above = 0}, "Load one sleeper away over the peak (power).");
   s.file("file", file,
          "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "
