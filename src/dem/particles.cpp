@@ -174,12 +174,7 @@ double Particles::stable_step(std::string* limit) const {
     largest = std::max(largest, r.state.x[b].w);
   }
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
-  double stiffest = 0;
-  for (const Law& law : r.laws.all())  // hertz: at the largest overlap allowed
-    stiffest = std::max(
-        stiffest,
-        std::max(law.k_n, law.k_s) *
-            (law.kind == LawKind::linear ? 1 : largest * std::sqrt(r.parameters.largest_overlap)));
+  const double stiffest = r.stiffest_contact(largest);
   const double step = r.parameters.safety * std::sqrt(lightest / stiffest);
   if (limit)
     *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",

@@ -204,11 +204,22 @@ void Particles::Room::choose_grid() {
   ready = false;
 }
 
-// Room on a node for the force of an overlap of 4 largest particles; see ExactSum.
-void Particles::Room::choose_quantum() {
+double Particles::Room::stiffest_contact(double radius) const {
   double stiffest = 0;
-  for (const Law& law : laws.all()) stiffest = std::max(stiffest, law.k_n);
-  if (bound > 0) load_quantum = std::max(load_quantum, exact_quantum(4 * stiffest * bound));
+  for (const Law& law : laws.all()) {
+    const double contact_radius =
+        law.kind == LawKind::linear ? 1 : radius * std::sqrt(parameters.largest_overlap);
+    stiffest = std::max(stiffest, std::max(law.k_n, law.k_s) * contact_radius);
+  }
+  return stiffest;
+}
+
+// Room on a node for the force of the largest overlap allowed, and eight times more (ExactSum). No
+// more than that: the quantum is what limits the balance of a window in which stones only graze.
+void Particles::Room::choose_quantum() {
+  const double overlap = parameters.largest_overlap * bound;
+  if (bound > 0)
+    load_quantum = std::max(load_quantum, exact_quantum(stiffest_contact(bound) * overlap));
   for (Surface* surface : surfaces) {
     if (surface->load_quantum == load_quantum) continue;
     surface->load_quantum = load_quantum;

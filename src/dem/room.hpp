@@ -44,6 +44,9 @@ struct Particles::Room {
   void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
   void choose_grid();              // collective
   void choose_quantum();
+  // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
+  // (m).
+  double stiffest_contact(double radius) const;
   void remember_reference();
   double default_skin() const;  // collective
 
@@ -80,7 +83,7 @@ struct Particles::Room {
   std::vector<int> surface_names;
   std::vector<std::string> names;  // of all surfaces met so far; history refers to their numbers
   std::vector<Mesh> meshes;
-  double load_quantum = exact_quantum(1);            // N; only grows, so that it survives a restart
+  double load_quantum = 0;                           // N; only grows, so that it survives a restart
   std::vector<std::vector<Vec3>> surface_reference;  // m, at the end of the rebuild's window
   double surface_motion = 0;                         // m, largest of a node since then
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
