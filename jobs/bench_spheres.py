@@ -14,14 +14,13 @@ import re
 import statistics
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import h5py
 import numpy as np
 
 DECK = Path(__file__).resolve().parent.parent / "inputs" / "bench" / "spheres.toml"
-STIFFNESS, RATIO, ZETA, FRICTION, DENSITY = 1e6, 0.8, 0.3, 0.5, 2600  # of the deck, SI units
-BOX = ((0.0, 0.5), (-0.25, 0.25))  # m, the deck's periodic sides
 STEPS = 3000
 
 LAMMPS_INPUT = """units si
@@ -52,24 +51,30 @@ def prepare(program, folder):
 
 
 def write_lammps(state, folder):
+    """The spheres of our checkpoint and the law of the deck stored in it."""
     with h5py.File(state) as file:
+        deck = tomllib.loads(bytes(file.attrs["deck"]).decode())
         bed = file["particles"]
         x, radius = bed["position"][:], bed["scale"][:] * bed["template/piece"][0, 3]
-    for axis, (low, high) in enumerate(BOX):
+    law, density = deck["contact"][0], deck["material"][0]["density"]
+    box = (deck["bed"]["x"], deck["bed"]["y"])  # m, the periodic sides
+    for axis, (low, high) in enumerate(box):
         x[:, axis] = low + np.mod(x[:, axis] - low, high - low)
-    lightest = DENSITY * 4 / 3 * np.pi * radius.min() ** 3
-    mean_mass = DENSITY * 4 / 3 * np.pi * (radius**3).mean() / 2  # effective, of a pair
-    gamma = 2 * ZETA * np.sqrt(STIFFNESS / mean_mass)
+    lightest = density * 4 / 3 * np.pi * radius.min() ** 3
+    pair_mass = density * 4 / 3 * np.pi * (radius**3).mean() / 2  # effective
+    gamma = [2 * law[zeta] * np.sqrt(law[k] / pair_mass)
+             for zeta, k in (("zeta_n", "k_n"), ("zeta_s", "k_s"))]
     head = ["spheres", "", f"{len(x)} atoms", "1 atom types", ""]
-    head += [f"{low} {high} {a}lo {a}hi" for a, (low, high) in zip("xy", BOX)]
+    head += [f"{low} {high} {a}lo {a}hi" for a, (low, high) in zip("xy", box)]
     head += [f"0 {x[:, 2].max() + 0.1} zlo zhi", "", "Atoms", ""]
-    rows = [f"{i + 1} 1 {2 * r} {DENSITY} {p[0]} {p[1]} {p[2]}"
+    rows = [f"{i + 1} 1 {2 * r} {density} {p[0]} {p[1]} {p[2]}"
             for i, (p, r) in enumerate(zip(x, radius))]
     (folder / "spheres.data").write_text("\n".join(head + rows) + "\n")
+    safety = deck.get("dem", {}).get("safety", 0.2)
     (folder / "spheres.in").write_text(
         LAMMPS_INPUT.format(
-            kn=STIFFNESS, kt=RATIO * STIFFNESS, gn=gamma, gt=gamma, mu=FRICTION,
-            skin=0.15 * radius.min(), dt=0.2 * np.sqrt(lightest / STIFFNESS), steps=STEPS,
+            kn=law["k_n"], kt=law["k_s"], gn=gamma[0], gt=gamma[1], mu=law["friction"],
+            skin=0.15 * radius.min(), dt=safety * np.sqrt(lightest / law["k_n"]), steps=STEPS,
         )
     )
 
