@@ -7,7 +7,8 @@
 //   doi:10.1016/0032-5910(92)88030-L), beta found such that the collision, with no attraction,
 //   has the wanted restitution.
 // The tangential history xi stays in the tangent plane: projected on it, turned with the spin about
-// the normal, and shortened when the force slips (the friction limit is applied in `friction`).
+// the normal, and shortened when the force slips (the friction limit is applied in
+// `contact_force`).
 #pragma once
 
 #include <algorithm>

@@ -117,14 +117,15 @@ void respond(Group& g, double dt) {
     const double vy = (g.vi.y[k] + (wiz * rix - wix * riz)) - (g.vj.y[k] + (wjz * rjx - wjx * rjz));
     const double vz = (g.vi.z[k] + (wix * riy - wiy * rix)) - (g.vj.z[k] + (wjx * rjy - wjy * rjx));
     const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
-    double stiff = 1, damp = g.root_mass[k];
-    if constexpr (hertz) {
-      const double contact_radius = std::sqrt(g.ri[k] * g.rj[k] / reach * delta);
-      stiff = g.hertz[k] > 0 ? contact_radius : 1.0;
-      damp *= std::sqrt(stiff);
-    }
-    const Coefficients c{g.k_n[k] * stiff, g.k_s[k] * stiff, g.c_n[k] * damp,
-                         g.c_s[k] * damp,  g.mu[k],          g.least[k]};
+    const Law law{g.hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
+                  g.least[k],
+                  g.k_n[k],
+                  g.k_s[k],
+                  g.c_n[k],
+                  g.c_s[k],
+                  g.mu[k]};
+    const Coefficients c =
+        coefficients<hertz>(law, delta, g.root_mass[k], hertz ? g.ri[k] * g.rj[k] / reach : 0.0);
     Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
     const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, delta, twist}, dt, xi);
     g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
