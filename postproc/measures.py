@@ -7,20 +7,37 @@ import dataclasses
 
 import numpy as np
 
-REACHED = 0.9  # the transition ends where this part of the way to the far value is behind
+REACHED = 0.9    # the transition ends where this part of the way to the plain track is behind
+CLEAR = 0.10     # two runs differ by less: no clear effect
+LASTING = 1e-3   # m, a sleeper that keeps more stands on stones that gave way
+TINY = 1e-9      # m, rounding of places
+NOWHERE = float("nan")
 
 
 @dataclasses.dataclass(frozen=True)
 class Transition:
+    """Displacements are downwards, stresses are compression. nan: the model has no such place."""
     edge: float                     # m, end of the structure
-    structure_displacement: float   # m, downwards, largest on the structure
-    far_displacement: float         # m, downwards, median over the last quarter of the way
+    structure_displacement: float   # m, largest on the structure
+    far_displacement: float         # m, median over the plain track beyond the wedge
     width: float                    # m, from the edge to REACHED of the way
-    stress_structure: float         # Pa, compression, mean over one sleeper spacing before the edge
+    steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
+    steepest_x: float               # m, where that is, along the track
+    edge_slope: float               # m/m, of the same within one spacing of the edge
+    stress_structure: float         # Pa, mean over one sleeper spacing before the edge
     stress_beyond: float            # Pa, and the same behind it
-    stress_jump: float              # Pa, highest before minus lowest behind, same two stretches
-    sleeper_displacement: float     # m, downwards, largest of all sleepers
-    steepest: float                 # m/m, smoothed ground displacement, two spacings from the edge
+    sleeper_displacement: float     # m, largest of all sleepers
+    sleeper_lasting: float          # m, what is left of it after the passage, largest size
+
+    @property
+    def stress_jump(self):
+        """Pa, from before to behind the edge, without sign."""
+        return abs(self.stress_structure - self.stress_beyond)
+
+    @property
+    def stress_level(self):
+        """Pa, around the edge: what a jump is measured by."""
+        return (self.stress_structure + self.stress_beyond) / 2
 
 
 def spacing(results):
@@ -33,7 +50,7 @@ def blocks(results):
     found = {}
     for block in results.deck.get("ground", {}).get("block", []):
         outline = np.reshape(block["outline"], (-1, 2))
-        top = outline[outline[:, 1] >= np.max(outline[:, 1]) - 1e-9]
+        top = outline[outline[:, 1] >= np.max(outline[:, 1]) - TINY]
         if block.get("present", True):
             found[block["name"]] = (float(np.min(top[:, 0])), float(np.max(top[:, 0])))
     return found
@@ -51,52 +68,93 @@ def edge_of_structure(results):
 
 def smoothed(x, values, width):
     """Mean of the values within +-width/2 of each x: stones press on single nodes."""
-    return np.array([np.mean(values[np.abs(x - place) <= width / 2 + 1e-9]) for place in x])
+    return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
-def _orderly(results):
-    """x from the edge on into the soft ground, and downward displacement and compression there.
-
-    The soft side is the longer one, so that a structure may stand at either end.
-    """
-    edge = edge_of_structure(results)
-    if edge is None or "displacement_min" not in results.ground_envelope:
-        return None
+def _turn(results, edge):
+    """+1 or -1: the way from the structure. The soft side is the longer one, so that a structure
+    may stand at either end."""
     way = results.ground_x - edge
-    if -np.min(way) > np.max(way):
-        way = -way
+    return -1 if -np.min(way) > np.max(way) else 1
+
+
+def wedge_length(results):
+    """m from the edge to the farthest point of any block but the structure; also of blocks that are
+    switched off, so that a run with and one without wedge are measured at the same place."""
+    edge = edge_of_structure(results)
+    if edge is None:
+        return 0.0
+    outlines = [np.reshape(block["outline"], (-1, 2))[:, 0]
+                for block in results.deck.get("ground", {}).get("block", [])
+                if block["name"] != "structure"]
+    turn = _turn(results, edge)
+    return float(max([0.0] + [np.max(turn * (x - edge)) for x in outlines]))
+
+
+def _orderly(results, edge):
+    """m from the edge on into the soft ground, and displacement and compression there."""
+    way = _turn(results, edge) * (results.ground_x - edge)
     order = np.argsort(way)
     down = -results.ground_envelope["displacement_min"].values
     compression = -results.ground_envelope["sigma_z_min"].values
-    return edge, way[order], down[order], compression[order]
+    return way[order], down[order], compression[order]
 
 
 def _width(way, down, start, end):
     """Where `down` first has come REACHED of the way from start to end; nan if never."""
-    reached = np.flatnonzero((way > 0) & ((down - start) * np.sign(end - start)
+    reached = np.flatnonzero((way > TINY) & ((down - start) * np.sign(end - start)
                                           >= REACHED * abs(end - start)))
-    return float(way[reached[0]]) if len(reached) else float("nan")
+    return float(way[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
 
 
-def transition(results):
-    """The Transition of a run, or None if it has no structure or no ground."""
-    parts = _orderly(results)
-    if parts is None:
+def _plain(way, down, begin, reach):
+    """Median of `down` from `begin` on, if that is at least one sleeper spacing long; else nan."""
+    if way[-1] - begin < reach - TINY:
+        return NOWHERE
+    return float(np.median(down[way >= begin - TINY]))
+
+
+def _slopes(way, smooth, reach):
+    """Steepest slope and where, then the steepest within one spacing of the edge. The ends, where
+    the mean over a spacing is cut off, do not count."""
+    slope = np.abs(np.gradient(smooth, way))
+    whole = (way >= way[0] + reach / 2 - TINY) & (way <= way[-1] - reach / 2 + TINY)
+    where = np.flatnonzero(whole)[np.argmax(slope[whole])]
+    return float(slope[where]), float(way[where]), float(np.max(slope[np.abs(way) <= reach + TINY]))
+
+
+def lasting_displacement(results):
+    """m downwards per sleeper: what the passage leaves, from its first to its last row."""
+    if "displacement" not in results.sleeper:
+        return np.empty(0)
+    height = results.sleeper["displacement"].values[results.passage()]
+    return height[0] - height[-1]
+
+
+def transition(results, wedge=0.0):
+    """The Transition of a run, or None if it has no structure or no ground. `wedge`: m from the
+    edge, the least distance at which plain track begins (that of another run's wedge)."""
+    edge = edge_of_structure(results)
+    if edge is None or "displacement_min" not in results.ground_envelope:
         return None
-    edge, way, down, compression = parts
+    way, down, compression = _orderly(results, edge)
     reach = spacing(results)
     smooth = smoothed(way, down, reach)
-    start, end = np.max(down[way <= 0]), np.median(down[way >= 0.75 * way[-1]])
-    before, behind = (way <= 0) & (way >= -reach), (way > 0) & (way <= reach)
-    sleeper = results.sleeper_envelope.get("displacement_min")
+    start = float(np.max(down[way <= TINY]))
+    end = _plain(way, down, max(wedge, wedge_length(results)) + reach, reach)
+    steepest, where, at_edge = _slopes(way, smooth, reach)
+    before = (way <= TINY) & (way >= -reach - TINY)
+    behind = (way > TINY) & (way <= reach + TINY)
+    sleeper, lasting = results.sleeper_envelope.get("displacement_min"), \
+        lasting_displacement(results)
     return Transition(
-        edge=edge, structure_displacement=float(start), far_displacement=float(end),
+        edge=edge, structure_displacement=start, far_displacement=end,
         width=_width(way, smooth, start, end),
+        steepest=steepest, steepest_x=edge + _turn(results, edge) * where, edge_slope=at_edge,
         stress_structure=float(np.mean(compression[before])),
         stress_beyond=float(np.mean(compression[behind])),
-        stress_jump=float(np.max(compression[before]) - np.min(compression[behind])),
-        sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else float("nan"),
-        steepest=float(np.max(np.abs(np.gradient(smooth, way))[(way >= 0) & (way <= 2 * reach)])))
+        sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
+        sleeper_lasting=float(np.max(np.abs(lasting))) if len(lasting) else NOWHERE)
 
 
 def loading_frequencies(results):
@@ -112,45 +170,86 @@ def loading_frequencies(results):
 
 
 ROWS = (  # label, unit, field, factor
-    ("ground surface displacement on the structure", "mm", "structure_displacement", 1e3),
-    ("ground surface displacement far beyond it", "mm", "far_displacement", 1e3),
+    ("ground displacement on the structure", "mm", "structure_displacement", 1e3),
+    ("ground displacement, plain track beyond", "mm", "far_displacement", 1e3),
     (f"width of the transition ({REACHED:.0%} of the way)", "m", "width", 1),
-    ("steepest slope, two spacings from the edge", "mm/m", "steepest", 1e3),
+    ("steepest slope of the ground, whole line", "mm/m", "steepest", 1e3),
+    ("  which is at x =", "m", "steepest_x", 1),
+    ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
     ("stress before the edge, mean of one spacing", "kPa", "stress_structure", 1e-3),
     ("stress behind the edge, mean of one spacing", "kPa", "stress_beyond", 1e-3),
-    ("stress jump at the edge, highest - lowest", "kPa", "stress_jump", 1e-3),
-    ("largest sleeper displacement", "mm", "sleeper_displacement", 1e3),
+    ("stress jump at the edge, of these means", "kPa", "stress_jump", 1e-3),
+    ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
+    ("largest lasting sleeper displacement after it", "mm", "sleeper_lasting", 1e3),
 )
+PLACES = ("steepest_x",)  # rows whose relative change says nothing
 
 
 def table(runs):
     """Text of the numbers of one or two runs; with two also the change from the second to the
     first, which is the wedge's effect if the first has one and the second has none."""
-    found = [transition(run) for run in runs]
+    wedge = max(wedge_length(run) for run in runs)
+    found = [transition(run, wedge) for run in runs]
     if any(numbers is None for numbers in found):
-        return "no structure or no ground in the model: no transition to measure\n"
+        return "no structure or no ground in the model: no transition to measure\n" + "".join(
+            line + "\n" for run in runs for line in warnings(run))
     head = f"{'downwards and compression positive':<48}{'':>6}"
     lines = [head + "".join(f"{run.name:>12}" for run in runs)
              + (f"{'change':>10}" if len(runs) == 2 else "")]
     for label, unit, field, factor in ROWS:
         values = [getattr(numbers, field) * factor for numbers in found]
-        line = f"{label:<48}{unit:>6}" + "".join(f"{value:12.4g}" for value in values)
-        if len(values) == 2 and values[1]:
+        line = f"{label:<48}{unit:>6}" + "".join(
+            f"{value:12.4g}" if np.isfinite(value) else f"{'-':>12}" for value in values)
+        if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in PLACES:
             line += f"{values[0] / values[1] - 1:+10.1%}"
         lines.append(line)
+    lines += ["", "stresses: what the passage adds; weight of the bed and static preload are not "
+              "in them"]
+    if not np.isfinite(found[0].far_displacement):
+        lines.append("no plain track beyond the wedge in this model: no width of the transition")
     if len(found) == 2:
-        lines += ["", *effect(*found)]
+        lines += effect(*found)
+    lines += [line for run in runs for line in warnings(run)]
     return "\n".join(lines) + "\n"
 
 
+def warnings(results):
+    """A sentence per sleeper that the passage has moved for good."""
+    return [f"warning: {results.name}: the sleeper at x = {x:.2f} m keeps {1e3 * left:.2f} mm of "
+            f"its displacement (more than {1e3 * LASTING:.0f} mm): single stones gave way"
+            for x, left in zip(results.sleepers_x, lasting_displacement(results))
+            if abs(left) > LASTING]
+
+
+def _verdict(change, wanted):
+    """`change`: relative; `wanted`: its sign under a wedge."""
+    if abs(change) <= CLEAR:
+        return f"no clear effect (within {CLEAR:.0%})"
+    return f"{'as' if change * wanted > 0 else 'NOT as'} a wedge should"
+
+
+def _change(a, b):
+    """Relative to the second; nan where either is missing or there is nothing to compare with."""
+    return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
+
+
 def effect(first, second):
-    """Sentences on the sign of what distinguishes the first run from the second."""
-    def sentence(what, field, good):
-        a, b = getattr(first, field), getattr(second, field)
-        return f"{what}: {a:.4g} against {b:.4g}: {'as' if good(a, b) else 'NOT as'} a wedge should"
-    return [
-        sentence("displacement far beyond is not larger (m)", "far_displacement",
-                 lambda a, b: a <= b),
-        sentence("transition is wider (m)", "width", lambda a, b: a > b),
-        sentence("slope is gentler (m/m)", "steepest", lambda a, b: a < b),
-        sentence("stress jump is smaller (Pa)", "stress_jump", lambda a, b: a < b)]
+    """Sentences on what distinguishes the first run, with wedge, from the second, without."""
+    lines = []
+    far = _change(first.far_displacement, second.far_displacement)
+    if np.isfinite(far):
+        lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
+            "the same, so the runs compare" if abs(far) <= CLEAR else
+            "NOT the same, though no wedge is there"))
+    for what, field, wanted in (("width of the transition", "width", 1),
+                                ("steepest slope, whole line", "steepest", -1),
+                                ("slope at the edge", "edge_slope", -1)):
+        change = _change(getattr(first, field), getattr(second, field))
+        if np.isfinite(change):
+            lines.append(f"{what}: {change:+.0%}: {_verdict(change, wanted)}")
+    # A jump may be near zero: what it changes by is measured by the stress itself.
+    if second.stress_level:
+        change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
+        lines.append(f"stress jump: {change:+.0%} of the stress at the edge: "
+                     f"{_verdict(change, -1)}")
+    return lines

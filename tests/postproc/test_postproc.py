@@ -122,28 +122,105 @@ def test_transition_measures_what_was_made(runs):
     assert wedge.width == pytest.approx(2.303, abs=0.2)
     assert none.width == pytest.approx(0.2 * 2.303, abs=0.2)
     assert wedge.stress_jump == pytest.approx(20e3) and none.stress_jump == pytest.approx(70e3)
-    assert wedge.steepest < none.steepest
+    assert wedge.steepest < none.steepest and wedge.edge_slope < none.edge_slope
+    assert wedge.steepest_x == pytest.approx(made.EDGE, abs=0.45)  # smoothing 0.3 m, a node 0.1 m
+    first, last = np.sin(4 * np.pi * np.array([0.1, 2.099]))  # 1 mm at 2 Hz, rows each 1 ms
+    for found in (wedge, none):
+        assert found.sleeper_displacement == pytest.approx(1e-3)
+        assert found.sleeper_lasting == pytest.approx(1e-3 * abs(last - first))
+
+
+def with_ground(run, **values):
+    """The run with other envelopes of the ground."""
+    return dataclasses.replace(run, ground_envelope={
+        **run.ground_envelope,
+        **{name: read.Quantity(value, "-", "-") for name, value in values.items()}})
+
+
+def test_steepest_slope_is_found_at_the_wedges_end(runs):
+    x = runs[0].ground_x
+    steep = -1e-3 * np.clip((x - 5.8) / 0.4, 0, 1)  # the whole 1 mm around x = 6
+    found = measures.transition(with_ground(runs[0], displacement_min=steep))
+    assert found.steepest_x == pytest.approx(6.0, abs=0.3)
+    # Smoothing over 0.6 m spreads 1 mm in 0.4 m over 1 m: 1/0.6 to 1/0.7 mm/m.
+    assert 1.3e-3 < found.steepest < 1.7e-3 and found.edge_slope == 0
+
+
+def test_far_displacement_is_that_of_plain_track_only(runs):
+    # Right behind the wedge (6 m) the ground sinks by 5 mm; plain track begins at 6.6 m.
+    x, deep = runs[0].ground_x, made.ground_displacement(runs[0].ground_x, True)
+    deep = np.where((x > 5.9) & (x < 6.55), -5e-3, deep)
+    for run in runs:  # switched off, the wedge keeps its place
+        assert measures.wedge_length(run) == pytest.approx(4.0)
+        found = measures.transition(with_ground(run, displacement_min=deep))
+        assert found.far_displacement == pytest.approx(2e-3, rel=0.02)
+
+
+@pytest.mark.parametrize("end, plain", [(7.75, True), (7.85, False)])  # 9 - 1.2 = 7.8
+def test_no_plain_track_is_said(runs, end, plain):
+    blocks = [dict(block) for block in runs[0].deck["ground"]["block"]]
+    blocks[1]["outline"] = [made.EDGE, 0.0, end, 0.0, made.EDGE, -2.0]
+    short = [dataclasses.replace(run, deck={**run.deck, "ground": {"block": blocks}})
+             for run in runs]
+    assert np.isfinite(measures.transition(short[0]).far_displacement) == plain
+    text = measures.table(short)
+    assert ("no plain track beyond the wedge in this model" in text) != plain
+    assert ("width of the transition: " in text) == plain
+    # The wedge of one run decides where both are measured.
+    assert np.isfinite(measures.transition(runs[0], end - made.EDGE).far_displacement) == plain
+
+
+def test_stress_jump_is_of_means_not_of_single_nodes(runs):
+    stress = made.ground_stress(runs[0].ground_x, True)
+    stress[np.argmin(np.abs(runs[0].ground_x - made.EDGE))] -= 70e3  # a stone on the edge's node
+    found = measures.transition(with_ground(runs[0], sigma_z_min=stress))
+    assert found.stress_jump == pytest.approx(20e3 + 70e3 / 7)  # 7 nodes in 0.6 m
+
+
+def test_what_sleepers_keep_is_said(runs):
+    sunk = runs[0].sleeper["displacement"].values.copy()
+    sunk[-1, 4] = sunk[runs[0].passage()][0, 4] - 2e-3
+    sunk[-1, 5] = sunk[runs[0].passage()][0, 5] + 0.9e-3
+    bad = dataclasses.replace(runs[0], sleeper={
+        **runs[0].sleeper, "displacement": read.Quantity(sunk, "m", "-")})
+    assert measures.transition(bad).sleeper_lasting == pytest.approx(2e-3)
+    lines = measures.warnings(bad)
+    assert len(lines) == 1 and "x = 2.70 m keeps 2.00 mm" in lines[0]
+    assert lines[0] in measures.table([bad]) and "warning" not in measures.table(runs)
 
 
 def test_structure_at_the_right_end_measures_the_same(runs):
     run = runs[0]
     last = run.ground_x[-1]
-    block = dict(run.deck["ground"]["block"][0])
-    block["outline"] = [last - made.EDGE, 0.0, last, 0.0, last, -2.0, last - made.EDGE, -2.0]
+    blocks = [dict(block) for block in run.deck["ground"]["block"]]
+    for block in blocks:
+        block["outline"] = [last - value if i % 2 == 0 else value
+                            for i, value in enumerate(block["outline"])]
     mirrored = dataclasses.replace(run, ground_x=last - run.ground_x,
-                                   deck={**run.deck, "ground": {"block": [block]}})
+                                   deck={**run.deck, "ground": {"block": blocks}})
     left, right = measures.transition(run), measures.transition(mirrored)
     assert right.edge == pytest.approx(last - made.EDGE)
-    for field in {each.name for each in dataclasses.fields(left)} - {"edge"}:
+    assert right.steepest_x == pytest.approx(last - left.steepest_x)
+    for field in {each.name for each in dataclasses.fields(left)} - {"edge", "steepest_x"}:
         assert getattr(right, field) == pytest.approx(getattr(left, field), rel=1e-9), field
 
 
 def test_table_tells_the_wedge_from_its_opposite(runs):
     text = measures.table(runs)
     assert "NOT" not in text and text.count("as a wedge should") == 4
+    assert "the same, so the runs compare" in text
     assert "-71.4%" in text  # jump 20 against 70 kPa
-    # The other way round three sentences must say no; the far displacement is nearly the same.
-    assert measures.table(runs[::-1]).count("NOT as a wedge should") >= 3
+    assert measures.table(runs[::-1]).count("NOT as a wedge should") == 4
+
+
+def test_small_changes_have_no_verdict(runs):
+    x = runs[0].ground_x
+    near = with_ground(runs[0], displacement_min=1.05 * made.ground_displacement(x, True),
+                       sigma_z_min=made.ground_stress(x, True) * 1.05)
+    text = measures.table([near, runs[0]])
+    assert text.count("no clear effect (within 10%)") == 4 and "a wedge should" not in text
+    far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
+    assert "NOT the same, though no wedge is there" in measures.table([far, runs[0]])
 
 
 def test_absent_wedge_is_not_marked(runs):
