@@ -26,6 +26,9 @@ SHOWN_HZ = 20         # upper end of the spectra
 CHAIN_WIDTH = 6       # points, line of the largest force
 CHAIN_STAGES = 3      # the last ones are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
+STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
+WEDGE = {"color": "tab:green", "alpha": 0.15}
+STRESS_COUNTS = "added by the passage; weight of the bed and static preload not in it"
 
 
 class Missing(Exception):
@@ -40,8 +43,7 @@ def needs(holds, what):
 def mark_blocks(axes, run):
     """Shades the stretches of the ground's blocks and writes their names at the lower edge."""
     for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
-        axes.axvspan(low, high, color="0.6" if name == "structure" else "0.8", alpha=0.3, lw=0,
-                     zorder=0)
+        axes.axvspan(low, high, lw=0, zorder=0, **(STRUCTURE if name == "structure" else WEDGE))
         # Blocks may start together; names step up so that they do not cover each other.
         axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
                   va="bottom", fontsize=8)
@@ -104,7 +106,7 @@ def envelope(runs):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, from the passage's begin)")
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=8, loc="lower right")
+        panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
     upper.set_title("Envelope; deepest ground " + "; ".join(text), fontsize=10)
     return figure
@@ -128,7 +130,7 @@ def stress(runs):
     mark_blocks(panel, runs[0])
     panel.set_xlabel("x along the track (m)")
     panel.set_ylabel("largest vertical compression of the\nground surface in the passage (kPa)")
-    panel.set_title("; ".join(text), fontsize=10)
+    panel.set_title(f"{STRESS_COUNTS}\n" + "; ".join(text), fontsize=10)
     panel.legend(fontsize=8)
     panel.grid(alpha=0.3)
     return figure
@@ -190,6 +192,32 @@ def draw_chains(panel, chains, stones, largest):
     panel.set_ylabel("z (m)")
 
 
+def seat_load(run, stage):
+    """N downwards, largest of all sleepers at the last row of a stage; 0 before there are any."""
+    names = [each.get("name") for each in run.deck.get("stage", [])]
+    rows = np.flatnonzero(run.stage == names.index(stage)) if stage in names else []
+    if not len(rows) or "seat_force" not in run.sleeper:
+        return 0.0
+    return float(np.max(-run.sleeper["seat_force"].values[rows[-1]]))
+
+
+def under_load(run):
+    """Stage whose end the overview shows. At the end of the passage the train has left, so it is
+    the load stage right before if that ends under more load; else the last one."""
+    stages = [name for name, chains in run.chains.items() if len(chains.force)]
+    needs(stages, "no force chains")
+    deck = run.deck.get("stage", [])
+    kinds = {each.get("name"): each.get("kind") for each in deck}
+    before = stages[-2] if len(stages) > 1 else stages[-1]
+    loaded = kinds.get(before) == "load" and seat_load(run, before) > seat_load(run, stages[-1])
+    return before if loaded else stages[-1]
+
+
+def load_text(run, stage):
+    load = seat_load(run, stage)
+    return f"end of stage {stage}" + (f", seat load {load / 1e3:.1f} kN" if load else "")
+
+
 def force_chains(runs):
     """Force chains at the end of the last stages, as Fig. 2 of the transition zone study: the whole
     bed in the first panel, a stretch of it in the following ones. First run only."""
@@ -211,52 +239,58 @@ def force_chains(runs):
             middle = np.mean(x) if edge is None else edge
             panel.set_xlim(middle - CHAIN_WINDOW / 2, middle + CHAIN_WINDOW / 2)
         panel.set_ylim(np.min(z) - 0.02, np.max(z) + 0.05)
-        panel.set_title(f"{run.name}, end of stage {name}: {len(chains.force)} contacts, "
+        panel.set_title(f"{run.name}, {load_text(run, name)}: {len(chains.force)} contacts, "
                         f"thickest line {strongest[name] / 1e3:.1f} kN", fontsize=9)
     panels[-1, 0].set_xlabel("x along the track (m)")
     return figure
 
 
 def energy(runs):
-    """Energies of the stones over the whole run; the potential one from its first value."""
+    """Energies of the stones over the whole run. The potential one is a change from one number for
+    all runs, so that a variant that began at a later stage stays comparable."""
     needs(all(run.energy for run in runs), "no energies")
-    names = list(runs[0].energy)
-    figure, panels = plt.subplots(len(names), 1, sharex=True, figsize=(9, 2.4 * len(names)),
-                                  squeeze=False)
+    earliest = min(runs, key=lambda run: run.time[0])
+    zero = earliest.energy["potential"].values[0]
+    shown = (("kinetic", "kinetic (J)", 0.0), ("elastic", "elastic, contacts (J)", 0.0),
+             ("potential", f"potential, change since\n{earliest.name} began (J)", zero))
+    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
     text = []
     for run, colour in zip(runs, COLOURS):
-        for panel, name in zip(panels[:, 0], names):
-            values = run.energy[name].values
-            relative = name == "potential"
-            panel.plot(run.time, values - values[0] if relative else values, color=colour, lw=1,
+        for panel, (name, label, origin) in zip(panels, shown):
+            panel.plot(run.time, run.energy[name].values - origin, color=colour, lw=1,
                        label=run.name)
-            panel.set_ylabel(f"{name}{' from start' if relative else ''} (J)")
-            panel.grid(alpha=0.3)
+            panel.set_ylabel(label)
         text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
-    for begin in run.time[1:][np.diff(run.stage) != 0]:
-        for panel in panels[:, 0]:
+    panels[0].set_yscale("log")  # stones fall with kJ and come to rest below mJ
+    begins = {begin for run in runs for begin in run.time[1:][np.diff(run.stage) != 0]}
+    for panel in panels:
+        panel.grid(alpha=0.3)
+        for begin in begins:
             panel.axvline(begin, color="0.4", lw=0.6, ls=":")
-    panels[0, 0].legend(fontsize=8)
-    panels[0, 0].set_title("Energies (dotted: a stage begins); " + "; ".join(text), fontsize=10)
-    panels[-1, 0].set_xlabel("simulated time (s)")
+    panels[0].legend(fontsize=8)
+    panels[0].set_title("Energies of the stones (dotted: a stage begins); " + "; ".join(text),
+                        fontsize=10)
+    panels[-1].set_xlabel("simulated time (s)")
     return figure
+
+
+def draw_bed(panel, run):
+    """Force chains of the whole bed, z stretched: equal scales would leave a thin strip."""
+    stage = under_load(run)
+    chains = run.chains[stage]
+    draw_chains(panel, chains, run.stones.get(stage), float(np.max(chains.force)))
+    panel.set_aspect("auto")
+    panel.set_ylim(0, np.max(chains.segments[:, 1::2]) + 0.05)
+    panel.set_title(f"Contact forces in the bed ({run.name}, {load_text(run, stage)}, thickest "
+                    f"line {np.max(chains.force) / 1e3:.1f} kN; z stretched)", fontsize=10)
 
 
 def overview(runs):
     """For the first page: forces in the bed, and what the ground's surface does below it."""
     needs(all("displacement_min" in run.ground_envelope for run in runs), "no ground envelope")
-    run = runs[0]
-    stages = [name for name, chains in run.chains.items() if len(chains.force)]
-    needs(stages, "no force chains")
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 7.5),
                                   gridspec_kw={"height_ratios": (1, 1.4, 1.4)})
-    chains = run.chains[stages[-1]]
-    draw_chains(panels[0], chains, run.stones.get(stages[-1]), float(np.max(chains.force)))
-    # Equal scales would leave a thin strip of the bed: here z is stretched.
-    panels[0].set_aspect("auto")
-    panels[0].set_ylim(0, np.max(chains.segments[:, 1::2]) + 0.05)
-    panels[0].set_title(f"Contact forces in the bed ({run.name}, thickest line "
-                        f"{np.max(chains.force) / 1e3:.1f} kN; z stretched)", fontsize=10)
+    draw_bed(panels[0], runs[0])
     for run, colour in zip(runs, COLOURS):
         order = np.argsort(run.ground_x)
         x = run.ground_x[order]
@@ -267,9 +301,11 @@ def overview(runs):
                        label=run.name)
     panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
+    panels[1].set_title("In the passage, displacement from its begin", fontsize=10)
+    panels[2].set_title(f"Compression {STRESS_COUNTS}", fontsize=10)
     for panel in panels[1:]:
         mark_blocks(panel, runs[0])
-        panel.legend(fontsize=8, loc="lower right")
+        panel.legend(fontsize=8, loc="best")
         panel.grid(alpha=0.3)
     panels[2].set_xlabel("x along the track (m)")
     return figure

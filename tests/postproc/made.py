@@ -18,14 +18,19 @@ name = "wedge"
 present = {wedge}
 outline = [{edge}, 0.0, 6.0, 0.0, {edge}, -2.0]
 [[stage]]
+name = "fill"
 kind = "fill"
 [[stage]]
+name = "compact"
 kind = "compact"
 [[stage]]
+name = "sleepers"
 kind = "sleepers"
 [[stage]]
+name = "load"
 kind = "load"
 [[stage]]
+name = "passage"
 kind = "passage"
 """
 

@@ -243,8 +243,50 @@ def test_titles_say_the_numbers(runs):
     title = figures.envelope(runs).axes[0].get_title()
     assert "wedge: 2." in title or "wedge: 1.9" in title
     assert "jump 20 kPa" in figures.stress(runs).axes[0].get_title()
+    assert "static preload not in it" in figures.stress(runs).axes[0].get_title()
     assert figures.FILTER.name in figures.sleepers(runs).axes[3].get_ylabel()
     assert "thickest line 0.9 kN" in figures.force_chains(runs).axes[0].get_title()
+    figures.plt.close("all")
+
+
+def with_passage_chains(run, load):
+    """The run with force chains at the passage's end too, and `load` N on seats at that of load."""
+    seat = run.sleeper["seat_force"].values.copy()
+    seat[run.stage == 3] = -load
+    seat[-1] = -5e3
+    return dataclasses.replace(
+        run, chains={**run.chains, "passage": run.chains["load"]},
+        sleeper={**run.sleeper, "seat_force": read.Quantity(seat, "N", "-")})
+
+
+@pytest.mark.parametrize("load, stage", [(71e3, "load"), (5e3, "passage"), (0.0, "passage")])
+def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
+    run = with_passage_chains(runs[0], load)
+    assert figures.under_load(run) == stage
+    title = figures.overview([run]).axes[0].get_title()
+    assert f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" in title
+    assert figures.under_load(runs[0]) == "load"  # the only one there is
+    figures.plt.close("all")
+
+
+def test_energy_has_one_zero_for_the_potential(runs):
+    later = slice(50, None)  # a variant that began at a later stage
+    variant = dataclasses.replace(
+        runs[1], time=runs[1].time[later], stage=runs[1].stage[later],
+        energy={name: dataclasses.replace(item, values=item.values[later])
+                for name, item in runs[1].energy.items()})
+    for both in ([runs[0], variant], [variant, runs[0]]):
+        axes = figures.energy(both).axes
+        assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
+                                                                      "potential"]
+        ends = [line.get_ydata()[-1] for line in axes[2].lines[:2]]
+        assert ends[0] == ends[1] == pytest.approx(100 * np.sin(runs[0].time[-1]))
+    figures.plt.close("all")
+
+
+def test_structure_and_wedge_have_different_shades(runs):
+    shades = {patch.get_facecolor() for patch in figures.stress(runs).axes[0].patches}
+    assert len(shades) == 2
     figures.plt.close("all")
 
 
