@@ -4,6 +4,7 @@
 #   build PRESET [TARGET...]   configures build/PRESET and builds the targets (default: all)
 #   part "TEXT" COMMAND...     runs a command and says how long it took
 #   run_model DECK DIR [key=value...]   the program on $RANKS ranks (default 2)
+#   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
 #   figures DIR [DIR] -o DIR   draws
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -58,6 +59,30 @@ run_model() {
   mkdir -p "$folder"
   mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
     build/release/trackbed run "$deck" -o "$folder" "$@"
+}
+
+# All stages before the first with ground_moves know nothing of the ground but its flat top: a
+# variant with another ground can begin behind them, and has the same bed, grain by grain.
+still_checkpoint() {
+  local deck=$1 folder=$2 stage file
+  stage=$("$python" - "$deck" <<'END'
+import sys
+import tomllib
+
+with open(sys.argv[1], "rb") as file:
+    stages = tomllib.load(file)["stage"]
+moving = [number for number, stage in enumerate(stages) if stage.get("ground_moves")]
+if not moving or moving[0] == 0:
+    sys.exit(f"{sys.argv[1]}: no stage lies before the first one with ground_moves = true")
+print(stages[moving[0] - 1]["name"])
+END
+  ) || return 1
+  file=$PWD/$folder/stage_$stage.h5
+  if [ ! -f "$file" ]; then
+    echo "$file is missing: the variant begins there; run $deck with -o $folder to its end" >&2
+    return 1
+  fi
+  printf '%s\n' "$file"
 }
 
 figures() {

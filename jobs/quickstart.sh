@@ -3,14 +3,16 @@
 # and without its wedge on two ranks and draws the figures.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
+deck=inputs/quickstart.toml
 results=results/quickstart
 part "Packages" install_packages
 part "Build" build release trackbed
-part "Run with wedge" run_model inputs/quickstart.toml $results/wedge
-# The bed is made while the ground is held still, so it is the same bed: the variant begins with it.
-part "Run without wedge" run_model inputs/quickstart.toml $results/no_wedge \
+part "Run with wedge" run_model $deck $results/wedge
+# The bed is made and bedded in on a still ground, so it is the same bed: the variant begins there.
+start=$(still_checkpoint $deck $results/wedge)
+part "Run without wedge" run_model $deck $results/no_wedge \
   ground.block.wedge.present=false ground.block.wedge_surface.present=false \
-  "start='$PWD/$results/wedge/stage_sleepers.h5'"
+  "start='$start'"
 part "Figures" figures $results/wedge $results/no_wedge -o $results/figures
 
 printf '\nDone in %d s. Figures:\n' $SECONDS
