@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/compatible.hpp"
 #include "app/simulation.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
@@ -43,6 +44,13 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
   return static_cast<int>(ExitCode::stopped);
 }
 
+// A checkpoint of another model is refused before anything is made.
+void check_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  if (model.start.empty()) return;
+  const io::File file = io::open_checkpoint(comm, model.start);
+  require_same_model(file, model.start, effective_deck(model), deck);
+}
+
 // Millions of stone-steps per second and core that small plane stones reach; only for an estimate.
 constexpr double assumed_speed = 0.5e6;
 
@@ -77,6 +85,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Model model;
   deck.fill(declaration_of(model));
+  check_start(comm, model, deck);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
@@ -98,6 +107,8 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
       input::Deck::parse(text, "input stored in " + arguments.file, arguments.overrides);
   Model model;
   deck.fill(declaration_of(model));
+  require_same_model(io::open_checkpoint(comm, arguments.file), arguments.file,
+                     effective_deck(model), deck);
   const std::string folder =
       arguments.folder.empty() ? folder_of_checkpoint(arguments.file) : arguments.folder;
   make_folder(comm, folder);
@@ -111,6 +122,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   Model model;
   deck.fill(declaration_of(model));
+  check_start(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);

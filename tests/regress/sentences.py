@@ -61,6 +61,27 @@ def check_single_cases(program, deck):
         expect(words in ran.stdout + ran.stderr, f"{arguments} must say {words}", ran)
 
 
+def check_other_models(program, deck, folder):
+    """A checkpoint holds the state of one model: a deck of another may not go on from it."""
+    made = folder / "made"
+    program.done(1, "run", deck, "-o", made)
+    still, moved = f"start={made / 'stage_sleepers.h5'}", f"start={made / 'stage_load.h5'}"
+    place = ["-o", folder / "other"]
+    refused = [("ground.zones_x=30", still), ("sleepers.count=1", still), ("bed.x=[0, 1.1]", still),
+               ("ground.layer.soil.thickness=0.5", still),
+               ("ground.block.structure.present=false", moved)]
+    for change, start in refused:
+        for command in (["run", deck, start, change, *place], ["check", deck, start, change]):
+            ran = program(1, *command)
+            expect(ran.returncode == 2, f"{command} must be refused", ran)
+            expect(change.split("=")[0].split(".")[-1] in ran.stderr and
+                   "was made with" in ran.stderr, f"{command} must say why", ran)
+    ran = program(1, "resume", made / "stage_load.h5", "ground.zones_x=30", *place)
+    expect(ran.returncode == 2, "resume must refuse it too", ran)
+    expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
+    program.done(1, "run", deck, still, "ground.block.structure.present=false", *place)
+
+
 def check_run_error(program, deck, folder):
     ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
     expect(ran.returncode == 4, "a run-time error must end with 4", ran)
@@ -90,6 +111,7 @@ def main():
     for ranks in (1, 2):
         check_problems(program, ranks)
     check_single_cases(program, deck)
+    check_other_models(program, deck, folder)
     check_run_error(program, deck, folder)
     check_signals(sys.argv[1], deck, folder)
 

@@ -1,0 +1,98 @@
+// Both decks are compared as the text that `effective` writes: equal values have equal texts there
+// (numbers have 17 digits), and a stored deck need not be valid any more, e.g. because a table
+// beside it is gone.
+#include "app/compatible.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 1.5e+08
+
+// "ground.layer" -> "ground.layer[1]" if that is the second such table.
+Values values_of(const std::string& effective) {
+  Values values;
+  std::map<std::string, int> elements;
+  std::istringstream lines(effective);
+  std::string line, section;
+  while (std::getline(lines, line)) {
+    if (line.starts_with("[[")) {
+      const std::string name = line.substr(2, line.find(']') - 2);
+      section = fmt::format("{}[{}].", name, elements[name]++);
+    } else if (line.starts_with('[')) {
+      section = line.substr(1, line.find(']') - 1) + ".";
+    } else if (const std::size_t sign = line.find(" = "); sign != std::string::npos) {
+      values[section + line.substr(0, sign)] = line.substr(sign + 3);
+    }
+  }
+  return values;
+}
+
+// What a state depends on besides the words that have no influence on it.
+struct Holds {
+  bool sleepers;      // placed
+  bool moved_ground;  // has left its rest
+};
+
+bool is_one_of(std::string_view key, const auto& keys) {
+  for (const std::string_view known : keys)
+    if (key == known) return true;
+  return false;
+}
+
+// Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
+// has not moved yet may still be of other materials.
+bool matters(std::string_view key, const Holds& holds) {
+  static constexpr std::array always = {"dimension",      "thickness",     "periodic",
+                                        "bed.x",          "bed.y",         "ground.present",
+                                        "ground.x",       "ground.y",      "ground.zones_x",
+                                        "ground.zones_y", "ground.zones_z"};
+  static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
+                                        "sleepers.width", "sleepers.height", "sleepers.length"};
+  if (is_one_of(key, always)) return true;
+  if (is_one_of(key, placed)) return holds.sleepers;
+  const bool layer = key.starts_with("ground.layer[");
+  if (layer && key.ends_with("].thickness")) return true;
+  const bool solid = layer || key.starts_with("ground.block[");
+  return solid && holds.moved_ground && !key.ends_with("].name");
+}
+
+std::string worded(const Values& values, const std::string& key) {
+  const auto found = values.find(key);
+  return found == values.end() ? "without it" : "with " + found->second;
+}
+
+}  // namespace
+
+void require_same_model(const io::File& checkpoint, const std::string& path,
+                        const std::string& effective, const input::Deck& deck) {
+  const Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values now = values_of(effective);
+  const Holds holds{.sleepers = checkpoint.has("sleepers"),
+                    .moved_ground = checkpoint.has("ground")};
+  Values all = now;
+  all.insert(then.begin(), then.end());
+  std::vector<std::string> problems;
+  for (const auto& [key, value] : all) {
+    if (!matters(key, holds)) continue;
+    const auto new_one = now.find(key), old_one = then.find(key);
+    if (new_one != now.end() && old_one != then.end() && new_one->second == old_one->second)
+      continue;
+    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}", deck.where(key),
+                                   new_one == now.end() ? "is not there" : "= " + new_one->second,
+                                   path, worded(then, key)));
+  }
+  if (!problems.empty()) throw InputError(problems);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,17 @@
+// Whether a deck may go on from the state that another deck made.
+#pragma once
+
+#include <string>
+
+#include "trackbed/input/deck.hpp"
+#include "trackbed/io/file.hpp"
+
+namespace trackbed::app {
+
+// What `deck` says, all defaults written out, against the deck stored in `checkpoint`, for the
+// parameters that the stored state depends on. Throws InputError with a sentence for each that
+// differs. `path`: of the checkpoint, for the sentences. Collective.
+void require_same_model(const io::File& checkpoint, const std::string& path,
+                        const std::string& effective, const input::Deck& deck);
+
+}  // namespace trackbed::app
