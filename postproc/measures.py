@@ -207,9 +207,15 @@ def table(runs):
               "in them"]
     if not np.isfinite(found[0].far_displacement):
         lines.append("no plain track beyond the wedge in this model: no width of the transition")
+    given_way = [line for run in runs for line in warnings(run)]
+    lines += given_way
     if len(found) == 2:
+        if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
+            lines.append("warning: the stages of the two decks differ: not only the wedge does")
+        if given_way:
+            lines.append("warning: what follows compares runs in which stones gave way, so it may "
+                         "not be the wedge's doing")
         lines += effect(*found)
-    lines += [line for run in runs for line in warnings(run)]
     return "\n".join(lines) + "\n"
 
 

@@ -187,6 +187,16 @@ def test_what_sleepers_keep_is_said(runs):
     lines = measures.warnings(bad)
     assert len(lines) == 1 and "x = 2.70 m keeps 2.00 mm" in lines[0]
     assert lines[0] in measures.table([bad]) and "warning" not in measures.table(runs)
+    for both in ([bad, runs[1]], [runs[1], bad]):
+        text = measures.table(both)
+        assert text.index(lines[0]) < text.index("may not be the wedge's doing") \
+            < text.index("a wedge should")
+
+
+def test_other_stages_are_said(runs):
+    other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": [{"kind": "passage"}]})
+    assert "stages of the two decks differ" in measures.table([runs[0], other])
+    assert "differ" not in measures.table(runs)
 
 
 def test_structure_at_the_right_end_measures_the_same(runs):
