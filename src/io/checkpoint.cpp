@@ -9,11 +9,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "io/handle.hpp"
 #include "io/seal.hpp"
@@ -94,6 +96,29 @@ std::string resolved(const fs::path& path, std::string& problem) {
   return file.string();
 }
 
+// The one `latest` names comes first, then the newest; on rank 0. Paths, one per line.
+std::string candidates(const fs::path& folder) {
+  std::string first;
+  std::ifstream(folder / "latest") >> first;
+  struct Found {
+    fs::file_time_type time;
+    std::string name;
+  };
+  std::vector<Found> found;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() == ".h5" && name != "results.h5" && name != first)
+      found.push_back({entry.last_write_time(ignored), name});
+  }
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return a.time != b.time ? a.time > b.time : a.name > b.name;
+  });
+  std::string lines = first.empty() ? "" : (folder / first).string() + "\n";
+  for (const Found& one : found) lines += (folder / one.name).string() + "\n";
+  return lines;
+}
+
 // `fill` may have failed half way: the file is closed by its destructor before it is removed.
 void write_part(const par::Comm& comm, const std::string& part,
                 const std::function<void(File&)>& fill) {
@@ -158,6 +183,22 @@ File open_checkpoint(const par::Comm& comm, const std::string& path) {
     refuse(file_name + ": is damaged" +
            (start == std::string::npos ? "" : text.substr(start + file_name.size())));
   }
+}
+
+Newest newest_good_checkpoint(const par::Comm& comm, const std::string& folder) {
+  Newest newest;
+  const std::string lines = comm.broadcast(comm.root() ? candidates(folder) : "");
+  if (lines.empty()) open_checkpoint(comm, folder);  // throws the sentence about such a folder
+  std::istringstream paths(lines);
+  while (std::getline(paths, newest.file)) {
+    try {
+      open_checkpoint(comm, newest.file);
+      return newest;
+    } catch (const InputError& error) {  // equal on all ranks
+      newest.refused.emplace_back(error.what());
+    }
+  }
+  throw InputError(newest.refused);
 }
 
 }  // namespace trackbed::io

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "trackbed/io/file.hpp"
 
@@ -21,5 +22,14 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
 // `path` may be a folder (then its `latest` is taken). Throws InputError that says what is wrong
 // with the file (missing, cut short, not a checkpoint, damaged dataset).
 File open_checkpoint(const par::Comm& comm, const std::string& path);
+
+struct Newest {
+  std::string file;
+  std::vector<std::string> refused;  // sentences about newer ones that are damaged or missing
+};
+
+// The one `latest` names, or if it is not good the newest good checkpoint in `folder` by file time,
+// then by name. Throws InputError with all sentences if there is none. Collective.
+Newest newest_good_checkpoint(const par::Comm& comm, const std::string& folder);
 
 }  // namespace trackbed::io

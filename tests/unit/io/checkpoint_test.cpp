@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -60,6 +61,30 @@ TEST(Checkpoint, IsReadByAnyNumberOfRanks) {
 }
 
 // Otherwise the number of ranks could not be changed at a restart.
+TEST(Checkpoint, TheNewestGoodOneIsFoundIfTheLatestIsNot) {
+  const Scratch scratch("newest");
+  for (const char* name : {"one.h5", "two.h5", "three.h5"}) write(scratch, name, 1);
+  EXPECT_EQ(newest_good_checkpoint(world(), scratch.folder()).file, scratch / "three.h5");
+  on_root([&] {  // "one" is the older by its time; a results file is no checkpoint
+    fs::resize_file(scratch / "three.h5", 1000);
+    const auto now = fs::last_write_time(scratch / "two.h5");
+    fs::last_write_time(scratch / "one.h5", now - std::chrono::hours(1));
+    std::ofstream(scratch / "results.h5") << "no checkpoint";
+  });
+  const Newest newest = newest_good_checkpoint(world(), scratch.folder());
+  EXPECT_EQ(newest.file, scratch / "two.h5");
+  ASSERT_EQ(newest.refused.size(), 1U);
+  EXPECT_TRUE(newest.refused[0].starts_with(scratch / "three.h5" + ": "));
+  on_root([&] {
+    fs::remove(scratch / "three.h5");
+    fs::resize_file(scratch / "two.h5", 1000);
+  });
+  EXPECT_EQ(newest_good_checkpoint(world(), scratch.folder()).file, scratch / "one.h5");
+  on_root([&] { fs::resize_file(scratch / "one.h5", 1000); });
+  EXPECT_THROW(newest_good_checkpoint(world(), scratch.folder()), InputError);
+  on_root([] {});
+}
+
 TEST(Checkpoint, HasChecksumsThatDoNotDependOnRanks) {
   const Scratch scratch("checksums");
   write(scratch, "all.h5", 1);
