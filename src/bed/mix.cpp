@@ -32,12 +32,7 @@ Mix::Mix(const BedParameters& parameters, Dimension dimension)
   } else {
     add_scaled(parameters, dimension);
   }
-  for (const dem::Template& shape : templates_) {
-    double bound = 0;
-    for (const dem::Piece& piece : shape.pieces)
-      bound = std::max(bound, piece.core[0].norm() + piece.radius);
-    bounds_.push_back(bound);
-  }
+  for (const dem::Template& shape : templates_) bounds_.push_back(geom::bounding_radius(shape));
 }
 
 // Each outline has a size of its own, so that all pebbles have the same radius. It stands for an

@@ -83,7 +83,7 @@ dem::Template template_of(const std::vector<geom::Sphere>& spheres, const geom::
   dem::Template shape;
   const Quat back = solid.axes.conjugate();
   for (const auto& s : spheres)
-    shape.pieces.push_back({{Vec3(back * (s.centre - solid.centre))}, s.radius});
+    shape.pieces.push_back(geom::ball(back * (s.centre - solid.centre), s.radius));
   shape.volume = solid.volume;
   shape.gyration = solid.gyration;
   shape.sieve = sieve;
@@ -117,7 +117,7 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
 dem::Template round_stone(Dimension dimension) {
   const bool plane = dimension == Dimension::plane;
   dem::Template shape;
-  shape.pieces = {{{Vec3::Zero()}, 0.5}};
+  shape.pieces = {geom::ball(Vec3::Zero(), 0.5)};
   shape.volume = plane ? pi / 4 : pi / 6;
   shape.gyration = plane ? Vec3(0.0625, 0.125, 0.0625) : Vec3::Constant(0.1);
   return shape;

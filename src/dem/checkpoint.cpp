@@ -53,8 +53,10 @@ void save_shapes(io::File& file, const std::string& group, const Shapes& shapes,
     solids.insert(solids.end(),
                   {t.volume, t.gyration.x(), t.gyration.y(), t.gyration.z(), t.sieve});
     counts.push_back(static_cast<std::int64_t>(t.pieces.size()));
-    for (const Piece& p : t.pieces)
-      pieces.insert(pieces.end(), {p.core[0].x(), p.core[0].y(), p.core[0].z(), p.radius});
+    for (const Piece& p : t.pieces) {
+      const Vec3& centre = p.core.vertices[0];
+      pieces.insert(pieces.end(), {centre.x(), centre.y(), centre.z(), p.radius});
+    }
   }
   file.write<double>(group + "/template/solid", solids, 5,
                      {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
@@ -75,7 +77,7 @@ Shapes load_shapes(const io::File& file, const std::string& group) {
     t.sieve = solids[5 * k + 4];
     for (std::int64_t n = 0; n < counts[k]; ++n, ++p)
       t.pieces.push_back(
-          {{Vec3(pieces[4 * p], pieces[4 * p + 1], pieces[4 * p + 2])}, pieces[4 * p + 3]});
+          geom::ball({pieces[4 * p], pieces[4 * p + 1], pieces[4 * p + 2]}, pieces[4 * p + 3]));
     shapes.add(t);
   }
   return shapes;

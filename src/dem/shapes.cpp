@@ -12,23 +12,23 @@ int Shapes::add(const Template& shape) {
     problems.push_back(fmt::format("shape {} needs 1 to {} pieces", number, (1 << piece_bits) - 1));
   if (!(shape.volume > 0) || !(shape.gyration.minCoeff() > 0))
     problems.push_back(fmt::format("shape {} has no volume or inertia", number));
-  double bound = 0;
   for (const Piece& piece : shape.pieces) {
-    if (piece.core.size() != 1)
+    if (piece.core.vertices.size() != 1)
       problems.push_back(
           fmt::format("shape {} has a piece with {} core vertices: only spheres and "
                       "disks (1 vertex) can move yet",
-                      number, piece.core.size()));
+                      number, piece.core.vertices.size()));
     else if (!(piece.radius > 0))
       problems.push_back(fmt::format("shape {} has a piece without a radius", number));
-    else
-      bound = std::max(bound, piece.core[0].norm() + piece.radius);
   }
   if (!problems.empty()) throw InputError(problems);
-  for (const Piece& piece : shape.pieces)
-    pieces_.push_back({piece.core[0].x(), piece.core[0].y(), piece.core[0].z(), piece.radius});
-  only_spheres_ = only_spheres_ && shape.pieces.size() == 1 && shape.pieces[0].core[0].isZero();
-  bound_.push_back(bound);
+  for (const Piece& piece : shape.pieces) {
+    const Vec3& centre = piece.core.vertices[0];
+    pieces_.push_back({centre.x(), centre.y(), centre.z(), piece.radius});
+  }
+  only_spheres_ =
+      only_spheres_ && shape.pieces.size() == 1 && shape.pieces[0].core.vertices[0].isZero();
+  bound_.push_back(geom::bounding_radius(shape));
   begin_.push_back(pieces_.size());
   templates_.push_back(shape);
   return static_cast<int>(number);

@@ -23,7 +23,7 @@ inline dem::Physics one_material(const dem::ContactLaw& law, double density = 25
 
 inline dem::Template sphere(double radius = 1) {
   dem::Template t;
-  t.pieces = {{{Vec3::Zero()}, radius}};
+  t.pieces = {geom::ball(Vec3::Zero(), radius)};
   t.volume = 4.0 / 3.0 * M_PI * radius * radius * radius;
   t.gyration = Vec3::Constant(0.4 * radius * radius);
   return t;
@@ -32,7 +32,7 @@ inline dem::Template sphere(double radius = 1) {
 // Disk in a plane model: volume is its area.
 inline dem::Template disk(double radius = 1) {
   dem::Template t;
-  t.pieces = {{{Vec3::Zero()}, radius}};
+  t.pieces = {geom::ball(Vec3::Zero(), radius)};
   t.volume = M_PI * radius * radius;
   t.gyration = Vec3(0.25, 0.5, 0.25) * radius * radius;
   return t;
@@ -41,9 +41,8 @@ inline dem::Template disk(double radius = 1) {
 // Three spheres in a row and one aside: an asymmetric clump of unit size.
 inline dem::Template clump() {
   dem::Template t;
-  t.pieces = {{{Vec3(-0.5, -0.08, 0.02)}, 0.5},
-              {{Vec3(0.5, -0.08, 0.02)}, 0.4},
-              {{Vec3(0, 0.42, -0.05)}, 0.35}};
+  t.pieces = {geom::ball({-0.5, -0.08, 0.02}, 0.5), geom::ball({0.5, -0.08, 0.02}, 0.4),
+              geom::ball({0, 0.42, -0.05}, 0.35)};
   t.volume = 0.9;
   t.gyration = Vec3(0.08, 0.15, 0.19);
   return t;

@@ -14,26 +14,17 @@
 #include "trackbed/core/timers.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/law.hpp"
+#include "trackbed/geom/convex.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/io/file.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::dem {
 
-// A rounded convex piece: the hull of `core` swept by a sphere of `radius`. This version moves
-// pieces with one core vertex (spheres, disks); others are refused with InputError.
-struct Piece {
-  std::vector<Vec3> core;  // m at unit scale, from the centre of mass, in principal axes
-  double radius = 0;       // m at unit scale
-};
-
-// A shape of unit size; a particle is template, scale, mass, pose and motion.
-struct Template {
-  std::vector<Piece> pieces;
-  double volume = 0;             // m^3 (plane: area, m^2), each pebble's overlap counted once
-  Vec3 gyration = Vec3::Zero();  // principal inertia over mass, m^2
-  double sieve = 1;              // m, smallest opening it passes at unit scale
-};
+// This version moves pieces with one core vertex (spheres, disks); others are refused with
+// InputError.
+using geom::Piece;
+using geom::Template;
 
 struct NewParticle {
   Id id = 0;         // unique; sums run in this order, so number neighbours closely

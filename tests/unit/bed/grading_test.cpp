@@ -111,13 +111,13 @@ TEST(Shapes, TemplatesHaveTheMassOfTheSolid) {
   const dem::Template pair = clump_stone(bed, Dimension::space);
   const double r = 0.2, sphere = 4 * std::numbers::pi / 3 * r * r * r;
   EXPECT_NEAR(pair.volume, 2 * sphere, 2e-3 * sphere);
-  EXPECT_NEAR(std::abs(pair.pieces[0].core[0].norm()), 0.3, 1e-6);
+  EXPECT_NEAR(std::abs(pair.pieces[0].core.vertices[0].norm()), 0.3, 1e-6);
   EXPECT_NEAR(pair.gyration.maxCoeff(), 0.4 * r * r + 0.09, 1e-4);
   const dem::Template stone = outline_stone(bed, 0.04, 3);
   EXPECT_NEAR(stone.sieve, 0.04, 1e-6 * 0.04);
   for (const dem::Piece& piece : stone.pieces) {
     EXPECT_EQ(piece.radius, bed.pebble_radius);
-    EXPECT_EQ(piece.core[0].y(), 0);
+    EXPECT_EQ(piece.core.vertices[0].y(), 0);
   }
 }
 

@@ -132,7 +132,7 @@ TEST(Contact, PiecesWithManyVerticesAreRefused) {
   dem::Particles p(par::Comm::self(), test::one_material(elastic()), {},
                    test::box(Vec3::Constant(-1), Vec3::Constant(1)));
   dem::Template cube = test::sphere();
-  cube.pieces[0].core.push_back(Vec3(1, 0, 0));
+  cube.pieces[0].core.vertices.push_back(Vec3(1, 0, 0));
   EXPECT_THROW(p.add_template(cube), InputError);
 }
 

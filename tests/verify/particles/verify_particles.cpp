@@ -198,7 +198,7 @@ TEST(Friction, ABlockSlipsExactlyBeyondItsAngle) {
                      test::box(Vec3::Constant(-2), Vec3::Constant(2)));
     dem::Template block;  // four feet, low and wide
     for (const double x : {-1.0, 1.0})
-      for (const double y : {-1.0, 1.0}) block.pieces.push_back({{Vec3(x, y, 0)}, 0.3});
+      for (const double y : {-1.0, 1.0}) block.pieces.push_back(geom::ball({x, y, 0}, 0.3));
     block.volume = 1, block.gyration = Vec3(1, 1, 2);
     p.add_template(block);
     const double angle = std::atan(tangent);
