@@ -1,8 +1,90 @@
+// Convex cores from corners and faces: edges, normals and offsets follow.
 #include "trackbed/geom/convex.hpp"
 
 #include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include "hull.hpp"
 
 namespace trackbed::geom {
+
+namespace {
+
+[[noreturn]] void refuse(const char* reason) { throw std::invalid_argument(reason); }
+
+// Twice the area times the normal of a closed loop (Newell): all corners count, so one that sits a
+// little off the plane spoils nothing.
+Vec3 area_vector(const std::vector<Vec3>& at, const std::vector<int>& loop) {
+  Vec3 sum = Vec3::Zero();
+  const Vec3& origin = at[static_cast<std::size_t>(loop[0])];
+  for (std::size_t k = 1; k + 1 < loop.size(); ++k)
+    sum += (at[static_cast<std::size_t>(loop[k])] - origin)
+               .cross(at[static_cast<std::size_t>(loop[k + 1])] - origin);
+  return sum;
+}
+
+Face face_of(const std::vector<Vec3>& vertices, const std::vector<int>& loop, double slack) {
+  for (const int v : loop)
+    if (v < 0 || static_cast<std::size_t>(v) >= vertices.size()) refuse("a face names no corner");
+  if (loop.size() < 3) refuse("a face has less than three corners");
+  Face face{loop, area_vector(vertices, loop), 0};
+  if (!(face.normal.norm() > 0)) refuse("a face has no area");
+  face.normal.normalize();
+  double mean = 0;
+  for (const int v : loop) mean += face.normal.dot(vertices[static_cast<std::size_t>(v)]);
+  mean /= static_cast<double>(loop.size());
+  face.offset = mean;
+  for (const Vec3& corner : vertices) face.offset = std::max(face.offset, face.normal.dot(corner));
+  if (face.offset > mean + slack) refuse("a corner sticks out of a face: not convex");
+  return face;
+}
+
+std::vector<Edge> edges_of(const std::vector<Face>& faces) {
+  std::map<std::array<int, 2>, int> ways;  // (from, to) -> face
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& loop = faces[f].vertices;
+    for (std::size_t k = 0; k < loop.size(); ++k)
+      if (!ways.insert({{loop[k], loop[(k + 1) % loop.size()]}, static_cast<int>(f)}).second)
+        refuse("two faces run along an edge the same way");
+  }
+  std::vector<Edge> edges;
+  for (const auto& [way, face] : ways) {
+    const auto back = ways.find({way[1], way[0]});
+    if (back == ways.end()) refuse("the faces do not close");
+    if (way[0] < way[1]) edges.push_back({way, {face, back->second}});
+  }
+  return edges;
+}
+
+}  // namespace
+
+double extent_of(const std::vector<Vec3>& points) {
+  Vec3 low = points.at(0), high = low;
+  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return (high - low).norm();
+}
+
+Convex assemble(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces,
+                double slack) {
+  Convex core;
+  if (vertices.empty()) refuse("there is no corner");
+  for (const auto& loop : faces)
+    core.faces.push_back(face_of(vertices, loop, slack * extent_of(vertices)));
+  core.edges = edges_of(core.faces);
+  if (faces.empty() && vertices.size() > 2) refuse("there is no face");
+  if (faces.empty() && vertices.size() == 2) core.edges = {{{0, 1}, {-1, -1}}};
+  // V - E + F = 2: one closed surface, all corners on it.
+  if (!faces.empty() && vertices.size() + core.faces.size() != core.edges.size() + 2)
+    refuse("the faces are not one closed surface with these corners");
+  core.vertices = std::move(vertices);
+  return core;
+}
+
+Convex convex_of(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces) {
+  constexpr double slack = 1e-6;
+  return assemble(std::move(vertices), faces, slack);
+}
 
 Piece ball(const Vec3& centre, double radius) { return {{{centre}, {}, {}}, radius}; }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "trackbed/core/types.hpp"
+#include "trackbed/geom/convex.hpp"
 
 namespace trackbed::geom {
 
@@ -20,6 +21,19 @@ struct Solid {
   Vec3 gyration = Vec3::Zero();  // principal moments of inertia over mass, m^2
   Quat axes = Quat::Identity();  // from principal axes to the axes it was given in
 };
+
+// Volume of a core swept by a sphere of radius r: volume + area r + bend r^2 + 4/3 pi r^3
+// (Steiner).
+struct Steiner {
+  double volume = 0;  // m^3
+  double area = 0;    // m^2; of a flat core, both sides
+  double bend = 0;    // m, sum over edges of length times half the angle between the normals
+};
+Steiner steiner_of(const Convex& core);
+
+// Mass properties and surface of the rounded solid, to rounding errors.
+Solid piece_solid(const Piece& piece);
+double surface_area(const Piece& piece);  // m^2
 
 // Convex outline of an irregular plane stone: hull (CGAL) of points on a superellipse with random
 // angles and radii, drawn from `seed`. Largest extent 1, centred on its area centroid, counter-
@@ -45,10 +59,11 @@ double smallest_width(const std::vector<Eigen::Vector2d>& polygon);
 std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, double radius,
                                    double spacing);
 
-// Union of overlapping spheres, by columns along x, each integrated exactly, `cells` along the
-// larger of the other two extents. The relative error of volume and gyration falls as
+// Union of overlapping spheres or pieces, by columns along x, each integrated exactly, `cells`
+// along the larger of the other two extents. The relative error of volume and gyration falls as
 // 1/cells^(3/2).
 Solid union_solid(const std::vector<Sphere>& spheres, int cells = 96);
+Solid union_solid(const std::vector<Piece>& pieces, int cells = 96);
 // The same for disks in the plane y = 0: area, and gyration of the lamina.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells = 4096);
 

@@ -1,0 +1,178 @@
+// Mass properties of unions of spheres, of disks and of rounded convex pieces.
+//
+// Along a line parallel to x the union is a set of intervals, over which 1, x and x^2 are
+// integrated exactly; lines are spaced evenly in y and z (midpoint rule). Cells in x as well would
+// cost `cells` times more and be less accurate; the exact union of balls (alpha shapes) or of
+// polyhedra is far more code.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mass.hpp"
+#include "trackbed/geom/stone.hpp"
+
+namespace trackbed::geom {
+
+namespace {
+
+using Interval = std::pair<double, double>;
+
+constexpr double far = std::numeric_limits<double>::infinity();
+constexpr Interval nothing{far, -far};
+
+struct Box {
+  Vec3 low = Vec3::Constant(far), high = Vec3::Constant(-far);
+  void hold(const Vec3& centre, double radius) {
+    low = low.cwiseMin(centre - Vec3::Constant(radius));
+    high = high.cwiseMax(centre + Vec3::Constant(radius));
+  }
+};
+
+Box box_of(const std::vector<Sphere>& spheres) {
+  Box box;
+  for (const Sphere& s : spheres) box.hold(s.centre, s.radius);
+  return box;
+}
+
+Box box_of(const std::vector<Piece>& pieces) {
+  Box box;
+  for (const Piece& piece : pieces)
+    for (const Vec3& corner : piece.core.vertices) box.hold(corner, piece.radius);
+  return box;
+}
+
+// What the line through (y, z) has in common with a sphere; first > second: nothing.
+Interval chord(const Sphere& s, double y, double z) {
+  const double dy = y - s.centre.y(), dz = z - s.centre.z();
+  const double square = s.radius * s.radius - dy * dy - dz * dz;
+  if (square <= 0) return nothing;
+  return {s.centre.x() - std::sqrt(square), s.centre.x() + std::sqrt(square)};
+}
+
+// Part of a chord where normal . (x, y, z) <= offset.
+void cut(Interval& chord, const Vec3& normal, double offset, double y, double z) {
+  const double slope = normal.x(), rest = offset - normal.y() * y - normal.z() * z;
+  if (slope > 0)
+    chord.second = std::min(chord.second, rest / slope);
+  else if (slope < 0)
+    chord.first = std::max(chord.first, rest / slope);
+  else if (rest < 0)
+    chord = nothing;
+}
+
+// With the cylinder of radius r about the edge, between its ends.
+Interval chord(const Vec3& a, const Vec3& b, double r, double y, double z) {
+  const Vec3 along = (b - a).normalized(), from = Vec3(0, y, z) - a;
+  const Vec3 p = from - along.dot(from) * along, d = Vec3::UnitX() - along.x() * along;
+  const double dd = d.squaredNorm(), pd = p.dot(d), root = pd * pd - dd * (p.squaredNorm() - r * r);
+  if (root <= 0 || dd == 0) return nothing;  // an edge along the line adds nothing to its ends
+  Interval part{(-pd - std::sqrt(root)) / dd, (-pd + std::sqrt(root)) / dd};
+  cut(part, along, along.dot(b), y, z);
+  cut(part, -along, -along.dot(a), y, z);
+  return part;
+}
+
+// With the prism of height r on a face.
+Interval chord(const Convex& core, const Face& face, double r, double y, double z) {
+  Interval part{-far, far};
+  cut(part, face.normal, face.offset + r, y, z);
+  cut(part, -face.normal, -face.offset, y, z);
+  const std::size_t n = face.vertices.size();
+  for (std::size_t k = 0; k < n && part.first <= part.second; ++k) {
+    const Vec3& a = core.vertices[static_cast<std::size_t>(face.vertices[k])];
+    const Vec3& b = core.vertices[static_cast<std::size_t>(face.vertices[(k + 1) % n])];
+    const Vec3 outward = (b - a).cross(face.normal);
+    cut(part, outward, outward.dot(a), y, z);
+  }
+  return part;
+}
+
+// The piece is convex, so its chord spans those of its parts.
+Interval chord(const Piece& piece, double y, double z) {
+  Interval whole = nothing;
+  const auto join = [&](const Interval& part) {
+    if (part.first > part.second) return;
+    whole = {std::min(whole.first, part.first), std::max(whole.second, part.second)};
+  };
+  const auto& [vertices, edges, faces] = piece.core;
+  for (const Vec3& corner : vertices) join(chord(Sphere{corner, piece.radius}, y, z));
+  for (const Edge& edge : edges)
+    join(chord(vertices[static_cast<std::size_t>(edge.vertices[0])],
+               vertices[static_cast<std::size_t>(edge.vertices[1])], piece.radius, y, z));
+  for (const Face& face : faces) join(chord(piece.core, face, piece.radius, y, z));
+  Interval inside{-far, far};
+  for (const Face& face : faces) cut(inside, face.normal, face.offset, y, z);
+  if (!faces.empty()) join(inside);
+  return whole;
+}
+
+void add_interval(const Interval& part, double y, double z, double area, Integrals& sums) {
+  const auto [a, b] = part;
+  const double one = b - a, x = (b * b - a * a) / 2, xx = (b * b * b - a * a * a) / 3;
+  sums.volume += area * one;
+  sums.first += area * Vec3(x, y * one, z * one);
+  Mat3 second;
+  second << xx, x * y, x * z, x * y, one * y * y, one * y * z, x * z, one * y * z, one * z * z;
+  sums.second += area * second;
+}
+
+// Adds the union along the line through (y, z); `parts` is a buffer.
+template <class Shapes>
+void add_line(const Shapes& shapes, double y, double z, double area, std::vector<Interval>& parts,
+              Integrals& sums) {
+  parts.clear();
+  for (const auto& shape : shapes) {
+    const Interval part = chord(shape, y, z);
+    if (part.first < part.second) parts.push_back(part);
+  }
+  if (parts.empty()) return;
+  std::sort(parts.begin(), parts.end());
+  Interval merged = parts.front();
+  for (const Interval& part : parts) {
+    if (part.first > merged.second) {
+      add_interval(merged, y, z, area, sums);
+      merged = part;
+    }
+    merged.second = std::max(merged.second, part.second);
+  }
+  add_interval(merged, y, z, area, sums);
+}
+
+template <class Shapes>
+Solid solid_by_lines(const Shapes& shapes, int cells) {
+  const auto [low, high] = box_of(shapes);
+  const Vec3 size = high - low;
+  const double wanted = std::max(size.y(), size.z()) / cells;
+  const int rows = std::max(1, static_cast<int>(std::ceil(size.y() / wanted)));
+  const int layers = std::max(1, static_cast<int>(std::ceil(size.z() / wanted)));
+  const double dy = size.y() / rows, dz = size.z() / layers;
+  Integrals sums;
+  std::vector<Interval> parts;
+  for (int j = 0; j < rows; ++j)
+    for (int k = 0; k < layers; ++k)
+      add_line(shapes, low.y() + (j + 0.5) * dy, low.z() + (k + 0.5) * dz, dy * dz, parts, sums);
+  return solid_of(sums);
+}
+
+}  // namespace
+
+Solid union_solid(const std::vector<Sphere>& spheres, int cells) {
+  return solid_by_lines(spheres, cells);
+}
+
+Solid union_solid(const std::vector<Piece>& pieces, int cells) {
+  return solid_by_lines(pieces, cells);
+}
+
+Solid union_lamina(const std::vector<Sphere>& disks, int cells) {
+  std::vector<Sphere> flat = disks;
+  for (Sphere& disk : flat) disk.centre.y() = 0;
+  const auto [low, high] = box_of(flat);
+  const double dz = (high.z() - low.z()) / cells;
+  Integrals sums;
+  std::vector<Interval> parts;
+  for (int k = 0; k < cells; ++k) add_line(flat, 0, low.z() + (k + 0.5) * dz, dz, parts, sums);
+  return lamina_of(sums);
+}
+
+}  // namespace trackbed::geom
