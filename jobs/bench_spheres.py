@@ -81,7 +81,7 @@ def write_lammps(state, folder):
 
 def run_ours(program, folder, state):
     out = folder / "run"
-    command = [program, "run", DECK, f"start={state}", "-o", out]
+    command = [program, "run", DECK, f"start={state}", "--force", "-o", out]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return json.loads((out / "summary.json").read_text())["dem"]
 

@@ -3,7 +3,7 @@
 #   install_packages           Debian packages of cmake/packages.txt that are missing
 #   build PRESET [TARGET...]   configures build/PRESET and builds the targets (default: all)
 #   part "TEXT" COMMAND...     runs a command and says how long it took
-#   run_model DECK DIR [key=value...]   the program on $RANKS ranks (default 2)
+#   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
 #   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
 #   figures DIR [DIR] -o DIR   draws
 set -euo pipefail
@@ -56,7 +56,6 @@ part() {
 run_model() {
   local deck=$1 folder=$2
   shift 2
-  mkdir -p "$folder"
   mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
     build/release/trackbed run "$deck" -o "$folder" "$@"
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "app/compatible.hpp"
 #include "app/simulation.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
@@ -209,25 +210,11 @@ void Simulation::resume(const std::string& checkpoint) {
   measured_ = measure_from(stage().name, timers_, world_);
 }
 
-// Stages are matched by name, so that the deck may have others before and after.
 void Simulation::start_from(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
-  const std::string name = file.text_attribute("/", "stage");
-  if (file.integer_attribute("/", "stage_finished") == 0)
-    throw InputError(
-        {fmt::format("{} \"{}\" was written within stage \"{}\"; a run can start from "
-                     "the end of a stage only (or `trackbed resume` it)",
-                     deck_.where("start"), checkpoint, name)});
-  std::size_t number = 0;
-  while (number < model_.stages.size() && model_.stages[number].name != name) ++number;
-  if (number == model_.stages.size())
-    throw InputError(
-        {fmt::format("{} \"{}\" was written after stage \"{}\", which this deck does "
-                     "not have",
-                     deck_.where("start"), checkpoint, name)});
   load(file);
   course_.windows = 0;
-  course_.stage = number + 1;
+  course_.stage = stage_after(file, checkpoint, model_, deck_);
 }
 
 }  // namespace trackbed::app

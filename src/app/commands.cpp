@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/compatible.hpp"
+#include "app/result_folder.hpp"
 #include "app/simulation.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
@@ -28,12 +29,6 @@ void print(const par::Comm& comm, const std::string& text) {
   std::fflush(stdout);
 }
 
-void make_folder(const par::Comm& comm, const std::string& folder) {
-  std::error_code error;
-  if (comm.root()) fs::create_directories(folder, error);
-  comm.agree(error ? "cannot make the result folder " + folder + ": " + error.message() : "");
-}
-
 int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
   const Outcome outcome = simulation.run();
   if (outcome == Outcome::finished) {
@@ -44,11 +39,12 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
   return static_cast<int>(ExitCode::stopped);
 }
 
-// A checkpoint of another model is refused before anything is made.
+// A checkpoint the deck cannot start from is refused before anything is made or removed.
 void check_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
   if (model.start.empty()) return;
   const io::File file = io::open_checkpoint(comm, model.start);
   require_same_model(file, model.start, effective_deck(model), deck);
+  stage_after(file, model.start, model, deck);
 }
 
 // A folder means its newest good checkpoint; one that has to be passed over is worth a word.
@@ -101,7 +97,8 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
-  make_folder(comm, folder);
+  prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
+                 model.start);
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!model.start.empty()) simulation.start_from(model.start);
   return finish(comm, simulation, folder);

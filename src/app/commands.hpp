@@ -14,6 +14,7 @@ struct Arguments {
   std::string section;                 // describe
   std::vector<std::string> overrides;  // key=value
   std::string folder;                  // -o; empty: chosen
+  bool force = false;                  // run: results of an earlier run may be removed
 };
 
 int run(const par::Comm& comm, const Arguments& arguments);

@@ -95,4 +95,22 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
   if (!problems.empty()) throw InputError(problems);
 }
 
+std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
+                        const input::Deck& deck) {
+  const std::string name = checkpoint.text_attribute("/", "stage");
+  const auto refuse = [&](const std::string& why) {
+    throw InputError({fmt::format("{} \"{}\" was written {}", deck.where("start"), path, why)});
+  };
+  if (checkpoint.integer_attribute("/", "stage_finished") == 0)
+    refuse(
+        fmt::format("within stage \"{}\"; a run can start from the end of a stage only (or "
+                    "`trackbed resume` it)",
+                    name));
+  std::size_t number = 0;
+  while (number < model.stages.size() && model.stages[number].name != name) ++number;
+  if (number == model.stages.size())
+    refuse(fmt::format("after stage \"{}\", which this deck does not have", name));
+  return number + 1;
+}
+
 }  // namespace trackbed::app

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "app/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
 
@@ -13,5 +14,11 @@ namespace trackbed::app {
 // differs. `path`: of the checkpoint, for the sentences. Collective.
 void require_same_model(const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck);
+
+// Number of the stage of `model` that follows the one `checkpoint` was written after. Stages are
+// matched by name, so that the deck may have others before and after. Throws InputError if it was
+// written within a stage or the deck does not have that stage. Collective.
+std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
+                        const input::Deck& deck);
 
 }  // namespace trackbed::app

@@ -48,6 +48,7 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default results/<name of the deck>");
+  sub->add_flag("--force", arguments.force, "Remove the results of an earlier run from it first");
   sub = command("resume", "Go on with a run that was stopped", resume);
   sub->add_option("checkpoint", arguments.file, "Checkpoint or the folder it is in")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,

@@ -1,0 +1,121 @@
+// Results are known by their names (docs/running.md lists them): a damaged or half-written file is
+// one too, and a reader must never meet files of two runs in one folder.
+#include "app/result_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Takes `start` and `end` off `name` if it has both; whether it did.
+bool strip(std::string_view& name, std::string_view start, std::string_view end) {
+  if (name.size() < start.size() + end.size() || !name.starts_with(start) || !name.ends_with(end))
+    return false;
+  name.remove_prefix(start.size());
+  name.remove_suffix(end.size());
+  return true;
+}
+
+// A file cut off while it was written keeps the ending .part.
+bool is_result(std::string_view name) {
+  strip(name, "", ".part");
+  if (name == "results.h5" || name == "summary.json" || name == "latest") return true;
+  if (strip(name, "checkpoint_", ".h5"))
+    return name.find_first_not_of("0123456789") == std::string_view::npos;
+  return strip(name, "stage_", ".h5");
+}
+
+bool is_picture(std::string_view name) {
+  for (const std::string_view part : {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf"})
+    if (name.ends_with(part)) return true;
+  return false;
+}
+
+void collect(const fs::path& folder, bool (*wanted)(std::string_view), std::vector<fs::path>& to) {
+  if (!fs::is_directory(folder)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (wanted(entry.path().filename().string()) && entry.is_regular_file())
+      to.push_back(entry.path());
+}
+
+// Sorted, so that messages do not depend on the file system.
+std::vector<fs::path> results_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  collect(folder, is_result, found);
+  collect(folder / "fields", is_picture, found);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  const fs::path home = fs::canonical(folder), place = fs::weakly_canonical(path);
+  return std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first == home.end();
+}
+
+// Also if only a link to it does: that would be removed. On rank 0.
+bool start_lies_in(const fs::path& start, const fs::path& folder) {
+  if (start.empty() || !fs::is_directory(folder)) return false;
+  return lies_in(start, folder) || lies_in(fs::absolute(start).parent_path(), folder);
+}
+
+// Why the run must not go on, or nothing. On rank 0.
+std::string objection(const std::string& folder, const std::vector<fs::path>& old,
+                      OldResults old_results, const std::string& start) {
+  const bool remove = old_results == OldResults::remove;
+  if ((remove || !old.empty()) && start_lies_in(start, folder))
+    return fmt::format(
+        "{}: holds the checkpoint to start from ({}), which the new run would replace; choose "
+        "another folder (-o DIR)",
+        folder, start);
+  if (remove || old.empty()) return "";
+  return fmt::format(
+      "{0}: holds results of an earlier run ({1}{2}); go on with that run (trackbed resume {0}), "
+      "choose another folder (-o DIR) or have them removed (--force)",
+      folder, old.front().lexically_relative(folder).string(),
+      old.size() > 1 ? fmt::format(" and {} more", old.size() - 1) : "");
+}
+
+// Returns what went wrong, or nothing.
+std::string removed(const std::vector<fs::path>& files) {
+  std::error_code error;
+  for (const fs::path& file : files)
+    if (!fs::remove(file, error) && error)
+      return fmt::format("cannot remove {}: {}", file.string(), error.message());
+  return "";
+}
+
+}  // namespace
+
+void make_folder(const par::Comm& comm, const std::string& folder) {
+  std::error_code error;
+  if (comm.root()) fs::create_directories(folder, error);
+  comm.agree(error ? "cannot make the result folder " + folder + ": " + error.message() : "");
+}
+
+void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
+                    const std::string& start) {
+  std::vector<fs::path> old;
+  std::string problem;
+  if (comm.root()) try {
+      old = results_in(folder);
+      problem = objection(folder, old, old_results, start);
+    } catch (const fs::filesystem_error& error) {
+      problem = fmt::format("{}: cannot be searched for results: {}", folder, error.what());
+    }
+  problem = comm.broadcast(problem);
+  if (!problem.empty()) throw InputError({problem});
+  make_folder(comm, folder);
+  comm.agree(removed(old));
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,23 @@
+// The folder a run writes into.
+#pragma once
+
+#include <string>
+
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::app {
+
+// What a new run does about results that lie in its folder.
+enum class OldResults { refuse, remove };
+
+// Makes the folder if it is missing. Throws RunError on all ranks. Collective.
+void make_folder(const par::Comm& comm, const std::string& folder);
+
+// Leaves `folder` there and without results of an earlier run; files that trackbed does not write
+// stay. `start`: the checkpoint the new run begins with (a file or its folder), or empty. Throws
+// InputError, with everything as it was, if there are results and they are not to be removed, or if
+// `start` is one of them; RunError if a file cannot be removed. Collective: rank 0 looks.
+void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
+                    const std::string& start);
+
+}  // namespace trackbed::app

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""What the program does with a result folder that is not empty.
+
+    folders.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+MINE = ("notes.txt", "old/results.h5", "figures/table.txt", "checkpoint_of_mine.h5",
+        "fields/camera.json")  # names trackbed does not write at these places
+
+
+def contents(folder):
+    """Path, size and time of change of each file."""
+    return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
+            for path in folder.rglob("*") if path.is_file()}
+
+
+def put_mine(folder):
+    for name in MINE:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("kept", encoding="utf-8")
+
+
+def refused(program, ranks, arguments, words):
+    """One sentence, exit code 2, before anything is computed."""
+    ran = program.done(ranks, *arguments, code=2)
+    lines = [line for line in ran.stderr.splitlines() if line.startswith(str(words[0]))]
+    if len(lines) != 1 or not all(str(word) in lines[0] for word in words):
+        raise SystemExit(f"{arguments} must say in one sentence {words}:\n{ran.stderr}")
+    if "stage " in ran.stdout:
+        raise SystemExit(f"{arguments} began to compute:\n{ran.stdout}")
+
+
+def check_old_results(program, deck, folder):
+    made = folder / "made"
+    program.done(1, "run", deck, "output.fields=true", "-o", made)
+    own = set(contents(made))
+    put_mine(made)
+    before = contents(made)
+    for ranks in (1, 2):
+        refused(program, ranks, ["run", deck, "-o", made],
+                [made, "--force", f"trackbed resume {made}", "-o DIR"])
+    for name in sorted(own):  # each alone is reason enough
+        place = folder / "one"
+        (place / name).parent.mkdir(parents=True)
+        (place / name).touch()
+        refused(program, 1, ["run", deck, "-o", place], [place, name, "--force"])
+        shutil.rmtree(place)
+    link = folder / "link"
+    link.symlink_to(made / "stage_sleepers.h5")
+    for start in (made / "stage_sleepers.h5", link):
+        refused(program, 2, ["run", deck, f"start={start}", "--force", "-o", made],
+                [made, start, "another folder"])
+    refused(program, 1, ["run", deck, f"start={made / 'stage_fill.h5'}", "stage.fill.name=other",
+                         "--force", "-o", made], ["command line", "stage_fill.h5", "does not have"])
+    if contents(made) != before:
+        raise SystemExit("a refused run changed the folder")
+    stopped = ["output.stop_after=1", "-o", made]
+    program.done(2, "run", deck, "--force", *stopped, code=3)
+    after = contents(made)
+    kept = {name for name in after if after[name] == before.get(name)}
+    if kept != set(MINE):
+        raise SystemExit(f"kept by --force: {sorted(kept)}, not {sorted(MINE)}")
+    if set(after) - kept != {"results.h5", "summary.json", "latest", "checkpoint_0000000001.h5"}:
+        raise SystemExit(f"not the files of the new run alone: {sorted(after)}")
+    program.done(1, "resume", made)
+    program.done(1, "run", deck, "--force", *stopped[:1], "-o", folder / "new", code=3)
+
+
+def check_start_beside(program, deck, folder):
+    """A run may start from a checkpoint of the folder above its own, again and again."""
+    made = folder / "made"
+    for _ in range(2):
+        program.done(1, "run", deck, f"start={made / 'stage_load.h5'}", "--force", "-o",
+                     made / "variant")
+        if not summary(made / "variant")["finished"]:
+            raise SystemExit("the variant did not finish")
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_old_results(program, deck, folder)
+    check_start_beside(program, deck, folder)
+
+
+if __name__ == "__main__":
+    main()
