@@ -29,6 +29,13 @@ void print(const par::Comm& comm, const std::string& text) {
   std::fflush(stdout);
 }
 
+Model read_model(const par::Comm& comm, const input::Deck& deck) {
+  Model model;
+  for (const std::string& sentence : deck.fill(declaration_of(model)))
+    print(comm, fmt::format("warning: {}\n", sentence));
+  return model;
+}
+
 int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
   const Outcome outcome = simulation.run();
   if (outcome == Outcome::finished) {
@@ -91,8 +98,7 @@ std::string effective_deck(const Model& model) {
 
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
-  Model model;
-  deck.fill(declaration_of(model));
+  const Model model = read_model(comm, deck);
   check_start(comm, model, deck);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
@@ -115,8 +121,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   }
   const input::Deck deck =
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
-  Model model;
-  deck.fill(declaration_of(model));
+  const Model model = read_model(comm, deck);
   require_same_model(io::open_checkpoint(comm, checkpoint), checkpoint, effective_deck(model),
                      deck);
   const std::string folder =
@@ -130,8 +135,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 // Builds the model as far as it can be without moving it.
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
-  Model model;
-  deck.fill(declaration_of(model));
+  const Model model = read_model(comm, deck);
   check_start(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);

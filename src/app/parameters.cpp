@@ -1,47 +1,15 @@
-// All parameters of a deck that no single room owns, and the rules that tie rooms together: which
-// stages need which, which material names exist, which steps are grossly unstable. Rooms declare
-// their own sections; the order here is the order of docs/input.md.
+// All parameters of a deck that no single room owns, and which steps are grossly unstable. Rooms
+// declare their own sections; the order here is the order of docs/input.md.
 #include "app/parameters.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "app/limits.hpp"
+#include "app/rules.hpp"
 
 namespace trackbed::app {
-
-namespace {
-
-bool names_are_unique(const std::vector<Stage>& stages) {
-  std::set<std::string> names;
-  for (const Stage& stage : stages) names.insert(stage.name);
-  return names.size() == stages.size();
-}
-
-// What stages build on each other; a start from a checkpoint may have done the earlier ones.
-void declare_rules(const Model& model, input::Section& s) {
-  const auto& stages = model.stages;
-  s.rule("stage", !stages.empty(), "at least one [[stage]] is needed");
-  s.rule("stage", names_are_unique(stages), "stages need different names");
-  s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
-         "the first stage must be of kind fill, or `start` must name a checkpoint");
-  for (const auto& [key, name] : {std::pair{"wall_material", model.wall_material},
-                                  std::pair{"ground_material", model.ground_material},
-                                  std::pair{"bed.material", model.bed.material},
-                                  std::pair{"sleepers.material", model.sleepers.material}}) {
-    const bool needed =
-        key != std::string("sleepers.material") || model.has_stage(StageKind::sleepers);
-    s.rule(key, !needed || model.material(name) >= 0,
-           fmt::format("names no [[material]] (\"{}\")", name));
-  }
-  bool periodic_known = true;
-  for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
-  s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"");
-}
-
-}  // namespace
 
 void Stage::declare(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
@@ -143,12 +111,6 @@ bool Model::periodic_in(const std::string& axis) const {
 bool Model::has_stage(StageKind kind) const {
   return std::any_of(stages.begin(), stages.end(),
                      [&](const Stage& stage) { return stage.kind == kind; });
-}
-
-int Model::material(const std::string& name) const {
-  for (std::size_t i = 0; i < physics.materials.size(); ++i)
-    if (physics.materials[i].name == name) return static_cast<int>(i);
-  return -1;
 }
 
 // The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is room for

@@ -76,7 +76,7 @@ struct Model {
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
-  int material(const std::string& name) const;  // index; -1: there is none
+  int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;
 };
 

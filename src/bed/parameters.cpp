@@ -1,4 +1,6 @@
 // Parameters of the bed and of the platen, each declared once.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "trackbed/bed/bed.hpp"
@@ -6,6 +8,9 @@
 namespace trackbed::bed {
 
 namespace {
+
+// mm: a bed whose coarsest stones are finer is sand, or its sieves were given in m.
+constexpr double smallest_ballast = 1;
 
 bool rises(const std::vector<double>& values) {
   return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
@@ -22,6 +27,10 @@ void declare_grading(BedParameters& bed, input::Section& s) {
             "Share of the mass that passes each sieve, from 0 to 100.");
   s.rule("sieve", bed.sieve.size() >= 2 && rises(bed.sieve),
          "must be at least two, each above the last");
+  s.rule("sieve", bed.sieve.empty() || bed.sieve.back() >= smallest_ballast,
+         fmt::format("looks like metres; give the openings in mm: {:g}, not {:g}",
+                     bed.sieve.empty() ? 0 : 1e3 * bed.sieve.back(),
+                     bed.sieve.empty() ? 0 : bed.sieve.back()));
   s.rule("passing",
          bed.passing.size() == bed.sieve.size() && !bed.passing.empty() &&
              std::is_sorted(bed.passing.begin(), bed.passing.end()) && bed.passing.front() == 0 &&

@@ -8,43 +8,11 @@
 
 namespace trackbed::dem {
 
-void Material::declare(input::Section& s) {
-  s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
-  s.number("density", density, {.unit = "kg/m3", .above = 0}, "Density of the solid.");
-  s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
-           "Cundall's local damping: share of the net force that resists motion.");
-  s.number("young", young, {.unit = "Pa", .at_least = 0}, "Young's modulus, for hertz contacts.");
-  s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},
-           "Poisson's ratio, for hertz contacts.");
-}
-
-void ContactLaw::declare(input::Section& s) {
-  s.text("first", first, "Name of one material.", {}, true);
-  s.text("second", second, "Name of the other (or the same) material.", {}, true);
-  s.choice("law", kind, {"linear", "hertz"}, "Contact law between the two.");
-  s.number("k_n", k_n, {.unit = "N/m", .above = 0}, "Normal stiffness, linear law.");
-  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0}, "Tangential stiffness, linear law.");
-  s.number("friction", friction, {.unit = "-", .at_least = 0}, "Coulomb's friction coefficient.");
-  s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
-           "Normal viscous damping over critical, linear law.");
-  s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
-           "Tangential viscous damping over critical, linear law.");
-  s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
-           "Restitution of a head-on collision, hertz law.");
-  s.flag("attraction", attraction,
-         "Whether viscous damping may pull at the end of a collision; without it F_n >= 0.");
-}
-
-void Physics::declare(input::Section& s) {
-  s.tables("material", materials, "A material of particles, sleepers, ground or walls.");
-  s.tables("contact", laws, "The contact law of a pair of materials.");
-}
-
 namespace {
 
 int material_named(const Physics& physics, const std::string& name) {
-  for (std::size_t m = 0; m < physics.materials.size(); ++m)
-    if (physics.materials[m].name == name) return static_cast<int>(m);
+  const int number = physics.material(name);
+  if (number >= 0) return number;
   throw InputError({fmt::format("contact: \"{}\" is not the name of a material", name)});
 }
 

@@ -1,5 +1,8 @@
 // The deck section [ground]: every number once, with unit, range and sentence.
-#include <array>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "trackbed/fem/ground.hpp"
 
@@ -13,6 +16,61 @@ namespace {
 constexpr std::size_t fewest_corners = 3;
 // Beyond this the bulk modulus is 1700 times the shear modulus and rounding eats the pressure.
 constexpr double largest_poisson = 0.4999;
+
+constexpr double rounding =
+    1e-9;  // of the ground's extent: an outline may end where the ground ends
+
+struct Range {
+  double low, high;  // m
+  bool holds(const Range& other) const {
+    const double margin = rounding * (high - low);
+    return other.low >= low - margin && other.high <= high + margin;
+  }
+  // Whether one of the centres of `zones` equal zones of this range lies in `other`.
+  bool centre_in(const Range& other, std::int64_t zones) const {
+    const double size = (high - low) / static_cast<double>(zones),
+                 last = static_cast<double>(zones);
+    const double from = std::ceil((other.low - low) / size - 0.5);
+    const double to = std::floor((other.high - low) / size - 0.5);
+    return std::max(from, 0.0) <= std::min(to, last - 1);
+  }
+};
+
+// Of every second number from `first`.
+Range range_of(const std::vector<double>& outline, std::size_t first) {
+  Range range{outline[first], outline[first]};
+  for (std::size_t k = first; k < outline.size(); k += 2)
+    range = {std::min(range.low, outline[k]), std::max(range.high, outline[k])};
+  return range;
+}
+
+// Where a block lies. Judged by the box around its outline.
+void declare_place(const GroundParameters& ground, std::size_t number, Section& s) {
+  const Block& block = ground.blocks[number];
+  if (!ground.present || !block.present || block.outline.size() < 2 || ground.x.size() != 2) return;
+  const std::string key = fmt::format("block[{}].outline", number);
+  double depth = 0;
+  for (const Layer& layer : ground.layers) depth += layer.thickness;
+  const Range x{ground.x[0], ground.x[1]}, z{-depth, 0};
+  const Range wide = range_of(block.outline, 0), high = range_of(block.outline, 1);
+  const input::About about{.reads = {"x", "zones_x", "zones_z", "layer", key}};
+  const std::string place =
+      fmt::format("the ground: x from {:g} to {:g} m, z from {:g} to 0 m", x.low, x.high, z.low);
+  if (high.high > rounding * depth)
+    return s.rule(key, false,
+                  fmt::format("has a corner at z = {:g} m, above {}; z is negative below the top",
+                              high.high, place),
+                  about);
+  if (!x.centre_in(wide, ground.zones_x) || !z.centre_in(high, ground.zones_z))
+    return s.rule(key, false,
+                  fmt::format("holds the centre of no zone of {}; move or enlarge it, take smaller "
+                              "zones, or set present = false",
+                              place),
+                  about);
+  s.rule(key, x.holds(wide) && z.holds(high),
+         fmt::format("is cut where it reaches beyond {}", place),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
 
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
@@ -55,6 +113,7 @@ void GroundParameters::declare(Section& s) {
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
   s.rule("layer", !present || !layers.empty(), "must be given at least once: the ground is empty");
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
+  for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
   s.choice("plane", plane, {"stress", "strain"},
            "Plane stress or plane strain across a plane model.");
   s.choice("base", base, {"fixed", "quiet"},

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -22,31 +21,6 @@ struct Deck::Text {
 };
 
 namespace {
-
-// "stage.passage.duration", "layer[1].young" -> the words between the points; an index is a word.
-std::vector<std::string> words_of(const std::string& path) {
-  std::vector<std::string> words(1);
-  for (const char c : path) {
-    if (c == ']') continue;
-    if (c == '.' || c == '[')
-      words.emplace_back();
-    else
-      words.back() += c;
-  }
-  return words;
-}
-
-// The element of a list that `word` means: by its `name`, else by its number. Null if none.
-Node* element(Node& list, const std::string& word) {
-  for (Node& item : list.items) {
-    const Node* name = item.is_table() ? item.member("name") : nullptr;
-    if (name != nullptr && name->kind == Node::Kind::text && name->text == word) return &item;
-  }
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
-  const bool number = error == std::errc() && end == word.data() + word.size();
-  return number && index < list.items.size() ? &list.items[index] : nullptr;
-}
 
 std::string elements_in_words(const Node& list) {
   std::string words;
@@ -149,23 +123,19 @@ Deck Deck::parse(const std::string& text, const std::string& origin,
   return Deck(std::move(deck));
 }
 
-void Deck::fill(const Declaration& declaration) const {
+std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   Problems problems = text_->problems;
   const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
   Reader reader(text_->root, folder, all_parameters(declaration), problems);
   declaration(reader);
   reader.finish();
   problems.throw_if_any();
+  return problems.warnings();
 }
 
 std::string Deck::where(const std::string& key) const {
-  Node* node = &text_->root;
-  for (const std::string& word : words_of(key)) {
-    Node* next = node->is_list() ? element(*node, word) : node->member(word);
-    if (next == nullptr) return text_->problems.start(nullptr) + key;
-    node = next;
-  }
-  return text_->problems.start(node) + key;
+  const Place place = follow(text_->root, key);
+  return text_->problems.start(place.reached ? place.node : nullptr) + key;
 }
 
 }  // namespace trackbed::input

@@ -16,21 +16,31 @@ std::string Problems::start(const Node* place) const {
   return fmt::format("{}: ", origin_);
 }
 
-void Problems::add(const Node* place, const std::string& sentence) {
+Problems::Problem Problems::located(const Node* place, const std::string& sentence) const {
   int order = INT_MAX - 1;
   if (place != nullptr && place->line > 0) order = place->line;
   if (place != nullptr && place->commanded) order = INT_MAX;
-  list_.push_back({order, start(place) + sentence});
+  return {order, start(place) + sentence};
+}
+
+void Problems::add(const Node* place, const std::string& sentence) {
+  list_.push_back(located(place, sentence));
+}
+
+void Problems::warn(const Node* place, const std::string& sentence) {
+  warnings_.push_back(located(place, sentence));
+}
+
+std::vector<std::string> Problems::sorted(std::vector<Problem> list) {
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Problem& a, const Problem& b) { return a.order < b.order; });
+  std::vector<std::string> sentences;
+  for (const Problem& problem : list) sentences.push_back(problem.sentence);
+  return sentences;
 }
 
 void Problems::throw_if_any() const {
-  if (list_.empty()) return;
-  std::vector<Problem> sorted = list_;
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Problem& a, const Problem& b) { return a.order < b.order; });
-  std::vector<std::string> sentences;
-  for (const Problem& problem : sorted) sentences.push_back(problem.sentence);
-  throw InputError(std::move(sentences));
+  if (!list_.empty()) throw InputError(sorted(list_));
 }
 
 }  // namespace trackbed::input

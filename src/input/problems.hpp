@@ -15,6 +15,9 @@ class Problems {
   // `origin:line: ` or `command line: `; `place` may be null (nothing in the text to point at).
   std::string start(const Node* place) const;
   void add(const Node* place, const std::string& sentence);
+  void warn(const Node* place, const std::string& sentence);
+  // In the order of `throw_if_any`.
+  std::vector<std::string> warnings() const { return sorted(warnings_); }
   std::size_t count() const { return list_.size(); }
   // In the order of the file, then what has no line, then the command line. Throws InputError.
   void throw_if_any() const;
@@ -24,8 +27,11 @@ class Problems {
     int order;
     std::string sentence;
   };
+  Problem located(const Node* place, const std::string& sentence) const;
+  static std::vector<std::string> sorted(std::vector<Problem> list);
+
   std::string origin_;
-  std::vector<Problem> list_;
+  std::vector<Problem> list_, warnings_;
 };
 
 }  // namespace trackbed::input

@@ -42,6 +42,11 @@ std::string did_you_mean(const std::string& word) {
   return word.empty() ? "" : fmt::format("; did you mean {}?", word);
 }
 
+// Not a section or a list of them, which nobody wants to read in a message.
+bool is_value(const Node& node) {
+  return !node.is_table() && !(node.is_list() && !node.items.empty() && node.items[0].is_table());
+}
+
 std::string last_word(const std::string& path) {
   return path.substr(path.rfind('.') + 1);  // the whole path if it has no point
 }
@@ -117,9 +122,9 @@ void Reader::file(std::string_view name, std::string& value, std::string_view) {
   const fs::path path = fs::absolute(fs::path(folder_) / given).lexically_normal();
   std::error_code error;
   if (!fs::exists(path, error))
-    problems_.add(node, fmt::format("{} \"{}\" does not exist", path_of(name), given));
+    problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));
   else if (!fs::is_regular_file(path, error))
-    problems_.add(node, fmt::format("{} \"{}\" is not a file", path_of(name), given));
+    problem(node, path_of(name), fmt::format(" \"{}\" is not a file", given));
   else
     value = path.string();
 }
@@ -156,14 +161,29 @@ void Reader::texts(std::string_view name, std::vector<std::string>& values, std:
   values = std::move(found);
 }
 
-void Reader::rule(std::string_view name, bool holds, std::string_view sentence) {
-  // A value that was refused keeps its default: rules about this section would only confuse.
-  if (holds || problems_.count() > open_.back().problems_before) return;
-  const Node* node = open_.back().node;
-  const Node* value = node != nullptr && node->is_table() ? node->member(name) : nullptr;
-  problems_.add(value != nullptr ? value : node,
-                fmt::format("{}{}: {}", path_of(name),
-                            value != nullptr ? " = " + shown(*value) : "", sentence));
+void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
+                  const About& about) {
+  if (holds || in_doubt(about)) return;
+  const Node* section = open_.back().node;
+  const Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
+  const std::string rest = fmt::format(
+      "{}: {}", place.reached && is_value(*place.node) ? " = " + shown(*place.node) : "", sentence);
+  if (about.weight == Weight::problem)
+    problems_.add(place.node, path_of(name) + rest);
+  else
+    problems_.warn(place.node, path_of(name) + rest);
+}
+
+// A value that was refused keeps its default: rules that read it would only confuse.
+bool Reader::in_doubt(const About& about) const {
+  if (about.reads.empty()) return problems_.count() > open_.back().problems_before;
+  return std::any_of(about.reads.begin(), about.reads.end(), [&](const std::string& read) {
+    const std::string path = path_of(read);
+    return std::any_of(refused_.begin(), refused_.end(), [&](const std::string& wrong) {
+      return wrong.starts_with(path) && (wrong.size() == path.size() || wrong[path.size()] == '.' ||
+                                         wrong[path.size()] == '[');
+    });
+  });
 }
 
 bool Reader::enter(std::string_view name, std::string_view) {
@@ -219,13 +239,19 @@ std::string Reader::path_of(std::string_view name) const {
   return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
 }
 
+// Of a value that cannot be taken.
+void Reader::problem(const Node* place, const std::string& path, const std::string& rest) {
+  problems_.add(place, path + rest);
+  refused_.push_back(path);
+}
+
 void Reader::refuse(const Node& node, const std::string& path, const std::string& must) {
-  problems_.add(&node, fmt::format("{} = {} {}", path, shown(node), must));
+  problem(&node, path, fmt::format(" = {} {}", shown(node), must));
 }
 
 void Reader::missing(std::string_view name, const std::string& unit) {
-  problems_.add(open_.back().node, fmt::format("{} must be given{}", path_of(name),
-                                               unit == "-" ? "" : fmt::format(" (in {})", unit)));
+  problem(open_.back().node, path_of(name),
+          " must be given" + (unit == "-" ? "" : fmt::format(" (in {})", unit)));
 }
 
 bool Reader::take_number(const Node& node, const std::string& path, const Limits& limits,
@@ -241,8 +267,7 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
   }
   if (!within(limits, found)) {
     // As people write it: -5 also where the file has -5.0.
-    problems_.add(&node,
-                  fmt::format("{} = {} must be {}", path, shown(found), range_in_words(limits)));
+    problem(&node, path, fmt::format(" = {} must be {}", shown(found), range_in_words(limits)));
     return false;
   }
   value = found;
@@ -252,11 +277,10 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
 void Reader::report_unknown(const Frame& frame) {
   for (const auto& [name, value] : frame.node->members) {
     if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
-    const bool section =
-        value.is_table() || (value.is_list() && !value.items.empty() && value.items[0].is_table());
     const std::string path = frame.path.empty() ? name : fmt::format("{}.{}", frame.path, name);
-    problems_.add(&value, fmt::format("{} is not a {}{}", path, section ? "section" : "parameter",
-                                      did_you_mean(suggestion(frame, name))));
+    problem(&value, path,
+            fmt::format(" is not a {}{}", is_value(value) ? "parameter" : "section",
+                        did_you_mean(suggestion(frame, name))));
   }
 }
 

@@ -29,7 +29,8 @@ class Reader : public Section {
                std::string_view meaning, std::size_t length) override;
   void texts(std::string_view name, std::vector<std::string>& values,
              std::string_view meaning) override;
-  void rule(std::string_view name, bool holds, std::string_view sentence) override;
+  void rule(std::string_view name, bool holds, std::string_view sentence,
+            const About& about) override;
 
  protected:
   bool enter(std::string_view name, std::string_view meaning) override;
@@ -48,6 +49,8 @@ class Reader : public Section {
   // The value of a parameter of the open section, or null; notes that it is known.
   const Node* find(std::string_view name);
   std::string path_of(std::string_view name) const;
+  void problem(const Node* place, const std::string& path, const std::string& rest);
+  bool in_doubt(const About& about) const;
   // "dem.skin = 5 must be ..."
   void refuse(const Node& node, const std::string& path, const std::string& must);
   void missing(std::string_view name, const std::string& unit);
@@ -61,6 +64,7 @@ class Reader : public Section {
   std::vector<ParameterInfo> paths_;
   Problems& problems_;
   std::vector<Frame> open_;
+  std::vector<std::string> refused_;  // paths of values that were not taken
 };
 
 }  // namespace trackbed::input

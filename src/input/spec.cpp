@@ -46,7 +46,7 @@ class Collector : public Section {
     spec.value = make_list({});
     for (const std::string& value : values) spec.value.items.push_back(make_text(value));
   }
-  void rule(std::string_view, bool, std::string_view) override {}
+  void rule(std::string_view, bool, std::string_view, const About&) override {}
 
  protected:
   bool describes() const override { return lists_ == Lists::at_least_one_element; }

@@ -28,6 +28,18 @@ struct Node {
   Node* member(std::string_view name);
 };
 
+// "stage.passage.duration", "layer[1].young" -> the words between the points; an index is a word.
+std::vector<std::string> words_of(std::string_view path);
+// The element of a list that `word` means: by its `name`, else by its number. Null if none.
+Node* element(Node& list, const std::string& word);
+const Node* element(const Node& list, const std::string& word);
+// What `path` leads to from `root`, or the innermost section on the way that exists.
+struct Place {
+  const Node* node;
+  bool reached;
+};
+Place follow(const Node& root, std::string_view path);
+
 // Throws InputError with `origin:line:` for text that is not TOML. `origin` names it in messages.
 Node parse_toml(const std::string& text, const std::string& origin);
 // The value of an override: TOML, else the words themselves as text.

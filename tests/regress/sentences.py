@@ -24,6 +24,36 @@ WANTED = {"window = 0.5": ["time.window", "unstable"],
           'height = "high"': ["bed.height", "number"],
           'file = "no_such_table.csv"': ["load.file", "no_such_table.csv", "exist"]}
 
+# Values that are in range but cannot be meant together: line of the tiny deck -> (what stands there
+# instead, what the sentence must hold). All stand in one deck.
+NONSENSE = {'second = "sleeper"': ('second = "sleper"', ["contact[1].second", "sleeper?"]),
+            "sieve = [50, 63]": ("sieve = [0.05, 0.063]", ["bed.sieve", "looks like metres", "63"]),
+            "spacing = 0.6": ('material = "slepper"', ["sleepers.material", "sleeper?"]),
+            "first = 0.3": ("first = 7.0", ["sleepers.first", "outside the bed", "1.2 m"]),
+            "start = -1.0": ("start = 9.0", ["load.start", "no axle passes", "start before"]),
+            "outline = [0.0, 0.0, 0.5, 0.0, 0.5, -0.6, 0.0, -0.6]":
+                ("outline = [5.0, 0.0, 6.0, 0.0, 6.0, -0.6]", ["ground.block[0].outline",
+                                                               "no zone", "from 0 to 1.2 m"])}
+# Single changes of the tiny deck and the words of the refusal, or of the warning.
+REFUSED = {"bed.material=ballst": "did you mean ballast?",
+           "wall_material=wood": "there are ballast, sleeper",
+           "ground_material=wood": "there are ballast, sleeper",
+           "contact.1.first=sleeper": "no [[contact]] gives a law",
+           "contact.1.second=ballast": "given twice",
+           "contact.1.law=hertz": "young above 0",
+           "material.1.name=ballast": "earlier [[material]]",
+           "ground.block.0.outline=[0,0.5, 0.5,0.5, 0.5,-0.6, 0,-0.6]": "above the ground",
+           "ground.block.0.outline=[0.001,0, 0.002,0, 0.002,-0.6]": "no zone",
+           "ground.x=[0.1,1.2]": "beside the ground",
+           "sleepers.count=4": "puts the last sleeper at x = 2.1 m",
+           "sleepers.count=0": "must be at least 1",
+           "stage.passage.duration=0.001": "give more time",
+           "stage.sleepers.kind=run": "no stage of kind sleepers"}
+WARNED = {"sleepers.first=0.1": "reaches beyond the end",
+          "load.start=0.5": "begins beyond the first sleeper",
+          "ground.block.0.outline=[-1,0, 0.5,0, 0.5,-0.6, -1,-0.6]": "is cut",
+          "sleepers.material=ballast": "nothing is made of it"}
+
 
 def expect(holds, what, ran):
     if not holds:
@@ -41,6 +71,35 @@ def check_problems(program, ranks):
         for word in words:
             expect(word in sentences[0], f"the sentence about {start} must hold {word}", ran)
     expect(not pathlib.Path("nowhere").exists(), "a bad deck must leave nothing behind", ran)
+
+
+def check_nonsense(program, deck, folder):
+    """Everything that cannot be meant, in one go; one thing alone; and what is only odd."""
+    text = pathlib.Path(deck).read_text(encoding="utf-8")
+    for line, (other, _) in NONSENSE.items():
+        if text.count(f"\n{line}\n") != 1:
+            raise SystemExit(f"{deck} must hold the line {line} once")
+        text = text.replace(f"\n{line}\n", f"\n{other}\n")
+    path = folder / "nonsense.toml"
+    path.write_text(text, encoding="utf-8")
+    ran = program(1, "check", path)
+    expect(ran.returncode == 2, "nonsense must end with 2", ran)
+    sentences = ran.stderr.splitlines()
+    expect(len(sentences) == len(NONSENSE), "one sentence for each is wanted", ran)
+    for other, words in NONSENSE.values():
+        start = f"nonsense.toml:{text.splitlines().index(other) + 1}: "
+        found = [sentence for sentence in sentences if start in sentence]
+        expect(len(found) == 1 and all(word in found[0] for word in words),
+               f"the sentence about {start} must hold {words}", ran)
+    for change, words in REFUSED.items():
+        ran = program(1, "check", deck, change)
+        expect(ran.returncode == 2, f"{change} must be refused", ran)
+        expect(words in ran.stderr, f"{change} must say {words}", ran)
+    for change, words in WARNED.items():
+        ran = program(1, "check", deck, change)
+        expect(ran.returncode == 0, f"{change} is no error", ran)
+        expect(any(line.startswith("warning: ") and words in line
+                   for line in ran.stdout.splitlines()), f"{change} must warn: {words}", ran)
 
 
 def check_single_cases(program, deck):
@@ -110,6 +169,7 @@ def main():
     folder.mkdir(parents=True)
     for ranks in (1, 2):
         check_problems(program, ranks)
+    check_nonsense(program, deck, folder)
     check_single_cases(program, deck)
     check_other_models(program, deck, folder)
     check_run_error(program, deck, folder)

@@ -36,6 +36,11 @@ struct Physics {
   std::vector<Material> materials;
   std::vector<ContactLaw> laws;     // one per pair that may meet
   void declare(input::Section& s);  // [[material]], [[contact]]
+
+  int material(const std::string& name) const;                           // index; -1: there is none
+  bool has_law(const std::string& one, const std::string& other) const;  // by names of materials
+  // Declares that the text parameter `key`, now `name`, names a material.
+  void rule_of_name(input::Section& s, const std::string& key, const std::string& name) const;
 };
 
 }  // namespace trackbed::dem

@@ -35,7 +35,8 @@ class Deck {
   //   deck.toml: load.file "x.csv" does not exist          (no line if the key is absent)
   //   command line: dem.safety = "high" must be a number
   // Unknown keys, wrong types, out of range, missing required, bad choices, failed rules, files.
-  void fill(const Declaration& declaration) const;
+  // Returns warnings, sentences of the same form about what is legitimate but odd.
+  std::vector<std::string> fill(const Declaration& declaration) const;
   // `file:line: key` of a parameter, to start a sentence about it in later checks (unstable step).
   std::string where(const std::string& key) const;
 

@@ -32,6 +32,16 @@ struct Limits {
   bool required = false;         // no default: an input without it is refused
 };
 
+enum class Weight { problem, warning };  // warning: legitimate but odd
+
+// What a rule is about besides the parameter it names.
+struct About {
+  Weight weight = Weight::problem;
+  // Parameters and sections that the rule reads, named like the rule's own: it is left out if one
+  // of them was refused, since it keeps its default then. Empty: if the open section has a problem.
+  std::vector<std::string> reads = {};
+};
+
 class Section {
  public:
   virtual ~Section() = default;
@@ -52,8 +62,10 @@ class Section {
   virtual void texts(std::string_view name, std::vector<std::string>& values,
                      std::string_view meaning) = 0;
   // A fact that ties several parameters together ("top must lie above bottom"): reported as a
-  // problem of parameter `name` if it does not hold. Only the reader acts on it.
-  virtual void rule(std::string_view name, bool holds, std::string_view sentence) = 0;
+  // problem of parameter `name` ("top", or of an inner section "layer[1].thickness") if it does not
+  // hold. Only the reader acts on it.
+  virtual void rule(std::string_view name, bool holds, std::string_view sentence,
+                    const About& about = {}) = 0;
 
   // A word of a fixed list held as an enum: `words` in the order of the enum's values from 0.
   template <class E>

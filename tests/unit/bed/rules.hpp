@@ -25,7 +25,7 @@ class BrokenRules : public input::Section {
   void numbers(std::string_view, std::vector<double>&, const input::Limits&, std::string_view,
                std::size_t) override {}
   void texts(std::string_view, std::vector<std::string>&, std::string_view) override {}
-  void rule(std::string_view name, bool holds, std::string_view) override {
+  void rule(std::string_view name, bool holds, std::string_view, const input::About&) override {
     if (!holds) broken_.emplace(name);
   }
 

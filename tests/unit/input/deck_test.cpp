@@ -148,6 +148,39 @@ TEST(Deck, ChecksRulesWhenTheValuesAreGood) {
             Sentences{"deck.toml:2: dem.skin = -1 must be above 0 m"});
 }
 
+// Rules across sections: the line is that of the value they name, or of the section it is not in.
+TEST(Deck, ChecksRulesAcrossSections) {
+  struct Two {
+    Example example;
+    void declare(Section& s) {
+      example.declare(s);
+      const auto& layers = example.layers;
+      s.rule("layer[0].depth", layers.empty() || layers[0].depth > example.dem.skin, "is too thin",
+             {.reads = {"layer[0].depth", "dem.skin"}});
+      s.rule("dem.steps", example.dem.steps < 1000, "are many",
+             {.weight = Weight::warning, .reads = {"dem"}});
+    }
+  };
+  const auto said = [](const std::string& text) {
+    Two two;
+    try {
+      return Deck::parse(text, "deck.toml").fill([&](Section& s) { two.declare(s); });
+    } catch (const InputError& error) {
+      return error.problems();
+    }
+  };
+  EXPECT_EQ(said("box = 1\n[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = 4\n"),
+            (Sentences{"deck.toml:1: box = 1 must be a list of 3 numbers",
+                       "deck.toml:6: layer[0].depth = 4: is too thin"}));
+  EXPECT_EQ(said("[dem]\nskin = 5\n[[layer]]\nyoung = 1\n"),
+            Sentences{"deck.toml:3: layer[0].depth: is too thin"});
+  EXPECT_EQ(said("[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = -4\n"),
+            Sentences{"deck.toml:5: layer[0].depth = -4 must be above 0 and at most 100 m"});
+  EXPECT_EQ(said("[dem]\nsteps = 1000\n"), Sentences{"deck.toml:2: dem.steps = 1000: are many"});
+  EXPECT_EQ(said("[dem]\nsteps = 1000\nskin = -1\n"),
+            Sentences{"deck.toml:3: dem.skin = -1 must be above 0 m"});
+}
+
 TEST(Deck, FindsFilesBesideTheDeck) {
   namespace fs = std::filesystem;
   const par::Comm world = par::Comm::world();

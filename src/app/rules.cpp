@@ -1,0 +1,198 @@
+// Rules that tie rooms together: which stages need which, which materials exist and meet, and
+// whether bed, ground, sleepers and train lie where they can act on each other. Errors are what
+// cannot be meant; what is legitimate but odd is a warning.
+#include "app/rules.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // m
+
+bool names_are_unique(const std::vector<Stage>& stages) {
+  std::set<std::string> names;
+  for (const Stage& stage : stages) names.insert(stage.name);
+  return names.size() == stages.size();
+}
+
+// What stages build on each other; a start from a checkpoint may have done the earlier ones.
+void declare_stages(const Model& model, input::Section& s) {
+  const auto& stages = model.stages;
+  const input::About about{.reads = {"stage", "start"}};
+  s.rule("stage", !stages.empty(), "at least one [[stage]] is needed", about);
+  s.rule("stage", names_are_unique(stages), "stages need different names", about);
+  s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
+         "the first stage must be of kind fill, or `start` must name a checkpoint", about);
+  bool placed = !model.start.empty();
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const StageKind kind = stages[i].kind;
+    placed = placed || kind == StageKind::sleepers;
+    s.rule(fmt::format("stage[{}].kind", i),
+           placed || (kind != StageKind::load && kind != StageKind::passage),
+           "loads sleepers, but no stage of kind sleepers comes before it", about);
+  }
+  const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
+                   model.has_stage(StageKind::passage);
+  s.rule("sleepers.count", !any || model.sleepers.count > 0,
+         "must be at least 1, since stages place or load sleepers",
+         {.reads = {"sleepers.count", "stage"}});
+}
+
+bool uses_walls(const Model& model) {
+  const bool open =
+      !model.periodic_in("x") || (model.dimension == Dimension::space && !model.periodic_in("y"));
+  return open || !model.ground.present || model.has_stage(StageKind::compact);
+}
+
+// Materials that the parts of the model are made of exist, and those that meet have a law.
+void declare_materials(const Model& model, input::Section& s) {
+  std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
+  if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
+  if (model.ground.present) parts.emplace_back("ground_material", model.ground_material);
+  if (model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::passage))
+    parts.emplace_back("sleepers.material", model.sleepers.material);
+  const std::string& stones = model.bed.material;
+  const bool names_known = std::all_of(
+      model.physics.laws.begin(), model.physics.laws.end(), [&](const dem::ContactLaw& law) {
+        return model.material(law.first) >= 0 && model.material(law.second) >= 0;
+      });
+  for (const auto& [key, name] : parts) {
+    model.physics.rule_of_name(s, key, name);
+    const bool known = names_known && model.material(name) >= 0 && model.material(stones) >= 0;
+    s.rule(key, !known || model.physics.has_law(stones, name),
+           fmt::format("stones of \"{}\" meet \"{}\", but no [[contact]] gives a law for them",
+                       stones, name),
+           {.reads = {"contact", "material", "bed.material", key}});
+  }
+  for (std::size_t m = 0; m < model.physics.materials.size(); ++m)
+    s.rule(fmt::format("material[{}].name", m),
+           std::any_of(
+               parts.begin(), parts.end(),
+               [&](const auto& part) { return part.second == model.physics.materials[m].name; }),
+           "nothing is made of it",
+           {.weight = input::Weight::warning, .reads = {"material", "bed", "sleepers"}});
+}
+
+bool is_within(const std::vector<double>& inner, const std::vector<double>& outer) {
+  return inner.size() != 2 || outer.size() != 2 ||
+         (inner[0] >= outer[0] - rounding && inner[1] <= outer[1] + rounding);
+}
+
+void declare_ground_below(const Model& model, input::Section& s) {
+  if (!model.ground.present) return;
+  const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
+    s.rule("bed." + axis, is_within(bed, ground),
+           fmt::format("reaches beyond ground.{} ({:g} to {:g} m): stones would fall beside the "
+                       "ground; make it longer or the bed shorter",
+                       axis, ground[0], ground[1]),
+           {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
+  };
+  below("x", model.bed.x, model.ground.x);
+  if (model.dimension == Dimension::space) below("y", model.bed.y, model.ground.y);
+}
+
+double last_sleeper(const track::SleeperParameters& p) {
+  return p.first + static_cast<double>(p.count - 1) * p.spacing;
+}
+
+void declare_sleepers(const Model& model, input::Section& s) {
+  const auto& p = model.sleepers;
+  const auto& x = model.bed.x;
+  if (!model.has_stage(StageKind::sleepers) || p.count < 1 || x.size() != 2) return;
+  const double last = last_sleeper(p);
+  const std::string bed = fmt::format("the bed (bed.x: {:g} to {:g} m)", x[0], x[1]);
+  const std::vector<std::string> reads = {"bed.x", "bed.y", "sleepers"};
+  const auto outside = [&](double at) { return at < x[0] || at > x[1]; };
+  const auto sticks_out = [&](double at) {
+    return at - p.width / 2 < x[0] - rounding || at + p.width / 2 > x[1] + rounding;
+  };
+  s.rule("sleepers.first", !outside(p.first),
+         fmt::format("puts the first sleeper outside {}; move it or make the bed longer", bed),
+         {.reads = reads});
+  s.rule("sleepers.count", outside(p.first) || !outside(last),
+         fmt::format("puts the last sleeper at x = {:g} m, outside {}; take fewer (or less "
+                     "spacing) or make the bed longer",
+                     last, bed),
+         {.reads = reads});
+  for (const auto& [key, at] : {std::pair{"sleepers.first", p.first}, {"sleepers.count", last}})
+    s.rule(key, outside(at) || !sticks_out(at),
+           fmt::format("the sleeper at x = {:g} m reaches beyond the end of {}", at, bed),
+           {.weight = input::Weight::warning, .reads = reads});
+  const auto& y = model.bed.y;
+  s.rule("sleepers.length",
+         model.dimension == Dimension::plane || is_within({-p.length / 2, p.length / 2}, y),
+         "sleepers reach beyond the sides of the bed (bed.y)",
+         {.weight = input::Weight::warning, .reads = reads});
+}
+
+// Where the axles are at the ends of a passage, against the sleepers. A table of loads has its own
+// times and no axles.
+void declare_passage(const Model& model, std::size_t number, input::Section& s) {
+  const auto& load = model.load;
+  const auto& sleepers = model.sleepers;
+  const Stage& stage = model.stages[number];
+  const double last = last_sleeper(sleepers);
+  const double rear = *std::max_element(load.axles.begin(), load.axles.end());
+  const double lead = *std::min_element(load.axles.begin(), load.axles.end());
+  const double time =
+      stage.duration > 0 ? stage.duration : track::SeatLoad(load, sleepers.spacing).duration(last);
+  const double way = load.speed * time;
+  bool passes = false;
+  for (std::int64_t i = 0; i < sleepers.count; ++i)
+    for (const double behind : load.axles) {
+      const double on = sleepers.first + static_cast<double>(i) * sleepers.spacing -
+                        (load.start - behind);  // m the axle has to go
+      passes = passes || (on >= 0 && on <= way);
+    }
+  const std::string duration = fmt::format("stage[{}].duration", number);
+  const std::vector<std::string> reads = {"load", "sleepers", duration};
+  const std::string where =
+      fmt::format("sleepers stand from x = {:g} to {:g} m", sleepers.first, last);
+  const bool too_late = load.start - rear > last;
+  s.rule(too_late ? "load.start" : duration, passes,
+         too_late
+             ? fmt::format("no axle passes a sleeper: the last one begins at x = {:g} m and "
+                           "moves along +x, {}; start before them",
+                           load.start - rear, where)
+             : fmt::format("no axle passes a sleeper: the first one goes from x = {:g} to {:g} "
+                           "m, {}; give more time, or 0 for the whole passage",
+                           load.start - lead, load.start - lead + way, where),
+         {.reads = reads});
+  if (!passes) return;
+  s.rule("load.start", load.start - lead <= sleepers.first,
+         fmt::format("the first axle begins beyond the first sleeper: its load begins with a jump "
+                     "({})",
+                     where),
+         {.weight = input::Weight::warning, .reads = reads});
+  s.rule(duration, load.start - rear + way >= last,
+         fmt::format("ends before the last axle has passed the last sleeper ({})", where),
+         {.weight = input::Weight::warning, .reads = reads});
+}
+
+void declare_passages(const Model& model, input::Section& s) {
+  const auto& load = model.load;
+  if (load.kind == track::SeatLoadKind::table || load.axles.empty() || model.sleepers.count < 1)
+    return;
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    if (model.stages[i].kind == StageKind::passage) declare_passage(model, i, s);
+}
+
+}  // namespace
+
+void declare_rules(const Model& model, input::Section& s) {
+  declare_stages(model, s);
+  declare_materials(model, s);
+  declare_ground_below(model, s);
+  declare_sleepers(model, s);
+  declare_passages(model, s);
+  bool periodic_known = true;
+  for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
+  s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"", {.reads = {"periodic"}});
+}
+
+}  // namespace trackbed::app

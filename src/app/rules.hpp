@@ -1,0 +1,11 @@
+// Rules that tie rooms together, checked while the deck is read.
+#pragma once
+
+#include "app/parameters.hpp"
+
+namespace trackbed::app {
+
+// Declares them to the open root section, after all that they read.
+void declare_rules(const Model& model, input::Section& s);
+
+}  // namespace trackbed::app

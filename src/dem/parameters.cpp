@@ -1,0 +1,100 @@
+// Parameters of materials and contact laws, each declared once, and what must fit between them.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "trackbed/dem/law.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+bool is_of(const ContactLaw& law, const std::string& one, const std::string& other) {
+  return (law.first == one && law.second == other) || (law.first == other && law.second == one);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  return names.empty() ? "there is none" : fmt::format("there are {}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+void Material::declare(input::Section& s) {
+  s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
+  s.number("density", density, {.unit = "kg/m3", .above = 0}, "Density of the solid.");
+  s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
+           "Cundall's local damping: share of the net force that resists motion.");
+  s.number("young", young, {.unit = "Pa", .at_least = 0}, "Young's modulus, for hertz contacts.");
+  s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},
+           "Poisson's ratio, for hertz contacts.");
+}
+
+void ContactLaw::declare(input::Section& s) {
+  s.text("first", first, "Name of one material.", {}, true);
+  s.text("second", second, "Name of the other (or the same) material.", {}, true);
+  s.choice("law", kind, {"linear", "hertz"}, "Contact law between the two.");
+  s.number("k_n", k_n, {.unit = "N/m", .above = 0}, "Normal stiffness, linear law.");
+  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0}, "Tangential stiffness, linear law.");
+  s.number("friction", friction, {.unit = "-", .at_least = 0}, "Coulomb's friction coefficient.");
+  s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Normal viscous damping over critical, linear law.");
+  s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Tangential viscous damping over critical, linear law.");
+  s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
+           "Restitution of a head-on collision, hertz law.");
+  s.flag("attraction", attraction,
+         "Whether viscous damping may pull at the end of a collision; without it F_n >= 0.");
+}
+
+void Physics::declare(input::Section& s) {
+  s.tables("material", materials, "A material of particles, sleepers, ground or walls.");
+  s.tables("contact", laws, "The contact law of a pair of materials.");
+  for (std::size_t m = 0; m < materials.size(); ++m)
+    s.rule(fmt::format("material[{}].name", m), material(materials[m].name) == static_cast<int>(m),
+           "is the name of an earlier [[material]] already; give it another",
+           {.reads = {"material"}});
+  for (std::size_t c = 0; c < laws.size(); ++c) {
+    const std::string key = fmt::format("contact[{}]", c);
+    const ContactLaw& law = laws[c];
+    rule_of_name(s, key + ".first", law.first);
+    rule_of_name(s, key + ".second", law.second);
+    const auto same = std::find_if(laws.begin(), laws.end(), [&](const ContactLaw& earlier) {
+      return is_of(earlier, law.first, law.second);
+    });
+    s.rule(key, same == laws.begin() + static_cast<std::ptrdiff_t>(c),
+           fmt::format("the law between \"{}\" and \"{}\" is given twice; take one away", law.first,
+                       law.second),
+           {.reads = {key}});
+    const auto stiff = [&](const std::string& name) {
+      const int number = material(name);
+      return number >= 0 && materials[static_cast<std::size_t>(number)].young > 0;
+    };
+    s.rule(key + ".law", law.kind == LawKind::linear || (stiff(law.first) && stiff(law.second)),
+           "needs young above 0 in both materials", {.reads = {key, "material"}});
+  }
+}
+
+int Physics::material(const std::string& name) const {
+  for (std::size_t m = 0; m < materials.size(); ++m)
+    if (materials[m].name == name) return static_cast<int>(m);
+  return -1;
+}
+
+bool Physics::has_law(const std::string& one, const std::string& other) const {
+  return std::any_of(laws.begin(), laws.end(),
+                     [&](const ContactLaw& law) { return is_of(law, one, other); });
+}
+
+void Physics::rule_of_name(input::Section& s, const std::string& key,
+                           const std::string& name) const {
+  std::vector<std::string> names;
+  for (const Material& known : materials) names.push_back(known.name);
+  const std::string near = input::nearest(name, names);
+  s.rule(key, material(name) >= 0,
+         fmt::format("there is no [[material]] \"{}\"; {}", name,
+                     near.empty() ? listed(names) : fmt::format("did you mean {}?", near)),
+         {.reads = {"material", key}});
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,46 @@
+// Names of parameters as ways through the tree: overrides, rules and messages go them alike.
+#include <charconv>
+#include <utility>
+
+#include "input/tree.hpp"
+
+namespace trackbed::input {
+
+std::vector<std::string> words_of(std::string_view path) {
+  std::vector<std::string> words(1);
+  for (const char c : path) {
+    if (c == ']') continue;
+    if (c == '.' || c == '[')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  return words;
+}
+
+const Node* element(const Node& list, const std::string& word) {
+  for (const Node& item : list.items) {
+    const Node* name = item.is_table() ? item.member("name") : nullptr;
+    if (name != nullptr && name->kind == Node::Kind::text && name->text == word) return &item;
+  }
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+  const bool number = error == std::errc() && end == word.data() + word.size();
+  return number && index < list.items.size() ? &list.items[index] : nullptr;
+}
+
+Node* element(Node& list, const std::string& word) {
+  return const_cast<Node*>(element(std::as_const(list), word));
+}
+
+Place follow(const Node& root, std::string_view path) {
+  const Node* node = &root;
+  for (const std::string& word : words_of(path)) {
+    const Node* const next = node->is_list() ? element(*node, word) : node->member(word);
+    if (next == nullptr) return {node, false};
+    node = next;
+  }
+  return {node, true};
+}
+
+}  // namespace trackbed::input
