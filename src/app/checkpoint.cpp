@@ -17,13 +17,13 @@ namespace trackbed::app {
 
 namespace {
 
-constexpr std::size_t record_columns = 7;
+constexpr std::size_t record_columns = 9;
 
 std::vector<double> pack(const std::vector<StageRecord>& records) {
   std::vector<double> rows;
   for (const StageRecord& r : records)
     rows.insert(rows.end(), {r.time, r.duration, r.window, r.substeps, r.particles, r.bulk_density,
-                             r.wall_time});
+                             r.wall_time, static_cast<double>(r.aim), r.platen_pressure});
   return rows;
 }
 
@@ -34,7 +34,8 @@ std::vector<StageRecord> unpack(const std::string& names, const std::vector<doub
   for (std::size_t i = 0; std::getline(words, name) && i + record_columns <= rows.size();
        i += record_columns)
     records.push_back({name, rows[i], rows[i + 1], rows[i + 2], rows[i + 3], rows[i + 4],
-                       rows[i + 5], rows[i + 6]});
+                       rows[i + 5], rows[i + 6], static_cast<Aim>(static_cast<int>(rows[i + 7])),
+                       rows[i + 8]});
   return records;
 }
 
@@ -158,7 +159,8 @@ void Simulation::save(io::File& file) {
   file.write<double>("run/stages", records, record_columns,
                      {"SI",
                       "finished stages: time, duration, window, sub-steps, particles, bulk "
-                      "density, wall time"});
+                      "density, wall time, aim (0 none, 1 missed, 2 reached), averaged pressure of "
+                      "the platen (below 0: none)"});
   world_.particles.save(file, "particles");
   if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");

@@ -10,6 +10,9 @@
 
 namespace trackbed::app {
 
+// Whether a stage that ends early once its aim is reached did so, or its time was over first.
+enum class Aim { none, missed, reached };
+
 // What a finished stage left behind, for summary.json.
 struct StageRecord {
   std::string name;
@@ -20,6 +23,8 @@ struct StageRecord {
   double particles = 0;
   double bulk_density = 0;  // kg/m^3: mass over footprint times twice the mean height of the stones
   double wall_time = 0;     // s
+  Aim aim = Aim::none;
+  double platen_pressure = -1;  // Pa, averaged; below 0: the stage does not press
 };
 
 struct Course {

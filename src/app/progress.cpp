@@ -97,9 +97,16 @@ void Progress::line(const Course& course, const Model& model, const World& world
   last_line_ = wall, last_time_ = course.clock.time();
 }
 
-void Progress::stage_ends(const StageRecord& record) {
-  say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3, {:.1f} s of wall time\n",
-      record.name, record.time, record.bulk_density, record.wall_time);
+void Progress::stage_ends(const StageRecord& record, const std::string& shortfall) {
+  say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3{}, {:.1f} s of wall time\n",
+      record.name, record.time, record.bulk_density,
+      record.platen_pressure >= 0
+          ? fmt::format(", averaged platen pressure {:.1f} kPa", record.platen_pressure / 1e3)
+          : "",
+      record.wall_time);
+  if (!shortfall.empty())
+    say(comm_, "warning: stage {} ended after {:.4g} s without reaching its aim: {}\n", record.name,
+        record.duration, shortfall);
 }
 
 void Progress::timer_table(const Timers& timers) {

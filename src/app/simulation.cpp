@@ -202,8 +202,10 @@ void Simulation::end_stage() {
   }
   StageRecord record = record_of(stage(), course_, model_, world_);
   record.wall_time = progress_.wall_time() - stage_begin_;
+  const std::optional<std::string> shortfall = actions_.shortfall(stage());
+  if (shortfall) record.aim = shortfall->empty() ? Aim::reached : Aim::missed;
   course_.done.push_back(record);
-  progress_.stage_ends(record);
+  progress_.stage_ends(record, shortfall.value_or(""));
   actions_.end(stage());
   course_.begun = false;
   checkpoint("stage_" + stage().name + ".h5");

@@ -2,6 +2,8 @@
 // deck, the clock and the model, so that a checkpoint within it needs nothing more.
 #include "app/stages.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,6 +24,11 @@ double load_shape(const Stage& stage, double time) {
   const double ramp = std::min(stage.ramp, stage.duration / 2);
   if (ramp <= 0) return 1;
   return std::clamp(std::min(time, stage.duration - time) / ramp, 0.0, 1.0);
+}
+
+bool looks_for_rest(const Stage& stage) {
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+  return stage.until_ratio > 0 && !loaded;
 }
 
 // Stones at rest above the sub-level: enough contacts and forces in balance. The share of contacts
@@ -97,10 +104,18 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
 
 bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
-  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
-  if (stage.until_ratio <= 0 || loaded || clock.window() == 0) return false;
+  if (!looks_for_rest(stage) || clock.window() == 0) return false;
   if (clock.window() % windows_between_checks != 0) return false;
   return at_rest(world_.particles.totals(), stage.until_ratio);
+}
+
+std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
+  if (stage.kind == StageKind::compact) return world_.platen->shortfall();
+  if (!looks_for_rest(stage)) return std::nullopt;
+  const dem::Totals totals = world_.particles.totals();
+  if (at_rest(totals, stage.until_ratio)) return std::string{};
+  return fmt::format("the unbalanced force is {:.3g} of the mean contact force, not below {:g}",
+                     totals.unbalanced, stage.until_ratio);
 }
 
 // What is left when a packing stage is over: stones at rest, the platen only where the next stage

@@ -1,6 +1,8 @@
 // What each kind of stage does to the model when it begins, in every window, and when it ends.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "app/parameters.hpp"
@@ -22,6 +24,9 @@ class StageActions {
   // Whether the stage has reached its aim before its duration is over. Depends on state alone, so
   // that a resumed run decides alike. Collective.
   bool settled(const Stage& stage, const Clock& clock) const;
+  // A sentence on what the aim of a stage whose time is over still lacks, empty if it is reached;
+  // nothing if the stage has none. Collective.
+  std::optional<std::string> shortfall(const Stage& stage) const;
   void end(const Stage& stage);  // collective
 
  private:

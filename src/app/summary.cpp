@@ -78,17 +78,22 @@ Json shares(const SummaryOf& run) {
   return result;
 }
 
+// What a stage did not have is left out.
 Json stage_list(const Course& course) {
   Json list = Json::array();
-  for (const StageRecord& r : course.done)
-    list.push_back({{"name", r.name},
-                    {"time_s", r.time},
-                    {"duration_s", r.duration},
-                    {"window_s", r.window},
-                    {"substeps", r.substeps},
-                    {"particles", r.particles},
-                    {"bulk_density_kg_m3", r.bulk_density},
-                    {"wall_time_s", r.wall_time}});
+  for (const StageRecord& r : course.done) {
+    Json stage{{"name", r.name},
+               {"time_s", r.time},
+               {"duration_s", r.duration},
+               {"window_s", r.window},
+               {"substeps", r.substeps},
+               {"particles", r.particles},
+               {"bulk_density_kg_m3", r.bulk_density},
+               {"wall_time_s", r.wall_time}};
+    if (r.platen_pressure >= 0) stage["platen_pressure_pa"] = r.platen_pressure;
+    if (r.aim != Aim::none) stage["aim_reached"] = r.aim == Aim::reached;
+    list.push_back(stage);
+  }
   return list;
 }
 
@@ -124,6 +129,7 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
   // disturb far less than the highest stone would.
   const double mean_height = ratio(totals.potential, totals.mass * model.dem.gravity);
   const double volume = (domain.high.x() - domain.low.x()) * width * 2 * mean_height;
+  const bool pressed = stage.kind == StageKind::compact && world.platen;
   return {.name = stage.name,
           .time = course.clock.time(),
           .duration = course.clock.time() - course.clock.start(),
@@ -131,7 +137,7 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
           .substeps = static_cast<double>(course.steps.substeps),
           .particles = static_cast<double>(totals.particles),
           .bulk_density = ratio(totals.mass, volume),
-          .wall_time = 0};
+          .platen_pressure = pressed ? world.platen->pressure() : -1};
 }
 
 void write_summary(const SummaryOf& run) {

@@ -90,6 +90,11 @@ void PlatenParameters::declare(input::Section& s) {
            "The plate speeds up no faster; it may brake faster.");
   s.number("average", average, {.unit = "s", .above = 0},
            "Time constant of the measured pressure; the servo acts on a tenth of it.");
+  s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
+           "The averaged pressure has reached its target within this share of it.");
+  s.number("hold", hold, {.unit = "s", .above = 0},
+           "Compaction is over once the averaged pressure has kept to its target for this time; "
+           "where it is too low for as long, the servo grows quicker.");
 }
 
 }  // namespace trackbed::bed

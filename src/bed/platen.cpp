@@ -1,5 +1,7 @@
 // The servo, and why it is built so: docs/decisions/packing.md has the overshoot on springs of
 // several stiffnesses for this form and simpler ones.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,8 +16,6 @@ namespace {
 
 constexpr double lead = 0.1;  // time constant of the servo over that of the mean
 constexpr double lowest_gain = 1.0 / 16;
-constexpr double close = 0.02;  // of the target: steady
-constexpr double patience = 5;  // time constants within `close`
 
 // First-order low pass, exact for a force that is constant in the window.
 void follow(double& mean, double value, double windows) {
@@ -34,7 +34,16 @@ Platen::Platen(const PlatenParameters& parameters, const dem::Domain& domain, in
 Surface& Platen::surface() { return surface_; }
 double Platen::pressure() const { return state_.mean / area_; }
 double Platen::z() const { return state_.z; }
-bool Platen::steady() const { return state_.steady_for >= patience * parameters_.average; }
+bool Platen::steady() const { return state_.steady_for >= parameters_.hold; }
+
+std::string Platen::shortfall() const {
+  if (steady()) return {};
+  return fmt::format(
+      "the averaged pressure of the platen is {:.1f} kPa and was within {:g} % of {:g} kPa for "
+      "{:.3g} s, not for {:g} s (platen.hold)",
+      pressure() / 1e3, 100 * parameters_.tolerance, parameters_.pressure / 1e3, state_.steady_for,
+      parameters_.hold);
+}
 
 void Platen::show(double motion) {
   for (Vec3& node : surface_.position) node.z() = state_.z;
@@ -55,7 +64,10 @@ void Platen::advance(double dt, double force_up) {
   follow(s.recent, force, dt / (lead * parameters_.average));
   follow(s.mean, force, dt / parameters_.average);
   if (was_below && s.mean >= target) s.gain = std::max(s.gain / 2, lowest_gain);
-  s.steady_for = std::abs(s.mean - target) <= close * target ? s.steady_for + dt : 0;
+  const double off = (s.mean - target) / target;
+  s.steady_for = std::abs(off) <= parameters_.tolerance ? s.steady_for + dt : 0;
+  s.low_for = off < -parameters_.tolerance ? s.low_for + dt : 0;
+  if (s.low_for >= parameters_.hold) s.gain = std::min(2 * s.gain, 1.0), s.low_for = 0;
 
   const double error = std::clamp((target - s.recent) / target, -1.0, 1.0);
   const double wanted = s.gain * parameters_.speed * error;
@@ -70,20 +82,22 @@ void Platen::advance(double dt, double force_up) {
   s.z += motion;
 }
 
-// The state, listed once: columns z (m), speed (m/s), recent, mean (N), gain, steady_for (s).
+// The state, listed once: columns z (m), speed (m/s), recent, mean (N), gain, steady_for (s),
+// low_for (s).
 void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  const std::array row{state_.z,    state_.speed, state_.recent,
-                       state_.mean, state_.gain,  state_.steady_for};
+  const std::array row{state_.z,    state_.speed,      state_.recent, state_.mean,
+                       state_.gain, state_.steady_for, state_.low_for};
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
-  file.write<double>(
-      group + "/servo", mine, row.size(),
-      {"-", "z (m), speed down (m/s), recent and mean force (N), gain, steady for (s)"});
+  file.write<double>(group + "/servo", mine, row.size(),
+                     {"-",
+                      "z (m), speed down (m/s), recent and mean force (N), gain, steady for (s), "
+                      "too low for (s)"});
 }
 
 void Platen::load(const io::File& file, const std::string& group) {
   const auto row = file.read_all<double>(group + "/servo");
-  if (row.size() != 6) throw RunError(group + "/servo does not hold the state of a platen");
-  state_ = {row[0], row[1], row[2], row[3], row[4], row[5]};
+  if (row.size() != 7) throw RunError(group + "/servo does not hold the state of a platen");
+  state_ = {row[0], row[1], row[2], row[3], row[4], row[5], row[6]};
   show(0);
 }
 

@@ -30,6 +30,7 @@ NEWMARK = ["ground.integrator=newmark"]
 POWER = ["load.kind=power"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
 FIELDS = ["output.fields=true"]
+PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
 KNOBS = {
@@ -126,6 +127,8 @@ KNOBS = {
     "platen.speed": ("platen.speed=0.3", []),
     "platen.acceleration": ("platen.acceleration=20", []),
     "platen.average": ("platen.average=0.02", []),
+    "platen.tolerance": ("platen.tolerance=0.5", PRESSED),
+    "platen.hold": ("platen.hold=0.01", PRESSED),
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),

@@ -11,6 +11,7 @@ observation at another interval, must give the same stones.
 import pathlib
 import shutil
 import sys
+import tomllib
 
 import h5py
 import numpy
@@ -47,7 +48,29 @@ def compare(reference, other, what):
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")
+    records = [stage_records(folder) for folder in (reference, other)]
+    if records[0] != records[1]:
+        raise SystemExit(f"{what}: stages ended otherwise: {records}")
     print(f"{what}: the same bits")
+
+
+def stage_records(folder):
+    """How each stage ended; the wall time it took aside."""
+    return [{key: value for key, value in stage.items() if key != "wall_time_s"}
+            for stage in summary(folder)["stages"]]
+
+
+def require_ends_by_aim(folder, deck):
+    """Every stage that has an aim ends because it is reached, before its time is over: only then
+    do the stops within it show that the state of the criterion is kept."""
+    with open(deck, "rb") as file:
+        longest = {stage["name"]: stage["duration"] for stage in tomllib.load(file)["stage"]}
+    aims = [stage for stage in stage_records(folder) if "aim_reached" in stage]
+    if not aims:
+        raise SystemExit("no stage has an aim")
+    for stage in aims:
+        if not stage["aim_reached"] or stage["duration_s"] > 0.95 * longest[stage["name"]]:
+            raise SystemExit(f"ended by time, not by its aim: {stage}")
 
 
 def stops(reference):
@@ -65,6 +88,7 @@ def main():
     shutil.rmtree(root, ignore_errors=True)
     reference = root / "reference"
     program.done(1, "run", deck, "-o", reference)
+    require_ends_by_aim(reference, deck)
     for windows in stops(reference):
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, f"output.stop_after={windows}", "-o", folder,

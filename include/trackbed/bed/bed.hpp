@@ -56,6 +56,8 @@ struct PlatenParameters {
   double speed = 0.5;        // m/s, never faster
   double acceleration = 50;  // m/s^2, speed changes no faster
   double average = 0.01;     // s, time constant of the measured force
+  double tolerance = 0.02;   // of the pressure: steady is the average within it ...
+  double hold = 0.05;        // s, ... for so long
   void declare(input::Section& s);
 };
 
@@ -63,7 +65,7 @@ struct PlatenParameters {
 // force) / target * speed, with the force averaged over average/10. Speeding up is limited by the
 // acceleration, braking is not: a stiff bed would be overrun. Each time the average passes the
 // target from below the gain is halved (down to 1/16), so that the servo settles on a bed of any
-// stiffness.
+// stiffness; where it stays too low for `hold`, because stones give way, the gain doubles again.
 class Platen {
  public:
   Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material);
@@ -72,7 +74,8 @@ class Platen {
   void advance(double dt, double force_up);  // measured force from stones in the last window, N
   double pressure() const;                   // Pa, averaged
   double z() const;
-  bool steady() const;  // averaged pressure within 2 % of the target for 5 time constants
+  bool steady() const;            // averaged pressure within the tolerance for the time `hold`
+  std::string shortfall() const;  // a sentence on what `steady` lacks; empty if nothing
 
   // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
   void save(io::File& file, const std::string& group, const par::Comm& comm) const;
@@ -85,7 +88,7 @@ class Platen {
     double z = 0, speed = 0;      // m, m/s downwards
     double recent = 0, mean = 0;  // N, averaged over average/10 and average
     double gain = 1;
-    double steady_for = 0;  // s
+    double steady_for = 0, low_for = 0;  // s, within the tolerance, below it
   };
   PlatenParameters parameters_;
   Surface surface_;

@@ -81,6 +81,40 @@ TEST(Platen, RattlingStonesDoNotKeepItFromTheTarget) {
   EXPECT_LT(course.peak, 1.15 * 200e3);
 }
 
+// Rattling stones make the servo slow; it must not stay so when the bed then gives way.
+TEST(Platen, FollowsABedThatGivesWay) {
+  constexpr double stiffness = 143e6, sinking = 5e-3;  // Pa/m, m/s
+  const PlatenParameters parameters;
+  Platen platen(parameters, domain(), 0);
+  platen.place(0.01);
+  press(platen, stiffness, 1, 0.5);
+  double level = 0;
+  for (int k = 0; k < 10000; ++k) {
+    platen.advance(dt, std::max(0.0, level - platen.z()) * stiffness * area);
+    level -= sinking * dt;
+  }
+  // At full gain the error is sinking over speed, 1 %; at the lowest 16 %.
+  EXPECT_NEAR(platen.pressure(), parameters.pressure, parameters.tolerance * parameters.pressure);
+  EXPECT_TRUE(platen.steady());
+}
+
+TEST(Platen, SaysWhatItLacks) {
+  PlatenParameters parameters;
+  parameters.tolerance = 0.1;
+  parameters.hold = 0.02;
+  Platen platen(parameters, domain(), 0);
+  platen.place(0.01);
+  EXPECT_NE(platen.shortfall().find("pressure of the platen is 0.0 kPa"), std::string::npos);
+  const Course course = press(platen, 2e7, 0.5);
+  EXPECT_EQ(platen.shortfall(), "");
+  PlatenParameters strict = parameters;
+  strict.hold = 0.2;
+  Platen patient(strict, domain(), 0);
+  patient.place(0.01);
+  const Course longer = press(patient, 2e7, 0.5);
+  EXPECT_NEAR(longer.steady_after - course.steady_after, strict.hold - parameters.hold, 2 * dt);
+}
+
 TEST(Platen, StartsWithinItsAcceleration) {
   const PlatenParameters parameters;
   Platen platen(parameters, domain(), 0);
