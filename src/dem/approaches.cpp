@@ -70,11 +70,11 @@ class Columns {
 // Patches of (piece, surface) that were touching before.
 void take_history(const std::vector<History>& history, std::int64_t key, int name,
                   std::vector<Approach::Patch>& patches) {
-  const History lowest{key, patch_key(name, 0x7fffffff), {}};
+  const History lowest{key, patch_key(name, 0x7fffffff), {}, 0};
   for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
     const std::int64_t code = -1 - h->second;
-    Approach::Patch patch{static_cast<int>(code & 0xffffffff), true, {}, {}};
+    Approach::Patch patch{static_cast<int>(code & 0xffffffff), true, {}, h->turn, {}};
     patch.xi.set(Eigen::Map<const Vec3>(h->xi));
     patches.push_back(patch);
   }

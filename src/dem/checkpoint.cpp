@@ -44,40 +44,64 @@ struct Number<Vec4> {
   using type = double;
 };
 
-// Templates are the same on every rank: the root writes them.
+// Templates are the same on every rank: the root writes them. A piece is its corners, its faces as
+// loops of corners and its radius.
 void save_shapes(io::File& file, const std::string& group, const Shapes& shapes, bool root) {
-  std::vector<double> solids, pieces;
-  std::vector<std::int64_t> counts;
+  std::vector<double> solids, radii, corners;
+  std::vector<std::int64_t> counts, sizes, loops;
   for (std::int64_t k = 0; root && k < static_cast<std::int64_t>(shapes.size()); ++k) {
     const Template& t = shapes[k];
     solids.insert(solids.end(),
                   {t.volume, t.gyration.x(), t.gyration.y(), t.gyration.z(), t.sieve});
     counts.push_back(static_cast<std::int64_t>(t.pieces.size()));
     for (const Piece& p : t.pieces) {
-      const Vec3& centre = p.core.vertices[0];
-      pieces.insert(pieces.end(), {centre.x(), centre.y(), centre.z(), p.radius});
+      radii.push_back(p.radius);
+      sizes.insert(sizes.end(), {static_cast<std::int64_t>(p.core.vertices.size()),
+                                 static_cast<std::int64_t>(p.core.faces.size())});
+      for (const Vec3& v : p.core.vertices) corners.insert(corners.end(), {v.x(), v.y(), v.z()});
+      for (const geom::Face& f : p.core.faces) {
+        loops.push_back(static_cast<std::int64_t>(f.vertices.size()));
+        loops.insert(loops.end(), f.vertices.begin(), f.vertices.end());
+      }
     }
   }
-  file.write<double>(group + "/template/solid", solids, 5,
+  const std::string t = group + "/template";
+  file.write<double>(t + "/solid", solids, 5,
                      {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
-  file.write<std::int64_t>(group + "/template/pieces", counts, 1, {"-", "pieces of each template"});
-  file.write<double>(group + "/template/piece", pieces, 4,
-                     {"m", "core vertex x y z and radius of each piece, template after template"});
+  file.write<std::int64_t>(t + "/pieces", counts, 1, {"-", "pieces of each template"});
+  file.write<double>(t + "/radius", radii, 1, {"m", "rounding of each piece"});
+  file.write<std::int64_t>(t + "/sizes", sizes, 2, {"-", "corners and faces of each piece"});
+  file.write<double>(t + "/corners", corners, 3, {"m", "of the cores, piece after piece"});
+  file.write<std::int64_t>(t + "/faces", loops, 1,
+                           {"-", "of each face its number of corners and their numbers"});
 }
 
 Shapes load_shapes(const io::File& file, const std::string& group) {
-  const auto solids = file.read_all<double>(group + "/template/solid");
-  const auto counts = file.read_all<std::int64_t>(group + "/template/pieces");
-  const auto pieces = file.read_all<double>(group + "/template/piece");
+  const std::string name = group + "/template";
+  const auto solids = file.read_all<double>(name + "/solid");
+  const auto counts = file.read_all<std::int64_t>(name + "/pieces");
+  const auto radii = file.read_all<double>(name + "/radius");
+  const auto sizes = file.read_all<std::int64_t>(name + "/sizes");
+  const auto corners = file.read_all<double>(name + "/corners");
+  const auto loops = file.read_all<std::int64_t>(name + "/faces");
+  const double* corner = corners.data();
+  const std::int64_t* loop = loops.data();
+  const auto piece = [&](std::size_t p) {
+    std::vector<Vec3> vertices;
+    std::vector<std::vector<int>> faces;
+    for (std::int64_t n = 0; n < sizes[2 * p]; ++n, corner += 3)
+      vertices.push_back(Eigen::Map<const Vec3>(corner));
+    for (std::int64_t n = 0; n < sizes[2 * p + 1]; ++n, loop += 1 + *loop)
+      faces.emplace_back(loop + 1, loop + 1 + *loop);
+    return Piece{geom::convex_of(std::move(vertices), faces), radii[p]};
+  };
   Shapes shapes;
   for (std::size_t k = 0, p = 0; k < counts.size(); ++k) {
     Template t;
     t.volume = solids[5 * k];
     t.gyration = {solids[5 * k + 1], solids[5 * k + 2], solids[5 * k + 3]};
     t.sieve = solids[5 * k + 4];
-    for (std::int64_t n = 0; n < counts[k]; ++n, ++p)
-      t.pieces.push_back(
-          geom::ball({pieces[4 * p], pieces[4 * p + 1], pieces[4 * p + 2]}, pieces[4 * p + 3]));
+    for (std::int64_t n = 0; n < counts[k]; ++n, ++p) t.pieces.push_back(piece(p));
     shapes.add(t);
   }
   return shapes;
@@ -101,13 +125,15 @@ void Particles::save(io::File& file, const std::string& group) const {
     for (const History& h : records)
       if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
         keys.insert(keys.end(), {h.first, h.second});
-        xi.insert(xi.end(), h.xi, h.xi + 3);
+        xi.insert(xi.end(), {h.xi[0], h.xi[1], h.xi[2], h.turn});
       }
   file.write<std::int64_t>(group + "/history/keys", keys, 2,
                            {"-",
                             "piece key (particle id * 65536 + piece) and the other piece's, or "
                             "-1 - (surface name * 2^32 + patch)"});
-  file.write<double>(group + "/history/xi", xi, 3, {"m", "tangential displacement"});
+  file.write<double>(
+      group + "/history/xi", xi, 4,
+      {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
   for (std::size_t n = 0; n < r.names.size(); ++n)
     file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
   file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));
@@ -130,9 +156,10 @@ void Particles::load(const io::File& file, const std::string& group) {
   // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
   const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
   const auto xi = file.read_all<double>(group + "/history/xi");
-  r.approaches.clear(), r.pairs.clear(), r.waiting.clear();
+  r.forget_contacts(), r.waiting.clear();
   for (std::size_t k = 0; 2 * k < keys.size(); ++k)
-    r.waiting.push_back({keys[2 * k], keys[2 * k + 1], {xi[3 * k], xi[3 * k + 1], xi[3 * k + 2]}});
+    r.waiting.push_back(
+        {keys[2 * k], keys[2 * k + 1], {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]}, xi[4 * k + 3]});
   r.names.clear();
   for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
     r.names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));

@@ -46,13 +46,25 @@ Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, 
 }  // namespace
 
 // Every contact that this rank counts, with its elastic energy.
-struct ContactLoop {
+struct Particles::ContactLoop {
   const State& state;
   const Shapes& shapes;
   const Pieces& pieces;
   const PairList& pairs;
+  const StoneList& stones;
+  const std::vector<Overlap>& overlaps;  // of stones, as felt last
   const std::vector<Approach>& approaches;
   const LawTable& laws;
+
+  explicit ContactLoop(const Particles::Room& r)
+      : state(r.state),
+        shapes(r.shapes),
+        pieces(r.pieces),
+        pairs(r.pairs),
+        stones(r.stones),
+        overlaps(r.stone_contacts.found()),
+        approaches(r.approaches),
+        laws(r.laws) {}
 
   Vec4 piece(std::size_t p) const {
     const auto b = static_cast<std::size_t>(pieces.body[p]);
@@ -68,11 +80,32 @@ struct ContactLoop {
       for (std::uint32_t e = row.begin; e < row.end; ++e)
         if (pairs.entries[e].touching) pair(i, bi, e, see);
     }
+    for (const Overlap& o : overlaps)
+      if (body(o.piece) < state.own) stone_pair(o, see);
     for (const Approach& a : approaches)
       for (const Approach::Patch& p : a.patches) surface(a, p, see);
   }
 
  private:
+  std::size_t body(std::int32_t piece) const {
+    return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
+  }
+
+  template <class See>
+  void stone_pair(const Overlap& o, See& see) const {
+    const Entry& entry = stones.entries[o.entry];
+    const auto i = static_cast<std::size_t>(o.piece), j = static_cast<std::size_t>(entry.piece);
+    const double ri = pieces.rounding[i], rj = pieces.rounding[j], radius = ri * rj / (ri + rj);
+    const Law& law = laws[entry.law];
+    const Vec4& xi = stones.xi[o.entry];
+    const Coefficients c = coefficients<true>(law, o.wrench.M, 0, radius);
+    const Vec3 force = -c.k_n * o.wrench.M * o.wrench.N - c.k_s * xi.vec3();
+    const double turn = stones.turn[o.entry].x;
+    see(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
+                    pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M},
+        stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn);
+  }
+
   template <class See>
   void pair(std::size_t i, std::size_t bi, std::uint32_t e, See& see) const {
     const Entry& entry = pairs.entries[e];
@@ -104,8 +137,7 @@ struct ContactLoop {
 
 void Particles::contacts(const std::function<void(const ContactView&)>& see) const {
   const Room& r = *room_;
-  ContactLoop{r.state, r.shapes, r.pieces, r.pairs, r.approaches, r.laws}.run(
-      [&](const ContactView& view, double) { see(view); });
+  ContactLoop(r).run([&](const ContactView& view, double) { see(view); });
 }
 
 namespace {
@@ -169,12 +201,11 @@ Totals Particles::totals() const {
     terms.add(p, r.state.l[b].vec3(), r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
-  ContactLoop{r.state, r.shapes, r.pieces, r.pairs, r.approaches, r.laws}.run(
-      [&](const ContactView& c, double energy) {
-        ++total.contacts;
-        total.largest_overlap = std::max(total.largest_overlap, c.overlap);
-        terms.add(c, energy);
-      });
+  ContactLoop(r).run([&](const ContactView& c, double energy) {
+    ++total.contacts;
+    total.largest_overlap = std::max(total.largest_overlap, c.overlap);
+    terms.add(c, energy);
+  });
   total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
@@ -222,6 +253,10 @@ std::size_t Particles::memory() const {
   count(r.state.w), count(r.state.inertia), count(r.reference_x), count(r.reference_q);
   count(r.pieces.x), count(r.pieces.body), count(r.pieces.begin);
   count(r.pairs.rows), count(r.pairs.entries), count(r.pairs.xi), count(r.approaches);
+  count(r.stones.rows), count(r.stones.entries), count(r.stones.xi), count(r.stones.turn);
+  count(r.pieces.corners), count(r.pieces.first_corner), count(r.pieces.rounding);
+  count(r.pieces.last_x), count(r.pieces.last_q), count(r.pieces.path);
+  bytes += r.stone_contacts.memory();
   for (const Approach& a : r.approaches) count(a.triangles), count(a.patches);
   return bytes;
 }

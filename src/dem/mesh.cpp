@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include "features.hpp"
+
 namespace trackbed::dem {
 
 namespace {
@@ -17,35 +19,6 @@ struct Closest {
 };
 
 Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a); }
-
-// Closest point of triangle abc to p as weights of the corners (Ericson 2005, Real-Time Collision
-// Detection, 5.1.5: Voronoi regions of corners, edges, face).
-Vec3 closest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    const double v = d1 / (d1 - d3);
-    return {1 - v, v, 0};
-  }
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    const double w = d2 / (d2 - d6);
-    return {1 - w, 0, w};
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double v = vb / (va + vb + vc), w = vc / (va + vb + vc);
-  return {1 - v - w, v, w};
-}
 
 Closest closest_on(const Vec3& p, const std::array<Vec3, 3>& corner,
                    const std::array<std::int32_t, 3>& nodes) {

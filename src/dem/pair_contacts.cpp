@@ -15,8 +15,6 @@ namespace trackbed::dem {
 
 namespace {
 
-constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
-
 struct alignas(64) Lane3 {
   double x[lanes], y[lanes], z[lanes];
   void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
@@ -189,7 +187,11 @@ void Particles::Room::feel_pairs(double dt) {
   find_touching(a.piece_x, pairs);
   const auto loop = spheres ? (hertz ? pair_loop<true, true> : pair_loop<true, false>)
                             : (hertz ? pair_loop<false, true> : pair_loop<false, false>);
-  const double worst = loop(a, laws, pairs, dt);
+  double worst = loop(a, laws, pairs, dt);
+  if (shapes.any_stones()) {
+    const auto& overlaps = stone_contacts.find(scene(), stones);
+    worst = std::max(worst, feel_stones(overlaps, scene(), dt, stones, state));
+  }
   if (worst > parameters.largest_overlap)
     report(
         fmt::format("two particles overlap by {:.3g} of the smaller radius (limit "

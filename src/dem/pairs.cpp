@@ -8,33 +8,6 @@
 
 namespace trackbed::dem {
 
-void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
-  pieces.begin.assign(1, 0);
-  pieces.body.clear();
-  pieces.x.clear();
-  for (std::size_t b = 0; b < state.size(); ++b) {
-    for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k) {
-      pieces.body.push_back(static_cast<std::int32_t>(b));
-      pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale[b]});
-    }
-    pieces.begin.push_back(pieces.body.size());
-  }
-}
-
-void place(const State& state, const Shapes& shapes, Pieces& pieces) {
-  for (std::size_t b = 0; b < state.size(); ++b) {
-    const Mat3 turn = state.scale[b] * quat(state.q[b]).toRotationMatrix();
-    const std::size_t first = shapes.begin(state.shape[b]);
-    for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
-      const Vec4& o = shapes.piece(first + p - pieces.begin[b]);
-      Vec4& x = pieces.x[p];
-      x.x = state.x[b].x + (turn(0, 0) * o.x + turn(0, 1) * o.y + turn(0, 2) * o.z);
-      x.y = state.x[b].y + (turn(1, 0) * o.x + turn(1, 1) * o.y + turn(1, 2) * o.z);
-      x.z = state.x[b].z + (turn(2, 0) * o.x + turn(2, 1) * o.y + turn(2, 2) * o.z);
-    }
-  }
-}
-
 namespace {
 
 // Particles of each cell, in the order of their ids.
@@ -72,8 +45,13 @@ struct Partner {
 // Builds the rows of one list; holds what does not change from row to row.
 class PairFinder {
  public:
-  PairFinder(const Scene& scene, const std::vector<History>& history, PairList& pairs)
-      : scene_(scene), history_(history), pairs_(pairs), cells_(scene.state, scene.grid) {}
+  PairFinder(const Scene& scene, const std::vector<History>& history, PairList& pairs,
+             StoneList& stones)
+      : scene_(scene),
+        history_(history),
+        pairs_(pairs),
+        stones_(stones),
+        cells_(scene.state, scene.grid) {}
 
   void run() {
     const State& s = scene_.state;
@@ -82,13 +60,14 @@ class PairFinder {
     std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
       return s.id[static_cast<std::size_t>(a)] < s.id[static_cast<std::size_t>(b)];
     });
-    pairs_.clear();
+    pairs_.clear(), stones_.clear();
     for (const std::int32_t body : order) {
       find_partners(static_cast<std::size_t>(body));
       for (std::size_t p = scene_.pieces.begin[static_cast<std::size_t>(body)];
            p < scene_.pieces.begin[static_cast<std::size_t>(body) + 1]; ++p)
         make_row(p);
     }
+    stones_.shifts = pairs_.shifts;
     pairs_.xi.shrink_to_fit();
   }
 
@@ -136,6 +115,7 @@ class PairFinder {
     const State& s = scene_.state;
     const auto i = static_cast<std::size_t>(scene_.pieces.body[p]);
     const auto begin = static_cast<std::uint32_t>(pairs_.entries.size());
+    const auto stones_begin = static_cast<std::uint32_t>(stones_.entries.size());
     const std::int64_t key = piece_key(s.id[i], p - scene_.pieces.begin[i]);
     for (const Partner& partner : partners_) {
       const auto j = static_cast<std::size_t>(partner.body);
@@ -145,15 +125,26 @@ class PairFinder {
       }
       for (std::size_t r = scene_.pieces.begin[j]; r < scene_.pieces.begin[j + 1]; ++r)
         if (near(scene_.pieces.x[p], scene_.pieces.x[r], partner.shift))
-          add_entry(i, j, r, partner.shift, key);
+          add_entry(p, r, partner.shift, key);
     }
-    const auto end = static_cast<std::uint32_t>(pairs_.entries.size());
-    if (end > begin) pairs_.rows.push_back({static_cast<std::int32_t>(p), begin, end});
+    end_row(p, begin, pairs_);
+    end_row(p, stones_begin, stones_);
   }
 
-  void add_entry(std::size_t i, std::size_t j, std::size_t r, std::uint16_t shift,
-                 std::int64_t key) {
+  static void end_row(std::size_t p, std::uint32_t begin, PairList& list) {
+    const auto end = static_cast<std::uint32_t>(list.entries.size());
+    if (end > begin) list.rows.push_back({static_cast<std::int32_t>(p), begin, end});
+  }
+
+  bool has_corners(std::size_t p) const {
+    const Pieces& pieces = scene_.pieces;
+    return !pieces.first_corner.empty() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+  }
+
+  void add_entry(std::size_t p, std::size_t r, std::uint16_t shift, std::int64_t key) {
     const State& s = scene_.state;
+    const auto i = static_cast<std::size_t>(scene_.pieces.body[p]);
+    const auto j = static_cast<std::size_t>(scene_.pieces.body[r]);
     const int law =
         scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
     require(law >= 0, "particles meet whose materials have no contact law");
@@ -163,18 +154,24 @@ class PairFinder {
     const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j]), {}};
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;
     std::uint8_t touching = 0;
+    double turn = 0;
     if (next_ < history_.size() && !(wanted < history_[next_])) {
       touching = 1;
       xi.set(Eigen::Map<const Vec3>(history_[next_].xi));
+      turn = history_[next_].turn;
     }
-    pairs_.entries.push_back(
+    const bool stones = has_corners(p) || has_corners(r);
+    PairList& list = stones ? stones_ : pairs_;
+    list.entries.push_back(
         {static_cast<std::int32_t>(r), shift, static_cast<std::uint8_t>(law), touching});
-    pairs_.xi.push_back(xi);
+    list.xi.push_back(xi);
+    if (stones) stones_.turn.push_back({turn, 0, 0, 0});
   }
 
   const Scene& scene_;
   const std::vector<History>& history_;
   PairList& pairs_;
+  StoneList& stones_;
   Cells cells_;
   std::vector<Partner> partners_;
   std::map<std::array<int, 3>, std::uint16_t> numbers_;
@@ -183,12 +180,14 @@ class PairFinder {
 
 }  // namespace
 
-void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs) {
-  PairFinder(scene, history, pairs).run();
+void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs,
+                StoneList& stones) {
+  PairFinder(scene, history, pairs, stones).run();
 }
 
 std::vector<History> collect_history(const State& state, const Pieces& pieces,
-                                     const PairList& pairs, const std::vector<Approach>& approaches,
+                                     const PairList& pairs, const StoneList& stones,
+                                     const std::vector<Approach>& approaches,
                                      const std::vector<int>& names) {
   std::vector<History> all;
   const auto key = [&](std::int32_t piece) {
@@ -196,17 +195,23 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
     const auto b = static_cast<std::size_t>(pieces.body[p]);
     return piece_key(state.id[b], p - pieces.begin[b]);
   };
-  for (const Row& row : pairs.rows)
-    for (std::uint32_t e = row.begin; e < row.end; ++e)
-      if (pairs.entries[e].touching)
-        all.push_back({key(row.piece),
-                       key(pairs.entries[e].piece),
-                       {pairs.xi[e].x, pairs.xi[e].y, pairs.xi[e].z}});
+  const auto collect = [&](const PairList& list, const std::vector<Vec4>* turn) {
+    for (const Row& row : list.rows)
+      for (std::uint32_t e = row.begin; e < row.end; ++e)
+        if (list.entries[e].touching)
+          all.push_back({key(row.piece),
+                         key(list.entries[e].piece),
+                         {list.xi[e].x, list.xi[e].y, list.xi[e].z},
+                         turn ? (*turn)[e].x : 0.0});
+  };
+  collect(pairs, nullptr);
+  collect(stones, &stones.turn);
   for (const Approach& a : approaches)
     for (const Approach::Patch& p : a.patches)
       all.push_back({key(a.piece),
                      patch_key(names[static_cast<std::size_t>(a.surface)], p.patch),
-                     {p.xi.x, p.xi.y, p.xi.z}});
+                     {p.xi.x, p.xi.y, p.xi.z},
+                     p.turn});
   std::sort(all.begin(), all.end());
   return all;
 }

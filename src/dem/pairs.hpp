@@ -17,9 +17,15 @@ namespace trackbed::dem {
 
 // Pieces of all local particles (own and ghosts) in space.
 struct Pieces {
-  std::vector<Vec4> x;  // m, centre; w: radius
+  std::vector<Vec4> x;  // m, centre; w: radius of the ball around it
   std::vector<std::int32_t> body;
   std::vector<std::size_t> begin;  // of each particle; one more at the end
+  // Only if some shape has a piece with several corners:
+  std::vector<std::uint32_t> first_corner;  // of each piece; one more at the end
+  std::vector<Vec4> corners;                // m, from the particle's centre of mass
+  std::vector<double> rounding;             // m
+  std::vector<Vec4> last_x, last_q;         // poses of the particles at the last `place`
+  std::vector<double> path;  // m, that no surface point of a particle exceeded since `lay_out`
 };
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
 void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step
@@ -51,6 +57,12 @@ struct PairList {
   void clear() { rows.clear(), entries.clear(), xi.clear(), shifts.assign(1, Vec4{}); }
 };
 
+// Pairs with a piece of several corners (stones.hpp).
+struct StoneList : PairList {
+  std::vector<Vec4> turn;  // x: rad, relative rotation about the normal, cut by friction
+  void clear() { PairList::clear(), turn.clear(); }
+};
+
 // A piece near a surface.
 struct Approach {
   std::int32_t piece;
@@ -62,6 +74,7 @@ struct Approach {
     int patch;
     bool touching;
     Vec4 xi;
+    double turn;          // rad
     MeshContact contact;  // as found in the last sub-step
   };
   std::vector<Patch> patches;  // touched ones, ascending
@@ -78,7 +91,8 @@ struct Scene {
 };
 
 // `history` sorted; entries take theirs from it.
-void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs);
+void find_pairs(const Scene& scene, const std::vector<History>& history, PairList& pairs,
+                StoneList& stones);
 void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
                      const std::vector<int>& names, const std::vector<History>& history,
                      std::vector<Approach>& approaches);
@@ -88,7 +102,8 @@ inline std::int64_t patch_key(int name, int patch) {
   return -1 - ((static_cast<std::int64_t>(name) << 32) | patch);
 }
 std::vector<History> collect_history(const State& state, const Pieces& pieces,
-                                     const PairList& pairs, const std::vector<Approach>& approaches,
+                                     const PairList& pairs, const StoneList& stones,
+                                     const std::vector<Approach>& approaches,
                                      const std::vector<int>& names);
 
 }  // namespace trackbed::dem

@@ -58,7 +58,7 @@ void Particles::add(std::span<const NewParticle> mine) {
     r.state.l[b].set(q * Vec3(body.cwiseProduct(r.state.inertia[b].vec3())));
     r.state.w[b].set(mine[k].spin);
   }
-  r.approaches.clear(), r.pairs.clear();
+  r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.check_laws();
   r.choose_grid();
@@ -87,7 +87,7 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& d
   });
   r.state.own = r.state.id.size();
   r.derive(0);
-  r.approaches.clear(), r.pairs.clear();
+  r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.choose_grid();
   return static_cast<std::int64_t>(gone.size());
@@ -97,7 +97,7 @@ void Particles::repartition() {
   Room& r = *room_;
   const std::vector<History> kept = r.history();
   visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
-  r.approaches.clear(), r.pairs.clear();
+  r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.choose_grid();
 }
@@ -132,7 +132,7 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   Room& r = *room_;
   const std::vector<History> kept = r.history();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
-  r.approaches.clear(), r.pairs.clear();
+  r.forget_contacts();
   r.surfaces = std::move(surfaces);
   r.surface_names.clear(), r.meshes.clear();
   r.surface_reference.assign(r.surfaces.size(), {});

@@ -249,9 +249,9 @@ void Particles::Room::rebuild() {
   find_ghosts();
   lay_out(state, shapes, pieces);
   place(state, shapes, pieces);
-  const Scene scene{state, shapes, grid, laws, pieces, skin};
-  find_pairs(scene, carried, pairs);
-  find_approaches(scene, surfaces, surface_names, carried, approaches);
+  find_pairs(scene(), carried, pairs, stones);
+  stone_contacts.reset(stones);
+  find_approaches(scene(), surfaces, surface_names, carried, approaches);
   remember_reference();
   ++rebuilds;
   ready = true;

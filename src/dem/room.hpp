@@ -9,6 +9,7 @@
 #include "mesh.hpp"
 #include "pairs.hpp"
 #include "state.hpp"
+#include "stones.hpp"
 #include "trackbed/core/exact_sum.hpp"
 #include "trackbed/par/halo.hpp"
 
@@ -32,6 +33,7 @@ struct Particles::Room {
   void kick(double dt);
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
   // contacts.cpp
+  Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
   void feel_pairs(double dt);
   void feel_surfaces(const SubStep& step);
   void touch_surface(Approach& a, const MeshContact& c, const SubStep& step);
@@ -57,7 +59,11 @@ struct Particles::Room {
   int name_number(const std::string& name);
   void check_laws() const;  // throws InputError; collective
   std::vector<History> history() const {
-    return collect_history(state, pieces, pairs, approaches, surface_names);
+    return collect_history(state, pieces, pairs, stones, approaches, surface_names);
+  }
+  void forget_contacts() {
+    approaches.clear(), pairs.clear(), stones.clear();
+    stone_contacts.reset(stones);
   }
   par::Comm comm;
   Physics physics;
@@ -75,6 +81,8 @@ struct Particles::Room {
   par::Halo halo;
   Pieces pieces;
   PairList pairs;
+  StoneList stones;
+  StoneContacts stone_contacts;
   std::vector<Approach> approaches;
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double largest_motion = 0;  // m, of a surface point of an own particle since then

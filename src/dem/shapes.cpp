@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "state.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -12,22 +14,21 @@ int Shapes::add(const Template& shape) {
     problems.push_back(fmt::format("shape {} needs 1 to {} pieces", number, (1 << piece_bits) - 1));
   if (!(shape.volume > 0) || !(shape.gyration.minCoeff() > 0))
     problems.push_back(fmt::format("shape {} has no volume or inertia", number));
-  for (const Piece& piece : shape.pieces) {
-    if (piece.core.vertices.size() != 1)
-      problems.push_back(
-          fmt::format("shape {} has a piece with {} core vertices: only spheres and "
-                      "disks (1 vertex) can move yet",
-                      number, piece.core.vertices.size()));
-    else if (!(piece.radius > 0))
-      problems.push_back(fmt::format("shape {} has a piece without a radius", number));
-  }
+  std::vector<Core> cores;
+  for (const Piece& piece : shape.pieces) try {
+      cores.push_back(core_of(piece));
+    } catch (const std::invalid_argument& problem) {
+      problems.push_back(fmt::format("shape {} has {}", number, problem.what()));
+    }
   if (!problems.empty()) throw InputError(problems);
-  for (const Piece& piece : shape.pieces) {
-    const Vec3& centre = piece.core.vertices[0];
-    pieces_.push_back({centre.x(), centre.y(), centre.z(), piece.radius});
+  for (Core& core : cores) {
+    any_stones_ = any_stones_ || core.corners.size() > 1;
+    pieces_.push_back(ball_around(core));
+    cores_.push_back(std::move(core));
   }
-  only_spheres_ =
-      only_spheres_ && shape.pieces.size() == 1 && shape.pieces[0].core.vertices[0].isZero();
+  only_spheres_ = only_spheres_ && shape.pieces.size() == 1 &&
+                  shape.pieces[0].core.vertices.size() == 1 &&
+                  shape.pieces[0].core.vertices[0].isZero();
   bound_.push_back(geom::bounding_radius(shape));
   begin_.push_back(pieces_.size());
   templates_.push_back(shape);

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
 #include "vec4.hpp"
@@ -54,16 +55,20 @@ class Shapes {
   }
   std::size_t begin(std::int64_t shape) const { return begin_[static_cast<std::size_t>(shape)]; }
   std::size_t end(std::int64_t shape) const { return begin_[static_cast<std::size_t>(shape) + 1]; }
-  const Vec4& piece(std::size_t k) const { return pieces_[k]; }  // centre; w: radius; unit scale
+  // Ball around a piece: centre; w: radius; unit scale.
+  const Vec4& piece(std::size_t k) const { return pieces_[k]; }
+  const Core& core(std::size_t k) const { return cores_[k]; }
   double bound(std::int64_t shape) const { return bound_[static_cast<std::size_t>(shape)]; }
   bool only_spheres() const { return only_spheres_; }  // one centred piece each
+  bool any_stones() const { return any_stones_; }      // a piece with several corners
 
  private:
   std::vector<Template> templates_;
   std::vector<std::size_t> begin_{0};
   std::vector<Vec4> pieces_;
+  std::vector<Core> cores_;  // of each piece
   std::vector<double> bound_;
-  bool only_spheres_ = true;
+  bool only_spheres_ = true, any_stones_ = false;
 };
 
 // Mass in kg of a particle of this template: area times thickness in a plane model.
@@ -75,6 +80,7 @@ struct History {
   std::int64_t first = 0;    // key of the piece with the lower id
   std::int64_t second = 0;   // key of the other piece, or -1 - (surface * 2^32 + patch)
   double xi[3] = {0, 0, 0};  // m, tangential displacement
+  double turn = 0;           // rad, relative rotation about the normal
 
   bool operator<(const History& o) const {
     return first != o.first ? first < o.first : second < o.second;

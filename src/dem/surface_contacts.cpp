@@ -30,7 +30,7 @@ Approach::Patch& patch_record(Approach& a, int patch) {
   auto at = std::find_if(a.patches.begin(), a.patches.end(),
                          [&](const Approach::Patch& p) { return p.patch >= patch; });
   if (at == a.patches.end() || at->patch != patch)
-    at = a.patches.insert(at, Approach::Patch{patch, true, {}, {}});
+    at = a.patches.insert(at, Approach::Patch{patch, true, {}, 0, {}});
   at->touching = true;
   return *at;
 }

@@ -137,6 +137,7 @@ class Particles {
 
  private:
   struct Room;
+  struct ContactLoop;
   std::unique_ptr<Room> room_;
 };
 

@@ -128,12 +128,14 @@ TEST(Contact, MomentumIsKept) {
   EXPECT_LT((p.totals().momentum - before).norm(), 1e-12);  // kg m/s, of about 1
 }
 
-TEST(Contact, PiecesWithManyVerticesAreRefused) {
-  dem::Particles p(par::Comm::self(), test::one_material(elastic()), {},
-                   test::box(Vec3::Constant(-1), Vec3::Constant(1)));
-  dem::Template cube = test::sphere();
-  cube.pieces[0].core.vertices.push_back(Vec3(1, 0, 0));
-  EXPECT_THROW(p.add_template(cube), InputError);
+TEST(Contact, PiecesThatCannotMoveAreRefused) {
+  dem::Particles p(par::Comm::self(), test::one_material({}), {},
+                   test::box(Vec3::Zero(), Vec3::Ones()));
+  dem::Template sharp = test::sphere(), empty = test::sphere();
+  sharp.pieces[0].radius = 0;
+  empty.pieces[0].core.vertices.clear();
+  EXPECT_THROW(p.add_template(sharp), InputError);
+  EXPECT_THROW(p.add_template(empty), InputError);
 }
 
 TEST(Contact, AMissingLawIsNamed) {

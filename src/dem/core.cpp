@@ -1,0 +1,57 @@
+#include "core.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace trackbed::dem {
+
+namespace {
+
+std::uint8_t byte(int corner) { return static_cast<std::uint8_t>(corner); }
+
+Vec4 vec4(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
+
+}  // namespace
+
+Core core_of(const geom::Piece& piece) {
+  const geom::Convex& hull = piece.core;
+  if (hull.vertices.empty() || hull.vertices.size() > most_corners)
+    throw std::invalid_argument(fmt::format("a piece with {} core vertices: 1 to {} are possible",
+                                            hull.vertices.size(), most_corners));
+  if (!(piece.radius > 0)) throw std::invalid_argument("a piece without a rounding radius");
+  Core core;
+  core.radius = piece.radius;
+  core.flat = hull.faces.size() == 2;
+  for (const Vec3& v : hull.vertices) core.corners.push_back(vec4(v));
+  for (const geom::Edge& e : hull.edges)
+    core.edges.push_back({byte(e.vertices[0]), byte(e.vertices[1])});
+  const std::size_t faces = core.flat ? 1 : hull.faces.size();
+  for (std::size_t f = 0; f < faces; ++f) {
+    const std::vector<int>& v = hull.faces[f].vertices;
+    for (std::size_t k = 2; k < v.size(); ++k)
+      core.triangles.push_back({byte(v[0]), byte(v[k - 1]), byte(v[k])});
+  }
+  if (hull.vertices.size() == 2) core.triangles.push_back({0, 1, 1});
+  return core;
+}
+
+// Ritter's ball shrunk by steps towards the farthest corner (Badoiu, Clarkson 2003,
+// doi:10.1145/644108.644240): within 1/steps of the smallest ball.
+Vec4 ball_around(const Core& core) {
+  constexpr int steps = 100;
+  Vec3 centre = core.corners[0].vec3();
+  const auto farthest = [&] {
+    Vec3 at = centre;
+    for (const Vec4& c : core.corners)
+      if ((c.vec3() - centre).squaredNorm() > (at - centre).squaredNorm()) at = c.vec3();
+    return at;
+  };
+  for (int k = 1; k <= steps && core.corners.size() > 1; ++k)
+    centre += (farthest() - centre) / (k + 1);
+  Vec4 ball = vec4(centre);
+  ball.w = (farthest() - centre).norm() + core.radius;
+  return ball;
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,94 @@
+// Distances between features of two cores, eight at a time, and what a pair of pieces feels of
+// them: the smooth maximum of all overlaps.
+//
+// Features: each corner to the closed other core (the least distance to its triangles), each edge
+// to each closed edge. Every distance is continuous, so the energy of the pair is, too:
+//   delta_k = r_i + r_j - d_k > 0,   M = (sum delta_k^p)^(1/p),   energy U(M)
+// The force on i is -U'(M) N, N = sum s_k n_k, s_k = dM/d delta_k = (delta_k / M)^(p-1), and its
+// torque -U'(M) T with T = sum s_k x_k x n_k, n_k from i to j: exactly the gradient of U, whatever
+// the features do. The deepest feature decides, equal ones share. p = 8: see
+// docs/decisions/stone-contact.md.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core.hpp"
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::dem {
+
+inline constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
+
+// Four corners of two features: a corner and a triangle, or two edges.
+using FeatureWord = std::array<std::uint8_t, 4>;
+
+// Eight pairs of features. In: four points in m from a common origin near them; of corner features
+// the corner, then the triangle. Out: distance, normal from i to j, point of contact.
+struct alignas(64) FeatureGroup {
+  double p[4][3][lanes];
+  double side[lanes];   // 1: the corner is one of i; -1: one of j
+  double reach[lanes];  // m, sum of the radii
+  double half[lanes];   // m, (r_i - r_j) / 2
+  double d[lanes], n[3][lanes], x[3][lanes];
+};
+
+// A row of features of one kind, filled and computed together.
+class FeatureRow {
+ public:
+  void clear() { size_ = 0; }
+  std::size_t size() const { return size_; }
+  // Room for one more; four points are then set with `point`.
+  std::size_t add(double side, double radius_i, double radius_j) {
+    const std::size_t slot = size_++;
+    if (slot / lanes >= groups_.size()) groups_.emplace_back();
+    FeatureGroup& g = groups_[slot / lanes];
+    g.side[slot % lanes] = side;
+    g.reach[slot % lanes] = radius_i + radius_j;
+    g.half[slot % lanes] = 0.5 * (radius_i - radius_j);
+    return slot;
+  }
+  void point(std::size_t slot, int k, double x, double y, double z) {
+    auto& p = groups_[slot / lanes].p[k];
+    const std::size_t lane = slot % lanes;
+    p[0][lane] = x, p[1][lane] = y, p[2][lane] = z;
+  }
+  double distance(std::size_t slot) const { return groups_[slot / lanes].d[slot % lanes]; }
+  Vec3 normal(std::size_t slot) const { return at(groups_[slot / lanes].n, slot % lanes); }
+  Vec3 contact(std::size_t slot) const { return at(groups_[slot / lanes].x, slot % lanes); }
+  void compute_corners();
+  void compute_edges();
+
+ private:
+  static Vec3 at(const double (&v)[3][lanes], std::size_t lane) {
+    return {v[0][lane], v[1][lane], v[2][lane]};
+  }
+  std::vector<FeatureGroup> groups_;
+  std::size_t size_ = 0;
+};
+
+// What a pair feels. Without overlap M = 0.
+struct Wrench {
+  double M = 0;            // m, smooth maximum of the overlaps
+  double closest = 1e300;  // m, least distance seen
+  Vec3 N = Vec3::Zero();   // sum s_k n_k
+  Vec3 T = Vec3::Zero();   // m, sum s_k x_k x n_k
+  Vec3 x = Vec3::Zero();   // m, mean point of contact, weighted by s_k
+  double spread = 0;       // m^2, weighted mean square distance of the points from it
+};
+
+// The features of one pair within two computed rows. Triangles of one corner follow each other.
+struct FeatureSet {
+  std::size_t corners, corners_end, edges, edges_end;  // slots
+  std::size_t word;                                    // number of the first corner feature's
+  std::size_t of_i;                                    // corner features whose corner is one of i
+};
+Wrench smooth_maximum(const FeatureRow& corners, const FeatureRow& edges, const FeatureSet& set,
+                      const FeatureWord* words, double reach);
+
+// Closest point of triangle abc to p as weights of the corners (Ericson 2005, Real-Time Collision
+// Detection, 5.1.5: Voronoi regions of corners, edges, face).
+Vec3 closest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace trackbed::dem

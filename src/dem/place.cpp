@@ -1,0 +1,69 @@
+// Pieces in space, from the poses of their particles.
+#include <cmath>
+
+#include "pairs.hpp"
+
+namespace trackbed::dem {
+
+void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
+  pieces = {};
+  pieces.begin.assign(1, 0);
+  const bool stones = shapes.any_stones();
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k) {
+      pieces.body.push_back(static_cast<std::int32_t>(b));
+      pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale[b]});
+      if (!stones) continue;
+      pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
+      pieces.rounding.push_back(shapes.core(k).radius * state.scale[b]);
+      pieces.corners.resize(pieces.corners.size() + shapes.core(k).corners.size());
+    }
+    pieces.begin.push_back(pieces.body.size());
+  }
+  if (!stones) return;
+  pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
+  pieces.last_x = state.x, pieces.last_q = state.q;
+  pieces.path.assign(state.size(), 0);
+}
+
+namespace {
+
+[[gnu::always_inline]] inline Vec4 turned(const Mat3& m, const Vec4& o) {
+  return {m(0, 0) * o.x + m(0, 1) * o.y + m(0, 2) * o.z,
+          m(1, 0) * o.x + m(1, 1) * o.y + m(1, 2) * o.z,
+          m(2, 0) * o.x + m(2, 1) * o.y + m(2, 2) * o.z, 0};
+}
+
+// How far a surface point can have come since the last pose: the centre's way and the arc of the
+// farthest point, |q - q0| = 2 sin(angle/4); 2.1 covers angles up to 1 rad.
+double way(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0) {
+  const double dx = x.x - x0.x, dy = x.y - x0.y, dz = x.z - x0.z;
+  const double a = q.x - q0.x, b = q.y - q0.y, c = q.z - q0.z, d = q.w - q0.w;
+  return std::sqrt(dx * dx + dy * dy + dz * dz) +
+         2.1 * x.w * std::sqrt(a * a + b * b + c * c + d * d);
+}
+
+}  // namespace
+
+void place(const State& state, const Shapes& shapes, Pieces& pieces) {
+  const bool stones = shapes.any_stones();
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    const Vec4& centre = state.x[b];
+    const Mat3 turn = state.scale[b] * quat(state.q[b]).toRotationMatrix();
+    const std::size_t first = shapes.begin(state.shape[b]);
+    for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
+      const std::size_t k = first + p - pieces.begin[b];
+      const Vec4 o = turned(turn, shapes.piece(k));
+      Vec4& x = pieces.x[p];
+      x.x = centre.x + o.x, x.y = centre.y + o.y, x.z = centre.z + o.z;
+      if (!stones) continue;
+      Vec4* corner = pieces.corners.data() + pieces.first_corner[p];
+      for (const Vec4& c : shapes.core(k).corners) *corner++ = turned(turn, c);
+    }
+    if (!stones) continue;
+    pieces.path[b] += way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
+    pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];
+  }
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,40 @@
+// How far two convex cores are apart, or how deep one is in the other: what the rare work on a pair
+// of stones is built on. The work of every sub-step is in features.hpp.
+#pragma once
+
+#include <span>
+
+#include "core.hpp"
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::dem {
+
+// One core in space, corners from a common origin when `offset` is added.
+struct Placed {
+  const Core* core;
+  std::span<const Vec4> corners;  // m
+  Vec3 offset;                    // m
+  double radius;                  // m, rounding
+
+  Vec3 corner(std::size_t k) const { return corners[k].vec3() + offset; }
+};
+
+// A direction from the first core to the second (unit) with the width of the empty slab across it
+// (m, negative: they overlap in this direction). The distance of the cores is no smaller.
+struct Slab {
+  Vec3 normal = Vec3::UnitX();
+  double width = 0;
+};
+
+// GJK (Gilbert, Johnson, Keerthi 1988, doi:10.1109/56.2083), started from the direction given and
+// ended when the slab's width is within `tolerance` m of the distance.
+Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, double tolerance);
+
+// The widest slab over all face normals and crossed edges (separating axis theorem). Exact where
+// the cores overlap: minus its width is the smallest way out. Cost: every pair of edges.
+Slab separating_axis(const Placed& first, const Placed& second);
+
+// Centre of the corners that lie within `tolerance` of the furthest along `direction`, m.
+Vec3 furthest(const Placed& core, const Vec3& direction, double tolerance);
+
+}  // namespace trackbed::dem

@@ -1,0 +1,249 @@
+#include "stones.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trackbed::dem {
+
+namespace {
+
+// Distance a pair may close before its features are found anew, over the sum of its radii.
+// Measured on dense beds at rest and in motion: 0.1 to 0.3 cost the same.
+constexpr double margin = 0.2;
+// Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is
+// a small part of it.
+constexpr double close = 0.05;
+constexpr std::size_t block = 256;  // features computed together: stays in the first-level cache
+
+}  // namespace
+
+// One pair, placed: everything relative to the centre of the first one's particle.
+struct StoneContacts::Sight {
+  std::uint32_t entry;
+  std::int32_t piece;
+  Placed i, j;
+  double reach;  // m
+
+  Sight(const Scene& scene, const StoneList& list, std::int32_t p, std::uint32_t e)
+      : entry(e), piece(p) {
+    const Entry& other = list.entries[e];
+    const auto bi = body(scene, p), bj = body(scene, other.piece);
+    const Vec4 &xi = scene.state.x[bi], &xj = scene.state.x[bj], &h = list.shifts[other.shift];
+    i = placed(scene, p, bi, Vec3::Zero());
+    j = placed(scene, other.piece, bj, {xj.x - xi.x + h.x, xj.y - xi.y + h.y, xj.z - xi.z + h.z});
+    reach = i.radius + j.radius;
+  }
+  static std::size_t body(const Scene& scene, std::int32_t piece) {
+    return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
+  }
+  static Placed placed(const Scene& scene, std::int32_t piece, std::size_t b, const Vec3& offset) {
+    const auto p = static_cast<std::size_t>(piece);
+    const Pieces& all = scene.pieces;
+    const std::size_t k = scene.shapes.begin(scene.state.shape[b]) + p - all.begin[b];
+    const std::span corners(all.corners);
+    return {&scene.shapes.core(k),
+            corners.subspan(all.first_corner[p], all.first_corner[p + 1] - all.first_corner[p]),
+            offset, all.rounding[p]};
+  }
+};
+
+namespace {
+
+// Corners of a core that reach further along `direction` than `least` m, and the edges and
+// triangles they belong to.
+struct Near {
+  std::vector<std::uint8_t> corners;
+  std::vector<std::uint16_t> edges, triangles;
+
+  void find(const Placed& core, const Vec3& direction, double least) {
+    corners.clear(), edges.clear(), triangles.clear();
+    std::array<bool, most_corners + 1> in{};
+    for (std::size_t k = 0; k < core.corners.size(); ++k)
+      if ((in[k] = direction.dot(core.corner(k)) >= least))
+        corners.push_back(static_cast<std::uint8_t>(k));
+    const auto collect = [&](const auto& features, std::vector<std::uint16_t>& kept) {
+      for (std::size_t k = 0; k < features.size(); ++k)
+        if (std::any_of(features[k].begin(), features[k].end(), [&](auto c) { return in[c]; }))
+          kept.push_back(static_cast<std::uint16_t>(k));
+    };
+    collect(core.core->edges, edges);
+    collect(core.core->triangles, triangles);
+  }
+};
+
+void set_point(FeatureRow& row, std::size_t slot, int k, const Placed& core, std::uint8_t corner) {
+  const Vec4& c = core.corners[corner];
+  row.point(slot, k, c.x + core.offset.x(), c.y + core.offset.y(), c.z + core.offset.z());
+}
+
+void add_corner(FeatureRow& row, const Placed& i, const Placed& j, const FeatureWord& word,
+                bool of_i) {
+  const Placed &own = of_i ? i : j, &other = of_i ? j : i;
+  const std::size_t slot = row.add(of_i ? 1 : -1, i.radius, j.radius);
+  set_point(row, slot, 0, own, word[0]);
+  for (int k = 1; k < 4; ++k) set_point(row, slot, k, other, word[static_cast<std::size_t>(k)]);
+}
+
+void add_edges(FeatureRow& row, const Placed& i, const Placed& j, const FeatureWord& word) {
+  const std::size_t slot = row.add(1, i.radius, j.radius);
+  for (int k = 0; k < 4; ++k)
+    set_point(row, slot, k, k < 2 ? i : j, word[static_cast<std::size_t>(k)]);
+}
+
+double furthest_along(const Placed& core, const Vec3& direction) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < core.corners.size(); ++k)
+    most = std::max(most, direction.dot(core.corner(k)));
+  return most;
+}
+
+}  // namespace
+
+void StoneContacts::reset(const StoneList& list) {
+  reaches_.assign(list.entries.size(), {});
+  words_.clear(), live_ = 0;
+  found_.clear();
+}
+
+// Drops the words of pairs that have found new ones.
+void StoneContacts::compact() {
+  std::vector<FeatureWord> kept;
+  kept.reserve(words_.size());
+  for (Reach& r : reaches_) {
+    const auto from = words_.begin() + r.begin;
+    r.begin = static_cast<std::uint32_t>(kept.size());
+    kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(r.count()));
+  }
+  words_ = std::move(kept);
+}
+
+// Every feature whose distance can become smaller than `within` passes the slab test; of those the
+// ones that are that near now are kept. Order: corners of i, of j, edges, each ascending.
+void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth, double within) {
+  thread_local Near of_i, of_j;
+  thread_local FeatureRow corners, edges;
+  thread_local std::vector<FeatureWord> words;
+  const Vec3 n = reach.normal;
+  of_i.find(sight.i, n, furthest_along(sight.i, n) - depth);
+  of_j.find(sight.j, -n, furthest_along(sight.j, -n) - depth);
+  corners.clear(), edges.clear(), words.clear();
+  const auto corner_words = [&](const Near& own, const Near& other, const Core& core, bool first) {
+    for (const std::uint8_t c : own.corners)
+      for (const std::uint16_t t : other.triangles) {
+        const Core::Triangle& triangle = core.triangles[t];
+        words.push_back({c, triangle[0], triangle[1], triangle[2]});
+        add_corner(corners, sight.i, sight.j, words.back(), first);
+      }
+  };
+  corner_words(of_i, of_j, *sight.j.core, true);
+  const std::size_t first_of_j = words.size();
+  corner_words(of_j, of_i, *sight.i.core, false);
+  const std::size_t first_edge = words.size();
+  // Flat cores in one plane meet with corners only; their crossed edges would count those twice.
+  if (!(sight.i.core->flat && sight.j.core->flat))
+    for (const std::uint16_t e : of_i.edges)
+      for (const std::uint16_t f : of_j.edges) {
+        const Core::Edge &a = sight.i.core->edges[e], &b = sight.j.core->edges[f];
+        words.push_back({a[0], a[1], b[0], b[1]});
+        add_edges(edges, sight.i, sight.j, words.back());
+      }
+  corners.compute_corners(), edges.compute_edges();
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const bool edge = k >= first_edge;
+    if ((edge ? edges.distance(k - first_edge) : corners.distance(k)) > within) continue;
+    words_.push_back(words[k]);
+    ++(edge ? reach.edges : (k < first_of_j ? reach.of_i : reach.of_j));
+  }
+}
+
+void StoneContacts::refresh(const Sight& sight, Reach& reach, double path) {
+  const double slack = margin * sight.reach;
+  Vec3 start = reach.normal;
+  if (start.isZero()) {
+    start = sight.j.offset + sight.j.corners[0].vec3() - sight.i.corners[0].vec3();
+    start = start.norm() > 0 ? Vec3(start.normalized()) : Vec3(Vec3::UnitZ());
+  }
+  Slab slab = widest_slab(sight.i, sight.j, start, 0.1 * slack);
+  const bool apart = slab.width > sight.reach + slack;
+  reach.normal = slab.normal;
+  live_ -= reach.count();
+  reach.of_i = reach.of_j = reach.edges = 0;
+  reach.begin = static_cast<std::uint32_t>(words_.size());
+  reach.watch = slab.width < close * sight.reach;
+  reach.until = path + (apart ? slab.width - sight.reach : slack);
+  if (!apart) keep_features(sight, reach, sight.reach + slack - slab.width, sight.reach + slack);
+  live_ += reach.count();
+}
+
+void StoneContacts::gather(const Sight& sight, const Reach& reach) {
+  const FeatureWord* word = words_.data() + reach.begin;
+  FeatureSet set{corners_.size(), 0, edges_.size(), 0, reach.begin, reach.of_i};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(reach.of_i) + reach.of_j; ++k)
+    add_corner(corners_, sight.i, sight.j, *word++, k < reach.of_i);
+  for (std::size_t k = 0; k < reach.edges; ++k) add_edges(edges_, sight.i, sight.j, *word++);
+  set.corners_end = corners_.size(), set.edges_end = edges_.size();
+  pending_.push_back({sight.entry, sight.piece, set});
+}
+
+Wrench StoneContacts::wrench(const Sight& sight, const Pending& p) {
+  Reach& reach = reaches_[p.entry];
+  Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), sight.reach);
+  if (w.closest < close * sight.reach) reach.watch = true;
+  if (!reach.watch) return w;
+  const Slab slab = separating_axis(sight.i, sight.j);
+  if (slab.width > 0) {
+    reach.watch = slab.width < close * sight.reach || w.closest < close * sight.reach;
+    return w;
+  }
+  ++deep_;
+  const double flat = 1e-6 * sight.reach;  // corners this near to a face lie on it
+  w.M = sight.reach - slab.width;
+  w.N = slab.normal;
+  w.x = 0.5 * (furthest(sight.i, slab.normal, flat) + furthest(sight.j, -slab.normal, flat));
+  w.T = w.x.cross(w.N);
+  w.spread = 0;
+  return w;
+}
+
+void StoneContacts::flush(const Scene& scene, StoneList& list) {
+  corners_.compute_corners(), edges_.compute_edges();
+  for (const Pending& p : pending_) {
+    const Wrench w = wrench(Sight(scene, list, p.piece, p.entry), p);
+    Entry& entry = list.entries[p.entry];
+    if (w.M > 0) {
+      entry.touching = 1;
+      found_.push_back({p.entry, p.piece, w});
+    } else if (entry.touching) {
+      entry.touching = 0;
+      list.xi[p.entry].set(Vec3::Zero()), list.turn[p.entry].x = 0;
+    }
+  }
+  pending_.clear(), corners_.clear(), edges_.clear();
+}
+
+const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& list) {
+  found_.clear();
+  if (words_.size() > 2 * live_ + 65536) compact();
+  for (const Row& row : list.rows) {
+    const double path_i = scene.pieces.path[Sight::body(scene, row.piece)];
+    for (std::uint32_t e = row.begin; e < row.end; ++e) {
+      Reach& reach = reaches_[e];
+      const double path = path_i + scene.pieces.path[Sight::body(scene, list.entries[e].piece)];
+      if (path < reach.until && reach.count() == 0 && !reach.watch && !list.entries[e].touching)
+        continue;
+      const Sight sight(scene, list, row.piece, e);
+      if (!(path < reach.until)) refresh(sight, reach, path);
+      gather(sight, reach);
+      if (corners_.size() > block || edges_.size() > block) flush(scene, list);
+    }
+  }
+  flush(scene, list);
+  return found_;
+}
+
+std::size_t StoneContacts::memory() const {
+  return reaches_.capacity() * sizeof(Reach) + words_.capacity() * sizeof(FeatureWord) +
+         found_.capacity() * sizeof(Overlap);
+}
+
+}  // namespace trackbed::dem
