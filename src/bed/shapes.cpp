@@ -1,6 +1,4 @@
 // Stones as templates: round ones, outlines filled with disks, clumps of given spheres.
-// Openings are found by looking from a raster of directions: exact minimal boxes of sphere unions
-// would be much more code for a number that grades ballast to a per cent.
 #include "shapes.hpp"
 
 #include <fmt/format.h>
@@ -18,29 +16,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-double width_along(const std::vector<geom::Sphere>& spheres, const Vec3& direction) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const auto& s : spheres) {
-    const double along = direction.dot(s.centre);
-    low = std::min(low, along - s.radius);
-    high = std::max(high, along + s.radius);
-  }
-  return high - low;
-}
-
-// Side of the square around the shadow of the spheres along `view`, the smallest over its turns.
-double square_around(const std::vector<geom::Sphere>& spheres, const Vec3& view) {
-  constexpr int turns = 30;  // 3 degrees apart: side right to 0.04 %
-  const Vec3 u = view.unitOrthogonal(), v = view.cross(u);
-  double smallest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < turns; ++k) {
-    const double angle = pi / 2 * k / turns, c = std::cos(angle), s = std::sin(angle);
-    smallest = std::min(smallest, std::max(width_along(spheres, c * u + s * v),
-                                           width_along(spheres, c * v - s * u)));
-  }
-  return smallest;
-}
-
 double largest_extent(const std::vector<geom::Sphere>& spheres) {
   double largest = 0;
   for (const auto& a : spheres)
@@ -54,41 +29,13 @@ std::vector<Eigen::Vector2d> scaled(std::vector<Eigen::Vector2d> polygon, double
   return polygon;
 }
 
+std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres) {
+  std::vector<geom::Piece> pieces;
+  for (const auto& s : spheres) pieces.push_back(geom::ball(s.centre, s.radius));
+  return pieces;
+}
+
 }  // namespace
-
-double smallest_slot(const std::vector<geom::Sphere>& disks) {
-  constexpr int turns = 720;  // a quarter of a degree apart: 0.2 % of the extent at most
-  double smallest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < turns; ++k) {
-    const double angle = pi * k / turns;
-    smallest = std::min(smallest, width_along(disks, {std::cos(angle), 0, std::sin(angle)}));
-  }
-  return smallest;
-}
-
-double smallest_hole(const std::vector<geom::Sphere>& spheres) {
-  constexpr int views = 1000;  // Fibonacci lattice on half a sphere, about 4.5 degrees apart
-  double smallest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < views; ++k) {
-    const double z = (k + 0.5) / views, r = std::sqrt(1 - z * z);
-    const double turn = 2 * pi * k / std::numbers::phi;
-    smallest =
-        std::min(smallest, square_around(spheres, {r * std::cos(turn), r * std::sin(turn), z}));
-  }
-  return smallest;
-}
-
-dem::Template template_of(const std::vector<geom::Sphere>& spheres, const geom::Solid& solid,
-                          double sieve) {
-  dem::Template shape;
-  const Quat back = solid.axes.conjugate();
-  for (const auto& s : spheres)
-    shape.pieces.push_back(geom::ball(back * (s.centre - solid.centre), s.radius));
-  shape.volume = solid.volume;
-  shape.gyration = solid.gyration;
-  shape.sieve = sieve;
-  return shape;
-}
 
 // Disks touch the outline from within and so cut its corners; the outline is enlarged until the
 // disks, which are what passes a sieve, have the wanted size.
@@ -107,9 +54,9 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
           "bed.pebble_radius = {:g} m is too large for a stone of sieve size {:.4g} mm",
           parameters.pebble_radius, 1e3 * size)});
     }
-    const double slot = smallest_slot(disks);
+    const double slot = geom::smallest_slot(disks);
     if (std::abs(slot / size - 1) < close || pass == passes)
-      return template_of(disks, geom::polygon_solid(scaled(polygon, scale)), slot);
+      return geom::template_of(balls(disks), geom::polygon_solid(scaled(polygon, scale)), slot);
     scale += (size - slot) / geom::smallest_width(polygon);
   }
 }
@@ -133,8 +80,11 @@ dem::Template clump_stone(const BedParameters& parameters, Dimension dimension) 
   if (spheres.empty()) throw InputError({"bed.clump holds no sphere"});
   const double extent = largest_extent(spheres);
   for (auto& s : spheres) s.centre /= extent, s.radius /= extent;
-  return plane ? template_of(spheres, geom::union_lamina(spheres), smallest_slot(spheres))
-               : template_of(spheres, geom::union_solid(spheres, 192), smallest_hole(spheres));
+  constexpr int cells = 192;
+  return plane ? geom::template_of(balls(spheres), geom::union_lamina(spheres),
+                                   geom::smallest_slot(spheres))
+               : geom::template_of(balls(spheres), geom::union_solid(spheres, cells),
+                                   geom::smallest_hole(spheres));
 }
 
 }  // namespace trackbed::bed

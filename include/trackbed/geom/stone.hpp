@@ -35,6 +35,43 @@ Steiner steiner_of(const Convex& core);
 Solid piece_solid(const Piece& piece);
 double surface_area(const Piece& piece);  // m^2
 
+// The piece with the volume of `hull` and this radius of rounding: the hull shrinks towards its
+// centroid, with all its corners and faces, before it is swept. So mass is kept, faces stay where
+// they are to first order, and corners recede. Throws std::invalid_argument if a ball of this
+// radius is larger than the hull.
+Piece rounded(const Convex& hull, double radius);
+// Turned, then moved.
+Convex moved(Convex core, const Quat& turn, const Vec3& shift);
+Convex scaled(Convex core, double factor);  // about the origin
+
+// Pieces about the solid's centre in its principal axes.
+Template template_of(const std::vector<Piece>& pieces, const Solid& solid, double sieve);
+// The solid is that of the pieces, exact for one, by columns for several (see `union_solid`); the
+// sieve size is the smallest square hole.
+Template template_of(const std::vector<Piece>& pieces);
+
+// Irregular convex stone with triangular faces, drawn from `seed`: a worn polyhedron of four to six
+// main corners. Centred on its centroid; extent along x 1. The defaults reach the mean and the
+// spread of sphericity and of volume over bounding box of ten scanned ballast stones (HRSBallast,
+// CC0). Throws std::invalid_argument if no stone of this kind has so many corners.
+struct StoneShape {
+  double elongation = 0.9;  // extent along y over that along x
+  double flatness = 0.85;   // extent along z over that along y
+  double angularity = 1;    // 0: corners evenly spread over an ellipsoid; to 1
+  int vertices = 24;        // exactly; 6 to 200
+};
+Convex stone(const StoneShape& shape, std::uint64_t seed);
+
+// Smallest slot of the plane y = 0 that disks pass, and smallest square hole that spheres pass. A
+// rounded piece passes what balls at its corners pass. To 1e-6 of the size, in the nearest
+// minimum of the best views of a raster 4.5 degrees apart.
+double smallest_slot(const std::vector<Sphere>& disks);
+double smallest_hole(const std::vector<Sphere>& spheres);
+double smallest_hole(const std::vector<Piece>& pieces);
+
+// Surface of the ball of this volume over the area (Wadell 1932, doi:10.1086/623964).
+double sphericity(double volume, double area);
+
 // Convex outline of an irregular plane stone: hull (CGAL) of points on a superellipse with random
 // angles and radii, drawn from `seed`. Largest extent 1, centred on its area centroid, counter-
 // clockwise in (x, z). elongation: smallest width over largest extent, as near as the corners

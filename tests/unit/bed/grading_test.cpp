@@ -92,19 +92,6 @@ TEST(Grading, EmptyClassesAreSkipped) {
   }
 }
 
-TEST(Shapes, HoleAndSlotOfAPairOfSpheres) {
-  // End to end 3, thickness 2: slot 2; the pair passes the hole of one sphere lengthwise.
-  const std::vector<geom::Sphere> pair{{Vec3(0, 0, 0), 1}, {Vec3(0.6, 0, 0.8), 1}};
-  EXPECT_NEAR(smallest_slot(pair), 2, 0.01);
-  EXPECT_NEAR(smallest_hole(pair), 2, 0.05);  // nearest view is up to 3 degrees off
-  const std::vector<geom::Sphere> three{{Vec3(0, 0, 0), 1}, {Vec3(1, 0, 0), 1}, {Vec3(0, 2, 0), 1}};
-  // Seen along its longest side, of sqrt(5), the flat triangle shows its height 2/sqrt(5) on the
-  // diagonal of the square. Views are up to 3 degrees off: at most 0.07 more, never less.
-  const double exact = 2 + 2 / std::sqrt(10.0);
-  EXPECT_NEAR(smallest_hole(three), exact + 0.035, 0.036);
-  EXPECT_NEAR(smallest_slot({{Vec3(1, 0, 3), 0.25}}), 0.5, rounding);
-}
-
 TEST(Shapes, TemplatesHaveTheMassOfTheSolid) {
   BedParameters bed;
   bed.clump = {5, 5, 5, 0.01, 5, 5, 5.03, 0.01};  // apart: two spheres, extent 0.05
