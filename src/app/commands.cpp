@@ -65,25 +65,31 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path) {
   return newest.file;
 }
 
-// Stone-steps per second and core of plane stones of some 15 to 20 pebbles (measured on the decks);
-// only for an estimate. Single spheres are about 7 times faster.
-constexpr double assumed_speed = 1.5e6;
+// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. A line
+// through runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20
+// pebbles.
+constexpr double time_per_stone = 75e-9, time_per_piece = 15e-9;
 
 void print_costs(const par::Comm& comm, const Model& model, World& world,
                  const StageActions& actions, const input::Deck& deck) {
-  const auto particles = static_cast<double>(world.particles.totals().particles);
+  const dem::Totals totals = world.particles.totals();
+  const double step_time = time_per_stone * static_cast<double>(totals.particles) +
+                           time_per_piece * static_cast<double>(totals.pieces);
   double seconds = 0;
   for (const Stage& stage : model.stages) {
     const Steps steps = choose_steps(world, model, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
-    seconds += particles * windows * steps.substeps / assumed_speed / comm.size();
+    seconds += step_time * windows * steps.substeps / comm.size();
     print(comm,
           fmt::format("stage {}: window {:.4g} s in {} sub-steps (limit: {}), {:.0f} windows\n",
                       stage.name, steps.window, steps.substeps, steps.limit, windows));
   }
-  print(comm, fmt::format("estimated wall time on {} rank{}: {:.0f} s (stones alone, at {:.1e} "
-                          "stone-steps per second and core)\n",
-                          comm.size(), comm.size() > 1 ? "s" : "", seconds, assumed_speed));
+  print(comm, fmt::format(
+                  "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores, {:.0f} ns per "
+                  "stone and sub-step + {:.0f} ns per piece, stages of full length; ground and "
+                  "output not counted)\n",
+                  comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9,
+                  time_per_piece * 1e9));
 }
 
 }  // namespace
