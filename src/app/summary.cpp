@@ -30,16 +30,17 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
   const par::Comm& comm = run.world.comm;
   const double seconds = comm.max(run.timers.seconds(Verb::dem) - run.measured.dem_seconds);
   const auto particles = static_cast<double>(totals.particles);
-  const auto steps = static_cast<double>(run.world.particles.steps() - run.measured.dem_steps);
+  const std::int64_t steps = run.world.particles.steps() - run.measured.dem_steps;
+  const double done = particles * static_cast<double>(steps);
   return {{"particles", totals.particles},
           {"pieces", totals.pieces},
           {"steps", run.world.particles.steps()},
           {"contacts_per_particle", ratio(2 * static_cast<double>(totals.contacts), particles)},
-          {"particle_steps_per_second_per_core", ratio(particles * steps, seconds) / comm.size()},
+          {"particle_steps_per_second_per_core", ratio(done, seconds) / comm.size()},
           {"state_hash", fmt::format("{:016x}", run.world.particles.state_hash())},
           {"measured_stage", run.measured.stage},
           {"measured_steps", steps},
-          {"measured_wall_time_s", seconds}};
+          {"measured_dem_time_s", seconds}};
 }
 
 Json ground_figures(const SummaryOf& run) {
@@ -86,8 +87,8 @@ Json stage_list(const Course& course) {
                {"time_s", r.time},
                {"duration_s", r.duration},
                {"window_s", r.window},
-               {"substeps", r.substeps},
-               {"particles", r.particles},
+               {"substeps", static_cast<std::int64_t>(r.substeps)},
+               {"particles", static_cast<std::int64_t>(r.particles)},
                {"bulk_density_kg_m3", r.bulk_density},
                {"wall_time_s", r.wall_time}};
     if (r.platen_pressure >= 0) stage["platen_pressure_pa"] = r.platen_pressure;
