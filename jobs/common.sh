@@ -54,10 +54,21 @@ part() {
 }
 
 run_model() {
-  local deck=$1 folder=$2
+  local deck=$1 folder=$2 run code=0
   shift 2
-  mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
-    build/release/trackbed run "$deck" -o "$folder" "$@"
+  # Told to end, mpirun kills the ranks a second later; SIGUSR1 it passes on, and waits for their
+  # checkpoint. A session of its own keeps the terminal's Ctrl-C from it.
+  setsid mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
+    build/release/trackbed run "$deck" -o "$folder" "$@" &
+  run=$!
+  trap 'kill -USR1 $run' TERM INT HUP
+  wait $run || code=$?
+  while kill -0 $run 2>/dev/null; do  # a signal ended the waiting, not the run
+    code=0
+    wait $run || code=$?
+  done
+  trap - TERM INT HUP
+  return $code
 }
 
 # All stages before the first with ground_moves know nothing of the ground but its flat top: a
