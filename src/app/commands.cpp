@@ -46,23 +46,25 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
   return static_cast<int>(ExitCode::stopped);
 }
 
-// A checkpoint the deck cannot start from is refused before anything is made or removed.
-void check_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
-  if (model.start.empty()) return;
-  const io::File file = io::open_checkpoint(comm, model.start);
-  require_same_model(file, model.start, effective_deck(model), deck);
-  stage_after(file, model.start, model, deck);
+// The file that a checkpoint's name or its folder's means; one that is passed over is worth a word.
+std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
+                             io::IfDamaged if_damaged) {
+  const io::Chosen chosen = io::choose_checkpoint(comm, path, if_damaged);
+  for (const std::string& sentence : chosen.passed_over)
+    print(comm, fmt::format("warning: {}\n", sentence));
+  if (!chosen.passed_over.empty()) print(comm, fmt::format("going on from {}\n", chosen.file));
+  return chosen.file;
 }
 
-// A folder means its newest good checkpoint; one that has to be passed over is worth a word.
-std::string checkpoint_meant(const par::Comm& comm, const std::string& path) {
-  const std::string folder = comm.broadcast(fs::is_directory(path) ? path : "");
-  if (folder.empty()) return path;
-  const io::Newest newest = io::newest_good_checkpoint(comm, folder);
-  for (const std::string& sentence : newest.refused)
-    print(comm, fmt::format("warning: {}\n", sentence));
-  if (!newest.refused.empty()) print(comm, fmt::format("going on from {}\n", newest.file));
-  return newest.file;
+// The checkpoint to start from, or nothing. One that does not fit the deck is refused before
+// anything is made or removed.
+std::string checked_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  if (model.start.empty()) return "";
+  const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
+  const io::File file = io::open_checkpoint(comm, start);
+  require_same_model(file, start, effective_deck(model), deck);
+  stage_after(file, start, model, deck);
+  return start;
 }
 
 // s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. A line
@@ -105,20 +107,19 @@ std::string effective_deck(const Model& model) {
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
-  check_start(comm, model, deck);
+  const std::string start = checked_start(comm, model, deck);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
-  prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
-                 model.start);
+  prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, start);
   Simulation simulation(comm, model, deck, arguments.deck, folder);
-  if (!model.start.empty()) simulation.start_from(model.start);
+  if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
 }
 
 // The deck comes from the checkpoint; overrides may change what later windows use.
 int resume(const par::Comm& comm, const Arguments& arguments) {
-  const std::string checkpoint = checkpoint_meant(comm, arguments.file);
+  const std::string checkpoint = checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over);
   std::string text, name;
   {
     const io::File file = io::open_checkpoint(comm, checkpoint);
@@ -142,7 +143,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
-  check_start(comm, model, deck);
+  const std::string start = checked_start(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);
@@ -154,7 +155,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
                             totals.pieces, totals.mass));
     print_costs(comm, model, world, actions, deck);
   } else {
-    print(comm, "  stones: those of " + model.start + "\n");
+    print(comm, "  stones: those of " + start + "\n");
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
   print(comm, fmt::format("memory: {:.0f} MB of state on the fullest rank\n", comm.max(megabytes)));
@@ -175,9 +176,10 @@ int schema(const par::Comm& comm, const Arguments&) {
 }
 
 int info(const par::Comm& comm, const Arguments& arguments) {
-  const std::string& path = arguments.file;
-  if (!fs::exists(path)) throw InputError({path + ": does not exist"});
-  const bool results = fs::path(path).filename() == "results.h5";
+  if (!fs::exists(arguments.file)) throw InputError({arguments.file + ": does not exist"});
+  const bool results = fs::path(arguments.file).filename() == "results.h5";
+  const std::string path =
+      results ? arguments.file : checkpoint_meant(comm, arguments.file, io::IfDamaged::refuse);
   const io::File file =
       results ? io::File(comm, path, io::Mode::read) : io::open_checkpoint(comm, path);
   print(comm, fmt::format("{}: {}, written by trackbed {}\n", path,

@@ -81,9 +81,11 @@ void Model::declare(input::Section& s) {
   s.number("thickness", thickness, {.unit = "m", .above = 0},
            "Extent of a plane model across the track.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
-  s.file("start", start,
-         "Checkpoint (a file stage_*.h5 or the folder it is in): the stages up to the one it was "
-         "written after are not done again.");
+  s.file(
+      "start", start,
+      "Checkpoint (a file stage_*.h5, or a result folder: the one its `latest` names): the stages "
+      "up to the one it was written after are not done again.",
+      input::Named::file_or_folder);
   s.text("wall_material", wall_material, "Contact material of walls and platen.");
   s.text("ground_material", ground_material, "Contact material of the ground's surface.");
   s.number("settle_average", settle_average, {.unit = "s", .at_least = 0},

@@ -108,7 +108,7 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
   value = node->text;
 }
 
-void Reader::file(std::string_view name, std::string& value, std::string_view) {
+void Reader::file(std::string_view name, std::string& value, std::string_view, Named named) {
   namespace fs = std::filesystem;
   const Node* node = find(name);
   if (node != nullptr && node->kind != Kind::text)
@@ -123,7 +123,8 @@ void Reader::file(std::string_view name, std::string& value, std::string_view) {
   std::error_code error;
   if (!fs::exists(path, error))
     problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));
-  else if (!fs::is_regular_file(path, error))
+  else if (!fs::is_regular_file(path, error) &&
+           !(named == Named::file_or_folder && fs::is_directory(path, error)))
     problem(node, path_of(name), fmt::format(" \"{}\" is not a file", given));
   else
     value = path.string();

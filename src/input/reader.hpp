@@ -24,7 +24,8 @@ class Reader : public Section {
   void flag(std::string_view name, bool& value, std::string_view meaning) override;
   void text(std::string_view name, std::string& value, std::string_view meaning,
             const std::vector<std::string_view>& choices, bool required) override;
-  void file(std::string_view name, std::string& value, std::string_view meaning) override;
+  void file(std::string_view name, std::string& value, std::string_view meaning,
+            Named named) override;
   void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
                std::string_view meaning, std::size_t length) override;
   void texts(std::string_view name, std::vector<std::string>& values,

@@ -30,7 +30,7 @@ class Collector : public Section {
     spec.choices.assign(choices.begin(), choices.end());
     spec.value = make_text(value);
   }
-  void file(std::string_view name, std::string& value, std::string_view meaning) override {
+  void file(std::string_view name, std::string& value, std::string_view meaning, Named) override {
     add(name, "file", {}, meaning).value = make_text(value);
   }
   void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,

@@ -14,7 +14,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 
 #include "io/handle.hpp"
@@ -74,32 +73,25 @@ void verify(const File& file, const std::string& path) {
       refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");
 }
 
-// The file meant by `path`, on rank 0; sets `problem` if there is none.
-std::string resolved(const fs::path& path, std::string& problem) {
+// Why there is no whole file `path`, or nothing.
+std::string why_not_there(const std::string& path) {
   std::error_code ignored;
-  fs::path file = path;
-  if (fs::is_directory(path, ignored)) {
-    std::ifstream in(path / "latest");
-    std::string name;
-    if (!std::getline(in, name) || name.empty()) {
-      problem = (path / "latest").string() + ": does not exist; the folder has no checkpoint";
-      return "";
-    }
-    file = path / name;
-  }
-  if (!fs::exists(file, ignored))
-    problem = file.string() + ": does not exist";
-  else if (!fs::is_regular_file(file, ignored))
-    problem = file.string() + ": is not a file";
-  else if (const std::string damage = why_not_whole(file.string()); !damage.empty())
-    problem = file.string() + ": " + damage;
-  return file.string();
+  if (!fs::exists(path, ignored)) return path + ": does not exist";
+  if (!fs::is_regular_file(path, ignored)) return path + ": is not a file";
+  const std::string damage = why_not_whole(path);
+  return damage.empty() ? "" : path + ": " + damage;
 }
 
-// The one `latest` names comes first, then the newest; on rank 0. Paths, one per line.
-std::string candidates(const fs::path& folder) {
-  std::string first;
-  std::ifstream(folder / "latest") >> first;
+// What the text file `latest` says, or nothing.
+std::string latest_of(const fs::path& folder) {
+  std::string name;
+  std::ifstream in(folder / "latest");
+  std::getline(in, name);
+  return name;
+}
+
+// All checkpoints of the folder, the newest first.
+std::vector<std::string> newest_first(const fs::path& folder) {
   struct Found {
     fs::file_time_type time;
     std::string name;
@@ -108,14 +100,27 @@ std::string candidates(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".h5" && name != "results.h5" && name != first)
+    if (entry.path().extension() == ".h5" && name != "results.h5")
       found.push_back({entry.last_write_time(ignored), name});
   }
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
     return a.time != b.time ? a.time > b.time : a.name > b.name;
   });
-  std::string lines = first.empty() ? "" : (folder / first).string() + "\n";
-  for (const Found& one : found) lines += (folder / one.name).string() + "\n";
+  std::vector<std::string> names;
+  for (const Found& one : found) names.push_back(one.name);
+  return names;
+}
+
+// What `path` may mean, best first; on rank 0. Paths, one per line.
+std::string candidates(const std::string& path, IfDamaged if_damaged) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return path + "\n";
+  const fs::path folder = path;
+  const std::string latest = latest_of(folder);
+  std::string lines = latest.empty() ? "" : (folder / latest).string() + "\n";
+  if (if_damaged == IfDamaged::refuse) return lines;
+  for (const std::string& name : newest_first(folder))
+    if (name != latest) lines += (folder / name).string() + "\n";
   return lines;
 }
 
@@ -167,12 +172,9 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
   comm.agree(problem);
 }
 
-File open_checkpoint(const par::Comm& comm, const std::string& path) {
-  std::string problem, file_name;
-  if (comm.root()) file_name = resolved(path, problem);
-  problem = comm.broadcast(problem);
+File open_checkpoint(const par::Comm& comm, const std::string& file_name) {
+  const std::string problem = comm.broadcast(comm.root() ? why_not_there(file_name) : "");
   if (!problem.empty()) refuse(problem);
-  file_name = comm.broadcast(file_name);
   try {
     File file(comm, file_name, Mode::read);
     verify(file, file_name);
@@ -185,20 +187,22 @@ File open_checkpoint(const par::Comm& comm, const std::string& path) {
   }
 }
 
-Newest newest_good_checkpoint(const par::Comm& comm, const std::string& folder) {
-  Newest newest;
-  const std::string lines = comm.broadcast(comm.root() ? candidates(folder) : "");
-  if (lines.empty()) open_checkpoint(comm, folder);  // throws the sentence about such a folder
+Chosen choose_checkpoint(const par::Comm& comm, const std::string& path, IfDamaged if_damaged) {
+  Chosen chosen;
+  const std::string lines = comm.broadcast(comm.root() ? candidates(path, if_damaged) : "");
+  if (lines.empty())
+    refuse((fs::path(path) / "latest").string() + ": does not exist; the folder has no checkpoint");
   std::istringstream paths(lines);
-  while (std::getline(paths, newest.file)) {
+  while (std::getline(paths, chosen.file)) {
+    if (if_damaged == IfDamaged::refuse) return chosen;  // whoever opens it hears what is wrong
     try {
-      open_checkpoint(comm, newest.file);
-      return newest;
+      open_checkpoint(comm, chosen.file);
+      return chosen;
     } catch (const InputError& error) {  // equal on all ranks
-      newest.refused.emplace_back(error.what());
+      chosen.passed_over.emplace_back(error.what());
     }
   }
-  throw InputError(newest.refused);
+  throw InputError(chosen.passed_over);
 }
 
 }  // namespace trackbed::io

@@ -53,9 +53,10 @@ def check_old_results(program, deck, folder):
         shutil.rmtree(place)
     link = folder / "link"
     link.symlink_to(made / "stage_sleepers.h5")
-    for start in (made / "stage_sleepers.h5", link):
+    for start in (made / "stage_sleepers.h5", link, made):
         refused(program, 2, ["run", deck, f"start={start}", "--force", "-o", made],
-                [made, start, "another folder"])
+                [made, start.name if start != made else "stage_passage.h5",
+                 "another folder"])
     refused(program, 1, ["run", deck, f"start={made / 'stage_fill.h5'}", "stage.fill.name=other",
                          "--force", "-o", made], ["command line", "stage_fill.h5", "does not have"])
     if contents(made) != before:
@@ -82,12 +83,39 @@ def check_start_beside(program, deck, folder):
             raise SystemExit("the variant did not finish")
 
 
+def check_damaged(program, deck, folder):
+    """`start` and `info` take the latest or nothing; `resume` goes back to the newest good one."""
+    made = folder / "made"
+    files = sorted((path for path in made.glob("*.h5") if path.name != "results.h5"),
+                   key=lambda path: path.stat().st_mtime_ns)
+    latest, before = files[-1], files[-2]
+    if (made / "latest").read_text(encoding="utf-8").strip() != latest.name:
+        raise SystemExit(f"{latest} is not the latest")
+    if str(latest) not in program.done(2, "info", made).stdout:
+        raise SystemExit(f"info {made} must say which file it is about")
+    program.done(1, "check", deck, f"start={made}")
+    with open(latest, "r+b") as file:
+        file.truncate(latest.stat().st_size // 2)
+    for ranks in (1, 2):
+        for command in (["info", made], ["check", deck, f"start={made}"],
+                        ["run", deck, f"start={made}", "-o", folder / "never"]):
+            refused(program, ranks, command, [latest, "cut short"])
+    if (folder / "never").exists():
+        raise SystemExit("a refused start must leave nothing behind")
+    ran = program.done(2, "resume", made)
+    if f"warning: {latest}: " not in ran.stdout or f"going on from {before}\n" not in ran.stdout:
+        raise SystemExit(f"resume must say that it goes on from {before}:\n{ran.stdout}")
+    if not summary(made)["finished"]:
+        raise SystemExit("the resumed run did not finish")
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_old_results(program, deck, folder)
     check_start_beside(program, deck, folder)
+    check_damaged(program, deck, folder)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,8 @@ struct About {
   std::vector<std::string> reads = {};
 };
 
+enum class Named { file, file_or_folder };  // what a parameter of kind file may name
+
 class Section {
  public:
   virtual ~Section() = default;
@@ -55,7 +57,8 @@ class Section {
   virtual void text(std::string_view name, std::string& value, std::string_view meaning,
                     const std::vector<std::string_view>& choices = {}, bool required = false) = 0;
   // A file that must exist; relative names are resolved against the deck's folder. Empty: none.
-  virtual void file(std::string_view name, std::string& value, std::string_view meaning) = 0;
+  virtual void file(std::string_view name, std::string& value, std::string_view meaning,
+                    Named named = Named::file) = 0;
   // `length` 0: any length.
   virtual void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
                        std::string_view meaning, std::size_t length = 0) = 0;

@@ -19,17 +19,21 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
                       const std::function<void(File&)>& fill);
 
 // Opens a checkpoint for reading after checking that it is one, its format and its checksums.
-// `path` may be a folder (then its `latest` is taken). Throws InputError that says what is wrong
-// with the file (missing, cut short, not a checkpoint, damaged dataset).
-File open_checkpoint(const par::Comm& comm, const std::string& path);
+// Throws InputError that says what is wrong with the file (missing, cut short, not a checkpoint,
+// damaged dataset). Collective.
+File open_checkpoint(const par::Comm& comm, const std::string& file);
 
-struct Newest {
+enum class IfDamaged { refuse, pass_over };
+
+struct Chosen {
   std::string file;
-  std::vector<std::string> refused;  // sentences about newer ones that are damaged or missing
+  std::vector<std::string> passed_over;  // sentences about newer ones, damaged or missing
 };
 
-// The one `latest` names, or if it is not good the newest good checkpoint in `folder` by file time,
-// then by name. Throws InputError with all sentences if there is none. Collective.
-Newest newest_good_checkpoint(const par::Comm& comm, const std::string& folder);
+// The checkpoint that `path` means: a file means itself, a folder the one its `latest` names,
+// whether it is good or not (refuse: open_checkpoint will say) or else the newest good one in the
+// folder by file time, then by name (pass_over). Throws InputError, with all sentences, if there is
+// none. Collective.
+Chosen choose_checkpoint(const par::Comm& comm, const std::string& path, IfDamaged if_damaged);
 
 }  // namespace trackbed::io

@@ -32,7 +32,7 @@ void write(const Scratch& scratch, const std::string& name, double start) {
 
 std::string refusal(const std::string& path) {
   try {
-    open_checkpoint(world(), path);
+    open_latest(world(), path);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -50,7 +50,7 @@ TEST(Checkpoint, IsReadByAnyNumberOfRanks) {
   write(scratch, "one.h5", 1);
   write(scratch, "two.h5", 2);
   for (const par::Comm& comm : {world(), par::Comm::self()}) {
-    const File file = open_checkpoint(comm, scratch.folder());  // the latest
+    const File file = open_latest(comm, scratch.folder());  // the latest
     EXPECT_EQ(file.number_attribute("/", "time"), 2);
     const auto x = file.read_all<double>("/dem/x");
     ASSERT_EQ(x.size(), 202U);
@@ -64,24 +64,28 @@ TEST(Checkpoint, IsReadByAnyNumberOfRanks) {
 TEST(Checkpoint, TheNewestGoodOneIsFoundIfTheLatestIsNot) {
   const Scratch scratch("newest");
   for (const char* name : {"one.h5", "two.h5", "three.h5"}) write(scratch, name, 1);
-  EXPECT_EQ(newest_good_checkpoint(world(), scratch.folder()).file, scratch / "three.h5");
+  EXPECT_EQ(choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over).file,
+            scratch / "three.h5");
   on_root([&] {  // "one" is the older by its time; a results file is no checkpoint
     fs::resize_file(scratch / "three.h5", 1000);
     const auto now = fs::last_write_time(scratch / "two.h5");
     fs::last_write_time(scratch / "one.h5", now - std::chrono::hours(1));
     std::ofstream(scratch / "results.h5") << "no checkpoint";
   });
-  const Newest newest = newest_good_checkpoint(world(), scratch.folder());
+  const Chosen newest = choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over);
   EXPECT_EQ(newest.file, scratch / "two.h5");
-  ASSERT_EQ(newest.refused.size(), 1U);
-  EXPECT_TRUE(newest.refused[0].starts_with(scratch / "three.h5" + ": "));
+  ASSERT_EQ(newest.passed_over.size(), 1U);
+  EXPECT_TRUE(newest.passed_over[0].starts_with(scratch / "three.h5" + ": "));
+  EXPECT_EQ(choose_checkpoint(world(), scratch.folder(), IfDamaged::refuse).file,
+            scratch / "three.h5");
   on_root([&] {
     fs::remove(scratch / "three.h5");
     fs::resize_file(scratch / "two.h5", 1000);
   });
-  EXPECT_EQ(newest_good_checkpoint(world(), scratch.folder()).file, scratch / "one.h5");
+  EXPECT_EQ(choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over).file,
+            scratch / "one.h5");
   on_root([&] { fs::resize_file(scratch / "one.h5", 1000); });
-  EXPECT_THROW(newest_good_checkpoint(world(), scratch.folder()), InputError);
+  EXPECT_THROW(choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over), InputError);
   on_root([] {});
 }
 
@@ -163,9 +167,9 @@ TEST(Checkpoint, LeavesThePreviousOneWhenWritingFails) {
     fs::resize_file(scratch / "two.h5.part", 300);
     std::ofstream(scratch / "latest.part") << "two";
   });
-  EXPECT_EQ(open_checkpoint(world(), scratch.folder()).number_attribute("/", "time"), 1);
+  EXPECT_EQ(open_latest(world(), scratch.folder()).number_attribute("/", "time"), 1);
   write(scratch, "two.h5", 2);  // and the next writer is not disturbed by it
-  EXPECT_EQ(open_checkpoint(world(), scratch.folder()).number_attribute("/", "time"), 2);
+  EXPECT_EQ(open_latest(world(), scratch.folder()).number_attribute("/", "time"), 2);
 }
 
 TEST(Checkpoint, FailsCleanlyWhereNothingCanBeWritten) {

@@ -24,7 +24,8 @@ void write_for_ever(const trackbed::par::Comm& comm, const std::string& folder) 
 }
 
 int check(const trackbed::par::Comm& comm, const std::string& folder) {
-  const trackbed::io::File file = trackbed::io::open_checkpoint(comm, folder);
+  const trackbed::io::File file = trackbed::io::open_checkpoint(
+      comm, trackbed::io::choose_checkpoint(comm, folder, trackbed::io::IfDamaged::refuse).file);
   const double number = file.number_attribute("/", "number");
   for (const double x : file.read_all<double>("/x"))
     if (x != number) return 1;

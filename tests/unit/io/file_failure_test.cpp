@@ -113,7 +113,7 @@ TEST(FileFailure, KeepsTheLastCheckpointWhenTheDiskFillsUp) {
     EXPECT_TRUE(contains(text, scratch / "large.h5.part: dataset /x cannot be written")) << text;
   }
   EXPECT_FALSE(std::filesystem::exists(scratch / "large.h5.part"));
-  EXPECT_EQ(open_checkpoint(world(), scratch.folder()).extent("/x")[0],
+  EXPECT_EQ(open_latest(world(), scratch.folder()).extent("/x")[0],
             10 * static_cast<std::size_t>(world().size()));
 }
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "trackbed/par/comm.hpp"
+#include "trackbed/io/checkpoint.hpp"
 
 namespace trackbed::io {
 
@@ -34,5 +34,9 @@ class Scratch {
   par::Comm world_ = par::Comm::world();
   std::string path_;
 };
+
+inline File open_latest(const par::Comm& comm, const std::string& folder) {
+  return open_checkpoint(comm, choose_checkpoint(comm, folder, IfDamaged::refuse).file);
+}
 
 }  // namespace trackbed::io
