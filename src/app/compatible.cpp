@@ -38,11 +38,26 @@ Values values_of(const std::string& effective) {
   return values;
 }
 
-// What a state depends on besides the words that have no influence on it.
+// What lies in the checkpoint and so ties the decks that go on from it.
 struct Holds {
   bool sleepers;      // placed
   bool moved_ground;  // has left its rest
+  bool plane;         // a plane model
+  bool quiet_base;    // of the ground
+  bool newmark;       // made the ground's last window
 };
+
+Holds holds_of(const io::File& checkpoint, const Values& deck) {
+  const auto is = [&](const char* key, const char* value) {
+    const auto found = deck.find(key);
+    return found != deck.end() && found->second == value;
+  };
+  return {.sleepers = checkpoint.has("sleepers"),
+          .moved_ground = checkpoint.has("ground"),
+          .plane = is("dimension", "\"plane\""),
+          .quiet_base = is("ground.base", "\"quiet\""),
+          .newmark = is("ground.integrator", "\"newmark\"")};
+}
 
 bool is_one_of(std::string_view key, const auto& keys) {
   for (const std::string_view known : keys)
@@ -50,8 +65,23 @@ bool is_one_of(std::string_view key, const auto& keys) {
   return false;
 }
 
+// A ground that has moved carries deviations from its state of rest, which borders, springs and
+// plane state made as much as materials did: others would set free forces that nothing holds, and a
+// border held from now on would keep the velocity it has. Newmark goes on from the displacement,
+// velocity and acceleration that explicit steps leave, but leaves the nodal forces of its
+// predictor, which explicit steps would take for those of the present. Damping, tolerances and
+// Newmark's constants are no part of a state.
+bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
+  if (key == "ground.base" || key == "ground.sides") return true;
+  if (key == "ground.base_stiffness") return holds.quiet_base;
+  if (key == "ground.plane") return holds.plane;
+  if (key == "ground.integrator") return holds.newmark;
+  const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[");
+  return solid && !key.ends_with("].name");
+}
+
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
-// has not moved yet may still be of other materials.
+// has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
   static constexpr std::array always = {"dimension",      "thickness",     "periodic",
                                         "bed.x",          "bed.y",         "ground.present",
@@ -61,10 +91,8 @@ bool matters(std::string_view key, const Holds& holds) {
                                         "sleepers.width", "sleepers.height", "sleepers.length"};
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
-  const bool layer = key.starts_with("ground.layer[");
-  if (layer && key.ends_with("].thickness")) return true;
-  const bool solid = layer || key.starts_with("ground.block[");
-  return solid && holds.moved_ground && !key.ends_with("].name");
+  if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;
+  return holds.moved_ground && matters_to_moved_ground(key, holds);
 }
 
 std::string worded(const Values& values, const std::string& key) {
@@ -78,8 +106,7 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck) {
   const Values then = values_of(checkpoint.text_attribute("/", "deck"));
   const Values now = values_of(effective);
-  const Holds holds{.sleepers = checkpoint.has("sleepers"),
-                    .moved_ground = checkpoint.has("ground")};
+  const Holds holds = holds_of(checkpoint, then);
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;

@@ -126,9 +126,12 @@ def check_other_models(program, deck, folder):
     program.done(1, "run", deck, "-o", made)
     still, moved = f"start={made / 'stage_sleepers.h5'}", f"start={made / 'stage_load.h5'}"
     place = ["-o", folder / "other"]
-    refused = [("ground.zones_x=30", still), ("sleepers.count=1", still), ("bed.x=[0, 1.1]", still),
-               ("ground.layer.soil.thickness=0.5", still),
-               ("ground.block.structure.present=false", moved)]
+    borders = ["ground.base=fixed", "ground.base_stiffness=0", "ground.sides=quiet",
+               "ground.plane=strain"]
+    refused = [(change, moved) for change in borders]
+    refused += [("ground.zones_x=30", still), ("sleepers.count=1", still), ("bed.x=[0, 1.1]", still),
+                ("ground.layer.soil.thickness=0.5", still),
+                ("ground.block.structure.present=false", moved)]
     for change, start in refused:
         for command in (["run", deck, start, change, *place], ["check", deck, start, change]):
             ran = program(1, *command)
@@ -139,6 +142,20 @@ def check_other_models(program, deck, folder):
     expect(ran.returncode == 2, "resume must refuse it too", ran)
     expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
     program.done(1, "run", deck, still, "ground.block.structure.present=false", *place)
+    program.done(1, "check", deck, still, *borders)
+    check_integrators(program, deck, folder, still, moved)
+
+
+def check_integrators(program, deck, folder, still, moved):
+    """Newmark goes on from explicit steps, but they not from Newmark's."""
+    newmark, explicit = "ground.integrator=newmark", "ground.integrator=explicit"
+    program.done(1, "check", deck, still, newmark)
+    place = folder / "newmark"
+    program.done(1, "run", deck, moved, newmark, "output.stop_after=3", "-o", place, code=3)
+    ran = program(1, "resume", place, explicit)
+    expect(ran.returncode == 2 and "ground.integrator" in ran.stderr and
+           'was made with "newmark"' in ran.stderr, "explicit steps after Newmark's", ran)
+    program.done(1, "resume", place)
 
 
 def check_run_error(program, deck, folder):
