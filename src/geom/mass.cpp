@@ -15,6 +15,15 @@ Mat3 spread(const Integrals& integrals, const Vec3& centre) {
 
 }  // namespace
 
+void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sums) {
+  const double volume = a.dot(b.cross(c)) / 6;  // with the origin
+  const Vec3 s = a + b + c;
+  sums.volume += volume;
+  sums.first += volume / 4 * s;
+  sums.second +=
+      volume / 20 * (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+}
+
 Solid solid_of(const Integrals& integrals) {
   Solid solid;
   solid.volume = integrals.volume;

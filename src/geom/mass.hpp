@@ -12,6 +12,10 @@ struct Integrals {
   Mat3 second = Mat3::Zero();
 };
 
+// The tetrahedron of three points and the origin; negative if they turn clockwise seen from
+// outside.
+void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sums);
+
 Solid solid_of(const Integrals& integrals);
 // For laminas in the plane y = 0: turns about y alone, so that y stays the polar axis.
 Solid lamina_of(const Integrals& integrals);

@@ -50,15 +50,6 @@ Arc arc_of(const Convex& core, const Edge& edge) {
   return arc;
 }
 
-void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sums) {
-  const double volume = a.dot(b.cross(c)) / 6;  // with the origin
-  const Vec3 s = a + b + c;
-  sums.volume += volume;
-  sums.first += volume / 4 * s;
-  sums.second +=
-      volume / 20 * (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
-}
-
 void add_prism(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n, double r,
                Integrals& sums) {
   const double area = (b - a).cross(c - a).dot(n) / 2;

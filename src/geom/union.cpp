@@ -95,14 +95,15 @@ Interval chord(const Piece& piece, double y, double z) {
     whole = {std::min(whole.first, part.first), std::max(whole.second, part.second)};
   };
   const auto& [vertices, edges, faces] = piece.core;
+  Interval inside{-far, far};
+  for (const Face& face : faces) cut(inside, face.normal, face.offset, y, z);
+  if (!faces.empty()) join(inside);
+  if (piece.radius == 0) return whole;
   for (const Vec3& corner : vertices) join(chord(Sphere{corner, piece.radius}, y, z));
   for (const Edge& edge : edges)
     join(chord(vertices[static_cast<std::size_t>(edge.vertices[0])],
                vertices[static_cast<std::size_t>(edge.vertices[1])], piece.radius, y, z));
   for (const Face& face : faces) join(chord(piece.core, face, piece.radius, y, z));
-  Interval inside{-far, far};
-  for (const Face& face : faces) cut(inside, face.normal, face.offset, y, z);
-  if (!faces.empty()) join(inside);
   return whole;
 }
 

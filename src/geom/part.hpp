@@ -1,0 +1,36 @@
+// Parts of a closed mesh between cutting planes.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "trackbed/geom/mesh.hpp"
+
+namespace trackbed::geom {
+
+struct Plane {
+  Vec3 normal;    // unit
+  double offset;  // m
+  double height(const Vec3& p) const { return normal.dot(p) - offset; }
+  Plane turned() const { return {-normal, -offset}; }
+};
+
+using Corners = std::array<Vec3, 3>;
+
+// What a mesh has on the upper side of some planes. The sections close it as signed fans of
+// triangles, so volumes are exact; a fan may reach beyond its section, so hulls are made without.
+struct Part {
+  std::vector<Corners> skin, caps;
+  std::vector<Plane> planes;
+  double volume = 0;          // m^3
+  std::vector<Vec3> corners;  // of the hull
+  double hull_volume = 0;     // m^3
+  double hollow() const { return hull_volume - volume; }
+};
+
+Part whole_part(const Mesh& mesh);
+// Above and below the plane; `mesh` is the one `part` came from.
+std::pair<Part, Part> cut(const Part& part, const Plane& plane, const Mesh& mesh);
+
+}  // namespace trackbed::geom

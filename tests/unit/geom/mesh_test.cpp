@@ -1,0 +1,309 @@
+// Meshes: what is read, mended and refused, cut into convex pieces, and filled with spheres.
+#include "trackbed/geom/mesh.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "geom/part.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::geom {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double rounding = 1e-12;
+
+// An L of unit depth in y, three long and three high, legs one thick.
+Mesh letter() {
+  const std::vector<Eigen::Vector2d> outline{{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
+  Mesh mesh;
+  for (const double y : {0.0, 1.0})
+    for (const auto& p : outline) mesh.vertices.emplace_back(p.x(), y, p.y());
+  for (const auto& [a, b, c] : {std::array{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}}) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a + 6, c + 6, b + 6});
+  }
+  for (int k = 0; k < 6; ++k) {
+    const int next = (k + 1) % 6;
+    mesh.triangles.push_back({k, k + 6, next + 6});
+    mesh.triangles.push_back({k, next + 6, next});
+  }
+  return mesh;
+}
+
+Mesh ball_mesh() { return surface_of(ball({0, 0, 0}, 1), 12); }
+
+Mesh cube() {
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.emplace_back(k & 1, k >> 1 & 1, k >> 2);
+  return surface_of({convex_hull(corners), 0});
+}
+
+std::string obj(const Mesh& mesh) {
+  std::string text = "# a comment\no body\n";
+  for (const Vec3& p : mesh.vertices) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : mesh.triangles)
+    text += fmt::format("f {} {}//1 {}\n", a + 1, b + 1, c + 1);
+  return text;
+}
+
+std::string ply(const Mesh& mesh) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+      "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  for (const Vec3& p : mesh.vertices) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : mesh.triangles) text += fmt::format("3 {} {} {}\n", a, b, c);
+  return text;
+}
+
+std::string stl(const Mesh& mesh) {
+  std::string text = "solid body\n";
+  for (const auto& triangle : mesh.triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int v : triangle) {
+      const Vec3& p = mesh.vertices[static_cast<std::size_t>(v)];
+      text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid body\n";
+}
+
+std::string binary_stl(const Mesh& mesh) {
+  std::string bytes(80, ' ');
+  const auto put = [&](const auto value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    bytes.append(raw, sizeof value);
+  };
+  put(static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const auto& triangle : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) put(0.0f);
+    for (const int v : triangle)
+      for (int k = 0; k < 3; ++k)
+        put(static_cast<float>(mesh.vertices[static_cast<std::size_t>(v)][k]));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+
+std::string reason(const std::string& bytes, MeshFormat format = MeshFormat::obj) {
+  try {
+    import_mesh(bytes, format, 1, "stone.obj");
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.problems().at(0).rfind("stone.obj: ", 0), 0u);
+    return error.problems().at(0).substr(11);
+  }
+  return "accepted";
+}
+
+TEST(Solids, OfMeshes) {
+  const Solid s = mesh_solid(letter());
+  EXPECT_NEAR(s.volume, 5, rounding);
+  EXPECT_NEAR((s.centre - Vec3(1.1, 0.5, 1.1)).norm(), 0, rounding);
+  // About y: x^2 + z^2 by blocks, less the centre's.
+  EXPECT_NEAR(s.gyration[2], 2 * (9 + 2.0 / 3) / 5 - 2 * 1.21, rounding);
+  EXPECT_NEAR(surface_area(letter()), 22, rounding);
+  const double r = 0.1;
+  const Piece rounded{convex_hull(cube().vertices), r};
+  const Mesh picture = surface_of(rounded, 8);
+  EXPECT_NEAR(mesh_solid(picture).volume, piece_solid(rounded).volume, 0.01);
+  EXPECT_LT(mesh_solid(picture).volume, piece_solid(rounded).volume);
+}
+
+TEST(Import, EveryFormatGivesTheSameBody) {
+  const Mesh body = letter();
+  const auto volume = [](const std::string& bytes, MeshFormat format) {
+    const Import import = import_mesh(bytes, format, 0.001, "body");
+    EXPECT_TRUE(import.repairs.empty());
+    EXPECT_EQ(import.mesh.vertices.size(), 12u);
+    EXPECT_EQ(import.mesh.triangles.size(), 20u);
+    return mesh_solid(import.mesh).volume;
+  };
+  EXPECT_NEAR(volume(obj(body), MeshFormat::obj), 5e-9, 1e-20);
+  EXPECT_NEAR(volume(ply(body), MeshFormat::ply), 5e-9, 1e-20);
+  EXPECT_NEAR(volume(stl(body), MeshFormat::stl), 5e-9, 1e-20);
+  EXPECT_NEAR(volume(binary_stl(body), MeshFormat::stl), 5e-9, 1e-20);
+}
+
+TEST(Import, MendsWhatItCan) {
+  Mesh body = letter();
+  for (auto& t : body.triangles) std::swap(t[0], t[1]);  // inside out
+  EXPECT_GT(mesh_solid(import_mesh(obj(body), MeshFormat::obj, 1, "").mesh).volume, 4.999);
+  body = letter();
+  std::swap(body.triangles[3][0], body.triangles[3][1]);  // one facet
+  body.triangles.push_back(body.triangles[5]);            // one twice
+  const Import mixed = import_mesh(obj(body), MeshFormat::obj, 1, "");
+  EXPECT_NEAR(mesh_solid(mixed.mesh).volume, 5, rounding);
+  ASSERT_EQ(mixed.repairs.size(), 1u);
+  EXPECT_EQ(mixed.repairs[0], "1 facets without area or given twice left out");
+  Mesh open = ball_mesh();
+  open.triangles.pop_back();
+  const Import closed = import_mesh(obj(open), MeshFormat::obj, 1, "");
+  EXPECT_EQ(closed.mesh.triangles.size(), ball_mesh().triangles.size());
+  EXPECT_EQ(closed.repairs.at(0), "1 small holes closed");
+  Mesh specks = letter();
+  const auto first = static_cast<int>(specks.vertices.size());
+  for (const Vec3& p : cube().vertices) specks.vertices.push_back(0.05 * p + Vec3(5, 0, 0));
+  for (auto [a, b, c] : cube().triangles)
+    specks.triangles.push_back({first + a, first + b, first + c});
+  const Import clean = import_mesh(obj(specks), MeshFormat::obj, 1, "");
+  EXPECT_NEAR(mesh_solid(clean.mesh).volume, 5, rounding);
+  EXPECT_EQ(clean.repairs.at(0), "1 specks left out");
+}
+
+TEST(Import, SaysWhyItRefuses) {
+  Mesh body = letter();
+  body.triangles.resize(body.triangles.size() - 2);  // a side is missing
+  EXPECT_NE(reason(obj(body)).find("not closed: a hole has a border of"), std::string::npos);
+  body = cube();
+  for (Vec3& p : body.vertices) p.z() = 0;
+  EXPECT_NE(reason(obj(body)), "accepted");  // flat
+  body = letter();
+  body.vertices[4] = body.vertices[10] = Vec3(2, 0.5, -1);  // a corner through the far side
+  EXPECT_EQ(reason(obj(body)), "it cuts through itself");
+  body = letter();
+  for (const Vec3& p : cube().vertices) body.vertices.push_back(p + Vec3(5, 0, 0));
+  for (auto [a, b, c] : cube().triangles) body.triangles.push_back({a + 12, b + 12, c + 12});
+  EXPECT_EQ(reason(obj(body)), "there are 2 separate surfaces; one body per file");
+  body = letter();
+  body.triangles[0][0] = 99;
+  EXPECT_NE(reason(obj(body)), "accepted");
+  EXPECT_EQ(reason(ply(body), MeshFormat::ply), "a facet names a vertex that is not there");
+  body = letter();
+  body.vertices[0].x() = 1e300;
+  EXPECT_EQ(reason(obj(body)), "a coordinate is not a number or beyond 1000 km");
+  EXPECT_NE(reason(""), "accepted");
+  EXPECT_NE(reason("solid body\n", MeshFormat::stl), "accepted");
+  const std::string whole = binary_stl(letter());
+  EXPECT_NE(reason(whole.substr(0, whole.size() / 2), MeshFormat::stl), "accepted");
+  EXPECT_NE(reason(obj(letter()), MeshFormat::ply), "accepted");
+}
+
+// Whatever the bytes are, there is a mesh with a volume or a reason.
+TEST(Import, SurvivesDamagedFiles) {
+  struct Sample {
+    std::string bytes;
+    MeshFormat format;
+  };
+  const std::vector<Sample> samples{{obj(letter()), MeshFormat::obj},
+                                    {ply(letter()), MeshFormat::ply},
+                                    {stl(letter()), MeshFormat::stl},
+                                    {binary_stl(letter()), MeshFormat::stl}};
+  int accepted = 0, refused = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    auto [bytes, format] = samples[seed % samples.size()];
+    const auto draw = [&](std::uint64_t key, std::size_t below) {
+      return static_cast<std::size_t>(uniform(seed, key) * static_cast<double>(below));
+    };
+    for (std::size_t k = 0; k < 1 + seed % 5; ++k)
+      bytes[draw(2 * k, bytes.size())] = static_cast<char>(draw(2 * k + 1, 256));
+    if (seed % 7 == 0) bytes.resize(draw(20, bytes.size()));
+    if (seed % 11 == 0)
+      bytes.insert(draw(21, bytes.size()), bytes.substr(draw(22, bytes.size()), 40));
+    try {
+      EXPECT_GT(mesh_solid(import_mesh(bytes, format, 1, "sample").mesh).volume, 0);
+      ++accepted;
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(accepted, 30);
+  EXPECT_GT(refused, 100);
+}
+
+TEST(Depths, OfACube) {
+  const std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0.1, 0.5, 0.5}, {-0.2, 0.5, 0.5}, {2, 2, 1}};
+  const std::vector<double> found = depths(cube(), points);
+  EXPECT_NEAR(found[0], 0.5, rounding);
+  EXPECT_NEAR(found[1], 0.1, rounding);
+  EXPECT_NEAR(found[2], -0.2, rounding);
+  EXPECT_NEAR(found[3], -std::sqrt(2), rounding);
+}
+
+TEST(ReducedHull, HasTheCornersAskedForAndStaysInside) {
+  const Mesh sphere = ball_mesh();
+  double before = 0;
+  for (const int vertices : {4, 8, 16, 32, 64}) {
+    const Convex core = reduced_hull(sphere.vertices, vertices);
+    EXPECT_EQ(core.vertices.size(), static_cast<std::size_t>(vertices));
+    const double volume = steiner_of(core).volume;
+    EXPECT_GT(volume, before);
+    EXPECT_LT(volume, 4 * pi / 3);
+    before = volume;
+  }
+  EXPECT_GT(before, 0.85 * 4 * pi / 3);
+  EXPECT_EQ(reduced_hull(cube().vertices, 24).vertices.size(), 8u);
+}
+
+constexpr double raster = 2e-3;  // of unions measured by lines
+
+TEST(Decompose, AnLIsTwoBoxes) {
+  const Decomposition one = decompose(letter(), 1, 24);
+  ASSERT_EQ(one.pieces.size(), 1u);
+  EXPECT_NEAR(one.volume_error, 7.0 / 5 - 1, rounding);  // the hull
+  const Decomposition two = decompose(letter(), 8, 24);
+  ASSERT_EQ(two.pieces.size(), 2u);  // both convex: no more are made
+  EXPECT_NEAR(two.volume_error, 0, raster);
+  double volume = 0;
+  for (const Convex& piece : two.pieces) volume += steiner_of(piece).volume;
+  EXPECT_NEAR(volume, 5, 1e-9);
+}
+
+TEST(Decompose, WhatIsConvexStaysWhole) {
+  EXPECT_EQ(decompose(cube(), 8, 24).pieces.size(), 1u);
+  EXPECT_EQ(decompose(ball_mesh(), 8, 1000).pieces.size(), 1u);
+}
+
+// Three planes that meet inside the body make a corner that no triangle of it has.
+TEST(Decompose, FindsCornersInsideTheBody) {
+  const Mesh body = cube();
+  Part octant = whole_part(body);
+  for (int k = 0; k < 3; ++k) octant = cut(octant, {Vec3::Unit(k), 0.75}, body).second;
+  EXPECT_NEAR(octant.volume, 0.421875, rounding);  // 0.75^3
+  EXPECT_NEAR(octant.hull_volume, 0.421875, rounding);
+  EXPECT_EQ(octant.corners.size(), 8u);
+}
+
+TEST(Decompose, MorePartsComeNearer) {
+  Mesh body = surface_of(ball({0, 0, 0}, 1), 6);  // a ball with a bite
+  for (Vec3& p : body.vertices) p *= 1 - 0.6 * std::exp(-8 * (p - Vec3::UnitX()).squaredNorm());
+  double before = 1e9;
+  for (const int parts : {1, 2, 4, 8}) {
+    const Decomposition made = decompose(body, parts, 1000);
+    EXPECT_LE(made.pieces.size(), static_cast<std::size_t>(parts));
+    EXPECT_GT(made.volume_error, -raster);
+    EXPECT_LT(made.volume_error, before);
+    before = made.volume_error;
+  }
+  EXPECT_LT(before, 0.02);
+}
+
+TEST(Clump, OfABallIsTheBall) {
+  const Clump made = clump(ball_mesh(), 1);
+  ASSERT_EQ(made.spheres.size(), 1u);
+  EXPECT_NEAR(made.spheres[0].radius, 1, 0.01);  // the mesh lies inside the ball
+  EXPECT_LT(made.surface_furthest, 0.05);        // grid of a fortieth of the size
+}
+
+TEST(Clump, MoreSpheresComeNearer) {
+  double before = 1e9;
+  for (const int spheres : {2, 8, 32}) {
+    const Clump made = clump(letter(), spheres);
+    EXPECT_EQ(made.spheres.size(), static_cast<std::size_t>(spheres));
+    EXPECT_NEAR(made.volume_error, 0, raster);
+    EXPECT_LT(made.surface_error, before);
+    EXPECT_GE(made.surface_furthest, made.surface_error);
+    before = made.surface_error;
+  }
+  EXPECT_LT(before, 0.06);  // m, of legs 1 m thick
+}
+
+}  // namespace
+}  // namespace trackbed::geom
