@@ -15,23 +15,23 @@
 #include <vector>
 
 #include "core.hpp"
+#include "lanes.hpp"
 #include "trackbed/core/types.hpp"
 
 namespace trackbed::dem {
-
-inline constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
 
 // Four corners of two features: a corner and a triangle, or two edges.
 using FeatureWord = std::array<std::uint8_t, 4>;
 
 // Eight pairs of features. In: four points in m from a common origin near them; of corner features
 // the corner, then the triangle. Out: distance, normal from i to j, point of contact.
-struct alignas(64) FeatureGroup {
-  double p[4][3][lanes];
-  double side[lanes];   // 1: the corner is one of i; -1: one of j
-  double reach[lanes];  // m, sum of the radii
-  double half[lanes];   // m, (r_i - r_j) / 2
-  double d[lanes], n[3][lanes], x[3][lanes];
+struct FeatureGroup {
+  Lanes3 p[4];
+  Lanes side;   // 1: the corner is one of i; -1: one of j
+  Lanes reach;  // m, sum of the radii
+  Lanes half;   // m, (r_i - r_j) / 2
+  Lanes d;
+  Lanes3 n, x;
 };
 
 // A row of features of one kind, filled and computed together.
@@ -50,9 +50,9 @@ class FeatureRow {
     return slot;
   }
   void point(std::size_t slot, int k, double x, double y, double z) {
-    auto& p = groups_[slot / lanes].p[k];
+    Lanes3& p = groups_[slot / lanes].p[k];
     const std::size_t lane = slot % lanes;
-    p[0][lane] = x, p[1][lane] = y, p[2][lane] = z;
+    p.x[lane] = x, p.y[lane] = y, p.z[lane] = z;
   }
   double distance(std::size_t slot) const { return groups_[slot / lanes].d[slot % lanes]; }
   Vec3 normal(std::size_t slot) const { return at(groups_[slot / lanes].n, slot % lanes); }
@@ -61,9 +61,7 @@ class FeatureRow {
   void compute_edges();
 
  private:
-  static Vec3 at(const double (&v)[3][lanes], std::size_t lane) {
-    return {v[0][lane], v[1][lane], v[2][lane]};
-  }
+  static Vec3 at(const Lanes3& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
   std::vector<FeatureGroup> groups_;
   std::size_t size_ = 0;
 };
@@ -76,6 +74,17 @@ struct Wrench {
   Vec3 T = Vec3::Zero();   // m, sum s_k x_k x n_k
   Vec3 x = Vec3::Zero();   // m, mean point of contact, weighted by s_k
   double spread = 0;       // m^2, weighted mean square distance of the points from it
+};
+
+// Collects the overlaps of one pair; the order they are added in decides the last bits.
+class Overlaps {
+ public:
+  void add(double delta, const Vec3& n, const Vec3& x);  // m; n from i to j; nothing if delta <= 0
+  Wrench result();
+
+ private:
+  double sum_ = 0, weight_ = 0;
+  Wrench wrench_;
 };
 
 // The features of one pair within two computed rows. Triangles of one corner follow each other.

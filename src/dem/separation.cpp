@@ -28,10 +28,6 @@ Support support(const Placed& core, const Vec3& direction) {
   return best;
 }
 
-double width_along(const Placed& first, const Placed& second, const Vec3& n) {
-  return -support(second, -n).along - support(first, n).along;
-}
-
 // Points of the difference second - first; the closest of their hull to the origin.
 class Simplex {
  public:
@@ -86,9 +82,13 @@ class Simplex {
 
 }  // namespace
 
+double slab_width(const Placed& first, const Placed& second, const Vec3& normal) {
+  return -support(second, -normal).along - support(first, normal).along;
+}
+
 Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, double tolerance) {
   constexpr int most_rounds = 40;  // 4 to 8 are usual
-  Slab best{start, width_along(first, second, start)};
+  Slab best{start, slab_width(first, second, start)};
   Simplex simplex;
   Vec3 n = start;
   for (int round = 0; round < most_rounds; ++round) {
@@ -98,7 +98,7 @@ Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, d
     const double distance = v.norm();
     if (!(distance > 0)) break;
     n = v / distance;
-    const double width = width_along(first, second, n);
+    const double width = slab_width(first, second, n);
     if (width > best.width) best = {n, width};
     if (distance - best.width < tolerance) break;
   }
@@ -109,10 +109,10 @@ Slab separating_axis(const Placed& first, const Placed& second) {
   Slab best{Vec3::UnitX(), -std::numeric_limits<double>::infinity()};
   const auto try_axis = [&](Vec3 axis) {
     const double length = axis.norm();
-    if (!(length > 0)) return;
+    if (!(length > 1e-300)) return;
     axis /= length;
     for (const Vec3& n : {axis, Vec3(-axis)}) {
-      const double width = width_along(first, second, n);
+      const double width = slab_width(first, second, n);
       if (width > best.width) best = {n, width};
     }
   };

@@ -26,6 +26,9 @@ struct Slab {
   double width = 0;
 };
 
+// Width of the slab across this unit vector, m.
+double slab_width(const Placed& first, const Placed& second, const Vec3& normal);
+
 // GJK (Gilbert, Johnson, Keerthi 1988, doi:10.1109/56.2083), started from the direction given and
 // ended when the slab's width is within `tolerance` m of the distance.
 Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, double tolerance);

@@ -190,9 +190,15 @@ Wrench StoneContacts::wrench(const Sight& sight, const Pending& p) {
   Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), sight.reach);
   if (w.closest < close * sight.reach) reach.watch = true;
   if (!reach.watch) return w;
+  // Any direction with an empty slab shows that the cores are apart; seldom all must be tried.
+  const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
+  if (apart) {
+    reach.watch = w.closest < close * sight.reach;
+    return w;
+  }
   const Slab slab = separating_axis(sight.i, sight.j);
   if (slab.width > 0) {
-    reach.watch = slab.width < close * sight.reach || w.closest < close * sight.reach;
+    reach.watch = w.closest < close * sight.reach;
     return w;
   }
   ++deep_;

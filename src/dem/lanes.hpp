@@ -1,0 +1,48 @@
+// Eight doubles that are computed together. Comparisons give a mask for `select`; there are no
+// branches, so every lane does the same arithmetic and its bits do not depend on its place.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace trackbed::dem {
+
+inline constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
+
+// Vector extension of GCC and Clang: two or four registers where they are narrower.
+using Lanes [[gnu::vector_size(64)]] = double;
+using Mask = decltype(Lanes{} < Lanes{});
+
+[[gnu::always_inline]] inline Lanes all(double value) { return Lanes{} + value; }
+[[gnu::always_inline]] inline Lanes select(Mask mask, Lanes yes, Lanes no) {
+  return mask ? yes : no;
+}
+[[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+[[gnu::always_inline]] inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+[[gnu::always_inline]] inline Lanes root(Lanes a) {
+  Lanes result;
+  for (std::size_t k = 0; k < lanes; ++k) result[k] = std::sqrt(a[k]);
+  return result;
+}
+
+// Eight vectors.
+struct Lanes3 {
+  Lanes x, y, z;
+};
+[[gnu::always_inline]] inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+[[gnu::always_inline]] inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+[[gnu::always_inline]] inline Lanes3 operator*(Lanes s, const Lanes3& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+[[gnu::always_inline]] inline Lanes dot(const Lanes3& a, const Lanes3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+[[gnu::always_inline]] inline Lanes3 select(Mask mask, const Lanes3& yes, const Lanes3& no) {
+  return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
+}
+
+}  // namespace trackbed::dem
