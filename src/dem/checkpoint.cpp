@@ -4,6 +4,7 @@
 
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/dem/templates.hpp"
 
 namespace trackbed::dem {
 
@@ -44,69 +45,6 @@ struct Number<Vec4> {
   using type = double;
 };
 
-// Templates are the same on every rank: the root writes them. A piece is its corners, its faces as
-// loops of corners and its radius.
-void save_shapes(io::File& file, const std::string& group, const Shapes& shapes, bool root) {
-  std::vector<double> solids, radii, corners;
-  std::vector<std::int64_t> counts, sizes, loops;
-  for (std::int64_t k = 0; root && k < static_cast<std::int64_t>(shapes.size()); ++k) {
-    const Template& t = shapes[k];
-    solids.insert(solids.end(),
-                  {t.volume, t.gyration.x(), t.gyration.y(), t.gyration.z(), t.sieve});
-    counts.push_back(static_cast<std::int64_t>(t.pieces.size()));
-    for (const Piece& p : t.pieces) {
-      radii.push_back(p.radius);
-      sizes.insert(sizes.end(), {static_cast<std::int64_t>(p.core.vertices.size()),
-                                 static_cast<std::int64_t>(p.core.faces.size())});
-      for (const Vec3& v : p.core.vertices) corners.insert(corners.end(), {v.x(), v.y(), v.z()});
-      for (const geom::Face& f : p.core.faces) {
-        loops.push_back(static_cast<std::int64_t>(f.vertices.size()));
-        loops.insert(loops.end(), f.vertices.begin(), f.vertices.end());
-      }
-    }
-  }
-  const std::string t = group + "/template";
-  file.write<double>(t + "/solid", solids, 5,
-                     {"m3, m2, m2, m2, m", "volume (plane: area), gyration x y z, sieve size"});
-  file.write<std::int64_t>(t + "/pieces", counts, 1, {"-", "pieces of each template"});
-  file.write<double>(t + "/radius", radii, 1, {"m", "rounding of each piece"});
-  file.write<std::int64_t>(t + "/sizes", sizes, 2, {"-", "corners and faces of each piece"});
-  file.write<double>(t + "/corners", corners, 3, {"m", "of the cores, piece after piece"});
-  file.write<std::int64_t>(t + "/faces", loops, 1,
-                           {"-", "of each face its number of corners and their numbers"});
-}
-
-Shapes load_shapes(const io::File& file, const std::string& group) {
-  const std::string name = group + "/template";
-  const auto solids = file.read_all<double>(name + "/solid");
-  const auto counts = file.read_all<std::int64_t>(name + "/pieces");
-  const auto radii = file.read_all<double>(name + "/radius");
-  const auto sizes = file.read_all<std::int64_t>(name + "/sizes");
-  const auto corners = file.read_all<double>(name + "/corners");
-  const auto loops = file.read_all<std::int64_t>(name + "/faces");
-  const double* corner = corners.data();
-  const std::int64_t* loop = loops.data();
-  const auto piece = [&](std::size_t p) {
-    std::vector<Vec3> vertices;
-    std::vector<std::vector<int>> faces;
-    for (std::int64_t n = 0; n < sizes[2 * p]; ++n, corner += 3)
-      vertices.push_back(Eigen::Map<const Vec3>(corner));
-    for (std::int64_t n = 0; n < sizes[2 * p + 1]; ++n, loop += 1 + *loop)
-      faces.emplace_back(loop + 1, loop + 1 + *loop);
-    return Piece{geom::convex_of(std::move(vertices), faces), radii[p]};
-  };
-  Shapes shapes;
-  for (std::size_t k = 0, p = 0; k < counts.size(); ++k) {
-    Template t;
-    t.volume = solids[5 * k];
-    t.gyration = {solids[5 * k + 1], solids[5 * k + 2], solids[5 * k + 3]};
-    t.sieve = solids[5 * k + 4];
-    for (std::int64_t n = 0; n < counts[k]; ++n, ++p) t.pieces.push_back(piece(p));
-    shapes.add(t);
-  }
-  return shapes;
-}
-
 }  // namespace
 
 void Particles::save(io::File& file, const std::string& group) const {
@@ -117,7 +55,7 @@ void Particles::save(io::File& file, const std::string& group) const {
     const auto numbers = flat(array, r.state.own, columns);
     file.write<T>(group + "/" + name, numbers, static_cast<std::size_t>(columns), {unit, meaning});
   });
-  save_shapes(file, group, r.shapes, r.comm.root());
+  save_templates(file, group + "/template", r.shapes.templates(), r.comm);
   std::vector<std::int64_t> keys;
   std::vector<double> xi;
   const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
@@ -145,7 +83,8 @@ void Particles::save(io::File& file, const std::string& group) const {
 
 void Particles::load(const io::File& file, const std::string& group) {
   Room& r = *room_;
-  r.shapes = load_shapes(file, group);
+  r.shapes = {};
+  for (const Template& shape : load_templates(file, group + "/template")) r.shapes.add(shape);
   visit_state(r.state, [&](const char* name, const char*, const char*, auto& array, int columns) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
     unflatten(file.read_share<T>(group + "/" + name), array, columns);

@@ -50,6 +50,7 @@ class Shapes {
  public:
   int add(const Template& shape);
   std::size_t size() const { return templates_.size(); }
+  const std::vector<Template>& templates() const { return templates_; }
   const Template& operator[](std::int64_t shape) const {
     return templates_[static_cast<std::size_t>(shape)];
   }
