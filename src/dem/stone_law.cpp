@@ -1,31 +1,11 @@
-// The law on overlapping pairs, eight at a time. With the pair's generalised normal (N, T) the
-// overlap grows at the rate M' = (v_i - v_j) . N + w_i . T - w_j . (T - D x N), D from the first
-// centre to the second: spring and damper of the law act on M and M' and their force works on
-// nothing else. Friction acts at the mean point of contact, in the plane across N; relative
-// rotation about N is resisted like a ring of the contact's spread would do (zero for a corner).
-#include <cmath>
+// The law (stone_law.hpp) on overlapping pairs.
+#include "stone_law.hpp"
 
-#include "laws.hpp"
 #include "stones.hpp"
 
 namespace trackbed::dem {
 
 namespace {
-
-struct alignas(64) Lane3 {
-  double x[lanes], y[lanes], z[lanes];
-  void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
-  void put(std::size_t k, const Vec3& v) { x[k] = v.x(), y[k] = v.y(), z[k] = v.z(); }
-  void put(std::size_t k, double a, double b, double c) { x[k] = a, y[k] = b, z[k] = c; }
-  Vec3 at(std::size_t k) const { return {x[k], y[k], z[k]}; }
-};
-
-struct alignas(64) StoneGroup {
-  Lane3 d, N, T, x, vi, vj, wi, wj, xi;  // in; d: centre of j from that of i
-  double M[lanes], spread[lanes], turn[lanes], root_mass[lanes], radius[lanes];
-  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
-  Lane3 force, turn_i, turn_j;  // out, on i; torque on j of the opposite force
-};
 
 std::size_t body(const Scene& scene, std::int32_t piece) {
   return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
@@ -46,75 +26,7 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   g.root_mass[k] = list.xi[o.entry].w, g.turn[k] = list.turn[o.entry].x;
   const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
   const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
-  g.radius[k] = ri * rj / (ri + rj);
-  const Law& law = scene.laws[entry.law];
-  g.k_n[k] = law.k_n, g.k_s[k] = law.k_s, g.c_n[k] = law.c_n, g.c_s[k] = law.c_s;
-  g.mu[k] = law.mu, g.least[k] = law.least;
-  g.hertz[k] = law.kind == LawKind::hertz;
-}
-
-// Moment about the normal, on i, from a torsion spring of stiffness k_s spread, cut at the moment
-// that friction can carry at this spread.
-[[gnu::always_inline]] inline double torsion(const Coefficients& c, double spread, double rate,
-                                             double limit, double dt, double& turn) {
-  const double stiffness = c.k_s * spread, damping = c.c_s * spread;
-  const double grown = turn + rate * dt;
-  const double moment = -stiffness * grown - damping * rate;
-  const bool slips = moment > limit || moment < -limit;
-  const double cut = moment > 0 ? limit : -limit;
-  const double kept = stiffness > 0 ? -(cut + damping * rate) / stiffness : 0.0;
-  turn = slips ? kept : (stiffness > 0 ? grown : 0.0);
-  return slips ? cut : moment;
-}
-
-[[gnu::always_inline]] inline void respond(StoneGroup& g, std::size_t k, double dt) {
-  const double Nx = g.N.x[k], Ny = g.N.y[k], Nz = g.N.z[k];
-  const double Tx = g.T.x[k], Ty = g.T.y[k], Tz = g.T.z[k];
-  const double dx = g.d.x[k], dy = g.d.y[k], dz = g.d.z[k];
-  const double Sx = Tx - (dy * Nz - dz * Ny), Sy = Ty - (dz * Nx - dx * Nz),
-               Sz = Tz - (dx * Ny - dy * Nx);  // T about the centre of j
-  const double wix = g.wi.x[k], wiy = g.wi.y[k], wiz = g.wi.z[k];
-  const double wjx = g.wj.x[k], wjy = g.wj.y[k], wjz = g.wj.z[k];
-  const double length = std::sqrt(Nx * Nx + Ny * Ny + Nz * Nz);
-  const double over = 1 / (length > 1e-300 ? length : 1e-300);
-  const double nx = Nx * over, ny = Ny * over, nz = Nz * over;
-  const double ax = g.x.x[k], ay = g.x.y[k], az = g.x.z[k];  // arms
-  const double bx = ax - dx, by = ay - dy, bz = az - dz;
-  const double ux = g.vi.x[k] - g.vj.x[k], uy = g.vi.y[k] - g.vj.y[k], uz = g.vi.z[k] - g.vj.z[k];
-  const double rate = ux * Nx + uy * Ny + uz * Nz + (wix * Tx + wiy * Ty + wiz * Tz) -
-                      (wjx * Sx + wjy * Sy + wjz * Sz);  // of M
-  const double px = ux + (wiy * az - wiz * ay) - (wjy * bz - wjz * by);
-  const double py = uy + (wiz * ax - wix * az) - (wjz * bx - wjx * bz);
-  const double pz = uz + (wix * ay - wiy * ax) - (wjx * by - wjy * bx);
-  // `contact_force` takes the rate of overlap from the velocity along n: here it is that of M.
-  const double correct = rate - (px * nx + py * ny + pz * nz);
-  const double vx = px + correct * nx, vy = py + correct * ny, vz = pz + correct * nz;
-  const Law law{g.hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
-                g.least[k],
-                g.k_n[k],
-                g.k_s[k],
-                g.c_n[k],
-                g.c_s[k],
-                g.mu[k] * length};
-  const Coefficients c = coefficients<true>(law, g.M[k], g.root_mass[k], g.radius[k]);
-  const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
-  Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
-  const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, g.M[k], twist}, dt, xi);
-  g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
-  const double f_n = f.w;
-  const double sx = f.x + f_n * nx, sy = f.y + f_n * ny, sz = f.z + f_n * nz;  // friction
-  double turn = g.turn[k];
-  const double limit = c.mu * (f_n > 0 ? f_n : 0.0) * std::sqrt(g.spread[k]);
-  const double spin = (wix - wjx) * nx + (wiy - wjy) * ny + (wiz - wjz) * nz;
-  const double moment = torsion(c, g.spread[k], spin, limit, dt, turn);
-  g.turn[k] = turn;
-  g.force.x[k] = sx - f_n * Nx, g.force.y[k] = sy - f_n * Ny, g.force.z[k] = sz - f_n * Nz;
-  g.turn_i.x[k] = (ay * sz - az * sy) - f_n * Tx + moment * nx;
-  g.turn_i.y[k] = (az * sx - ax * sz) - f_n * Ty + moment * ny;
-  g.turn_i.z[k] = (ax * sy - ay * sx) - f_n * Tz + moment * nz;
-  g.turn_j.x[k] = (by * sz - bz * sy) - f_n * Sx + moment * nx;
-  g.turn_j.y[k] = (bz * sx - bx * sz) - f_n * Sy + moment * ny;
-  g.turn_j.z[k] = (bx * sy - by * sx) - f_n * Sz + moment * nz;
+  set_law(g, k, scene.laws[entry.law], ri * rj / (ri + rj));
 }
 
 void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
