@@ -43,6 +43,10 @@ Piece rounded(const Convex& hull, double radius);
 // Turned, then moved.
 Convex moved(Convex core, const Quat& turn, const Vec3& shift);
 Convex scaled(Convex core, double factor);  // about the origin
+// The core cut into `parts` convex ones of equal volume, each time across the longest principal
+// axis. Swept by the same ball, they fill just what the whole core fills. Throws
+// std::invalid_argument if there is nothing to cut.
+std::vector<Convex> sliced(const Convex& core, int parts);
 
 // Pieces about the solid's centre in its principal axes.
 Template template_of(const std::vector<Piece>& pieces, const Solid& solid, double sieve);

@@ -61,6 +61,27 @@ TEST(Rounding, KeepsTheVolume) {
   EXPECT_THROW(rounded(cube, std::cbrt(18 / pi) + 1e-9), std::invalid_argument);
 }
 
+TEST(Slices, FillTheCoreInEqualParts) {
+  const Convex core = stone({.vertices = 16}, 3);
+  const double volume = steiner_of(core).volume;
+  for (const int parts : {1, 2, 3, 7}) {
+    const std::vector<Convex> made = sliced(core, parts);
+    ASSERT_EQ(made.size(), static_cast<std::size_t>(parts));
+    double sum = 0;
+    for (const Convex& part : made) {
+      EXPECT_NEAR(steiner_of(part).volume, volume / parts, 1e-9 * volume);
+      sum += steiner_of(part).volume;
+      for (const Vec3& corner : part.vertices)
+        for (const Face& face : core.faces) EXPECT_LT(face.normal.dot(corner), face.offset + 1e-12);
+    }
+    EXPECT_NEAR(sum, volume, 1e-12 * volume);
+  }
+  const Convex flat = convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  EXPECT_EQ(sliced(flat, 1).size(), 1u);
+  EXPECT_THROW(sliced(flat, 2), std::invalid_argument);
+  EXPECT_THROW(sliced(core, 0), std::invalid_argument);
+}
+
 TEST(Templates, ArePrincipalAxesAboutTheCentreOfMass) {
   const Vec3 size(1, 2, 3);
   const Template t = template_of({{moved(box(size), oblique, {5, 6, 7}), 0}});
