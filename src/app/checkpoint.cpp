@@ -17,13 +17,14 @@ namespace trackbed::app {
 
 namespace {
 
-constexpr std::size_t record_columns = 9;
+constexpr std::size_t record_columns = 10;
 
 std::vector<double> pack(const std::vector<StageRecord>& records) {
   std::vector<double> rows;
   for (const StageRecord& r : records)
-    rows.insert(rows.end(), {r.time, r.duration, r.window, r.substeps, r.particles, r.bulk_density,
-                             r.wall_time, static_cast<double>(r.aim), r.platen_pressure});
+    rows.insert(rows.end(),
+                {r.time, r.duration, r.window, r.substeps, r.particles, r.bulk_density, r.wall_time,
+                 static_cast<double>(r.aim), r.platen_pressure, r.settlement});
   return rows;
 }
 
@@ -35,7 +36,7 @@ std::vector<StageRecord> unpack(const std::string& names, const std::vector<doub
        i += record_columns)
     records.push_back({name, rows[i], rows[i + 1], rows[i + 2], rows[i + 3], rows[i + 4],
                        rows[i + 5], rows[i + 6], static_cast<Aim>(static_cast<int>(rows[i + 7])),
-                       rows[i + 8]});
+                       rows[i + 8], rows[i + 9]});
   return records;
 }
 
@@ -160,11 +161,12 @@ void Simulation::save(io::File& file) {
                      {"SI",
                       "finished stages: time, duration, window, sub-steps, particles, bulk "
                       "density, wall time, aim (0 none, 1 missed, 2 reached), averaged pressure of "
-                      "the platen (below 0: none)"});
+                      "the platen (below 0: none), settlement in the last cycle (below 0: none)"});
   world_.particles.save(file, "particles");
   if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
   if (world_.platen) world_.platen->save(file, "platen", comm_);
+  actions_.save(file);
   save_surfaces(world_, file);
 }
 
@@ -189,6 +191,7 @@ void Simulation::load(const io::File& file) {
     world_.platen.emplace(model_.platen, model_.domain(), model_.material(model_.wall_material));
     world_.platen->load(file, "platen");
   }
+  if (course_.begun) actions_.load(file);
   load_surfaces(world_, file);
 }
 

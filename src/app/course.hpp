@@ -25,6 +25,7 @@ struct StageRecord {
   double wall_time = 0;     // s
   Aim aim = Aim::none;
   double platen_pressure = -1;  // Pa, averaged; below 0: the stage does not press
+  double settlement = -1;       // m, largest of a sleeper in the last cycle; below 0: no cycles
 };
 
 struct Course {

@@ -14,10 +14,11 @@ namespace trackbed::app {
 void Stage::declare(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
   s.choice("kind", kind,
-           {"fill", "settle", "compact", "release", "sleepers", "load", "passage", "run"},
+           {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run"},
            "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
            "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
-           "they are placed and settle; load: the same force on all seats; "
+           "they are placed and settle; cribs: new stones fall between them and are cut at the "
+           "profile; load: the same force on all seats; "
            "passage: axles pass; run: nothing but time.");
   s.number("duration", duration, {.unit = "s", .at_least = 0},
            "Simulated time, at most; passage: 0 means until the last axle has left.");
@@ -30,16 +31,24 @@ void Stage::declare(input::Section& s) {
   s.number("lift", lift, {.unit = "m/s", .above = 0}, "Release: speed of the platen upwards.");
   s.number("height", height, {.unit = "m", .at_least = 0},
            "Sleepers: their lower face; 0: on top of the stones.");
-  s.number("profile", profile, {.unit = "m"},
-           "Sleepers: stones with their centre above this height are taken away; 0: none.");
+  s.number(
+      "profile", profile, {.unit = "m"},
+      "Sleepers, when they are placed: stones with their centre above this height are taken "
+      "away; 0: none. Cribs: the height they are filled to; what lies higher at the end goes.");
   s.number("seat_force", seat_force, {.unit = "N"}, "Constant force on each rail seat, downwards.");
   s.number("load", load, {.unit = "N"}, "Load: peak on each rail seat, above seat_force.");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Load: time from zero to the peak and, at the end, back.");
   s.integer("cycles", cycles, {.at_least = 0},
-            "Load: haversines in the duration; 0: ramp, hold, ramp.");
+            "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
+            "other; 0: one.");
+  s.number("settlement", settlement, {.unit = "m", .at_least = 0},
+           "Load and passage with cycles: the stage ends early once no sleeper has gone down by "
+           "more than this in the last cycle; 0: never.");
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
+  s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
+  s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
 }
 
 void TimeParameters::declare(input::Section& s) {

@@ -14,7 +14,7 @@
 namespace trackbed::app {
 
 // What a stage begins with, does in every window, and ends with: see stages.hpp.
-enum class StageKind { fill, settle, compact, release, sleepers, load, passage, run };
+enum class StageKind { fill, settle, compact, release, sleepers, cribs, load, passage, run };
 
 struct Stage {
   std::string name;
@@ -25,11 +25,12 @@ struct Stage {
   bool ground_moves = false;
   double lift = 0.01;       // m/s, release: speed of the platen
   double height = 0.35;     // m, sleepers: lower face
-  double profile = 0;       // m, sleepers: stones with centres above are taken away; 0: none
+  double profile = 0;       // m, sleepers, cribs: stones with centres above are taken away; 0: none
   double seat_force = 0;    // N on each rail seat throughout the stage
   double load = 0;          // N, load: peak on each rail seat, above seat_force
   double ramp = 0.05;       // s, load: from zero to the peak, and back at the end
-  std::int64_t cycles = 0;  // load: haversines in the duration; 0: ramp, hold, ramp
+  std::int64_t cycles = 0;  // load: haversines in the duration; passage: trains; 0: see `declare`
+  double settlement = 0;    // m, load, passage: stop early once a cycle leaves less; 0: never
   void declare(input::Section& s);
 };
 

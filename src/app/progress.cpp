@@ -104,6 +104,9 @@ void Progress::stage_ends(const StageRecord& record, const std::string& shortfal
           ? fmt::format(", averaged platen pressure {:.1f} kPa", record.platen_pressure / 1e3)
           : "",
       record.wall_time);
+  if (record.settlement >= 0)
+    say(comm_, "    in the last cycle no sleeper went down by more than {:.3g} mm\n",
+        1e3 * record.settlement);
   if (!shortfall.empty())
     say(comm_, "warning: stage {} ended after {:.4g} s without reaching its aim: {}\n", record.name,
         record.duration, shortfall);

@@ -33,8 +33,9 @@ void declare_stages(const Model& model, input::Section& s) {
     const StageKind kind = stages[i].kind;
     placed = placed || kind == StageKind::sleepers;
     s.rule(fmt::format("stage[{}].kind", i),
-           placed || (kind != StageKind::load && kind != StageKind::passage),
-           "loads sleepers, but no stage of kind sleepers comes before it", about);
+           placed ||
+               (kind != StageKind::load && kind != StageKind::passage && kind != StageKind::cribs),
+           "needs sleepers, but no stage of kind sleepers comes before it", about);
   }
   const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
                    model.has_stage(StageKind::passage);
@@ -54,7 +55,8 @@ void declare_materials(const Model& model, input::Section& s) {
   std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
   if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
   if (model.ground.present) parts.emplace_back("ground_material", model.ground_material);
-  if (model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::passage))
+  if (model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::cribs) ||
+      model.has_stage(StageKind::load) || model.has_stage(StageKind::passage))
     parts.emplace_back("sleepers.material", model.sleepers.material);
   const std::string& stones = model.bed.material;
   const bool names_known = std::all_of(

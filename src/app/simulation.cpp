@@ -141,6 +141,7 @@ Outcome Simulation::run_stages() {
     while (runs()) {
       window();
       course_.clock.tick(), ++course_.windows;
+      actions_.watch(stage(), course_.clock);
       const Verdict verdict = agree();
       observe();
       if (verdict == Verdict::report) progress_.line(course_, model_, world_);
@@ -202,6 +203,7 @@ void Simulation::end_stage() {
   }
   StageRecord record = record_of(stage(), course_, model_, world_);
   record.wall_time = progress_.wall_time() - stage_begin_;
+  record.settlement = actions_.settlement();
   const std::optional<std::string> shortfall = actions_.shortfall(stage());
   if (shortfall) record.aim = shortfall->empty() ? Aim::reached : Aim::missed;
   course_.done.push_back(record);

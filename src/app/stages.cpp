@@ -1,5 +1,5 @@
-// The kinds of stages. A stage has no state of its own: what it does in a window follows from the
-// deck, the clock and the model, so that a checkpoint within it needs nothing more.
+// The kinds of stages. What a stage does in a window follows from the deck, the clock and the
+// model; the settlement of sleepers from cycle to cycle is all the state it has of its own.
 #include "app/stages.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "app/cribs.hpp"
 
 namespace trackbed::app {
 
@@ -24,6 +26,11 @@ double load_shape(const Stage& stage, double time) {
   const double ramp = std::min(stage.ramp, stage.duration / 2);
   if (ramp <= 0) return 1;
   return std::clamp(std::min(time, stage.duration - time) / ramp, 0.0, 1.0);
+}
+
+bool has_cycles(const Stage& stage) {
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+  return loaded && stage.cycles > 0;
 }
 
 bool looks_for_rest(const Stage& stage) {
@@ -54,6 +61,8 @@ void StageActions::begin(const Stage& stage) {
     world_.raise_walls(1.1 * height);
   }
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
+  if (stage.kind == StageKind::cribs) fill_cribs(stage);
+  if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
   if (stage.ground_moves && world_.ground && !world_.ground_settled) {
     world_.ground->settle(world_.support);
     world_.ground_settled = true;
@@ -67,33 +76,33 @@ void StageActions::begin(const Stage& stage) {
 // Sleepers are put where they belong and the stones in their way go: digging, not pushing.
 void StageActions::place_sleepers(const Stage& stage) {
   world_.sleepers->place(stage.height > 0 ? stage.height : world_.top_of_stones());
-  const auto in_the_way = [&](const dem::ParticleView& stone, std::size_t i) {
-    bool hit = stage.profile > 0 && stone.position.z() > stage.profile;
-    world_.particles.pieces(i, [&](const Vec3& centre, double radius) {
-      hit = hit || world_.sleepers->overlaps(centre, radius);
-    });
-    return hit;
-  };
-  // `remove` shows each stone by id: look the ids up first.
-  std::vector<Id> doomed;
-  for (std::size_t i = 0; i < world_.particles.size(); ++i) {
-    const dem::ParticleView stone = world_.particles[i];
-    if (in_the_way(stone, i)) doomed.push_back(stone.id);
-  }
-  std::sort(doomed.begin(), doomed.end());
-  world_.particles.remove([&](const dem::ParticleView& stone) {
-    return std::binary_search(doomed.begin(), doomed.end(), stone.id);
-  });
+  dig_out_sleepers(world_);
+  if (stage.profile > 0) cut_at(world_, stage.profile);
+}
+
+// More than fits, since loose stones need more room than the porosity says: `end` cuts the heaps.
+void StageActions::fill_cribs(const Stage& stage) {
+  const double height = bed::fill_boxes(world_.particles, world_.comm, model_.bed,
+                                        model_.material(model_.bed.material),
+                                        cribs(world_, stage.profile), world_.top_of_stones());
+  if (1.1 * height > world_.wall_height) world_.raise_walls(1.1 * height);
+}
+
+void StageActions::watch(const Stage& stage, const Clock& clock) {
+  if (has_cycles(stage)) settlement_.watch(stage.cycles, clock, *world_.sleepers);
 }
 
 // Known before the stage begins, since the passage depends on the axles and the last sleeper only.
 double StageActions::duration(const Stage& stage) const {
   if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
   const auto& s = model_.sleepers;
-  return seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+  const double once = seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+  return once * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
 }
 
 std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
+  if (stage.kind == StageKind::passage && stage.cycles > 1)
+    time = std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));
   std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
@@ -104,6 +113,8 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
 
 bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
+  if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
+    return true;
   if (!looks_for_rest(stage) || clock.window() == 0) return false;
   if (clock.window() % windows_between_checks != 0) return false;
   return at_rest(world_.particles.totals(), stage.until_ratio);
@@ -111,6 +122,11 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
 
 std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (stage.kind == StageKind::compact) return world_.platen->shortfall();
+  if (has_cycles(stage) && stage.settlement > 0) {
+    if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
+    return fmt::format("a sleeper went down by {:.3g} mm in the last cycle, not by {:g} mm or less",
+                       1e3 * settlement_.last(), 1e3 * stage.settlement);
+  }
   if (!looks_for_rest(stage)) return std::nullopt;
   const dem::Totals totals = world_.particles.totals();
   if (at_rest(totals, stage.until_ratio)) return std::string{};
@@ -123,7 +139,15 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
 void StageActions::end(const Stage& stage) {
   if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
+  if (stage.kind == StageKind::cribs) {
+    cut_at(world_, stage.profile);
+    world_.meet();
+  }
+  settlement_.end();
   world_.particles.set_local_damping(-1);
 }
+
+void StageActions::save(io::File& file) const { settlement_.save(file, world_.comm); }
+void StageActions::load(const io::File& file) { settlement_.load(file); }
 
 }  // namespace trackbed::app

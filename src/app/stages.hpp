@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/parameters.hpp"
+#include "app/settlement.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/clock.hpp"
 
@@ -18,7 +19,8 @@ class StageActions {
 
   // Stones poured, sleepers placed, platen lowered, ground let go. Collective.
   void begin(const Stage& stage);
-  double duration(const Stage& stage) const;  // s
+  void watch(const Stage& stage, const Clock& clock);  // after every window
+  double duration(const Stage& stage) const;           // s
   // Force on each rail seat, N downwards, `time` s after the stage began.
   std::vector<double> seat_forces(const Stage& stage, double time) const;
   // Whether the stage has reached its aim before its duration is over. Depends on state alone, so
@@ -27,13 +29,21 @@ class StageActions {
   // A sentence on what the aim of a stage whose time is over still lacks, empty if it is reached;
   // nothing if the stage has none. Collective.
   std::optional<std::string> shortfall(const Stage& stage) const;
-  void end(const Stage& stage);  // collective
+  double settlement() const { return settlement_.last(); }  // m, in the last cycle; < 0: none
+  void end(const Stage& stage);                             // collective
+
+  // What of a stage under way is in neither the deck nor the model. Collective.
+  void save(io::File& file) const;
+  void load(const io::File& file);
 
  private:
   void place_sleepers(const Stage& stage);
+  void fill_cribs(const Stage& stage);
+
   World& world_;
   const Model& model_;
   track::SeatLoad seat_load_;
+  Settlement settlement_;
 };
 
 }  // namespace trackbed::app

@@ -92,6 +92,7 @@ Json stage_list(const Course& course) {
                {"bulk_density_kg_m3", r.bulk_density},
                {"wall_time_s", r.wall_time}};
     if (r.platen_pressure >= 0) stage["platen_pressure_pa"] = r.platen_pressure;
+    if (r.settlement >= 0) stage["settlement_m"] = r.settlement;
     if (r.aim != Aim::none) stage["aim_reached"] = r.aim == Aim::reached;
     list.push_back(stage);
   }

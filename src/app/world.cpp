@@ -11,7 +11,8 @@ namespace trackbed::app {
 namespace {
 
 bool uses_sleepers(const Model& model) {
-  return model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::passage);
+  return model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::cribs) ||
+         model.has_stage(StageKind::load) || model.has_stage(StageKind::passage);
 }
 
 }  // namespace
@@ -63,7 +64,10 @@ void World::rebalance() {
 
 void World::raise_walls(double height) {
   wall_height = height;
-  walls = bed::walls(model.domain(), height, model.material(model.wall_material), !ground);
+  std::vector<Surface> higher =
+      bed::walls(model.domain(), height, model.material(model.wall_material), !ground);
+  walls.resize(higher.size());  // walls that stand already stay where `touched_` points
+  std::move(higher.begin(), higher.end(), walls.begin());
 }
 
 void World::place_platen(double z) {

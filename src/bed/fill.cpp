@@ -9,17 +9,46 @@
 
 namespace trackbed::bed {
 
-// Every rank builds an even share of the columns; the particles then go to their owners.
-double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
-            int material) {
-  const Mix mix(parameters, particles.domain().dimension);
-  const Columns columns(parameters, particles.domain(), mix);
+namespace {
+
+// A box narrower than this many largest bounds gets no stones: Columns want a little more than 2.
+constexpr double narrowest = 2.1;
+
+// Columns that start at a height and whose stones' ids begin with `first`.
+struct Batch {
+  Columns columns;
+  Id first = 0;
+  double foot = 0;  // m
+};
+
+// Stones of columns [begin, begin + count) of all batches; raises `top` to what they reach.
+std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size_t begin,
+                                    std::size_t count, double& top) {
+  std::vector<dem::NewParticle> stones;
+  std::size_t number = 0;
+  for (const Batch& batch : batches)
+    for (std::int64_t c = 0; c < batch.columns.count(); ++c, ++number) {
+      if (number < begin || number >= begin + count) continue;
+      const std::size_t old = stones.size();
+      top = std::max(top, batch.foot + batch.columns.build(c, stones));
+      for (std::size_t i = old; i < stones.size(); ++i) {
+        stones[i].id += batch.first;
+        stones[i].position.z() += batch.foot;
+      }
+    }
+  return stones;
+}
+
+// Every rank builds an even share of the columns; the particles then go to their owners. Templates
+// are added anew each time: a run that goes on from a checkpoint may make other stones than before.
+double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, int material,
+            const std::vector<Batch>& batches) {
+  std::int64_t columns = 0;
+  for (const Batch& batch : batches) columns += batch.columns.count();
   const auto [begin, count] =
-      io::share(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
-  std::vector<dem::NewParticle> mine;
+      io::share(static_cast<std::size_t>(columns), comm.rank(), comm.size());
   double top = 0;
-  for (std::size_t c = begin; c < begin + count; ++c)
-    top = std::max(top, columns.build(static_cast<std::int64_t>(c), mine));
+  std::vector<dem::NewParticle> mine = build(batches, begin, count, top);
   top = comm.max(top);
   if (top > particles.domain().high.z())
     throw InputError(
@@ -35,6 +64,48 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
   }
   particles.add(mine);
   return top;
+}
+
+Id first_free_id(const dem::Particles& particles, const par::Comm& comm) {
+  Id highest = -1;
+  for (std::size_t i = 0; i < particles.size(); ++i) highest = std::max(highest, particles[i].id);
+  return comm.max(highest) + 1;
+}
+
+// Parameters of a bed that is `box`. The first id makes its stones others than those of the bed.
+BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) {
+  BedParameters bed = parameters;
+  bed.x = {box.low.x(), box.high.x()};
+  bed.y = {box.low.y(), box.high.y()};
+  bed.height = box.high.z() - box.low.z();
+  bed.seed += first;
+  return bed;
+}
+
+}  // namespace
+
+double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
+            int material) {
+  const Mix mix(parameters, particles.domain().dimension);
+  return pour(particles, comm, mix, material,
+              {{.columns = Columns(parameters, particles.domain(), mix)}});
+}
+
+double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
+                  int material, std::span<const Box> boxes, double foot) {
+  const dem::Domain& domain = particles.domain();
+  const Mix mix(parameters, domain.dimension);
+  const double least = narrowest * mix.largest_bound();
+  Id first = first_free_id(particles, comm);
+  std::vector<Batch> batches;
+  for (const Box& box : boxes) {
+    const Vec3 size = box.high - box.low;
+    if (size.x() < least || (domain.dimension == Dimension::space && size.y() < least)) continue;
+    const Columns columns(bed_of(parameters, box, first), domain, mix);
+    batches.push_back({columns, first, foot});
+    first += columns.stones();
+  }
+  return pour(particles, comm, mix, material, batches);
 }
 
 }  // namespace trackbed::bed

@@ -2,6 +2,7 @@
 // compacts them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,16 @@ struct BedParameters {
 // reach (m). Throws InputError for parameters that do not go together. Collective.
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
             int material);
+struct Box {
+  Vec3 low, high;  // m; plane: y counts for nothing
+};
+
+// Adds stones of the same kind for `boxes`, as many as fill each at `parameters.porosity`, loose in
+// columns above z = `foot` that do not overlap each other; a box narrower than a stone gets none.
+// Their ids follow the highest one there is. The same stones on any number of ranks. Returns the
+// height they reach (m). Throws InputError if that is beyond the domain. Collective.
+double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
+                  int material, std::span<const Box> boxes, double foot);
 // Stones that `fill` will make, for `check`.
 std::int64_t count(const BedParameters& parameters, const dem::Domain& domain);
 

@@ -1,0 +1,61 @@
+// Digging and filling around sleepers.
+#include "app/cribs.hpp"
+
+#include <algorithm>
+
+namespace trackbed::app {
+
+namespace {
+
+bed::Box box_around(const Surface& surface) {
+  bed::Box box{surface.position[0], surface.position[0]};
+  for (const Vec3& node : surface.position) {
+    box.low = box.low.cwiseMin(node);
+    box.high = box.high.cwiseMax(node);
+  }
+  return box;
+}
+
+}  // namespace
+
+// Sleepers stand in rising order of x.
+std::vector<bed::Box> cribs(World& world, double top) {
+  const dem::Domain& all = world.particles.domain();
+  std::vector<bed::Box> boxes;
+  double x = all.low.x(), base = world.sleepers->bottom();
+  for (const Surface& surface : world.sleepers->surfaces()) {
+    const bed::Box sleeper = box_around(surface);
+    base = sleeper.low.z();
+    const double begin = sleeper.low.x(), end = sleeper.high.x();
+    boxes.push_back({Vec3(x, all.low.y(), base), Vec3(begin, all.high.y(), top)});
+    if (all.dimension == Dimension::space) {
+      boxes.push_back({Vec3(begin, all.low.y(), base), Vec3(end, sleeper.low.y(), top)});
+      boxes.push_back({Vec3(begin, sleeper.high.y(), base), Vec3(end, all.high.y(), top)});
+    }
+    x = end;
+  }
+  boxes.push_back({Vec3(x, all.low.y(), base), Vec3(all.high.x(), all.high.y(), top)});
+  std::erase_if(boxes, [](const bed::Box& box) { return (box.high - box.low).minCoeff() <= 0; });
+  return boxes;
+}
+
+void dig_out_sleepers(World& world) {
+  std::vector<Id> doomed;  // `remove` shows each stone by id: look the ids up first
+  for (std::size_t i = 0; i < world.particles.size(); ++i) {
+    bool hit = false;
+    world.particles.pieces(i, [&](const Vec3& centre, double radius) {
+      hit = hit || world.sleepers->overlaps(centre, radius);
+    });
+    if (hit) doomed.push_back(world.particles[i].id);
+  }
+  std::sort(doomed.begin(), doomed.end());
+  world.particles.remove([&](const dem::ParticleView& stone) {
+    return std::binary_search(doomed.begin(), doomed.end(), stone.id);
+  });
+}
+
+void cut_at(World& world, double top) {
+  world.particles.remove([&](const dem::ParticleView& s) { return s.position.z() > top; });
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,18 @@
+// The places of stones between sleepers.
+#pragma once
+
+#include <vector>
+
+#include "app/world.hpp"
+
+namespace trackbed::app {
+
+// What is left of the bed between the sleepers (space: and beside their ends), from their lower
+// faces up to z = `top`. The sleepers are placed.
+std::vector<bed::Box> cribs(World& world, double top);
+// Takes away stones that a sleeper overlaps. Collective.
+void dig_out_sleepers(World& world);
+// Takes away stones with their centre above z = `top`. Collective.
+void cut_at(World& world, double top);
+
+}  // namespace trackbed::app

@@ -1,0 +1,106 @@
+// Room between sleepers, and stones that fill it.
+#include "app/cribs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace trackbed::app {
+namespace {
+
+Model model(Dimension dimension) {
+  Model m;
+  m.dimension = dimension;
+  m.physics.materials.push_back({.name = "ballast"});
+  m.physics.materials.push_back({.name = "sleeper"});
+  for (const char* other : {"ballast", "sleeper"})
+    m.physics.laws.push_back({.first = "ballast", .second = other});
+  m.bed.stone = bed::StoneKind::disk;
+  m.bed.x = {0, 2};
+  m.bed.y = {-1, 1};
+  m.bed.height = 0.2;
+  m.sleepers.count = 3;
+  m.sleepers.first = 0.4;
+  m.ground.present = false;
+  m.stages.push_back({.name = "sleepers", .kind = StageKind::sleepers});
+  return m;
+}
+
+double volume(const std::vector<bed::Box>& boxes, bool plane) {
+  double sum = 0;
+  for (const bed::Box& box : boxes) {
+    const Vec3 size = box.high - box.low;
+    sum += size.x() * (plane ? 1 : size.y()) * size.z();
+  }
+  return sum;
+}
+
+TEST(Cribs, AreAllThatSleepersLeave) {
+  const par::Comm world = par::Comm::world();
+  for (const Dimension dimension : {Dimension::plane, Dimension::space}) {
+    const Model deck = model(dimension);
+    World scene(world, deck);
+    scene.sleepers->place(0.3);
+    const bool plane = dimension == Dimension::plane;
+    const auto boxes = cribs(scene, 0.5);
+    EXPECT_EQ(boxes.size(), plane ? 4u : 10u);
+    const auto& s = deck.sleepers;
+    const double rest = plane ? 2 - 3 * s.width : 2 * 2 - 3 * s.width * s.length;
+    EXPECT_NEAR(volume(boxes, plane), 0.2 * rest, 1e-12);
+    for (const bed::Box& box : boxes) {
+      const Vec3 middle = (box.low + box.high) / 2;
+      EXPECT_FALSE(scene.sleepers->overlaps(Vec3(middle.x(), plane ? 0 : middle.y(), 0.4), 1e-6));
+    }
+  }
+}
+
+TEST(Cribs, AreFilledWithNewStonesThatTouchNothingYet) {
+  const par::Comm world = par::Comm::world();
+  const Model deck = model(Dimension::plane);
+  World scene(world, deck);
+  bed::fill(scene.particles, world, deck.bed, 0);
+  const std::int64_t before = scene.particles.totals().particles;
+  const double foot = scene.top_of_stones();
+  scene.sleepers->place(foot);
+  bed::fill_boxes(scene.particles, world, deck.bed, 0, cribs(scene, foot + 0.2), foot);
+  std::vector<Id> ids;
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    const dem::ParticleView stone = scene.particles[i];
+    ids.push_back(stone.id);
+    if (stone.id < before) continue;
+    scene.particles.pieces(i, [&](const Vec3& centre, double radius) {
+      EXPECT_GT(centre.z() - radius, foot);
+      EXPECT_FALSE(scene.sleepers->overlaps(centre, radius));
+    });
+  }
+  ids = world.all_gather(std::span<const Id>(ids));
+  const std::set<Id> different(ids.begin(), ids.end());
+  EXPECT_EQ(different.size(), ids.size());
+  EXPECT_EQ(*different.rbegin(), static_cast<Id>(ids.size()) - 1);
+  EXPECT_GT(static_cast<std::int64_t>(ids.size()), before + 20);
+  EXPECT_EQ(scene.particles.totals().contacts, 0);
+
+  const par::Comm self = par::Comm::self();
+  World alone(self, deck);
+  bed::fill(alone.particles, self, deck.bed, 0);
+  alone.sleepers->place(foot);
+  bed::fill_boxes(alone.particles, self, deck.bed, 0, cribs(alone, foot + 0.2), foot);
+  EXPECT_EQ(scene.particles.state_hash(), alone.particles.state_hash());
+}
+
+TEST(Cribs, AreCutAtTheirTop) {
+  const par::Comm world = par::Comm::world();
+  const Model deck = model(Dimension::plane);
+  World scene(world, deck);
+  bed::fill(scene.particles, world, deck.bed, 0);
+  const std::int64_t before = scene.particles.totals().particles;
+  cut_at(scene, 0.2);
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    EXPECT_LE(scene.particles[i].position.z(), 0.2);
+  const std::int64_t after = scene.particles.totals().particles;
+  EXPECT_GT(after, 0);
+  EXPECT_LT(after, before);
+}
+
+}  // namespace
+}  // namespace trackbed::app
