@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/shapes.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -14,7 +15,8 @@ struct Arguments {
   std::string section;                 // describe
   std::vector<std::string> overrides;  // key=value
   std::string folder;                  // -o; empty: chosen
-  bool force = false;                  // run: results of an earlier run may be removed
+  ShapeArguments shapes;
+  bool force = false;  // run: results of an earlier run may be removed
 };
 
 int run(const par::Comm& comm, const Arguments& arguments);

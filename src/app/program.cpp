@@ -33,6 +33,38 @@ std::vector<std::string> split_off_petsc(int& argc, char** argv) {
   return petsc;
 }
 
+void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
+  sub->add_option("file", shapes.files, "Decks (.toml), libraries (.h5), meshes (.stl .ply .obj)");
+  sub->add_option("--stones", shapes.stones, "So many parametric stones, extent 1 m")
+      ->check(CLI::Range(0, 100000));
+  sub->add_option("--elongation", shapes.stone.elongation, "Of stones: extent y over x")
+      ->check(CLI::Range(0.1, 1.0))
+      ->capture_default_str();
+  sub->add_option("--flatness", shapes.stone.flatness, "Of stones: extent z over y")
+      ->check(CLI::Range(0.1, 1.0))
+      ->capture_default_str();
+  sub->add_option("--angularity", shapes.stone.angularity, "Of stones: 0 an ellipsoid, to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--seed", shapes.seed, "Of the first stone")->capture_default_str();
+  sub->add_option("--vertices", shapes.mesh.vertices, "Of stones; of pieces of a mesh at most")
+      ->check(CLI::Range(6, 200))
+      ->capture_default_str();
+  sub->add_option("--rounding", shapes.mesh.rounding, "Radius over diameter of the same volume")
+      ->check(CLI::Range(0.0, 0.4))
+      ->capture_default_str();
+  sub->add_option("--unit", shapes.mesh.unit, "m per unit of meshes, for example 0.001")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--parts", shapes.mesh.pieces, "Convex pieces of a mesh, at most")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
+  sub->add_option("--spheres", shapes.mesh.spheres, "Spheres for a mesh, instead of pieces")
+      ->check(CLI::Range(0, 1000));
+  sub->add_option("--library", shapes.library, "Write the shapes into this library (.h5)");
+  sub->add_option("--picture", shapes.picture, "Write their surfaces into this mesh (.obj)");
+}
+
 // Adds the commands to `line`; the chosen one is stored by its callback.
 void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Command>& chosen) {
   const auto command = [&](const char* name, const char* words, Command what) {
@@ -61,6 +93,12 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   command("schema", "Print the JSON schema of decks", schema);
   sub = command("info", "Say what a checkpoint or a results file holds", info);
   sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();
+  sub = command("shapes", "Show stones: their measures, a library, a picture",
+                [&arguments](const par::Comm& comm, const Arguments&) {
+                  arguments.shapes.stone.vertices = arguments.shapes.mesh.vertices;
+                  return shapes(comm, arguments.shapes);
+                });
+  declare_shapes(sub, arguments.shapes);
   line.require_subcommand(1);
 }
 

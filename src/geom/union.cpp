@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "mass.hpp"
 #include "trackbed/geom/stone.hpp"
@@ -117,41 +118,44 @@ void add_interval(const Interval& part, double y, double z, double area, Integra
   sums.second += area * second;
 }
 
-// Adds the union along the line through (y, z); `parts` is a buffer.
+// Parts of the line through (y, z) within the union, in order, none touching the next.
 template <class Shapes>
-void add_line(const Shapes& shapes, double y, double z, double area, std::vector<Interval>& parts,
-              Integrals& sums) {
+void merge(const Shapes& shapes, double y, double z, std::vector<Interval>& parts) {
   parts.clear();
   for (const auto& shape : shapes) {
     const Interval part = chord(shape, y, z);
     if (part.first < part.second) parts.push_back(part);
   }
-  if (parts.empty()) return;
   std::sort(parts.begin(), parts.end());
-  Interval merged = parts.front();
-  for (const Interval& part : parts) {
-    if (part.first > merged.second) {
-      add_interval(merged, y, z, area, sums);
-      merged = part;
-    }
-    merged.second = std::max(merged.second, part.second);
-  }
-  add_interval(merged, y, z, area, sums);
+  std::size_t last = 0;
+  for (std::size_t k = 1; k < parts.size(); ++k)
+    if (parts[k].first > parts[last].second)
+      parts[++last] = parts[k];
+    else
+      parts[last].second = std::max(parts[last].second, parts[k].second);
+  if (!parts.empty()) parts.resize(last + 1);
 }
 
-template <class Shapes>
-Solid solid_by_lines(const Shapes& shapes, int cells) {
-  const auto [low, high] = box_of(shapes);
-  const Vec3 size = high - low;
+// The lines along x through the middles of cells of the box's shadow: `see(y, z, area)`.
+void along_lines(const Box& box, int cells, const auto& see) {
+  const Vec3 size = box.high - box.low;
   const double wanted = std::max(size.y(), size.z()) / cells;
   const int rows = std::max(1, static_cast<int>(std::ceil(size.y() / wanted)));
   const int layers = std::max(1, static_cast<int>(std::ceil(size.z() / wanted)));
   const double dy = size.y() / rows, dz = size.z() / layers;
-  Integrals sums;
-  std::vector<Interval> parts;
   for (int j = 0; j < rows; ++j)
     for (int k = 0; k < layers; ++k)
-      add_line(shapes, low.y() + (j + 0.5) * dy, low.z() + (k + 0.5) * dz, dy * dz, parts, sums);
+      see(box.low.y() + (j + 0.5) * dy, box.low.z() + (k + 0.5) * dz, dy * dz);
+}
+
+template <class Shapes>
+Solid solid_by_lines(const Shapes& shapes, int cells) {
+  Integrals sums;
+  std::vector<Interval> parts;
+  along_lines(box_of(shapes), cells, [&](double y, double z, double area) {
+    merge(shapes, y, z, parts);
+    for (const Interval& part : parts) add_interval(part, y, z, area, sums);
+  });
   return solid_of(sums);
 }
 
@@ -165,6 +169,25 @@ Solid union_solid(const std::vector<Piece>& pieces, int cells) {
   return solid_by_lines(pieces, cells);
 }
 
+double union_area(const std::vector<Piece>& pieces, int directions, int cells) {
+  double shadows = 0;  // m^2, each part of each line counted
+  std::vector<Interval> parts;
+  for (int k = 0; k < directions; ++k) {
+    const double z = (k + 0.5) / directions, r = std::sqrt(1 - z * z);
+    const double turn = 2 * std::numbers::pi * k / std::numbers::phi;
+    const Quat to_x =
+        Quat::FromTwoVectors(Vec3(r * std::cos(turn), r * std::sin(turn), z), Vec3::UnitX());
+    std::vector<Piece> turned;
+    for (const Piece& piece : pieces)
+      turned.push_back({moved(piece.core, to_x, Vec3::Zero()), piece.radius});
+    along_lines(box_of(turned), cells, [&](double y, double w, double area) {
+      merge(turned, y, w, parts);
+      shadows += area * static_cast<double>(parts.size());
+    });
+  }
+  return 4 * shadows / directions;
+}
+
 Solid union_lamina(const std::vector<Sphere>& disks, int cells) {
   std::vector<Sphere> flat = disks;
   for (Sphere& disk : flat) disk.centre.y() = 0;
@@ -172,7 +195,11 @@ Solid union_lamina(const std::vector<Sphere>& disks, int cells) {
   const double dz = (high.z() - low.z()) / cells;
   Integrals sums;
   std::vector<Interval> parts;
-  for (int k = 0; k < cells; ++k) add_line(flat, 0, low.z() + (k + 0.5) * dz, dz, parts, sums);
+  for (int k = 0; k < cells; ++k) {
+    const double z = low.z() + (k + 0.5) * dz;
+    merge(flat, 0, z, parts);
+    for (const Interval& part : parts) add_interval(part, 0, z, dz, sums);
+  }
   return lamina_of(sums);
 }
 

@@ -214,6 +214,8 @@ TEST(Rounded, CompoundOfOverlappingBoxes) {
   // About y: x^2 + z^2 by blocks, less the centre's.
   const double square = (27.0 / 3 + 2 * 1.0 / 3) + (27.0 / 3 + 2 * 1.0 / 3);
   EXPECT_NEAR(s.gyration[2], square / 5 - 2 * 1.21, 5 * cells);
+  EXPECT_NEAR(union_area({lying, standing}), 22, 0.01 * 22);
+  EXPECT_NEAR(union_area({ball({1, 2, 3}, 0.7), ball({1, 2, 3}, 0.5)}), 4 * pi * 0.49, 0.01 * 6.16);
 }
 
 }  // namespace

@@ -1,0 +1,152 @@
+#include "app/shapes.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "app/parameters.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/geom/mesh.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using bed::NamedShape;
+
+std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string& file,
+                                       Dimension& dimension) {
+  const input::Deck deck = input::Deck::read(comm, file, {});
+  Model model;
+  deck.fill([&](input::Section& section) { model.declare(section); });
+  dimension = model.dimension;
+  std::vector<NamedShape> shapes;
+  for (const dem::Template& shape : bed::templates(model.bed, model.dimension))
+    shapes.push_back(
+        {fmt::format("{}_{}", fs::path(file).stem().string(), shapes.size()), shape, {}});
+  return shapes;
+}
+
+void append(std::vector<NamedShape>& shapes, std::vector<NamedShape> more) {
+  for (NamedShape& shape : more) shapes.push_back(std::move(shape));
+}
+
+// Surface of what the pieces cover, and the box around it in principal axes.
+struct Measures {
+  double area = 0;
+  Vec3 extents = Vec3::Zero();
+  std::size_t vertices = 0, faces = 0;
+};
+
+Measures measures_of(const dem::Template& shape) {
+  Measures m;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const dem::Piece& piece : shape.pieces) {
+    m.vertices += piece.core.vertices.size();
+    m.faces += piece.core.faces.size();
+    for (const Vec3& corner : piece.core.vertices) {
+      low = low.cwiseMin(corner - Vec3::Constant(piece.radius));
+      high = high.cwiseMax(corner + Vec3::Constant(piece.radius));
+    }
+  }
+  m.extents = high - low;
+  m.area = shape.pieces.size() == 1 ? geom::surface_area(shape.pieces[0])
+                                    : geom::union_area(shape.pieces);
+  return m;
+}
+
+std::string row(const NamedShape& named, Dimension dimension) {
+  const dem::Template& shape = named.shape;
+  const Measures m = measures_of(shape);
+  const Vec3 gyration = 1e3 * shape.gyration.cwiseSqrt();
+  const bool plane = dimension == Dimension::plane;
+  return fmt::format(
+      "{:<20} {:>6} {:>8} {:>5} {:>10.4g} {:>7.1f} {:>7.1f} {:>7.1f} {:>10} {:>7.2f} "
+      "{:>6.2f} {:>6.2f} {:>6.2f}\n",
+      named.name, shape.pieces.size(), m.vertices, m.faces, shape.volume * (plane ? 1e4 : 1e6),
+      1e3 * m.extents.x(), 1e3 * m.extents.y(), 1e3 * m.extents.z(),
+      plane ? "-" : fmt::format("{:.3f}", geom::sphericity(shape.volume, m.area)),
+      1e3 * shape.sieve, gyration.x(), gyration.y(), gyration.z());
+}
+
+// Extents and radii of gyration (root of principal inertia over mass) along and about the same
+// axes.
+std::string table(const std::vector<NamedShape>& shapes, Dimension dimension) {
+  std::string text = fmt::format(
+      "{:<20} {:>6} {:>8} {:>5} {:>10} {:>7} {:>7} {:>7} {:>10} {:>7} "
+      "{:>6} {:>6} {:>6}\n",
+      "name", "pieces", "vertices", "faces",
+      dimension == Dimension::plane ? "area cm2" : "volume cm3", "x mm", "y mm", "z mm",
+      "sphericity", "sieve", "i_x mm", "i_y mm", "i_z mm");
+  for (const NamedShape& named : shapes) {
+    text += row(named, dimension);
+    for (const std::string& note : named.notes) text += "  " + note + "\n";
+  }
+  return text;
+}
+
+// Side by side along x, in rows along y; an object per shape, a group per piece (OBJ).
+void write_picture(const std::string& file, const std::vector<NamedShape>& shapes) {
+  std::ofstream picture(file);
+  double pitch = 0;
+  for (const NamedShape& named : shapes)
+    pitch = std::max(pitch, 2.1 * geom::bounding_radius(named.shape));
+  const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(shapes.size())));
+  std::size_t first = 1;
+  picture << "# shapes of trackbed, rounding included, m\n";
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const Vec3 at =
+        pitch * Vec3(static_cast<double>(k % columns), static_cast<double>(k / columns), 0);
+    picture << "o " << shapes[k].name << "\n";
+    for (std::size_t p = 0; p < shapes[k].shape.pieces.size(); ++p) {
+      const geom::Mesh mesh = geom::surface_of(shapes[k].shape.pieces[p]);
+      picture << fmt::format("g {}_{}\n", shapes[k].name, p);
+      for (const Vec3& x : mesh.vertices)
+        picture << fmt::format("v {:.9g} {:.9g} {:.9g}\n", x.x() + at.x(), x.y() + at.y(),
+                               x.z() + at.z());
+      for (const auto& [a, b, c] : mesh.triangles)
+        picture << fmt::format("f {} {} {}\n", a + first, b + first, c + first);
+      first += mesh.vertices.size();
+    }
+  }
+  if (!picture.flush()) throw RunError(file + ": cannot be written");
+}
+
+}  // namespace
+
+int shapes(const par::Comm& comm, const ShapeArguments& arguments) {
+  std::vector<NamedShape> all;
+  Dimension dimension = Dimension::space;
+  for (const std::string& file : arguments.files) {
+    const std::string ending = fs::path(file).extension().string();
+    if (ending == ".toml")
+      append(all, shapes_of_deck(comm, file, dimension));
+    else if (ending == ".h5")
+      append(all, bed::load_library(comm, file));
+    else
+      all.push_back(bed::shape_of_mesh(comm, file, arguments.mesh));
+  }
+  for (std::int64_t k = 0; k < arguments.stones; ++k)
+    all.push_back(bed::parametric_shape(arguments.stone, arguments.mesh.rounding,
+                                        static_cast<std::uint64_t>(arguments.seed + k)));
+  if (all.empty())
+    throw InputError({"no shapes: name a deck, a library or a mesh, or ask for --stones"});
+  if (!arguments.picture.empty() && !arguments.picture.ends_with(".obj"))
+    throw InputError({arguments.picture + ": pictures are OBJ files, end in .obj"});
+  if (comm.root()) fmt::print("{}", table(all, dimension));
+  if (!arguments.library.empty()) bed::save_library(comm, arguments.library, all);
+  std::string problem;
+  if (!arguments.picture.empty() && comm.root()) try {
+      write_picture(arguments.picture, all);
+    } catch (const RunError& error) {
+      problem = error.what();
+    }
+  comm.agree(problem);
+  return static_cast<int>(ExitCode::success);
+}
+
+}  // namespace trackbed::app

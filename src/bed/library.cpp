@@ -1,0 +1,140 @@
+#include "trackbed/bed/library.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "mix.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/dem/templates.hpp"
+#include "trackbed/geom/mesh.hpp"
+
+namespace trackbed::bed {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t library_format = 1;
+
+geom::MeshFormat format_of(const std::string& file) {
+  std::string ending = fs::path(file).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".stl") return geom::MeshFormat::stl;
+  if (ending == ".ply") return geom::MeshFormat::ply;
+  if (ending == ".obj") return geom::MeshFormat::obj;
+  throw InputError({file + ": meshes end in .stl, .ply or .obj"});
+}
+
+// The root reads, all get it.
+std::string bytes_of(const par::Comm& comm, const std::string& file) {
+  std::ostringstream bytes;
+  bool good = true;
+  if (comm.root()) {
+    std::ifstream stream(file, std::ios::binary);
+    good = stream && (bytes << stream.rdbuf());
+  }
+  if (comm.broadcast(good ? "" : "missing") == "missing")
+    throw InputError({file + ": does not exist, cannot be read or is empty"});
+  return comm.broadcast(bytes.str());
+}
+
+double diameter(double volume) { return std::cbrt(6 * volume / std::numbers::pi); }
+
+std::vector<geom::Piece> rounded_pieces(const geom::Mesh& mesh, const MeshShape& wanted,
+                                        double radius, std::vector<std::string>& notes) {
+  std::vector<geom::Piece> pieces;
+  const auto made = geom::decompose(mesh, wanted.pieces, wanted.vertices);
+  for (const geom::Convex& hull : made.pieces) pieces.push_back(geom::rounded(hull, radius));
+  notes.push_back(fmt::format("volume of {} hull{} {:+.2f} % off the mesh's", pieces.size(),
+                              pieces.size() > 1 ? "s" : "", 100 * made.volume_error));
+  return pieces;
+}
+
+std::vector<geom::Piece> spheres_in(const geom::Mesh& mesh, int spheres,
+                                    std::vector<std::string>& notes) {
+  std::vector<geom::Piece> pieces;
+  const geom::Clump made = geom::clump(mesh, spheres);
+  for (const geom::Sphere& s : made.spheres) pieces.push_back(geom::ball(s.centre, s.radius));
+  notes.push_back(fmt::format(
+      "volume of {} spheres {:+.2f} % off the mesh's, surface {:.3g} mm in the mean, {:.3g} mm at "
+      "most",
+      pieces.size(), 100 * made.volume_error, 1e3 * made.surface_error,
+      1e3 * made.surface_furthest));
+  return pieces;
+}
+
+}  // namespace
+
+std::vector<dem::Template> templates(const BedParameters& parameters, Dimension dimension) {
+  return Mix(parameters, dimension).templates();
+}
+
+NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const MeshShape& wanted) {
+  const geom::MeshFormat format = format_of(file);
+  const geom::Import import = geom::import_mesh(bytes_of(comm, file), format, wanted.unit, file);
+  NamedShape named{fs::path(file).stem().string(), {}, import.repairs};
+  const geom::Solid solid = geom::mesh_solid(import.mesh);
+  try {
+    const double radius = wanted.rounding * diameter(solid.volume);
+    const auto pieces = wanted.spheres > 0
+                            ? spheres_in(import.mesh, wanted.spheres, named.notes)
+                            : rounded_pieces(import.mesh, wanted, radius, named.notes);
+    named.shape = geom::template_of(pieces, solid, geom::smallest_hole(pieces));
+  } catch (const std::invalid_argument& problem) {
+    throw InputError({file + ": " + problem.what()});
+  }
+  return named;
+}
+
+NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std::uint64_t seed) {
+  try {
+    const geom::Convex hull = geom::stone(stone, seed);
+    const double radius = rounding * diameter(geom::steiner_of(hull).volume);
+    return {fmt::format("stone_{}", seed), geom::template_of({geom::rounded(hull, radius)}), {}};
+  } catch (const std::invalid_argument& problem) {
+    throw InputError({fmt::format("parametric stone {}: {}", seed, problem.what())});
+  }
+}
+
+void save_library(const par::Comm& comm, const std::string& file,
+                  const std::vector<NamedShape>& shapes) {
+  std::vector<dem::Template> templates;
+  std::string names;
+  for (const NamedShape& named : shapes) {
+    templates.push_back(named.shape);
+    names += named.name + "\n";
+  }
+  io::File library(comm, file, io::Mode::create);
+  library.attribute("/", "kind", "shapes");
+  library.attribute("/", "version", library_format);
+  const std::vector<std::uint8_t> letters(names.begin(), comm.root() ? names.end() : names.begin());
+  library.write<std::uint8_t>("shapes/names", letters, 1,
+                              {"-", "name of each shape, UTF-8, each with a line feed"});
+  dem::save_templates(library, "shapes", templates, comm);
+  library.close();
+}
+
+std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
+  std::vector<NamedShape> shapes;
+  try {
+    const io::File library(comm, file, io::Mode::read);
+    const auto letters = library.read_all<std::uint8_t>("shapes/names");
+    std::istringstream names(std::string(letters.begin(), letters.end()));
+    for (dem::Template& shape : dem::load_templates(library, "shapes")) {
+      NamedShape named{"", std::move(shape), {}};
+      std::getline(names, named.name);
+      shapes.push_back(std::move(named));
+    }
+  } catch (const std::exception& problem) {  // the same on all ranks
+    throw InputError({file + ": is no library of shapes: " + problem.what()});
+  }
+  return shapes;
+}
+
+}  // namespace trackbed::bed

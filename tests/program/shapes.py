@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""The command `shapes`: stones into a library and back, their picture as a mesh, refusals.
+
+    shapes.py PROGRAM FOLDER
+"""
+import pathlib
+import subprocess
+import sys
+
+TETRAHEDRON = """v 0 0 0
+v 30 0 0
+v 0 30 0
+v 0 0 30
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+
+
+def shapes(program, *words, code=0):
+    ran = subprocess.run([program, "shapes", *map(str, words)], capture_output=True, text=True,
+                         check=False)
+    if ran.returncode != code:
+        raise SystemExit(f"{words}: code {ran.returncode}, not {code}\n{ran.stdout}{ran.stderr}")
+    return ran.stdout if code == 0 else ran.stderr
+
+
+def rows(table):
+    """{name: numbers of its row} without the head and the notes."""
+    lines = [line.split() for line in table.splitlines()[1:] if not line.startswith(" ")]
+    return {words[0]: [float(word) for word in words[1:]] for words in lines}
+
+
+def near(found, wanted, relative, what):
+    if abs(found - wanted) > relative * abs(wanted):
+        raise SystemExit(f"{what}: {found}, not {wanted}")
+
+
+def main():
+    program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    folder.mkdir(parents=True, exist_ok=True)
+    library, picture, mesh = folder / "stones.h5", folder / "stones.obj", folder / "tetra.obj"
+    for file in (library, picture):
+        file.unlink(missing_ok=True)
+    made = shapes(program, "--stones", 3, "--vertices", 12, "--seed", 5, "--library", library)
+    if shapes(program, library) != made:
+        raise SystemExit("a library does not hold what was written into it")
+    if list(rows(made)) != ["stone_5", "stone_6", "stone_7"]:
+        raise SystemExit(f"names: {list(rows(made))}")
+    if any(row[:3] != [1, 12, 20] for row in rows(made).values()):
+        raise SystemExit(f"12 corners make 20 triangles\n{made}")
+
+    # The picture of one stone is a closed mesh: read again it has the same volume, but for the
+    # rounding cut into triangles.
+    one = rows(shapes(program, "--stones", 1, "--picture", picture))["stone_1"]
+    again = rows(shapes(program, picture, "--rounding", 0, "--vertices", 200))["stones"]
+    near(again[3], one[3], 0.005, "volume of the picture")
+    near(again[8], one[8], 0.01, "sieve size of the picture")
+
+    mesh.write_text(TETRAHEDRON)
+    tetrahedron = rows(shapes(program, mesh, "--unit", 0.001, "--rounding", 0))["tetra"]
+    near(tetrahedron[3], 4.5, 1e-3, "cm3 of a corner of a cube of 30 mm")
+    near(rows(shapes(program, mesh, "--unit", 0.001))["tetra"][3], 4.5, 1e-3, "cm3, rounded")
+    clump = shapes(program, mesh, "--unit", 0.001, "--spheres", 20)
+    if rows(clump)["tetra"][0] != 20 or "off the mesh's, surface" not in clump:
+        raise SystemExit(clump)
+    mesh.write_text(TETRAHEDRON.replace("f 2 3 4\n", ""))
+    for words, reason in (([mesh], "not closed"), ([folder / "none.stl"], "does not exist"),
+                          ([folder / "none.h5"], "library"), ([mesh.with_suffix(".txt")], ".stl"),
+                          ([], "no shapes"),
+                          (["--stones", 1, "--picture", "stones.gif"], ".obj")):
+        said = shapes(program, *words, code=2)
+        if reason not in said:
+            raise SystemExit(f"{words}: '{reason}' is not in '{said}'")
+    print("shapes: library, picture, meshes and refusals as they should be")
+
+
+if __name__ == "__main__":
+    main()
