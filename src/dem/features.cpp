@@ -13,12 +13,19 @@ namespace {
   return all(1) / larger(length, all(1e-300));
 }
 
-// Normal from i to j, distance and point of contact from the closest point of i and the vector w
-// from it to the closest point of j.
+// Distance and weighted sums from the closest point of i and the vector w from it to the closest
+// point of j.
 [[gnu::always_inline]] inline void finish(FeatureGroup& g, const Lanes3& on_i, const Lanes3& w) {
   g.d = root(dot(w, w));
-  g.n = over(g.d) * w;
-  g.x = on_i + (g.half + 0.5 * g.d) * g.n;
+  const Lanes3 n = over(g.d) * w, x = on_i + (g.half + 0.5 * g.d) * n;
+  const Lanes delta = larger(g.reach - g.d, all(0));
+  const Lanes p2 = delta * delta, p4 = p2 * p2;
+  g.power = p4 * p4;
+  g.weight = p4 * p2 * delta;
+  g.normal = g.weight * n;
+  g.moment = cross(x, g.normal);
+  g.point = g.weight * x;
+  g.square = dot(x, g.point);
 }
 
 // Corner p0 and triangle p1 p2 p3: the foot on the plane if it lies inside, else the closest of the
@@ -70,26 +77,22 @@ void FeatureRow::compute_edges() {
 
 void Overlaps::add(double delta, const Vec3& n, const Vec3& x) {
   if (!(delta > 0)) return;
-  // Every contribution over delta^7 only: the common factor M^-7 comes at the end.
   const double p2 = delta * delta, p4 = p2 * p2, p7 = p4 * p2 * delta;
-  sum_ += p4 * p4;
-  weight_ += p7;
-  wrench_.N += p7 * n;
-  wrench_.T += p7 * x.cross(n);
-  wrench_.x += p7 * x;
-  wrench_.spread += p7 * x.squaredNorm();
+  const Vec3 normal = p7 * n, point = p7 * x;
+  power_ += p4 * p4, weight_ += p7, square_ += x.dot(point);
+  normal_ += normal, moment_ += x.cross(normal), point_ += point;
 }
 
-Wrench Overlaps::result() {
-  if (!(sum_ > 1e-300)) return {};
-  const double quarter = std::sqrt(std::sqrt(sum_));  // M^2
-  wrench_.M = std::sqrt(quarter);
-  const double share = wrench_.M / sum_;  // 1 / M^7
-  wrench_.N *= share, wrench_.T *= share;
-  wrench_.x /= weight_;
-  const double spread = wrench_.spread / weight_ - wrench_.x.squaredNorm();
-  wrench_.spread = spread > 0 ? spread : 0;
-  return wrench_;
+Wrench Overlaps::result() const {
+  Wrench w;
+  if (!(power_ > 1e-300)) return w;
+  w.M = std::sqrt(std::sqrt(std::sqrt(power_)));
+  const double share = w.M / power_;  // 1 / M^7
+  w.N = share * normal_, w.T = share * moment_;
+  w.x = point_ / weight_;
+  const double spread = square_ / weight_ - w.x.squaredNorm();
+  w.spread = spread > 0 ? spread : 0;
+  return w;
 }
 
 Wrench smooth_maximum(const FeatureRow& corners, const FeatureRow& edges, const FeatureSet& set,
@@ -99,7 +102,7 @@ Wrench smooth_maximum(const FeatureRow& corners, const FeatureRow& edges, const 
   const auto add = [&](const FeatureRow& row, std::size_t slot) {
     const double d = row.distance(slot);
     closest = d < closest ? d : closest;
-    if (d < reach) overlaps.add(reach - d, row.normal(slot), row.contact(slot));
+    if (d < reach) overlaps.add(row, slot);
   };
   words += set.word;
   const std::size_t count = set.corners_end - set.corners;

@@ -24,14 +24,17 @@ namespace trackbed::dem {
 using FeatureWord = std::array<std::uint8_t, 4>;
 
 // Eight pairs of features. In: four points in m from a common origin near them; of corner features
-// the corner, then the triangle. Out: distance, normal from i to j, point of contact.
+// the corner, then the triangle. Out: distance, and the sums of the smooth maximum over delta^7.
 struct FeatureGroup {
   Lanes3 p[4];
-  Lanes side;   // 1: the corner is one of i; -1: one of j
-  Lanes reach;  // m, sum of the radii
-  Lanes half;   // m, (r_i - r_j) / 2
-  Lanes d;
-  Lanes3 n, x;
+  Lanes side;    // 1: the corner is one of i; -1: one of j
+  Lanes reach;   // m, sum of the radii
+  Lanes half;    // m, (r_i - r_j) / 2
+  Lanes d;       // m
+  Lanes power;   // delta^8; 0 without overlap
+  Lanes weight;  // delta^7, and its products with normal, moment, point and its square
+  Lanes3 normal, moment, point;
+  Lanes square;
 };
 
 // A row of features of one kind, filled and computed together.
@@ -39,29 +42,23 @@ class FeatureRow {
  public:
   void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
-  // Room for one more; four points are then set with `point`.
-  std::size_t add(double side, double radius_i, double radius_j) {
-    const std::size_t slot = size_++;
+  // Adds a pair of features of pieces with these radii; p: m.
+  void add(double side, double radius_i, double radius_j, const std::array<Vec4, 4>& p) {
+    const std::size_t slot = size_++, lane = slot % lanes;
     if (slot / lanes >= groups_.size()) groups_.emplace_back();
     FeatureGroup& g = groups_[slot / lanes];
-    g.side[slot % lanes] = side;
-    g.reach[slot % lanes] = radius_i + radius_j;
-    g.half[slot % lanes] = 0.5 * (radius_i - radius_j);
-    return slot;
+    for (std::size_t k = 0; k < 4; ++k)
+      g.p[k].x[lane] = p[k].x, g.p[k].y[lane] = p[k].y, g.p[k].z[lane] = p[k].z;
+    g.side[lane] = side;
+    g.reach[lane] = radius_i + radius_j;
+    g.half[lane] = 0.5 * (radius_i - radius_j);
   }
-  void point(std::size_t slot, int k, double x, double y, double z) {
-    Lanes3& p = groups_[slot / lanes].p[k];
-    const std::size_t lane = slot % lanes;
-    p.x[lane] = x, p.y[lane] = y, p.z[lane] = z;
-  }
-  double distance(std::size_t slot) const { return groups_[slot / lanes].d[slot % lanes]; }
-  Vec3 normal(std::size_t slot) const { return at(groups_[slot / lanes].n, slot % lanes); }
-  Vec3 contact(std::size_t slot) const { return at(groups_[slot / lanes].x, slot % lanes); }
+  const FeatureGroup& group(std::size_t slot) const { return groups_[slot / lanes]; }
+  double distance(std::size_t slot) const { return group(slot).d[slot % lanes]; }
   void compute_corners();
   void compute_edges();
 
  private:
-  static Vec3 at(const Lanes3& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
   std::vector<FeatureGroup> groups_;
   std::size_t size_ = 0;
 };
@@ -80,11 +77,18 @@ struct Wrench {
 class Overlaps {
  public:
   void add(double delta, const Vec3& n, const Vec3& x);  // m; n from i to j; nothing if delta <= 0
-  Wrench result();
+  void add(const FeatureRow& row, std::size_t slot) {
+    const FeatureGroup& g = row.group(slot);
+    const std::size_t k = slot % lanes;
+    const auto at = [k](const Lanes3& v) { return Vec3(v.x[k], v.y[k], v.z[k]); };
+    power_ += g.power[k], weight_ += g.weight[k], square_ += g.square[k];
+    normal_ += at(g.normal), moment_ += at(g.moment), point_ += at(g.point);
+  }
+  Wrench result() const;
 
  private:
-  double sum_ = 0, weight_ = 0;
-  Wrench wrench_;
+  double power_ = 0, weight_ = 0, square_ = 0;
+  Vec3 normal_ = Vec3::Zero(), moment_ = Vec3::Zero(), point_ = Vec3::Zero();
 };
 
 // The features of one pair within two computed rows. Triangles of one corner follow each other.

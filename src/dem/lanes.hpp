@@ -41,6 +41,9 @@ struct Lanes3 {
 [[gnu::always_inline]] inline Lanes dot(const Lanes3& a, const Lanes3& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+[[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 [[gnu::always_inline]] inline Lanes3 select(Mask mask, const Lanes3& yes, const Lanes3& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }

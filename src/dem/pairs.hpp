@@ -26,6 +26,7 @@ struct Pieces {
   std::vector<double> rounding;             // m
   std::vector<Vec4> last_x, last_q;         // poses of the particles at the last `place`
   std::vector<double> path;  // m, that no surface point of a particle exceeded since `lay_out`
+  std::vector<double> pace;  // m, in the last sub-step
 };
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
 void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step

@@ -23,7 +23,7 @@ void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
   if (!stones) return;
   pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
   pieces.last_x = state.x, pieces.last_q = state.q;
-  pieces.path.assign(state.size(), 0);
+  pieces.path.assign(state.size(), 0), pieces.pace.assign(state.size(), 0);
 }
 
 namespace {
@@ -61,7 +61,8 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
       for (const Vec4& c : shapes.core(k).corners) *corner++ = turned(turn, c);
     }
     if (!stones) continue;
-    pieces.path[b] += way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
+    pieces.pace[b] = way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
+    pieces.path[b] += pieces.pace[b];
     pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];
   }
 }

@@ -7,9 +7,10 @@ namespace trackbed::dem {
 
 namespace {
 
-// Distance a pair may close before its features are found anew, over the sum of its radii.
-// Measured on dense beds at rest and in motion: 0.1 to 0.3 cost the same.
-constexpr double margin = 0.2;
+// Distance a pair may close before its features are found anew: what it goes in so many sub-steps
+// at its present pace (finding costs some 50 times a sub-step), within these shares of the sum of
+// its radii. The fewer features lie within the margin, the less each sub-step has to compute.
+constexpr double margin_steps = 200, least_margin = 0.02, most_margin = 0.3;
 // Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is
 // a small part of it.
 constexpr double close = 0.05;
@@ -71,23 +72,21 @@ struct Near {
   }
 };
 
-void set_point(FeatureRow& row, std::size_t slot, int k, const Placed& core, std::uint8_t corner) {
+[[gnu::always_inline]] inline Vec4 point(const Placed& core, std::uint8_t corner) {
   const Vec4& c = core.corners[corner];
-  row.point(slot, k, c.x + core.offset.x(), c.y + core.offset.y(), c.z + core.offset.z());
+  return {c.x + core.offset.x(), c.y + core.offset.y(), c.z + core.offset.z(), 0};
 }
 
-void add_corner(FeatureRow& row, const Placed& i, const Placed& j, const FeatureWord& word,
-                bool of_i) {
+[[gnu::always_inline]] inline void add_corner(FeatureRow& row, const Placed& i, const Placed& j,
+                                              const FeatureWord& w, bool of_i) {
   const Placed &own = of_i ? i : j, &other = of_i ? j : i;
-  const std::size_t slot = row.add(of_i ? 1 : -1, i.radius, j.radius);
-  set_point(row, slot, 0, own, word[0]);
-  for (int k = 1; k < 4; ++k) set_point(row, slot, k, other, word[static_cast<std::size_t>(k)]);
+  row.add(of_i ? 1 : -1, i.radius, j.radius,
+          {point(own, w[0]), point(other, w[1]), point(other, w[2]), point(other, w[3])});
 }
 
-void add_edges(FeatureRow& row, const Placed& i, const Placed& j, const FeatureWord& word) {
-  const std::size_t slot = row.add(1, i.radius, j.radius);
-  for (int k = 0; k < 4; ++k)
-    set_point(row, slot, k, k < 2 ? i : j, word[static_cast<std::size_t>(k)]);
+[[gnu::always_inline]] inline void add_edges(FeatureRow& row, const Placed& i, const Placed& j,
+                                             const FeatureWord& w) {
+  row.add(1, i.radius, j.radius, {point(i, w[0]), point(i, w[1]), point(j, w[2]), point(j, w[3])});
 }
 
 double furthest_along(const Placed& core, const Vec3& direction) {
@@ -156,8 +155,9 @@ void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth
   }
 }
 
-void StoneContacts::refresh(const Sight& sight, Reach& reach, double path) {
-  const double slack = margin * sight.reach;
+void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, double pace) {
+  const double slack =
+      std::clamp(margin_steps * pace, least_margin * sight.reach, most_margin * sight.reach);
   Vec3 start = reach.normal;
   if (start.isZero()) {
     start = sight.j.offset + sight.j.corners[0].vec3() - sight.i.corners[0].vec3();
@@ -175,21 +175,22 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path) {
   live_ += reach.count();
 }
 
-void StoneContacts::gather(const Sight& sight, const Reach& reach) {
+void StoneContacts::gather(const Sight& sight, const Reach& reach, double path) {
   const FeatureWord* word = words_.data() + reach.begin;
   FeatureSet set{corners_.size(), 0, edges_.size(), 0, reach.begin, reach.of_i};
   for (std::size_t k = 0; k < static_cast<std::size_t>(reach.of_i) + reach.of_j; ++k)
     add_corner(corners_, sight.i, sight.j, *word++, k < reach.of_i);
   for (std::size_t k = 0; k < reach.edges; ++k) add_edges(edges_, sight.i, sight.j, *word++);
   set.corners_end = corners_.size(), set.edges_end = edges_.size();
-  pending_.push_back({sight.entry, sight.piece, set});
+  pending_.push_back({sight.entry, sight.piece, set, sight.reach, path});
 }
 
-Wrench StoneContacts::wrench(const Sight& sight, const Pending& p) {
+Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pending& p) {
   Reach& reach = reaches_[p.entry];
-  Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), sight.reach);
-  if (w.closest < close * sight.reach) reach.watch = true;
+  Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), p.reach);
+  if (w.closest < close * p.reach) reach.watch = true;
   if (!reach.watch) return w;
+  const Sight sight(scene, list, p.piece, p.entry);
   // Any direction with an empty slab shows that the cores are apart; seldom all must be tried.
   const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
   if (apart) {
@@ -214,12 +215,17 @@ Wrench StoneContacts::wrench(const Sight& sight, const Pending& p) {
 void StoneContacts::flush(const Scene& scene, StoneList& list) {
   corners_.compute_corners(), edges_.compute_edges();
   for (const Pending& p : pending_) {
-    const Wrench w = wrench(Sight(scene, list, p.piece, p.entry), p);
+    const Wrench w = wrench(scene, list, p);
     Entry& entry = list.entries[p.entry];
     if (w.M > 0) {
       entry.touching = 1;
       found_.push_back({p.entry, p.piece, w});
-    } else if (entry.touching) {
+      continue;
+    }
+    // Nothing can touch before the pair has closed the gap that is left.
+    Reach& reach = reaches_[p.entry];
+    if (!reach.watch) reach.quiet = std::min(reach.until, p.path + (w.closest - p.reach));
+    if (entry.touching) {
       entry.touching = 0;
       list.xi[p.entry].set(Vec3::Zero()), list.turn[p.entry].x = 0;
     }
@@ -231,15 +237,16 @@ const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& l
   found_.clear();
   if (words_.size() > 2 * live_ + 65536) compact();
   for (const Row& row : list.rows) {
-    const double path_i = scene.pieces.path[Sight::body(scene, row.piece)];
+    const Pieces& pieces = scene.pieces;
+    const std::size_t i = Sight::body(scene, row.piece);
     for (std::uint32_t e = row.begin; e < row.end; ++e) {
       Reach& reach = reaches_[e];
-      const double path = path_i + scene.pieces.path[Sight::body(scene, list.entries[e].piece)];
-      if (path < reach.until && reach.count() == 0 && !reach.watch && !list.entries[e].touching)
-        continue;
+      const std::size_t j = Sight::body(scene, list.entries[e].piece);
+      const double path = pieces.path[i] + pieces.path[j];
+      if (path < reach.quiet) continue;
       const Sight sight(scene, list, row.piece, e);
-      if (!(path < reach.until)) refresh(sight, reach, path);
-      gather(sight, reach);
+      if (!(path < reach.until)) refresh(sight, reach, path, pieces.pace[i] + pieces.pace[j]);
+      gather(sight, reach, path);
       if (corners_.size() > block || edges_.size() > block) flush(scene, list);
     }
   }

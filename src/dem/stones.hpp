@@ -43,6 +43,7 @@ class StoneContacts {
     std::uint16_t of_i = 0, of_j = 0, edges = 0;  // features: corners of i, corners of j, edges
     bool watch = false;          // cores so close that each sub-step looks whether they overlap
     double until = -1;           // m, sum of both paths up to which this holds
+    double quiet = -1;           // m, and up to which nothing can touch
     Vec3 normal = Vec3::Zero();  // of the last slab
     std::size_t count() const { return static_cast<std::size_t>(of_i) + of_j + edges; }
   };
@@ -50,14 +51,15 @@ class StoneContacts {
     std::uint32_t entry;
     std::int32_t piece;
     FeatureSet set;
+    double reach, path;  // m, sums of the radii and of the bodies' paths
   };
   struct Sight;
 
-  void refresh(const Sight& sight, Reach& reach, double path);
+  void refresh(const Sight& sight, Reach& reach, double path, double pace);
   void keep_features(const Sight& sight, Reach& reach, double depth, double within);
-  void gather(const Sight& sight, const Reach& reach);
+  void gather(const Sight& sight, const Reach& reach, double path);
   void flush(const Scene& scene, StoneList& list);
-  Wrench wrench(const Sight& sight, const Pending& p);
+  Wrench wrench(const Scene& scene, const StoneList& list, const Pending& p);
   void compact();
 
   std::vector<Reach> reaches_;
