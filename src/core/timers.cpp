@@ -1,8 +1,11 @@
+// Names of the verbs in the timer table and in summary.json. A name with a colon is a share of the
+// verb before it, not to be added to it.
 #include "trackbed/core/timers.hpp"
 
 namespace trackbed {
 
 std::string_view name_of(Verb verb) {
+  // No default: the compiler warns about a verb without a name.
   switch (verb) {
     case Verb::track:
       return "track";

@@ -1,3 +1,7 @@
+// MPI behind Comm; messages of every sub-step are in halo.cpp. Return codes are not looked at:
+// MPI's own handler ends the job on any error, which is all a program that lost a rank could do.
+// Cost: a reduction is O(log ranks) messages, all_gather and exchange O(ranks) per rank. Those two
+// are for building, rebalancing and files; what every sub-step needs goes through Halo.
 #include "trackbed/par/comm.hpp"
 
 #include <mpi.h>
@@ -11,6 +15,8 @@ namespace trackbed::par {
 
 namespace {
 
+// MPI counts are int. More in one message is a model split over too few ranks, or a loop that went
+// wild; either way wrapping around silently would send garbage.
 int checked_int(std::size_t count) {
   require(count <= INT_MAX, "an MPI message is larger than 2 GB");
   return static_cast<int>(count);
@@ -23,6 +29,7 @@ T reduced(const Comm& comm, T value, MPI_Datatype type, MPI_Op operation) {
   return result;
 }
 
+// One more than counts: the last offset is the total.
 std::vector<int> offsets_of(const std::vector<int>& counts) {
   std::vector<int> offsets(counts.size() + 1, 0);
   for (std::size_t i = 0; i < counts.size(); ++i) offsets[i + 1] = offsets[i] + counts[i];
@@ -39,6 +46,9 @@ Comm::Comm(std::shared_ptr<void> handle) : handle_(std::move(handle)) {
   MPI_Comm_size(mpi(*this), &size_);
 }
 
+// Plain handles, never duplicated: all traffic is ours, tags keep exchange and halo apart, and
+// libraries (PETSc, HDF5) duplicate what they are given. So nothing needs freeing before
+// MPI_Finalize.
 Comm Comm::world() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_WORLD)); }
 Comm Comm::self() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_SELF)); }
 
@@ -70,6 +80,8 @@ std::int64_t Comm::exclusive_scan(std::int64_t value) const {
   return root() ? 0 : before;  // MPI leaves rank 0's result undefined
 }
 
+// Lengths first: ranks bring different amounts, and a receiver must know them to lay its buffer
+// out.
 std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) const {
   const int count = checked_int(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_));
@@ -87,10 +99,14 @@ std::vector<std::vector<std::byte>> Comm::exchange_bytes(
   require(out.size() == ranks, "exchange needs one list per rank");
   std::vector<int> send_counts(ranks), receive_counts(ranks);
   for (std::size_t r = 0; r < ranks; ++r) send_counts[r] = checked_int(out[r].size());
+  // Only the counts go to everybody; then ranks that have nothing for each other stay silent. With
+  // neighbours in space that is a handful of messages instead of ranks^2, which an MPI_Alltoallv
+  // would walk through.
   MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, mpi(*this));
   std::vector<std::vector<std::byte>> in(ranks);
   std::vector<MPI_Request> requests;
   constexpr int tag = 71;
+  // Receives are posted before any send, so that no message has to wait in a buffer of MPI.
   for (std::size_t r = 0; r < ranks; ++r) {
     in[r].resize(static_cast<std::size_t>(receive_counts[r]));
     if (receive_counts[r] > 0)
@@ -113,6 +129,9 @@ std::string Comm::broadcast(const std::string& text) const {
   return result;
 }
 
+// One integer reduction when all is well, which is nearly always; text travels only in trouble. max
+// over size - rank finds the lowest rank with a problem and is 0 if there is none. The lowest
+// speaks so that the message does not depend on timing.
 void Comm::agree(const std::string& problem) const {
   const std::int64_t first = max(problem.empty() ? std::int64_t{0} : std::int64_t{size_ - rank_});
   if (first == 0) return;

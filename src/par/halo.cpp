@@ -1,3 +1,6 @@
+// Who sends what to whom, worked out once; then each transfer is one message per neighbour and way,
+// without handshake. Persistent MPI requests were not taken: the buffers of callers move when
+// stones come and go, and the time is in the transfer, not in starting it.
 #include "trackbed/par/halo.hpp"
 
 #include <mpi.h>
@@ -11,6 +14,7 @@ void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>
   std::vector<std::vector<std::int64_t>> counts(ranks);
   for (std::size_t r = 0; r < ranks; ++r)
     if (!send_items[r].empty()) counts[r] = {static_cast<std::int64_t>(send_items[r].size())};
+  // Each rank knows what it sends; one exchange of counts tells the receivers.
   const auto incoming = comm.exchange(counts);
   comm_.assign(1, comm);
   neighbours_.clear();
@@ -19,6 +23,8 @@ void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>
   for (std::size_t r = 0; r < ranks; ++r) {
     const std::size_t sends = send_items[r].size();
     const std::size_t receives = incoming[r].empty() ? 0 : static_cast<std::size_t>(incoming[r][0]);
+    // Neighbours are kept in the order of their ranks: items and ghosts lie in that order too,
+    // whatever message arrives first, and so ghosts have the same places in every run.
     if (sends == 0 && receives == 0) continue;
     neighbours_.push_back({static_cast<int>(r), items_.size(), sends, received_, receives});
     items_.insert(items_.end(), send_items[r].begin(), send_items[r].end());
@@ -26,6 +32,8 @@ void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>
   }
 }
 
+// `target` is contiguous per neighbour either way: forward fills the ghosts, backward the list of
+// items sent. Callers copy (pack) before, so MPI never sees a derived datatype.
 void Halo::transfer(std::size_t item_bytes, std::byte* target, Way way) {
   constexpr int tag = 72;
   const MPI_Comm mpi_comm = mpi(comm_.front());
