@@ -1,4 +1,7 @@
 // Received against given, see balance.hpp. Costs one small reduction per window.
+// Neither side is derived from the other: the particles sum forces as their contacts act, the nodes
+// sum what shape functions gave them and what the traffic brought. A node that is missed, counted
+// twice or sent to a wrong owner shows as an imbalance of order 1, rounding as 1e-15.
 #include "balance.hpp"
 
 #include <algorithm>
@@ -15,12 +18,17 @@ Vec3 in_newton(const std::array<std::int64_t, 3>& quanta, double quantum) {
 
 // A NaN is kept as the largest for good instead of being dropped by a comparison.
 void keep_largest(double& largest, double gap, double scale) {
+  // No contact at all is balanced. A gap with scale 0 cannot be: the scale contains the gap's
+  // terms.
   const double ratio = scale == 0 ? 0 : gap / scale;
   if (!std::isnan(largest) && !(ratio <= largest)) largest = ratio;
 }
 
 }  // namespace
 
+// Terms of the head of balance.hpp for one node, in N, Nm and J: the arm at sub-step k is position
+// + (k/steps) motion, so its moment summed over k needs S0 and S1 only; the velocity is constant,
+// so the work of F_k over its sub-step is F_k . motion / steps.
 void Received::add(const Surface& surface, std::size_t node, int steps) {
   const NodeLoad& load = surface.load[node];
   const Vec3 sum = in_newton(load.force, surface.load_quantum);
@@ -30,11 +38,15 @@ void Received::add(const Surface& surface, std::size_t node, int steps) {
   force += sum;
   moment += position.cross(sum) + motion.cross(first);
   work += sum.dot(motion) / steps;
+  // Norms of sums, not sums of norms: what one node felt in the window. Nodes pushed to and fro
+  // within a window make the scale smaller and so the test stricter.
   force_scale += sum.norm();
   moment_scale += position.norm() * sum.norm() + motion.norm() * first.norm();
   work_scale += sum.norm() * motion.norm() / steps;
 }
 
+// As plain numbers for one reduction. Doubles: the balance is a check and may change its last bits
+// with the number of ranks; loads never pass through here.
 std::array<double, Received::numbers> Received::pack() const {
   return {force.x(),  force.y(), force.z(),   moment.x(),   moment.y(),
           moment.z(), work,      force_scale, moment_scale, work_scale};
@@ -58,6 +70,8 @@ void Ledger::book(const Received& received, const Action& action, int steps, dou
   keep_largest(balance_.force, (received.force - action.force).norm(), force_scale);
   keep_largest(balance_.moment, (received.moment - action.moment).norm(), moment_scale);
   keep_largest(balance_.work, std::abs(received.work - action.work), work_scale);
+  // Force is a sum over `steps` sub-steps, each dt/steps long. Signed gaps accumulate: rounding of
+  // either sign stays small against the scale, a bias grows with it.
   impulse_gap_ += (received.force - action.force) * (dt / steps);
   impulse_scale_ += force_scale * (dt / steps);
   keep_largest(balance_.impulse, impulse_gap_.norm(), impulse_scale_);

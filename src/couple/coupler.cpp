@@ -13,6 +13,7 @@ namespace trackbed::couple {
 
 namespace {
 
+// Where a node is at the start of the window and how far it goes: all that a contact needs of it.
 using NodeMotion = std::array<double, 6>;  // position, motion in m: trivially copyable for halos
 
 NodeMotion pack(const Surface& surface, std::size_t node) {
@@ -25,6 +26,7 @@ void unpack(const NodeMotion& values, Surface& surface, std::size_t node) {
   surface.motion[node] = Vec3(values[3], values[4], values[5]);
 }
 
+// Integers: see core/exact_sum.hpp. Whoever adds first, the bits are the same.
 void add_to(NodeLoad& sum, const NodeLoad& term) {
   for (std::size_t k = 0; k < 3; ++k) {
     sum.force[k] += term.force[k];
@@ -40,6 +42,8 @@ std::vector<bool> needed_nodes(const Surface& surface, const Reaches& reaches) {
   for (const auto& triangle : surface.triangles) {
     const Vec3& corner = surface.position[static_cast<std::size_t>(triangle[0])];
     Vec3 low = corner, high = corner;
+    // Nodes move on straight lines, so the box of both ends contains the triangle at any time
+    // between.
     for (const std::int32_t n : triangle) {
       const auto node = static_cast<std::size_t>(n);
       const Vec3 end = surface.position[node] + surface.motion[node];
@@ -70,6 +74,7 @@ struct Link {
   std::vector<NodeMotion> motion_out, motion_in;
   std::vector<NodeLoad> load_out, load_in;
 
+  // Shared surfaces (sleepers, walls, platen) are moved alike on all ranks and send no motion.
   bool shared() const { return owner.empty(); }
   void refresh(const par::Comm& comm);
   void connect(const par::Comm& comm, const Reaches& reaches);
@@ -78,6 +83,8 @@ struct Link {
 };
 
 // Brings every node to its present place on every rank, so that all can judge what is in reach.
+// Costs all nodes of the surface on every rank, 48 bytes each; done at a rebuild only, not per
+// window. Boxes of owners could be exchanged instead if tops of many millions of nodes came up.
 void Link::refresh(const par::Comm& comm) {
   std::vector<NodeMotion> own;
   for (const std::int32_t n : mine) own.push_back(pack(*surface, static_cast<std::size_t>(n)));
@@ -87,6 +94,9 @@ void Link::refresh(const par::Comm& comm) {
     unpack(values[k], *surface, static_cast<std::size_t>(nodes[k]));
 }
 
+// The ranks in need ask, the owners learn from the exchange what they send: nobody has to know
+// where other ranks' stones are. The order of `ghosts` (by owner, then by node) is the one in which
+// the halo delivers.
 void Link::connect(const par::Comm& comm, const Reaches& reaches) {
   refresh(comm);
   const std::vector<bool> needed = needed_nodes(*surface, reaches);
@@ -108,6 +118,8 @@ void Link::connect(const par::Comm& comm, const Reaches& reaches) {
   publish();
 }
 
+// motion_out is as long as the surface, and only the items of the halo are filled: the halo picks
+// by node number, and no second numbering has to be kept.
 void Link::publish() {
   for (const std::int32_t n : halo.items())
     motion_out[static_cast<std::size_t>(n)] = pack(*surface, static_cast<std::size_t>(n));
@@ -127,6 +139,8 @@ void Link::gather() {
 
 }  // namespace
 
+// Surfaces are not owned here: they belong to track, fem and bed, must stay where they are in
+// memory until `clear`, and keep their number of nodes.
 struct Coupler::Room {
   explicit Room(const par::Comm& world) : comm(world) {}
   void sum_shared();
@@ -138,6 +152,9 @@ struct Coupler::Room {
   std::vector<std::int64_t> counts;  // of all unowned surfaces in turn, for one reduction
 };
 
+// Every rank gets the whole load, because every rank moves the body. One reduction of all of them
+// costs less than one each: they are short, latency counts. Walls that never move are summed too,
+// so that the balance covers them.
 void Coupler::Room::sum_shared() {
   counts.clear();
   for (const Link& link : links)
@@ -170,6 +187,8 @@ Received Coupler::Room::received(int steps) const {
       for (const std::int32_t n : link.mine)
         owned.add(*link.surface, static_cast<std::size_t>(n), steps);
   }
+  // Owned nodes are summed over ranks; shared surfaces are complete everywhere already and must not
+  // be.
   auto values = owned.pack();
   if (any_owned) comm.sum(std::span<double>(values));
   total.unpack_add(values);
@@ -180,6 +199,8 @@ Coupler::Coupler(const par::Comm& comm) : room_(std::make_unique<Room>(comm)) {}
 Coupler::~Coupler() = default;
 Coupler::Coupler(Coupler&&) noexcept = default;
 
+// The mean of a surface that was not pushed yet is zero: the first window after it has no load, as
+// the staggered scheme asks for.
 std::size_t Coupler::add(Surface& surface, std::vector<int> owner) {
   require(owner.empty() || owner.size() == surface.nodes(),
           "a surface has as many owners as nodes");
@@ -213,6 +234,10 @@ void Coupler::publish() {
     if (!link.shared()) link.publish();
 }
 
+// Serial staggered scheme (Farhat, Lesoinne 2000, doi:10.1016/S0045-7825(99)00206-6): the owners
+// get the mean over this window as the load of their next. A mean keeps the impulse, sum F_k dt/n =
+// mean dt, and with nodes that move linearly also the work. Order: traffic, balance, mean, then
+// clear, so that the balance sees exactly what the owners will use.
 void Coupler::collect(int steps, double dt, const Action& action) {
   for (Link& link : room_->links)
     if (!link.shared()) link.gather();
@@ -236,6 +261,7 @@ std::span<const Vec3> Coupler::mean_force(std::size_t surface) const {
 const Balance& Coupler::balance() const { return room_->ledger.balance(); }
 void Coupler::set_balance(const Balance& balance) { room_->ledger.set(balance); }
 
+// Each node's value from one rank alone, so that the writer may add up the ranks' shares.
 std::vector<Vec3> Coupler::save_mean(std::size_t surface) const {
   const Link& link = room_->links.at(surface);
   std::vector<Vec3> result(link.mean.size(), Vec3::Zero());
