@@ -1,4 +1,7 @@
 // Small facts attached to datasets and groups.
+// Collective throughout: all ranks bring the same value, as parallel HDF5 asks of changes to
+// metadata. Scalars, short lists and text of fixed length only; anything else a file may hold is
+// refused when it is read.
 #include "io/handle.hpp"
 
 namespace trackbed::io {
@@ -23,6 +26,7 @@ void write_attribute(const File& file, const std::string& path, const std::strin
                      const Hid& type, const Hid& space, const void* value) {
   const Hid object = open_object(file, path);
   bool ok = bool(object);
+  // HDF5 has no overwriting: an attribute of the same name may be of another type or length.
   if (ok && H5Aexists(object.get(), name.c_str()) > 0)
     ok = H5Adelete(object.get(), name.c_str()) >= 0;
   if (ok) {
@@ -39,6 +43,7 @@ Hid open_attribute(const File& file, const std::string& path, const std::string&
   Hid attribute(object ? H5Aopen(object.get(), name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID);
   file.handle().agree(bool(attribute), subject_of(path, name), "cannot be opened");
   const Hid type(H5Aget_type(attribute.get())), space(H5Aget_space(attribute.get()));
+  // A foreign or damaged file must end in a sentence, not in a read beyond `value`.
   const bool ok = H5Tget_class(type.get()) == expected &&
                   H5Sget_simple_extent_npoints(space.get()) == 1 &&
                   H5Tis_variable_str(type.get()) <= 0;
@@ -56,6 +61,7 @@ T read_scalar(const File& file, const std::string& path, const std::string& name
   return value;
 }
 
+// Text beyond ASCII is marked as UTF-8, so that h5py and h5dump show it as it was written.
 bool is_ascii(const std::string& text) {
   for (const char c : text)
     if (static_cast<unsigned char>(c) > 127) return false;

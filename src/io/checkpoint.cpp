@@ -40,6 +40,8 @@ std::string synced(const fs::path& path) {
   return problem;
 }
 
+// fsync before the rename: without it a crash of the machine may leave the new name on an empty
+// file. The folder after it: the name itself is data of the folder.
 std::string put_in_place(const fs::path& from, const fs::path& to) {
   if (std::string problem = synced(from); !problem.empty()) return problem;
   std::error_code error;
@@ -59,6 +61,7 @@ std::string write_latest(const fs::path& folder, const std::string& name) {
 
 // Throws the sentence about a damaged or foreign file on all ranks.
 void verify(const File& file, const std::string& path) {
+  // Ranks must take the same way through collective calls: whether there is a kind is agreed first.
   if (file.handle().comm.max(std::int64_t{has_attribute(file, "/", "kind") ? 0 : 1}) != 0 ||
       file.text_attribute("/", "kind") != kind)
     refuse(path + ": is not a trackbed checkpoint");
@@ -66,6 +69,7 @@ void verify(const File& file, const std::string& path) {
   if (format > checkpoint_format)
     refuse(path + ": was written by a newer trackbed (checkpoint format " + std::to_string(format) +
            "; this one reads up to " + std::to_string(checkpoint_format) + ")");
+  // Every byte of numbers is read, each rank its share, before anything is made from it.
   for (const std::string& dataset : datasets_of(file))
     if (!has_attribute(file, dataset, checksum_name) ||
         stored_hash(file.handle(), dataset) !=
@@ -74,6 +78,7 @@ void verify(const File& file, const std::string& path) {
 }
 
 // Why there is no whole file `path`, or nothing.
+// Without HDF5, see seal.hpp. On rank 0.
 std::string why_not_there(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return path + ": does not exist";
@@ -91,6 +96,8 @@ std::string latest_of(const fs::path& folder) {
 }
 
 // All checkpoints of the folder, the newest first.
+// By time of writing: names of stages say nothing about it. Equal times (coarse file systems) fall
+// back on names, so that the choice is always the same.
 std::vector<std::string> newest_first(const fs::path& folder) {
   struct Found {
     fs::file_time_type time;
@@ -137,6 +144,8 @@ void write_part(const par::Comm& comm, const std::string& part,
   comm.agree(comm.root() ? seal(part, extents) : "");
 }
 
+// A write that reported success is not taken for the data. Wrong bits are found before the old
+// checkpoint is given up.
 void read_back(const par::Comm& comm, const std::string& part) {
   const std::string damage = comm.root() ? why_not_whole(part) : "";
   comm.agree(damage.empty() ? "" : part + ": " + damage + " right after it was written");
@@ -159,6 +168,7 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
   try {
     write_part(comm, part, fill);
     read_back(comm, part);
+    // Nothing but `.part` was touched: the last checkpoint and `latest` are as they were.
   } catch (const RunError&) {
     if (comm.root()) fs::remove(part, error);
     comm.barrier();

@@ -2,6 +2,7 @@
 // Each rank is one piece; a piece's cells count its own points from 0, so no number needs to be
 // translated. Alternatives: VTU with appended data writes one file per rank and an index beside
 // them; XDMF needs a text file beside the data.
+// Datasets go through File::write, so that a full disk is one sentence here too.
 #include "trackbed/io/fields.hpp"
 
 #include <numeric>
@@ -17,6 +18,7 @@ constexpr const char* root = "/VTKHDF";
 
 std::string at(const std::string& name) { return std::string(root) + "/" + name; }
 
+// Of the linear VTK cells; the enumerators are VTK's own cell numbers.
 std::size_t nodes_per_cell(CellKind kind) {
   switch (kind) {
     case CellKind::vertex:
@@ -65,6 +67,8 @@ void write_cells(File& file, const Grid& grid, std::size_t cells) {
 
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
+  // Rows of a piece are found by the counts of the pieces before it: a cell that is cut would shift
+  // all that follow.
   require(nodes > 0 && grid.cells.size() % nodes == 0, "a grid's cells are not whole");
   const std::size_t cells = grid.cells.size() / nodes;
   File file(comm, path, Mode::create);

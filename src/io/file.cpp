@@ -41,7 +41,9 @@ std::string why_not_open(const std::string& path, Mode mode) {
 Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
   const Hid access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_fapl_mpio(access.get(), par::mpi(comm), MPI_INFO_NULL);
+  // Both bounds: a newer library would otherwise choose newer structures as it sees fit.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  // Results grow by append, which opens what is there; create begins from nothing.
   if (mode == Mode::create)
     return Hid(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));
   const unsigned flags = mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
@@ -63,6 +65,9 @@ herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
 
 }  // namespace
 
+// Every collective call of the room ends here: one rank's failure is an exception on all, at the
+// same place, so that nobody waits in the next call. A write that failed unnoticed by HDF5
+// (write_failures.hpp) comes up here as well, and its reason is the truer one.
 void File::Handle::agree(bool ok, const std::string& subject, std::string_view what) const {
   const std::string reason = ok ? "" : hdf5_reason();
   const std::string unwritten = take_write_failure();
@@ -83,6 +88,8 @@ File::File(const par::Comm& comm, const std::string& path, Mode mode)
   handle_->agree(bool(handle_->file), "", verb);
 }
 
+// Reached with an open file while an exception passes, too: it must not throw and not agree, but
+// has to close on every rank, since H5Fclose of a parallel file is collective.
 File::~File() {
   if (handle_ && handle_->file) {
     Hid file = std::move(handle_->file);
@@ -131,6 +138,7 @@ std::vector<std::string> File::names(const std::string& group) const {
   return found;
 }
 
+// Contiguous blocks that differ by one row at most; the first rows % n ranks have one more.
 Share share(std::size_t rows, int rank, int size) {
   const auto r = static_cast<std::size_t>(rank), n = static_cast<std::size_t>(size);
   const std::size_t begin = rows / n * r + std::min(r, rows % n);

@@ -1,4 +1,6 @@
 // Words for what HDF5 reports and for what it stores.
+// The element types are functions because H5T_NATIVE_... are variables filled when the library
+// starts.
 #include "io/hdf5.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,8 @@
 // Layout behind the end of the HDF5 file: the extents (offset, bytes) in ascending order, then the
 // foot. Nothing read from a file is believed before it is checked: a damaged count must not ask
 // for memory, a damaged extent must not hide bytes.
+// The seal is stored as it stands in memory: on a machine of the other byte order a file is refused
+// as damaged.
 #include "io/seal.hpp"
 
 #include <fmt/format.h>
@@ -34,6 +36,7 @@ herr_t collect_dataset(hid_t, const char* name, const H5O_info_t* info, void* pa
 std::uint64_t structure_hash(std::ifstream& in, std::uint64_t file_bytes,
                              std::vector<Extent> extents) {
   std::uint64_t hash = hash_bytes(extents.data(), extents.size() * sizeof(Extent));
+  // An empty extent at the end: the loop hashes the gap in front of each.
   extents.push_back({file_bytes, 0});
   std::vector<char> buffer;
   std::uint64_t at = 0;
@@ -98,6 +101,7 @@ std::vector<Extent> extents_of(const File& file) {
   return extents;
 }
 
+// Appended bytes lie behind the end that the superblock states: HDF5 never looks there.
 std::string seal(const std::string& path, const std::vector<Extent>& extents) {
   Foot foot;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
@@ -132,6 +136,7 @@ std::string why_not_whole(const std::string& path) {
     return cut_or_foreign(in, present);
   const std::uint64_t room = present - sizeof foot;
   constexpr const char* damaged = "is damaged: its structure does not match its seal";
+  // By division: a product of a damaged count could wrap around and look right.
   if (foot.extents > room / sizeof(Extent) ||
       foot.file_bytes != room - foot.extents * sizeof(Extent))
     return damaged;

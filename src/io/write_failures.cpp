@@ -50,6 +50,8 @@ void check_written(int result, int system_error, int count, MPI_Datatype type, M
 
 std::string take_write_failure() { return std::exchange(noted(), {}); }
 
+// errno is read right after the call, on the same thread: the only place where the system's reason
+// survives. MPI_SUCCESS whatever happened: see the header.
 int written_at(decltype(&PMPI_File_write_at) write, MPI_File file, MPI_Offset offset,
                const void* data, int count, MPI_Datatype type, MPI_Status* status) {
   errno = 0;
