@@ -1,5 +1,8 @@
 // Extremes over a passage. Taken from the histories in the file, so that they need no state of
 // their own and a resumed run gives the same ones.
+// Alternative: running extremes in memory. They would be state: in the checkpoint, and wrong after
+// a resume that cuts histories. Cost: one pass over the rows of one stage, once, shared by all
+// ranks.
 #include <algorithm>
 
 #include "observe/room.hpp"
@@ -9,6 +12,8 @@ namespace trackbed::observe {
 namespace {
 
 enum class Extreme { least, most };
+// What an extreme is measured from: the state when the passage begins (the track has settled under
+// its own weight before), or nothing, for quantities that rest at zero.
 enum class From { first_row, zero };
 
 struct Wanted {
@@ -52,6 +57,7 @@ const std::vector<Wanted>& envelopes() {
 // Rows [begin, end) of the stage.
 std::pair<std::size_t, std::size_t> rows_of_stage(const io::File& file, std::int64_t stage) {
   const auto stages = file.read_all<std::int64_t>("history/stage");
+  // The rows of a stage are contiguous: the number of the stage only rises along a run.
   const auto first = std::find(stages.begin(), stages.end(), stage);
   const auto last = std::find_if(first, stages.end(), [&](std::int64_t s) { return s != stage; });
   return {static_cast<std::size_t>(first - stages.begin()),
@@ -87,6 +93,8 @@ void Results::envelope(std::int64_t stage) {
   {
     const io::File file(room.comm, room.path, io::Mode::read);
     const auto rows = rows_of_stage(file, stage);
+    // Written once: a resumed run comes here again with an envelope that it copied from the old
+    // file.
     if (rows.first == rows.second || file.has("envelope")) return;
     for (const Wanted& wanted : envelopes())
       if (file.has(wanted.source))

@@ -1,5 +1,8 @@
 // A results file as it was at a checkpoint: histories cut to its rows, pictures of later stages
 // left out, since the resumed run writes them again.
+// It is a copy in any case: the old file may lie in another folder, and stays whole if the new run
+// is killed at once. HDF5 could cut datasets in place, but their space would be lost and a kill in
+// between would leave columns of different lengths.
 #include <algorithm>
 #include <filesystem>
 
@@ -44,6 +47,7 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
       copy_history<double>(comm, from, to, path, rows);
 }
 
+// By names of stages, not by time: a stage under way at the checkpoint has no snapshot yet.
 void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::string>& stages) {
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
@@ -65,6 +69,8 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   const auto wanted = static_cast<std::size_t>(rows);
   std::int64_t there = 0;
   if (room.comm.root()) there = std::filesystem::exists(old_path) ? 1 : 0;
+  // A checkpoint alone is enough to go on: rank 0 decides for all whether there is a file, because
+  // other ranks may see another state of a network file system.
   if (room.comm.max(there) == 0) return;  // histories begin anew
   const std::string part = room.path + ".part";
   {

@@ -1,6 +1,9 @@
 // Histories are collected in memory and added to the file at a flush: the file is copied, the copy
 // grows and takes the old one's name. Costs a copy per flush, which is rare (checkpoints, ends of
 // stages), and spares the run a file that a kill left half written.
+// HDF5 alone gives no such promise: a kill between two of its writes can leave a file that no
+// reader opens, and hours of histories with it. SWMR, its answer, does not work with parallel
+// files.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -15,6 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// About 1 MB with 30 columns, so that copying the file at a flush stays rare.
 constexpr std::size_t rows_in_memory = 4000;
 constexpr double same_place = 1e-6;  // m, two nodes on one line along the track
 
@@ -40,6 +44,9 @@ std::vector<Column> energy_columns() {
 
 }  // namespace
 
+// One line of top nodes along the track: the front face of a slice (its lowest y), or in space the
+// line nearest to the middle, y = 0. Ties go to the line met last. Ascending x, so that figures
+// need no sorting.
 std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension) {
   const auto& nodes = ground.top().position;
   const auto distance = [&](const Vec3& x) {
@@ -73,6 +80,7 @@ void Results::watch(const Scene& scene, Dimension dimension, std::span<const dou
     room.nodes = watched_nodes(*scene.ground, dimension);
     room.ground = ground_columns();
   }
+  // The columns above are needed in any case; the head and the places are in the file already.
   if (room.goes_on) return;
   room.begin_file();
   std::vector<double> x;
@@ -90,6 +98,8 @@ void Results::watch(const Scene& scene, Dimension dimension, std::span<const dou
   });
 }
 
+// All ranks call it and hold the same rows: totals and sums are agreed, and one of them writes. A
+// row is a few hundred numbers; a share per rank would cost more in order than in memory.
 void Results::sample(const Scene& scene, const Instant& instant) {
   Room& room = *room_;
   room.times.push_back(instant.time);
@@ -129,6 +139,8 @@ void Results::Room::take_name(const std::string& part) {
   comm.agree(error ? path + ": cannot be replaced (" + error.message() + ")" : "");
 }
 
+// copy_file keeps to rank 0 and the file system; ranks open the copy together. The old file stays
+// valid until the rename, which replaces it at one instant (POSIX).
 void Results::Room::replace(const std::function<void(io::File&)>& change) {
   const std::string part = path + ".part";
   std::error_code error;
@@ -156,6 +168,7 @@ void Results::Room::append_to(io::File& file) {
     for (Column& column : *group) column.values.clear();
 }
 
+// In the order of energy_columns. Work against friction and dashpots is not among them.
 void Results::Room::sample_energy(const dem::Totals& totals) {
   const double values[] = {totals.kinetic, totals.potential, totals.elastic};
   for (std::size_t k = 0; k < 3; ++k) {

@@ -8,6 +8,7 @@
 namespace trackbed::observe {
 
 // A dataset [rows, width] that grows; `values` are rows not in the file yet.
+// width 0: nothing was sampled yet, and so no dataset is made.
 struct Column {
   std::string path;
   io::Label label;

@@ -1,5 +1,7 @@
 // The contact network and the stones at one instant, as flat tables for figures, and the same as
 // pictures for ParaView.
+// Every rank writes its own stones and contacts; a reader has to take rows as a set, since their
+// order depends on the ranks.
 #include <filesystem>
 
 #include "observe/room.hpp"
@@ -9,6 +11,8 @@ namespace trackbed::observe {
 
 namespace {
 
+// Figures are drawn in the plane of the track, x and z; a bed in space is seen from the side. In
+// the pictures all three coordinates are kept.
 struct Network {
   std::vector<double> segments, force;  // x0 z0 x1 z1 of the two centres; |F|
 };
@@ -54,6 +58,8 @@ io::Grid stone_points(const dem::Particles& particles) {
   return grid;
 }
 
+// One line per contact between the two centres (the branch of the network); the force is a vector
+// on it, its size the width of a tube.
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
