@@ -6,6 +6,7 @@
 // triangles, ten for ten thousand. Exact convex decomposition (CGAL's, of Nef polyhedra) makes a
 // part of every dent of a scan.
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "hull.hpp"
@@ -146,6 +147,16 @@ bool cut_worst(const Mesh& mesh, const std::vector<Dent>& dents, double allowed,
   return true;
 }
 
+// Few corners cut off volume; the hull of them grows about its centroid to what the part's hull
+// has.
+Convex with_corners(const Part& part, int vertices) {
+  const Convex core = reduced_hull(part.corners, vertices);
+  const Solid solid = piece_solid({core, 0});
+  const Convex grown = scaled(moved(core, Quat::Identity(), -solid.centre),
+                              std::cbrt(part.hull_volume / solid.volume));
+  return moved(grown, Quat::Identity(), solid.centre);
+}
+
 }  // namespace
 
 Decomposition decompose(const Mesh& mesh, int parts, int vertices) {
@@ -159,7 +170,7 @@ Decomposition decompose(const Mesh& mesh, int parts, int vertices) {
   Decomposition result;
   std::vector<Piece> pieces;
   for (const Part& part : made) {
-    result.pieces.push_back(reduced_hull(part.corners, vertices));
+    result.pieces.push_back(with_corners(part, vertices));
     pieces.push_back({result.pieces.back(), 0});
   }
   const double all =

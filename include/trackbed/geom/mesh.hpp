@@ -49,7 +49,8 @@ struct Decomposition {
 };
 // Approximate convex decomposition into at most `parts` hulls of at most `vertices` corners each:
 // again and again the part that is least convex (volume of hull less own volume) is cut by the
-// plane that leaves least of that. Fewer parts if all are convex to 0.1 % of the volume.
+// plane that leaves least of that. Fewer parts if all are convex to 0.1 % of the volume. A hull
+// that lost corners is enlarged to the volume it had.
 Decomposition decompose(const Mesh& mesh, int parts, int vertices);
 
 struct Clump {

@@ -256,6 +256,12 @@ TEST(Decompose, AnLIsTwoBoxes) {
   EXPECT_NEAR(volume, 5, 1e-9);
 }
 
+TEST(Decompose, FewCornersKeepTheVolume) {
+  const Decomposition ball = decompose(ball_mesh(), 1, 20);
+  EXPECT_EQ(ball.pieces[0].vertices.size(), 20u);
+  EXPECT_NEAR(ball.volume_error, 0, 1e-9);
+}
+
 TEST(Decompose, WhatIsConvexStaysWhole) {
   EXPECT_EQ(decompose(cube(), 8, 24).pieces.size(), 1u);
   EXPECT_EQ(decompose(ball_mesh(), 8, 1000).pieces.size(), 1u);
