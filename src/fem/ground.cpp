@@ -42,6 +42,8 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
 }
 
 // Node number: i + (nx + 1) j; two triangles per zone, counter-clockwise seen from above.
+// The whole top on every rank: the coupler needs all boxes, and a top is small beside the solid. A
+// plane model shows two lines of nodes, front and back, that share one plane node each.
 void Ground::Room::make_surface() {
   const Lattice& lattice = mesh.lattice;
   const std::int64_t row = lattice.points()[0], across = lattice.plane ? 2 : lattice.points()[1];
@@ -82,6 +84,7 @@ Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
   return vector(state.offset, node) + vector(state.displacement, node);
 }
 
+// Only the top carries load from outside; weight is in the state of rest.
 void Ground::Room::set_load(std::span<const Vec3> top_force) {
   require(top_force.size() == surface.nodes(), "ground: one force per top node");
   for (const TopNode& top : own_top)

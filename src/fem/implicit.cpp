@@ -78,6 +78,7 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   std::swap(state.settled, state.load);
 
   Nodal right = state.settled;
+  // Weight acts on the last component, z, in a plane as in space.
   const int up = components() - 1;
   for (const std::int32_t n : mesh.own)
     right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
@@ -86,6 +87,7 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
                           parameters.tolerance};
   add_springs(terms.springs, 1.0, components(), spec.diagonal);
   LinearSystem statics(mesh, stiffness, spec);
+  // The old static solution is the first guess: settling twice under nearly the same load is cheap.
   iterations += statics.solve(right, state.rest);
   ++solves;
   mesh.exchange(state.rest);

@@ -93,6 +93,7 @@ Solids solids_of(const GroundParameters& parameters) {
   return solids;
 }
 
+// Linear in blocks and layers: a handful each, asked once per held zone.
 int solid_at(const GroundParameters& parameters, const Vec3& point) {
   for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
     // From the last block backwards: later ones win.

@@ -17,6 +17,8 @@ namespace {
 constexpr const char* prefix = "ground_";
 
 // Sets an option unless the user did; true if it is ours.
+// The options database is PETSc's own interface: what the user gives after -- must win, and a
+// choice that hangs on another (hypre's settings) is made only if that one is ours.
 bool suggest(const std::string& name, const char* value) {
   PetscBool given = PETSC_FALSE;
   std::array<char, 256> word{};
@@ -113,6 +115,8 @@ void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k,
   }
 }
 
+// Zones in ascending order per row: the matrix has the same bits on any number of ranks, though the
+// solution has not (dot products).
 void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spec) {
   held = spec.held;
   for (std::size_t z = 0; z < mesh.zone.size(); ++z)

@@ -120,6 +120,7 @@ GroundTotals Ground::totals() const {
   for (const Spring& s : room.terms.springs)
     for (int c = 0; c < room.components(); ++c)
       force[c][s.node] += s.stiffness * room.state.displacement[c][s.node];
+  // Over own nodes: each node once. Plain sums, for the eye: they feed nothing back.
   double kinetic = 0, elastic = 0;
   std::int64_t unknowns = 0;
   for (const std::int32_t n : mesh.own)

@@ -20,6 +20,7 @@ constexpr double largest_poisson = 0.4999;
 constexpr double rounding =
     1e-9;  // of the ground's extent: an outline may end where the ground ends
 
+// An interval of x or z, to say where a block lies against the ground and its zones.
 struct Range {
   double low, high;  // m
   bool holds(const Range& other) const {
