@@ -1,5 +1,7 @@
 // The text of a deck and the overrides that are put into its tree before anything is read, so that
 // both meet the same checks.
+// Rank 0 reads the file, all parse the same text: every rank finds the same problems and throws
+// alike, without a second agreement.
 #include "trackbed/input/deck.hpp"
 
 #include <fmt/format.h>
@@ -33,6 +35,8 @@ std::string elements_in_words(const Node& list) {
 }
 
 // Puts one value into the tree, making sections on the way. Returns what is wrong, or nothing.
+// A name that no parameter has is not found here but by the reader, with its suggestion: this only
+// walks. Elements of lists must exist, since an override cannot give a whole new one.
 std::string put(Node& root, const std::string& path, Node value) {
   Node* node = &root;
   for (const std::string& word : words_of(path)) {
@@ -57,6 +61,7 @@ std::string put(Node& root, const std::string& path, Node value) {
   return "";
 }
 
+// Its line would be that of the override's own text: worse than none.
 void mark_commanded(Node& node) {
   node.commanded = true;
   node.line = 0;
@@ -126,6 +131,7 @@ Deck Deck::parse(const std::string& text, const std::string& origin,
 std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   Problems problems = text_->problems;
   const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
+  // Three acts: values with their problems, what is left over, and all sentences at once.
   Reader reader(text_->root, folder, all_parameters(declaration), problems);
   declaration(reader);
   reader.finish();

@@ -33,6 +33,8 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
+// from_chars, not strtod: the decimal point must not hang on the user's locale. It refuses a
+// leading plus, which spreadsheets write.
 bool is_number(const std::string& cell, double& value) {
   const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
   const char* end = cell.data() + cell.size();
@@ -53,6 +55,7 @@ struct Table {
     width = found.size();
     for (const std::string& name : names) {
       const auto at = std::find(found.begin(), found.end(), name);
+      // Of a missing column: one past the last, by which `row` knows it.
       places.push_back(static_cast<std::size_t>(at - found.begin()));
       if (at != found.end()) continue;
       const std::string near = nearest(name, found);
@@ -86,6 +89,7 @@ std::vector<std::vector<double>> read_table(const std::string& path,
                                             const std::vector<std::string>& columns) {
   std::ifstream in(path);
   if (!in) throw InputError({fmt::format("{}: cannot be read", path)});
+  // All problems of the table in one error, as for decks.
   Table table{path, columns};
   table.columns.resize(columns.size());
   std::string text;

@@ -75,6 +75,8 @@ Node parse_toml(const std::string& text, const std::string& origin) {
   }
 }
 
+// A shell takes quotes away: base=quiet must mean the text as base = "quiet" does in a deck. So
+// what is not TOML is text, and a wrong type is found where types are known.
 Node parse_value(const std::string& text) {
   try {
     const toml::table table = toml::parse("value = " + text);
