@@ -1,4 +1,6 @@
 // Parameters of sleepers and of the load on their rail seats, each declared once.
+// Rules stand beside what they limit: they are checked with the line of the deck, before anything
+// is built.
 #include <algorithm>
 #include <array>
 #include <set>
@@ -9,6 +11,7 @@ namespace trackbed::track {
 
 namespace {
 
+// A name given twice would be harmless, but it is a slip for another one: refused.
 bool are_degrees_of_freedom(const std::vector<std::string>& names) {
   constexpr std::array known{"x", "y", "z", "rx", "ry", "rz"};
   const bool valid = std::all_of(names.begin(), names.end(), [&](const std::string& name) {

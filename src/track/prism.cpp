@@ -1,4 +1,7 @@
 // Sleepers are prisms: mass properties by Green's theorem over the profile, surface by extrusion.
+// Exact for any profile without holes; a closed form per shape would have to be found anew for
+// each. The density is uniform: a real sleeper is heavier under the rails, which counts for its
+// roll only.
 #include "prism.hpp"
 
 namespace trackbed::track {
@@ -8,6 +11,9 @@ namespace {
 using Point = Eigen::Vector2d;
 
 // Integrals over a polygon by Green's theorem, edge by edge about its first corner.
+// Of an edge from a to b with cross = a x b (m^2):
+//   area = sum cross/2,  int x = sum cross (a + b)/6,  int x^2 = sum cross (a^2 + ab + b^2)/12.
+// Signs are right for a counter-clockwise profile.
 struct Moments {
   double area = 0;
   Point first = Point::Zero();   // of x, z
@@ -28,6 +34,9 @@ Moments moments_of(const std::vector<Point>& polygon) {
 
 }  // namespace
 
+// Principal axes are x, y, z: the profile is symmetric about x = 0, so its product of inertia
+// vanishes. Inertia per mass about y is the sum of both variances; about x and z the length joins
+// with l^2/12.
 Prism bevelled_box(double width, double height, double length, double bevel) {
   const double x = width / 2;
   Prism prism;
@@ -58,6 +67,7 @@ Surface surface_of(const Prism& prism) {
     surface.triangles.push_back({i, n + i, n + next});
     surface.triangles.push_back({i, n + next, next});
   }
+  // A convex profile is a fan about its first corner.
   for (std::int32_t i = 1; i + 1 < n; ++i) {
     surface.triangles.push_back({0, i, i + 1});
     surface.triangles.push_back({n, n + i + 1, n + i});

@@ -10,6 +10,9 @@
 
 namespace trackbed::track {
 
+// State of one sleeper; sleepers_file.cpp lists it for the checkpoint. m, m/s, m/s^2 of the centre
+// from where it was placed; spin in rad/s and reaction in N in space axes. velocity and spin are
+// those of mid-window, as leapfrog has them.
 struct Body {
   Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero(), acceleration = Vec3::Zero();
   Quat attitude = Quat::Identity();

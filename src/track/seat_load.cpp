@@ -1,4 +1,6 @@
 // The load that passing axles put on a rail seat: closed forms, or a table that was measured.
+// The rail is not computed: its bending is in the shape of the load, so the seat load does not
+// answer to a sleeper that sinks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,6 +23,7 @@ double winkler(double s, double b) {
 
 }  // namespace
 
+// A table is checked when it is read, by every rank: later `at` may rely on rising times.
 SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
     : parameters_(parameters), spacing_(spacing) {
   if (parameters.kind != SeatLoadKind::table) return;
@@ -36,6 +39,8 @@ SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
 
 double SeatLoad::at(double x, double time) const {
   if (parameters_.kind == SeatLoadKind::table) {
+    // The wave of loads travels unchanged: sleeper at x feels at time t what x = 0 felt x/speed
+    // earlier.
     const double t = time - x / parameters_.speed;
     if (t < times_.front() || t > times_.back()) return 0;
     const auto after = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
@@ -43,6 +48,7 @@ double SeatLoad::at(double x, double time) const {
     const double share = (t - times_[lo]) / (times_[hi] - times_[lo]);
     return forces_[lo] + share * (forces_[hi] - forces_[lo]);
   }
+  // Axles superpose, as on a linear bed. s: distance of the axle from this sleeper, m.
   double sum = 0;
   for (const double behind : parameters_.axles) {
     const double s = parameters_.start + parameters_.speed * time - behind - x;

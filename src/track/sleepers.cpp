@@ -15,6 +15,9 @@ namespace trackbed::track {
 namespace {
 
 // exp of a rotation vector.
+// Exact for a constant spin, at any angle, and keeps unit length to rounding: an update in the
+// rotation group (as in Simo, Wong 1991, doi:10.1002/nme.1620310103) instead of adding to Euler
+// angles, which have poles.
 Quat rotation_by(const Vec3& vector) {
   const double angle = vector.norm();
   if (angle == 0) return Quat::Identity();
@@ -32,6 +35,8 @@ Vec3 rotation_of(const Quat& attitude) {
 
 Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double thickness)
     : parameters(given) {
+  // A plane model is a slice of the model's thickness: its sleeper has that length, and its mass
+  // belongs to the slice. Motions out of the plane stay frozen whatever the deck frees.
   const bool plane = dimension == Dimension::plane;
   prism = bevelled_box(given.width, given.height, plane ? thickness : given.length, given.bevel);
   shape = surface_of(prism);
@@ -45,10 +50,13 @@ Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double
   bodies.resize(static_cast<std::size_t>(given.count));
 }
 
+// Centre of mass when placed. Displacements are counted from here, so that settlements of 1e-6 m
+// keep their digits at x = 100 m.
 Vec3 Sleepers::Room::rest(std::size_t i) const {
   return {parameters.first + static_cast<double>(i) * parameters.spacing, 0, bottom + prism.depth};
 }
 
+// R diag(I) R^T in space axes, kg m^2; nothing is kept between windows that the attitude implies.
 Mat3 Sleepers::Room::inertia(const Body& body) const {
   const Mat3 axes = body.attitude.toRotationMatrix();
   return axes * (mass * prism.gyration).asDiagonal() * axes.transpose();
@@ -81,6 +89,9 @@ Vec3 Sleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) 
   return matrix.inverse() * right;
 }
 
+// v += a (dt + last dt)/2: from mid-window to mid-window, also if windows change their length.
+// `reaction` is kept as an observable; the seat force acts at the centre and gives no moment, for
+// the rail's two feet are not modelled apart.
 void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
                           const Kick& by) {
   Body& body = bodies[i];
@@ -94,6 +105,8 @@ void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3
 }
 
 // Both ends of the motion are computed from the pose: nothing accumulates in the surface.
+// The surface's motion is a chord: turned nodes move on arcs, and the chord is off by (spin dt)^2/8
+// of their arm.
 void Sleepers::Room::drift(std::size_t i, double dt) {
   Body& body = bodies[i];
   Surface& surface = surfaces[i];
@@ -104,6 +117,7 @@ void Sleepers::Room::drift(std::size_t i, double dt) {
     surface.motion[n] = node(i, n) - surface.position[n];
 }
 
+// Also after a checkpoint was read: the next `advance` fills the motion before anybody steps.
 void Sleepers::Room::show_at_rest() {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t n = 0; n < surfaces[i].nodes(); ++n) {
@@ -147,6 +161,8 @@ void Sleepers::place(double z) {
 // The bevel is left out: a stone that touches the cut corner of the box counts as in the way.
 bool Sleepers::overlaps(const Vec3& centre, double radius) const {
   const Room& room = *room_;
+  // Distance from the sphere's centre to the box in the body's own axes: clamp to the box, then
+  // compare.
   const Vec3 half(room.parameters.width / 2, room.prism.length / 2, 0);
   const Vec3 low(-half.x(), -half.y(), -room.prism.depth);
   const Vec3 high(half.x(), half.y(), room.parameters.height - room.prism.depth);
@@ -176,6 +192,7 @@ SleeperState Sleepers::state(std::size_t i) const {
           body.spin};
 }
 
+// m v^2/2 + w . I w/2, J, with the velocities of mid-window.
 double Sleepers::kinetic() const {
   double sum = 0;
   for (const Body& body : room_->bodies)

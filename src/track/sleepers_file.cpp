@@ -1,4 +1,6 @@
 // Sleepers to a checkpoint and back.
+// Rank 0 writes what all ranks hold alike; all read all of it, so a run resumes on any number of
+// ranks. Shape and mass are not stored: they follow from the deck that lies in the same file.
 #include <algorithm>
 #include <array>
 
@@ -45,6 +47,8 @@ void Sleepers::save(io::File& file, const std::string& group, const par::Comm& c
                      {"-", "placed (0 or 1), height of the lower face (m), last window (s)"});
 }
 
+// A file with another number of sleepers is refused here although compatible.cpp compares the decks
+// first: a file may be damaged where the deck is not.
 void Sleepers::load(const io::File& file, const std::string& group) {
   const auto common = file.read_all<double>(group + "/common");
   if (common.size() != 3) throw RunError(group + "/common does not hold the state of sleepers");
