@@ -17,6 +17,8 @@ namespace trackbed::app {
 
 namespace {
 
+// Records are rows of numbers, their names a text attribute with one line each: a table of mixed
+// types would need a compound type that other readers rarely know.
 constexpr std::size_t record_columns = 10;
 
 std::vector<double> pack(const std::vector<StageRecord>& records) {
@@ -62,6 +64,8 @@ std::vector<Vec3> read_nodes(const io::File& file, const std::string& path) {
 }
 
 // Own nodes' values from every rank; the others are zero, so the sum is exact.
+// Not only own nodes differ from zero in the argument: ghosts hold copies. They are left out, or
+// the sum would count a node once per rank that knows it.
 std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
                            const std::vector<Vec3>& values) {
   std::vector<Vec3> all(values.size(), Vec3::Zero());
@@ -136,11 +140,13 @@ void Simulation::save(io::File& file) {
   file.attribute("/", "stages_done", joined_names(course_.done));
   file.attribute("/", "time", course_.clock.time());
   file.attribute("/", "particles", world_.particles.totals().particles);
+  // All ranks hold the same course; rank 0 brings the rows, the others empty ones.
   const bool root = comm_.root();
   const Clock& clock = course_.clock;
   const std::vector<double> times{clock.start(), clock.dt()};
   file.write<double>("run/clock", std::span(times).first(root ? times.size() : 0), 1,
                      {"s", "begin of the stage, length of a window"});
+  // By position: `load` and `resume` read the same places. New ones go to the end.
   const std::vector<std::int64_t> counts{static_cast<std::int64_t>(course_.stage),
                                          clock.window(),
                                          clock.windows(),
@@ -170,6 +176,8 @@ void Simulation::save(io::File& file) {
   save_surfaces(world_, file);
 }
 
+// In the order of dependence: the course says whether the ground has moved, the rooms bring their
+// bodies, and surfaces are met last, when all that can be touched is where it was.
 void Simulation::load(const io::File& file) {
   const auto times = file.read_all<double>("run/clock");
   const auto counts = file.read_all<std::int64_t>("run/counts");
@@ -204,17 +212,22 @@ void Simulation::resume(const std::string& checkpoint) {
   for (const StageRecord& record : course_.done) finished.push_back(record.name);
   const auto rows = file.read_all<std::int64_t>("run/counts").at(5);
   results_.resume(folder_of_checkpoint(checkpoint) + "/results.h5", rows, finished);
+  // Written at the end of a stage: there is nothing of it left to do.
   if (!course_.begun) {
     ++course_.stage;
     return;
   }
   world_.particles.set_local_damping(stage().local_damping);
+  // The seat forces of the window before the checkpoint, as they stand in the run that was not
+  // stopped: the next history row shows them until the sleepers move again.
   const double mid_window =
       (static_cast<double>(course_.clock.window()) - 0.5) * course_.clock.dt();
   seat_force_ = actions_.seat_forces(stage(), mid_window);
   measured_ = measure_from(stage().name, timers_, world_);
 }
 
+// Another run than the one that wrote the file: windows count from 0, results begin anew. The
+// clock's time goes on, so that histories of both can be laid side by side.
 void Simulation::start_from(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   load(file);

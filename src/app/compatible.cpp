@@ -26,6 +26,7 @@ Values values_of(const std::string& effective) {
   std::istringstream lines(effective);
   std::string line, section;
   while (std::getline(lines, line)) {
+    // The text was written by `effective`: no comments, no line breaks within values.
     if (line.starts_with("[[")) {
       const std::string name = line.substr(2, line.find(']') - 2);
       section = fmt::format("{}[{}].", name, elements[name]++);
@@ -107,6 +108,7 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
   const Values then = values_of(checkpoint.text_attribute("/", "deck"));
   const Values now = values_of(effective);
   const Holds holds = holds_of(checkpoint, then);
+  // Keys of either deck: one that is gone differs as much as one that is new.
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;
@@ -133,6 +135,7 @@ std::size_t stage_after(const io::File& checkpoint, const std::string& path, con
         fmt::format("within stage \"{}\"; a run can start from the end of a stage only (or "
                     "`trackbed resume` it)",
                     name));
+  // By name, not by number: the deck that goes on may have other stages before it.
   std::size_t number = 0;
   while (number < model.stages.size() && model.stages[number].name != name) ++number;
   if (number == model.stages.size())

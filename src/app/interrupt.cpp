@@ -15,6 +15,8 @@ extern "C" void note_interrupt(int) { asked_to_stop = 1; }
 
 }  // namespace
 
+// Open MPI passes SIGUSR1 on; SIGTERM and SIGINT reach ranks that a batch system tells itself. The
+// whole run stops if one rank was told: agree() takes the maximum.
 void catch_interrupts() {
   for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) std::signal(signal, note_interrupt);
 }

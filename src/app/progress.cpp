@@ -10,6 +10,7 @@ namespace trackbed::app {
 
 namespace {
 
+// A line costs sums over all contacts: by wall time they stay negligible however fast windows are.
 constexpr double seconds_between_lines = 5;
 
 template <class... Args>
@@ -81,6 +82,8 @@ void Progress::stage_begins(const Stage& stage, const Course& course, World& wor
   last_line_ = wall_time(), last_time_ = course.clock.time();
 }
 
+// Speed since the last line, not since the start: stages differ much, and the time left should say
+// what holds now.
 void Progress::line(const Course& course, const Model& model, const World& world) {
   const dem::Totals totals = world.particles.totals();
   const double wall = wall_time();
@@ -112,6 +115,8 @@ void Progress::stage_ends(const StageRecord& record, const std::string& shortfal
         record.duration, shortfall);
 }
 
+// imbalance: largest over mean of the ranks. Verbs in which ranks wait for each other (halo,
+// coupling) carry the imbalance of the others as time.
 void Progress::timer_table(const Timers& timers) {
   const double total = comm_.max(wall_time());
   say(comm_, "{:<18}{:>8}{:>10}{:>10}{:>10}{:>11}\n", "time in", "share", "min s", "mean s",

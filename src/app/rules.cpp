@@ -12,6 +12,7 @@ namespace trackbed::app {
 
 namespace {
 
+// A border given as 0.1 + 0.2 may touch one given as 0.3.
 constexpr double rounding = 1e-9;  // m
 
 bool names_are_unique(const std::vector<Stage>& stages) {
@@ -28,6 +29,7 @@ void declare_stages(const Model& model, input::Section& s) {
   s.rule("stage", names_are_unique(stages), "stages need different names", about);
   s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
          "the first stage must be of kind fill, or `start` must name a checkpoint", about);
+  // Of a start nothing is known here: the file is looked at only when all sentences are out.
   bool placed = !model.start.empty();
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const StageKind kind = stages[i].kind;
@@ -44,6 +46,7 @@ void declare_stages(const Model& model, input::Section& s) {
          {.reads = {"sleepers.count", "stage"}});
 }
 
+// Walls at sides that are not periodic, a floor without ground, the platen: one material.
 bool uses_walls(const Model& model) {
   const bool open =
       !model.periodic_in("x") || (model.dimension == Dimension::space && !model.periodic_in("y"));
@@ -59,6 +62,7 @@ void declare_materials(const Model& model, input::Section& s) {
       model.has_stage(StageKind::load) || model.has_stage(StageKind::passage))
     parts.emplace_back("sleepers.material", model.sleepers.material);
   const std::string& stones = model.bed.material;
+  // A law between misspelt names would make every missing law a second sentence about one slip.
   const bool names_known = std::all_of(
       model.physics.laws.begin(), model.physics.laws.end(), [&](const dem::ContactLaw& law) {
         return model.material(law.first) >= 0 && model.material(law.second) >= 0;
@@ -144,6 +148,7 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
   const double time =
       stage.duration > 0 ? stage.duration : track::SeatLoad(load, sleepers.spacing).duration(last);
   const double way = load.speed * time;
+  // An axle passes a sleeper if it stands there at some time between begin and end.
   bool passes = false;
   for (std::int64_t i = 0; i < sleepers.count; ++i)
     for (const double behind : load.axles) {

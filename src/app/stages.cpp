@@ -18,6 +18,7 @@ namespace {
 constexpr std::int64_t windows_between_checks = 250;
 
 // Of the load stage, between 0 and 1: ramp, hold, ramp; or (1 - cos)/2 cycles.
+// A cycle begins and ends at zero with zero slope; a ramp never takes more than half the stage.
 double load_shape(const Stage& stage, double time) {
   if (stage.cycles > 0) {
     const double turns = static_cast<double>(stage.cycles) * time / stage.duration;
@@ -58,6 +59,7 @@ void StageActions::begin(const Stage& stage) {
   if (stage.kind == StageKind::fill) {
     const double height =
         bed::fill(world_.particles, world_.comm, model_.bed, model_.material(model_.bed.material));
+    // A tenth above the lattice, for stones that jump when they meet.
     world_.raise_walls(1.1 * height);
   }
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
