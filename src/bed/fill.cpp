@@ -1,4 +1,6 @@
 // Stones for the particles, each rank its share.
+// Columns need no neighbours to be built, so a rank's cost is that of its own stones and one
+// exchange to their owners; docs/decisions/packing.md has the lattice of cells they replaced.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,6 +45,7 @@ std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size
 // are added anew each time: a run that goes on from a checkpoint may make other stones than before.
 double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, int material,
             const std::vector<Batch>& batches) {
+  // Numbered through all batches: small boxes share the ranks as one large bed does.
   std::int64_t columns = 0;
   for (const Batch& batch : batches) columns += batch.columns.count();
   const auto [begin, count] =

@@ -31,6 +31,7 @@ Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& pa
 
 double Grading::by_mass(double share) const {
   const std::size_t k = class_of(mass_, share);
+  // Clamped, since rounding of the shares may lead a little beyond the class.
   const double part = std::clamp((share - mass_[k]) / (mass_[k + 1] - mass_[k]), 0.0, 1.0);
   return sieve_[k] * std::pow(sieve_[k + 1] / sieve_[k], part);
 }
@@ -39,6 +40,7 @@ double Grading::by_number(double share) const {
   const double wanted = share * stones_.back();
   const std::size_t k = class_of(stones_, wanted);
   const double part = std::clamp((wanted - stones_[k]) / (stones_[k + 1] - stones_[k]), 0.0, 1.0);
+  // The inverse of the number law within a class: d^-p falls evenly from a^-p to b^-p.
   const double a = std::pow(sieve_[k], -power_), b = std::pow(sieve_[k + 1], -power_);
   return std::pow(a - part * (a - b), -1 / power_);
 }

@@ -60,15 +60,20 @@ void Platen::advance(double dt, double force_up) {
   State& s = state_;
   const double target = parameters_.pressure * area_;
   const double force = std::max(force_up, 0.0);  // stones cannot pull the plate down
+  // Two means: `recent` steers, since a lag as long as the whole mean would make the plate swing;
+  // `mean` is what the pressure is judged by.
   const bool was_below = s.mean < target;
   follow(s.recent, force, dt / (lead * parameters_.average));
   follow(s.mean, force, dt / parameters_.average);
+  // Each crossing from below halves the gain, so that swings die out on a bed of any stiffness; a
+  // mean that stays too low for `hold` doubles it again, for stones that still yield.
   if (was_below && s.mean >= target) s.gain = std::max(s.gain / 2, lowest_gain);
   const double off = (s.mean - target) / target;
   s.steady_for = std::abs(off) <= parameters_.tolerance ? s.steady_for + dt : 0;
   s.low_for = off < -parameters_.tolerance ? s.low_for + dt : 0;
   if (s.low_for >= parameters_.hold) s.gain = std::min(2 * s.gain, 1.0), s.low_for = 0;
 
+  // Relative and cut at 1: far from the aim the plate moves with the speed of the deck, never more.
   const double error = std::clamp((target - s.recent) / target, -1.0, 1.0);
   const double wanted = s.gain * parameters_.speed * error;
   const double step = parameters_.acceleration * dt;

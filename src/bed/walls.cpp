@@ -1,4 +1,7 @@
 // Rectangles of two triangles: floor, end walls, side walls.
+// Two triangles each, as flat as they are: the coupler and the contacts know triangles only, and a
+// second kind of wall would be a second code for the same contact. They reach beyond the bed, so
+// that no stone finds an edge.
 #include <algorithm>
 
 #include "plate.hpp"
@@ -18,6 +21,7 @@ Surface plate(const std::string& name, int material, const Vec3& corner, const V
   return surface;
 }
 
+// A plane model lies around y = 0.
 Footprint footprint(const dem::Domain& domain) {
   const bool plane = domain.dimension == Dimension::plane;
   const double half = domain.thickness / 2;
