@@ -1,4 +1,6 @@
 // The reference of all parameters: Markdown for docs/input.md, plain lines for a terminal.
+// Both are printed from the declarations, with a copy of the defaults: the page cannot say other
+// than the program does, and a test compares the two.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,6 +55,7 @@ void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list,
       std::any_of(parts.begin(), parts.end(), [](const Spec& part) { return !is_group(part); });
   if (!section.path.empty() || has_scalars)
     out += fmt::format("\n## `{}`\n\n{}\n", header_of(section, in_list), section.meaning);
+  // Values before the sections within, as they have to stand in a deck.
   if (has_scalars)
     out += "\n| parameter | kind | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
   for (const Spec& part : parts)
@@ -87,6 +90,7 @@ std::string without_brackets(std::string path) {
   return path;
 }
 
+// Collects all names on its way, for the suggestion if there is none.
 const Spec* find(const Spec& spec, const std::string& path, std::vector<std::string>& known) {
   for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
     known.push_back(without_brackets(part.path));

@@ -1,4 +1,5 @@
 // "Did you mean": the declared name with the fewest typing errors in between.
+// O(letters^2) per known name; asked only when something is wrong.
 #include <algorithm>
 #include <cctype>
 #include <numeric>
@@ -17,6 +18,7 @@ std::string lower(std::string text) {
 // Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`
 // (Damerau 1964, doi:10.1145/363958.363994; restricted form, no letter is edited twice).
 std::size_t distance(const std::string& a, const std::string& b) {
+  // Three rows of the table of distances are enough: a swap looks back two letters.
   std::vector<std::size_t> before, last(b.size() + 1), now(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {

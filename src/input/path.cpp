@@ -1,4 +1,6 @@
 // Names of parameters as ways through the tree: overrides, rules and messages go them alike.
+// A list is entered by the name of an element (stage.passage.duration), since numbers change when
+// one is put in between; numbers are what messages show.
 #include <charconv>
 #include <utility>
 
@@ -6,6 +8,7 @@
 
 namespace trackbed::input {
 
+// Points and brackets separate alike. Empty words are kept: `put` refuses them.
 std::vector<std::string> words_of(std::string_view path) {
   std::vector<std::string> words(1);
   for (const char c : path) {

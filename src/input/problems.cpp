@@ -1,4 +1,5 @@
 // Sentences are sorted by line, because declarations are visited in another order than people read.
+// Stable, so that sentences about one line stay in the order of the declaration.
 #include "input/problems.hpp"
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ std::string Problems::start(const Node* place) const {
 }
 
 Problems::Problem Problems::located(const Node* place, const std::string& sentence) const {
+  // What is missing has no line: it comes after the file and before the command line.
   int order = INT_MAX - 1;
   if (place != nullptr && place->line > 0) order = place->line;
   if (place != nullptr && place->commanded) order = INT_MAX;

@@ -1,4 +1,6 @@
 // JSON schema (draft 2020-12): editors complete and check a deck while it is typed.
+// Rules that tie parameters together are not in it: JSON schema has no sums and products. The
+// program checks them all the same.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -37,6 +39,7 @@ void add_limits(Json& json, const Limits& limits) {
 
 Json scalar_schema(const Spec& spec) {
   Json json;
+  // An integer like 1e6 is a whole number for JSON schema too.
   if (spec.kind == "number" || spec.kind == "integer") {
     json["type"] = spec.kind;
     add_limits(json, spec.limits);
@@ -78,6 +81,7 @@ Json schema_of(const Spec& spec) {
 Json object_schema(const std::vector<Spec>& parts) {
   Json json;
   json["type"] = "object";
+  // As strict as the reader: an unknown key is underlined while it is typed.
   json["additionalProperties"] = false;
   json["properties"] = Json::object();
   for (const Spec& part : parts) {
