@@ -29,6 +29,7 @@ Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
   Hid space(H5Screate_simple(flat ? 1 : 2, extent, nullptr));
   const hsize_t start[2] = {rows.begin, 0}, count[2] = {rows.count, columns};
   if (rows.count == 0)
+    // A rank without rows takes part with nothing selected: transfers are collective.
     H5Sselect_none(space.get());
   else
     H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr);
@@ -78,9 +79,12 @@ Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t 
                        std::size_t rows, std::size_t columns, bool grows) {
   const Hid links(H5Pcreate(H5P_LINK_CREATE)), creation(H5Pcreate(H5P_DATASET_CREATE));
   H5Pset_create_intermediate_group(links.get(), 1);
+  // Every row is written right after; zeros first would write the file twice.
   H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER);
   const hsize_t extent[2] = {rows, columns}, limit[2] = {H5S_UNLIMITED, columns};
   const int rank = columns == 1 ? 1 : 2;
+  // Chunks for growing datasets only: HDF5 asks for them there. Others are contiguous, which
+  // extents_of relies on, and reads in one piece.
   if (grows) {
     const hsize_t chunk[2] = {std::max<std::size_t>(1, chunk_bytes / (columns * H5Tget_size(type))),
                               columns};
@@ -168,6 +172,7 @@ void read_rows_into(const File::Handle& file, const std::string& path, const Dat
 
 std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t row_bytes,
                         std::size_t first) {
+  // Wraps around on overflow, as unsigned integers do: addition modulo 2^64 is still free of order.
   std::uint64_t sum = 0;
   for (std::size_t row = 0; row < rows; ++row)
     sum += mix(hash_bytes(bytes + row * row_bytes, row_bytes) + first + row);
@@ -188,6 +193,8 @@ void File::write(const std::string& path, std::span<const T> mine, std::size_t c
                  const Label& label) {
   std::size_t total = 0;
   const Share place = place_of(handle_->comm, rows_of(mine.size(), columns), total);
+  // Space first, then the dataset, numbers, label, checksum: nothing is announced that cannot
+  // follow.
   const std::size_t row_bytes = columns * sizeof(T);
   reserve(*handle_, path, total * row_bytes);
   const Dataset dataset = create_dataset(*handle_, path, native_type<T>(), total, columns, false);
@@ -228,6 +235,7 @@ void File::append(const std::string& path, std::span<const T> mine, std::size_t 
   std::size_t added = 0;
   Share place = place_of(handle_->comm, rows_of(mine.size(), columns), added);
   reserve(*handle_, path, added * columns * sizeof(T));
+  // The same on all ranks: metadata of a parallel file is.
   const bool fresh = !has(path);
   Dataset dataset = fresh ? create_dataset(*handle_, path, native_type<T>(), 0, columns, true)
                           : open_dataset(*handle_, path);
