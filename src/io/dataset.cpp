@@ -18,12 +18,6 @@ namespace {
 
 constexpr std::size_t chunk_bytes = 32768;  // of growing datasets: 4096 doubles
 
-struct Shape {
-  std::size_t columns;
-  bool flat() const { return columns == 1; }
-  int rank() const { return flat() ? 1 : 2; }
-};
-
 Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
   const hsize_t extent[2] = {all_rows, columns};
   Hid space(H5Screate_simple(flat ? 1 : 2, extent, nullptr));
