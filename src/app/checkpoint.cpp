@@ -218,6 +218,7 @@ void Simulation::resume(const std::string& checkpoint) {
     return;
   }
   world_.particles.set_local_damping(stage().local_damping);
+  world_.particles.set_friction(stage().friction);
   // The seat forces of the window before the checkpoint, as they stand in the run that was not
   // stopped: the next history row shows them until the sleepers move again.
   const double mid_window =

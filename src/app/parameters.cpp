@@ -24,6 +24,9 @@ void Stage::declare(input::Section& s) {
            "Simulated time, at most; passage: 0 means until the last axle has left.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: the materials' own.");
+  s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
+           "Friction coefficient of all contacts during the stage, as when a bed is made dense by "
+           "packing it with little friction; below 0: the contacts' own.");
   s.number("until_ratio", until_ratio, {.at_least = 0},
            "The stage ends early once the mean unbalanced force over the mean contact force is "
            "below this; 0: never. Not used by load and passage.");

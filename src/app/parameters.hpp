@@ -21,6 +21,7 @@ struct Stage {
   StageKind kind = StageKind::run;
   double duration = 0;        // s; passage: 0 means until the last axle has left
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
+  double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
   double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never
   bool ground_moves = false;
   double lift = 0.01;       // m/s, release: speed of the platen

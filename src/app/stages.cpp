@@ -54,6 +54,7 @@ StageActions::StageActions(World& world, const Model& model)
 // it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
+  world_.particles.set_friction(stage.friction);
   const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release;
   if (!pressed && world_.platen) world_.take_platen_away();  // compact leaves it in place
   if (stage.kind == StageKind::fill) {
@@ -147,6 +148,7 @@ void StageActions::end(const Stage& stage) {
   }
   settlement_.end();
   world_.particles.set_local_damping(-1);
+  world_.particles.set_friction(-1);
 }
 
 void StageActions::save(io::File& file) const { settlement_.save(file, world_.comm); }

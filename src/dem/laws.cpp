@@ -99,6 +99,11 @@ LawTable::LawTable(const Physics& physics)
                         : hertz_law(c, physics.materials[a], physics.materials[b]));
   }
   if (!problems.empty()) throw InputError(problems);
+  for (const Law& law : laws_) friction_.push_back(law.mu);
+}
+
+void LawTable::override_friction(double mu) {
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].mu = mu < 0 ? friction_[k] : mu;
 }
 
 }  // namespace trackbed::dem

@@ -99,6 +99,8 @@ class LawTable {
                  static_cast<std::size_t>(material_j)];  // -1: not declared
   }
   const Law& operator[](std::size_t index) const { return laws_[index]; }
+  // Until it is called with a number below 0, `mu` of every law.
+  void override_friction(double mu);
   const std::vector<Law>& all() const { return laws_; }
   std::size_t materials() const { return materials_; }
   bool any_hertz() const {
@@ -109,6 +111,7 @@ class LawTable {
  private:
   std::size_t materials_;
   std::vector<Law> laws_;
+  std::vector<double> friction_;  // mu of each law as declared
   std::vector<int> pair_;
 };
 

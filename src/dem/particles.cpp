@@ -199,6 +199,7 @@ void Particles::advance(double dt_window, int steps) {
 
 std::string Particles::trouble() { return std::exchange(room_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { room_->local_damping = alpha; }
+void Particles::set_friction(double mu) { room_->laws.override_friction(mu); }
 
 void Particles::stop() {
   for (auto* motion : {&room_->state.v, &room_->state.l, &room_->state.w})

@@ -138,6 +138,7 @@ KNOBS = {
     "stage.[].name": ("stage.load.name=press", []),
     "stage.[].kind": ("stage.load.kind=run", []),
     "stage.[].duration": ("stage.fill.duration=0.14", []),
+    "stage.[].friction": ("stage.load.friction=0.1", []),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
     "stage.[].until_ratio": ("stage.compact.until_ratio=1e3", []),
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),

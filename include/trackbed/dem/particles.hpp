@@ -115,6 +115,7 @@ class Particles {
   // Problem of this rank since the last call (lost particle, not a number, overlap), or empty.
   std::string trouble();
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: back to theirs
+  void set_friction(double mu);          // overrides that of all contacts; < 0: back to theirs
   void stop();                           // all velocities to zero (end of a packing stage)
 
   std::size_t size() const;  // own particles
