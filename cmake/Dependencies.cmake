@@ -6,7 +6,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
-# Only CGAL's headers are used (2D convex hull, exact predicates): its own CMake package would
+# Only CGAL's headers are used (hulls, meshes, exact predicates): its own CMake package would
 # demand Boost components and overrule build types.
 find_path(CGAL_INCLUDE_DIR CGAL/convex_hull_2.h REQUIRED)
 find_library(GMP_LIBRARY gmp REQUIRED)
