@@ -131,9 +131,15 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const Model model = read_model(comm, deck);
   require_same_model(io::open_checkpoint(comm, checkpoint), checkpoint, effective_deck(model),
                      deck);
-  const std::string folder =
-      arguments.folder.empty() ? folder_of_checkpoint(checkpoint) : arguments.folder;
-  make_folder(comm, folder);
+  const std::string own = folder_of_checkpoint(checkpoint);
+  const std::string folder = arguments.folder.empty() ? own : arguments.folder;
+  // Results beside the checkpoint are those of this run; any other folder is as new to it as to
+  // run.
+  if (same_folder(comm, own, folder))
+    make_folder(comm, folder);
+  else
+    prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
+                   checkpoint);
   Simulation simulation(comm, model, deck, name, folder);
   simulation.resume(checkpoint);
   return finish(comm, simulation, folder);

@@ -35,6 +35,7 @@ bool is_result(std::string_view name) {
   return strip(name, "stage_", ".h5");
 }
 
+// Endings only: their beginnings are names of stages, which a deck chooses.
 bool is_picture(std::string_view name) {
   for (const std::string_view part : {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf"})
     if (name.ends_with(part)) return true;
@@ -86,6 +87,7 @@ std::string objection(const std::string& folder, const std::vector<fs::path>& ol
 }
 
 // Returns what went wrong, or nothing.
+// Stops at the first failure: what remains is still refused by the next run.
 std::string removed(const std::vector<fs::path>& files) {
   std::error_code error;
   for (const fs::path& file : files)
@@ -100,6 +102,12 @@ void make_folder(const par::Comm& comm, const std::string& folder) {
   std::error_code error;
   if (comm.root()) fs::create_directories(folder, error);
   comm.agree(error ? "cannot make the result folder " + folder + ": " + error.message() : "");
+}
+
+bool same_folder(const par::Comm& comm, const std::string& one, const std::string& other) {
+  std::error_code error;  // a path that is not there is no folder of anything
+  const bool same = comm.root() && fs::equivalent(one, other, error) && !error;
+  return !comm.broadcast(same ? "same" : "").empty();
 }
 
 void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,

@@ -13,6 +13,10 @@ enum class OldResults { refuse, remove };
 // Makes the folder if it is missing. Throws RunError on all ranks. Collective.
 void make_folder(const par::Comm& comm, const std::string& folder);
 
+// Whether both paths lead to the same folder that exists; links count as what they lead to.
+// Collective: rank 0 looks, so that ranks with other mounts do as it does.
+bool same_folder(const par::Comm& comm, const std::string& one, const std::string& other);
+
 // Leaves `folder` there and without results of an earlier run; files that trackbed does not write
 // stay. `start`: the checkpoint the new run begins with (a file or its folder), or empty. Throws
 // InputError, with everything as it was, if there are results and they are not to be removed, or if

@@ -83,6 +83,25 @@ def check_start_beside(program, deck, folder):
             raise SystemExit("the variant did not finish")
 
 
+def check_resume_elsewhere(program, deck, folder):
+    """Results of another run are as safe from `resume -o` as from `run`."""
+    stopped, other, link = folder / "stopped", folder / "other", folder / "same"
+    for place in (stopped, other):
+        program.done(1, "run", deck, "output.stop_after=1", "-o", place, code=3)
+    before = contents(other)
+    for ranks in (1, 2):
+        refused(program, ranks, ["resume", stopped, "-o", other], [other, "--force", "-o DIR"])
+    if contents(other) != before:
+        raise SystemExit("a refused resume changed the folder")
+    program.done(1, "resume", stopped, "--force", "-o", other)
+    if not summary(other)["finished"] or (other / "checkpoint_0000000001.h5").exists():
+        raise SystemExit("--force must leave the resumed run alone in its folder")
+    link.symlink_to(stopped)
+    program.done(1, "resume", stopped, "-o", link)  # its own folder by another name
+    if not summary(stopped)["finished"]:
+        raise SystemExit("the run resumed into its own folder did not finish")
+
+
 def check_damaged(program, deck, folder):
     """`start` and `info` take the latest or nothing; `resume` goes back to the newest good one."""
     made = folder / "made"
@@ -115,6 +134,7 @@ def main():
     folder.mkdir(parents=True)
     check_old_results(program, deck, folder)
     check_start_beside(program, deck, folder)
+    check_resume_elsewhere(program, deck, folder)
     check_damaged(program, deck, folder)
 
 
