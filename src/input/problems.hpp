@@ -8,6 +8,11 @@
 
 namespace trackbed::input {
 
+// The end of a sentence about a wrong word; nothing if no name is near.
+inline std::string did_you_mean(const std::string& word) {
+  return word.empty() ? "" : "; did you mean " + word + "?";
+}
+
 class Problems {
  public:
   explicit Problems(std::string origin) : origin_(std::move(origin)) {}

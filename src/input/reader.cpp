@@ -23,6 +23,7 @@ bool starts_like_a_number(const std::string& text) {
   return at != std::string::npos && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
 }
 
+// The commonest slip after a wrong name: a unit in the value, or quotes around it.
 std::string number_hint(const Node& node, const Limits& limits) {
   if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
   return limits.unit == "-" ? "; give a number without quotes"
@@ -36,19 +37,6 @@ std::string listed(const std::vector<std::string_view>& words) {
     text += words[i];
   }
   return text;
-}
-
-std::string did_you_mean(const std::string& word) {
-  return word.empty() ? "" : fmt::format("; did you mean {}?", word);
-}
-
-// Not a section or a list of them, which nobody wants to read in a message.
-bool is_value(const Node& node) {
-  return !node.is_table() && !(node.is_list() && !node.items.empty() && node.items[0].is_table());
-}
-
-std::string last_word(const std::string& path) {
-  return path.substr(path.rfind('.') + 1);  // the whole path if it has no point
 }
 
 }  // namespace
@@ -143,6 +131,7 @@ void Reader::numbers(std::string_view name, std::vector<double>& values, const L
   if (length != 0 && node->items.size() != length)
     return refuse(*node, path_of(name),
                   fmt::format("must be {}, not of {}", what, node->items.size()));
+  // All or nothing: half a list would be a value nobody wrote.
   std::vector<double> found(node->items.size());
   bool ok = true;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -165,10 +154,12 @@ void Reader::texts(std::string_view name, std::vector<std::string>& values, std:
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
   if (holds || in_doubt(about)) return;
+  // A rule points at the value it is about where the file has one, else at the section.
   const Node* section = open_.back().node;
   const Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
   const std::string rest = fmt::format(
-      "{}: {}", place.reached && is_value(*place.node) ? " = " + shown(*place.node) : "", sentence);
+      "{}: {}", place.reached && place.node->is_value() ? " = " + shown(*place.node) : "",
+      sentence);
   if (about.weight == Weight::problem)
     problems_.add(place.node, path_of(name) + rest);
   else
@@ -185,74 +176,6 @@ bool Reader::in_doubt(const About& about) const {
                                          wrong[path.size()] == '[');
     });
   });
-}
-
-bool Reader::enter(std::string_view name, std::string_view) {
-  const Node* node = find(name);
-  const std::string path = path_of(name);
-  if (node != nullptr && !node->is_table()) {
-    refuse(*node, path, fmt::format("must be a section, [{}]", path));
-    return false;
-  }
-  open({path, node, {}, problems_.count()});
-  return true;
-}
-
-std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string_view,
-                                              std::size_t) {
-  const Node* node = find(name);
-  if (node == nullptr) return std::nullopt;  // the program's own list stays
-  const std::string path = path_of(name);
-  const bool ok = node->is_list() && std::all_of(node->items.begin(), node->items.end(),
-                                                 [](const Node& n) { return n.is_table(); });
-  if (!ok) {
-    refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
-    return std::nullopt;
-  }
-  open({path, node, {}, problems_.count()});
-  return node->items.size();
-}
-
-void Reader::enter_element(std::size_t index) {
-  const Frame& list = open_.back();
-  open({fmt::format("{}[{}]", list.path, index),
-        &list.node->items.at(index),
-        {},
-        problems_.count()});
-}
-
-void Reader::leave() {
-  const Frame frame = std::move(open_.back());
-  open_.pop_back();
-  if (frame.node != nullptr && frame.node->is_table()) report_unknown(frame);
-}
-
-void Reader::open(Frame frame) { open_.push_back(std::move(frame)); }
-
-const Node* Reader::find(std::string_view name) {
-  Frame& frame = open_.back();
-  frame.known.emplace_back(name);
-  return frame.node != nullptr ? frame.node->member(name) : nullptr;
-}
-
-std::string Reader::path_of(std::string_view name) const {
-  const std::string& section = open_.back().path;
-  return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
-}
-
-// Of a value that cannot be taken.
-void Reader::problem(const Node* place, const std::string& path, const std::string& rest) {
-  problems_.add(place, path + rest);
-  refused_.push_back(path);
-}
-
-void Reader::refuse(const Node& node, const std::string& path, const std::string& must) {
-  problem(&node, path, fmt::format(" = {} {}", shown(node), must));
-}
-
-void Reader::missing(std::string_view name, const std::string& unit) {
-  problem(open_.back().node, path_of(name),
-          " must be given" + (unit == "-" ? "" : fmt::format(" (in {})", unit)));
 }
 
 bool Reader::take_number(const Node& node, const std::string& path, const Limits& limits,
@@ -273,28 +196,6 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
   }
   value = found;
   return true;
-}
-
-void Reader::report_unknown(const Frame& frame) {
-  for (const auto& [name, value] : frame.node->members) {
-    if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
-    const std::string path = frame.path.empty() ? name : fmt::format("{}.{}", frame.path, name);
-    problem(&value, path,
-            fmt::format(" is not a {}{}", is_value(value) ? "parameter" : "section",
-                        did_you_mean(suggestion(frame, name))));
-  }
-}
-
-// The nearest name of the same section, else the nearest one anywhere.
-std::string Reader::suggestion(const Frame& frame, const std::string& name) const {
-  if (const std::string near = nearest(name, frame.known); !near.empty())
-    return frame.path.empty() ? near : fmt::format("{}.{}", frame.path, near);
-  std::vector<std::string> words;
-  for (const ParameterInfo& parameter : paths_) words.push_back(last_word(parameter.path));
-  const std::string near = nearest(name, words);
-  for (const ParameterInfo& parameter : paths_)
-    if (!near.empty() && last_word(parameter.path) == near) return parameter.path;
-  return "";
 }
 
 }  // namespace trackbed::input

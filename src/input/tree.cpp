@@ -1,4 +1,6 @@
 // Writes values as TOML. Everything written here reads back to the same bits.
+// A checkpoint stores its deck in this form, and compatible.cpp compares decks by it: equal values
+// must have equal texts.
 #include "input/tree.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@ namespace trackbed::input {
 
 namespace {
 
+// TOML basic strings: what may not stand in them is escaped.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -42,19 +45,16 @@ std::string shown_list(const Node& node) {
   return out + "]";
 }
 
-bool is_section(const Node& node) {
-  return node.is_table() || (node.is_list() && !node.items.empty() && node.items[0].is_table());
-}
-
+// Values before sections: in TOML a value after a header would belong to that section.
 void print_table(const Node& table, const std::string& path, std::string& out) {
   for (const auto& [name, value] : table.members)
-    if (!is_section(value)) out += fmt::format("{} = {}\n", name, shown(value));
+    if (value.is_value()) out += fmt::format("{} = {}\n", name, shown(value));
   for (const auto& [name, value] : table.members) {
     const std::string full = path.empty() ? name : fmt::format("{}.{}", path, name);
     if (value.is_table()) {
       out += fmt::format("\n[{}]\n", full);
       print_table(value, full, out);
-    } else if (is_section(value)) {
+    } else if (!value.is_value()) {
       for (const Node& item : value.items) {
         out += fmt::format("\n[[{}]]\n", full);
         print_table(item, full, out);
@@ -65,6 +65,7 @@ void print_table(const Node& table, const std::string& path, std::string& out) {
 
 }  // namespace
 
+// One search for both: casting const away is sound, since *this is not const here.
 const Node* Node::member(std::string_view name) const {
   for (const auto& [key, value] : members)
     if (key == name) return &value;

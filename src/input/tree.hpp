@@ -24,6 +24,10 @@ struct Node {
 
   bool is_table() const { return kind == Kind::table; }
   bool is_list() const { return kind == Kind::list; }
+  // Not a section or a list of them, which nobody wants to read in a message.
+  bool is_value() const {
+    return !is_table() && !(is_list() && !items.empty() && items.front().is_table());
+  }
   const Node* member(std::string_view name) const;
   Node* member(std::string_view name);
 };

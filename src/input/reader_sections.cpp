@@ -1,0 +1,113 @@
+// The walk of the reader through the sections of a deck: which one is open, what it was asked for
+// and what nobody asked for. A name is unknown only once its section is left: what a section may
+// hold is nowhere listed but in the visit itself.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "input/reader.hpp"
+
+namespace trackbed::input {
+
+namespace {
+
+std::string last_word(const std::string& path) {
+  return path.substr(path.rfind('.') + 1);  // the whole path if it has no point
+}
+
+}  // namespace
+
+bool Reader::enter(std::string_view name, std::string_view) {
+  const Node* node = find(name);
+  const std::string path = path_of(name);
+  if (node != nullptr && !node->is_table()) {
+    refuse(*node, path, fmt::format("must be a section, [{}]", path));
+    return false;
+  }
+  open({path, node, {}, problems_.count()});
+  return true;
+}
+
+std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string_view,
+                                              std::size_t) {
+  const Node* node = find(name);
+  if (node == nullptr) return std::nullopt;  // the program's own list stays
+  const std::string path = path_of(name);
+  const bool ok = node->is_list() && std::all_of(node->items.begin(), node->items.end(),
+                                                 [](const Node& n) { return n.is_table(); });
+  if (!ok) {
+    refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
+    return std::nullopt;
+  }
+  open({path, node, {}, problems_.count()});
+  return node->items.size();
+}
+
+void Reader::enter_element(std::size_t index) {
+  const Frame& list = open_.back();
+  open({fmt::format("{}[{}]", list.path, index),
+        &list.node->items.at(index),
+        {},
+        problems_.count()});
+}
+
+void Reader::leave() {
+  const Frame frame = std::move(open_.back());
+  open_.pop_back();
+  // A list has no names of its own: its elements are frames that come here by themselves.
+  if (frame.node != nullptr && frame.node->is_table()) report_unknown(frame);
+}
+
+void Reader::open(Frame frame) { open_.push_back(std::move(frame)); }
+
+// Also of a section that is not in the file: what is asked for is known all the same.
+const Node* Reader::find(std::string_view name) {
+  Frame& frame = open_.back();
+  frame.known.emplace_back(name);
+  return frame.node != nullptr ? frame.node->member(name) : nullptr;
+}
+
+std::string Reader::path_of(std::string_view name) const {
+  const std::string& section = open_.back().path;
+  return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
+}
+
+// Of a value that cannot be taken.
+void Reader::problem(const Node* place, const std::string& path, const std::string& rest) {
+  problems_.add(place, path + rest);
+  refused_.push_back(path);
+}
+
+void Reader::refuse(const Node& node, const std::string& path, const std::string& must) {
+  problem(&node, path, fmt::format(" = {} {}", shown(node), must));
+}
+
+// There is no value to show, so the sentence points at the section and says the unit.
+void Reader::missing(std::string_view name, const std::string& unit) {
+  problem(open_.back().node, path_of(name),
+          " must be given" + (unit == "-" ? "" : fmt::format(" (in {})", unit)));
+}
+
+void Reader::report_unknown(const Frame& frame) {
+  for (const auto& [name, value] : frame.node->members) {
+    if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
+    const std::string path = frame.path.empty() ? name : fmt::format("{}.{}", frame.path, name);
+    problem(&value, path,
+            fmt::format(" is not a {}{}", value.is_value() ? "parameter" : "section",
+                        did_you_mean(suggestion(frame, name))));
+  }
+}
+
+// The nearest name of the same section, else the nearest one anywhere.
+std::string Reader::suggestion(const Frame& frame, const std::string& name) const {
+  if (const std::string near = nearest(name, frame.known); !near.empty())
+    return frame.path.empty() ? near : fmt::format("{}.{}", frame.path, near);
+  std::vector<std::string> words;
+  for (const ParameterInfo& parameter : paths_) words.push_back(last_word(parameter.path));
+  const std::string near = nearest(name, words);
+  for (const ParameterInfo& parameter : paths_)
+    if (!near.empty() && last_word(parameter.path) == near) return parameter.path;
+  return "";
+}
+
+}  // namespace trackbed::input
