@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "trackbed/core/error.hpp"
@@ -15,6 +17,11 @@ namespace trackbed::bed {
 namespace {
 
 constexpr double gap = 1.02;  // room over bound, so that rounding never makes stones touch
+
+// In space a column is this many largest stones wide, and each stone tries so many places: about
+// three times denser than columns as wide as a stone, whose small stones stand in empty shafts.
+constexpr std::int64_t widest = 4;
+constexpr std::uint64_t tries = 24;
 
 // Random numbers of stone i, by what they are for.
 enum class Use : std::uint64_t { x, y, turn, axis, twist, count };
@@ -40,6 +47,19 @@ std::int64_t fitting(double length, double width, const char* what) {
         {fmt::format("bed.{} is {:.4g} m wide, narrower than the largest stone ({:.4g} m)", what,
                      length, width)});
   return columns;
+}
+
+std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, columns / widest); }
+
+// Where a ball of radius r over (x, y) comes to rest on those below it.
+double rest_on(const std::vector<geom::Sphere>& balls, double x, double y, double r) {
+  double z = r;
+  for (const geom::Sphere& ball : balls) {
+    const double dx = x - ball.centre.x(), dy = y - ball.centre.y(), reach = r + ball.radius;
+    const double rise = reach * reach - dx * dx - dy * dy;
+    if (rise > 0) z = std::max(z, ball.centre.z() + std::sqrt(rise));
+  }
+  return z;
 }
 
 }  // namespace
@@ -72,37 +92,57 @@ Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, con
   const double cell = 2 * gap * mix.largest_bound();
   along_ = fitting(length, cell, "x");
   across_ = plane ? 1 : fitting(width, cell, "y");
+  if (!plane) along_ = wider(along_), across_ = wider(across_);
   low_ = {parameters.x[0], plane ? 0 : parameters.y[0], 0};
   size_ = {length / static_cast<double>(along_), plane ? 0 : width / static_cast<double>(across_),
            0};
 }
 
 double Columns::build(std::int64_t c, std::vector<dem::NewParticle>& to) const {
-  Vec3 foot = low_ + Vec3(static_cast<double>(c / across_) * size_.x(),
-                          static_cast<double>(c % across_) * size_.y(), 0);
-  for (std::int64_t i = c * stones_ / count(); i < (c + 1) * stones_ / count(); ++i)
-    foot.z() = place(i, foot, to);
-  return foot.z();
+  const Vec3 foot = low_ + Vec3(static_cast<double>(c / across_) * size_.x(),
+                                static_cast<double>(c % across_) * size_.y(), 0);
+  std::vector<geom::Sphere> balls;
+  double top = 0;
+  for (std::int64_t i = c * stones_ / count(); i < (c + 1) * stones_ / count(); ++i) {
+    dem::NewParticle stone = make(i);
+    const double room = gap * mix_.bound({stone.shape, stone.scale});
+    const Vec3 at = dimension_ == Dimension::plane ? on_top(i, room, top) : lowest(i, room, balls);
+    balls.push_back({at, room});
+    top = std::max(top, at.z() + room);
+    stone.position = foot + at;
+    to.push_back(stone);
+  }
+  return top;
 }
 
-// Puts stone i on top of what its column holds, anywhere across the column; returns the new top.
-double Columns::place(std::int64_t i, const Vec3& foot, std::vector<dem::NewParticle>& to) const {
+dem::NewParticle Columns::make(std::int64_t i) const {
   // Sizes are spread evenly over the grading and shuffled: the bed has the sieve curve itself, not
   // a sample of it that scatters with the number of stones.
   const auto count = static_cast<std::uint64_t>(stones_);
-  const std::uint64_t place = shuffled(static_cast<std::uint64_t>(i), count, seed_);
-  const Draw draw = mix_.draw((static_cast<double>(place) + 0.5) / static_cast<double>(stones_));
-  const double room = gap * mix_.bound(draw);
+  const Draw draw = mix_.draw(shuffled(static_cast<std::uint64_t>(i), count, seed_), count);
   dem::NewParticle stone;
   stone.id = i;
   stone.shape = draw.shape;
   stone.scale = draw.scale;
-  stone.position = foot + Vec3(room + random(seed_, i, Use::x) * (size_.x() - 2 * room), 0, room);
-  if (dimension_ == Dimension::space)
-    stone.position.y() += room + random(seed_, i, Use::y) * (size_.y() - 2 * room);
   stone.attitude = attitude(dimension_, seed_, i);
-  to.push_back(stone);
-  return foot.z() + 2 * room;
+  return stone;
+}
+
+// Above all stones of the column, anywhere across it.
+Vec3 Columns::on_top(std::int64_t i, double room, double top) const {
+  return {room + random(seed_, i, Use::x) * (size_.x() - 2 * room), 0, top + room};
+}
+
+// The lowest of several places on the stones of the column.
+Vec3 Columns::lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const {
+  Vec3 best = Vec3::Constant(std::numeric_limits<double>::infinity());
+  for (std::uint64_t k = 0; k < tries; ++k) {
+    const double x = room + random(mix(seed_) + k, i, Use::x) * (size_.x() - 2 * room);
+    const double y = room + random(mix(seed_) + k, i, Use::y) * (size_.y() - 2 * room);
+    const double z = rest_on(balls, x, y, room);
+    if (z < best.z()) best = {x, y, z};
+  }
+  return best;
 }
 
 }  // namespace trackbed::bed

@@ -1,6 +1,7 @@
-// Where stones start: in columns as wide as the largest stone, each stone in a circle or sphere of
-// its own above the last one. Stones of a column lie as close as their bounds, which keeps the
-// fall short; ids run along x, then y, then up, so neighbours have close ids.
+// Where stones start: in columns, each stone in a circle or sphere of its own. In a plane a column
+// is as wide as the largest stone and the next stone lies above the last one; in space it is wider
+// and the next stone lies as low as a few tries find room (drop and stick), which keeps the fall
+// short. Ids run along x, then y, then up, so neighbours have close ids.
 #pragma once
 
 #include <vector>
@@ -21,7 +22,10 @@ class Columns {
   double build(std::int64_t c, std::vector<dem::NewParticle>& to) const;
 
  private:
-  double place(std::int64_t i, const Vec3& foot, std::vector<dem::NewParticle>& to) const;
+  // Stone i, not yet placed; and where its centre goes, from the foot of its column.
+  dem::NewParticle make(std::int64_t i) const;
+  Vec3 on_top(std::int64_t i, double room, double top) const;
+  Vec3 lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const;
 
   const Mix& mix_;
   Dimension dimension_;

@@ -1,5 +1,6 @@
-// Which stones there are and how often. Round stones and clumps are one template at any scale;
-// outlines are as many templates as shapes, because their pebbles must not scale with them.
+// Which stones there are and how often. Round stones and given clumps are one template at any
+// scale, polyhedra several; outlines have a scale each, because their pebbles must not scale with
+// them.
 #include "mix.hpp"
 
 #include <algorithm>
@@ -51,12 +52,27 @@ void Mix::add_outlines(const BedParameters& parameters) {
 }
 
 void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
-  templates_.push_back(parameters.stone == StoneKind::disk ? round_stone(dimension)
-                                                           : clump_stone(parameters, dimension));
+  const bool given = parameters.stone == StoneKind::clump && !parameters.clump.empty();
+  if (parameters.stone == StoneKind::disk)
+    templates_.push_back(round_stone(dimension));
+  else if (given)
+    templates_.push_back(clump_stone(parameters, dimension));
+  else if (dimension == Dimension::plane)
+    throw InputError(
+        {"bed.stone makes stones in space: a plane model takes disk, pebbles, or "
+         "clump with the spheres given in bed.clump"});
+  else
+    for (std::int64_t k = 0; k < parameters.shapes; ++k)
+      templates_.push_back(polyhedron_stone(parameters, k));
 }
 
-Draw Mix::draw(double u) const {
-  if (frequency_.empty()) return {0, grading_.by_number(u) / templates_[0].sieve};
+// Neighbours in size have different shapes, so that each shape comes in all sizes.
+Draw Mix::draw(std::uint64_t k, std::uint64_t count) const {
+  const double u = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+  if (frequency_.empty()) {
+    const std::size_t shape = k % templates_.size();
+    return {static_cast<int>(shape), grading_.by_number(u) / templates_[shape].sieve};
+  }
   const auto found = std::upper_bound(frequency_.begin(), frequency_.end() - 1, u);
   return {static_cast<int>(found - frequency_.begin()), 1};
 }
@@ -66,16 +82,22 @@ double Mix::bound(const Draw& draw) const {
 }
 
 double Mix::largest_bound() const {
-  if (frequency_.empty()) return bounds_[0] * grading_.by_number(1) / templates_[0].sieve;
-  return *std::max_element(bounds_.begin(), bounds_.end());
+  double largest = 0;
+  for (std::size_t k = 0; k < templates_.size(); ++k) {
+    const double scale = frequency_.empty() ? grading_.by_number(1) / templates_[k].sieve : 1;
+    largest = std::max(largest, bounds_[k] * scale);
+  }
+  return largest;
 }
 
 double Mix::mean_volume() const {
-  if (frequency_.empty())
-    return templates_[0].volume * grading_.mean_power() / std::pow(templates_[0].sieve, power_);
-  double stones = 0;
-  for (const dem::Template& shape : templates_) stones += 1 / shape.volume;
-  return static_cast<double>(templates_.size()) / stones;
+  const auto shapes = static_cast<double>(templates_.size());
+  double volume = 0, stones = 0;
+  for (const dem::Template& shape : templates_) {
+    volume += shape.volume / std::pow(shape.sieve, power_) / shapes;
+    stones += 1 / shape.volume / shapes;
+  }
+  return frequency_.empty() ? volume * grading_.mean_power() : 1 / stones;
 }
 
 }  // namespace trackbed::bed

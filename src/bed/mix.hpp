@@ -19,8 +19,8 @@ class Mix {
   Mix(const BedParameters& parameters, Dimension dimension);
 
   const std::vector<dem::Template>& templates() const { return templates_; }
-  // Stone for a number u in [0, 1): evenly spread u give the grading.
-  Draw draw(double u) const;
+  // The k-th of `count` stones, from small to large: all of them together have the grading.
+  Draw draw(std::uint64_t k, std::uint64_t count) const;
   double bound(const Draw& draw) const;  // m, radius of the circle or sphere around the stone
   double largest_bound() const;          // m, of all that can be drawn
   double mean_volume() const;            // m^3 (plane: m^2), number mean

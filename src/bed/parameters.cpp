@@ -44,31 +44,32 @@ void declare_shape(BedParameters& bed, input::Section& s) {
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
   s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
-            "Number of different stones; each stands for the same share of the mass (pebbles).");
+            "Number of different stones. Pebbles: each stands for the same share of the mass; "
+            "in space: each comes in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
            "Smallest width over largest extent of an outline (pebbles).");
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
            "0: corners on an ellipse; 1: far off it (pebbles).");
   s.numbers("clump", bed.clump, {.unit = "m"},
-            "x, y, z, radius of each sphere of the stone, at any size (clump).");
+            "x, y, z, radius of each sphere of the stone, at any size (clump); none: polyhedra are "
+            "filled with spheres (space).");
   const bool pebbles = bed.stone == StoneKind::pebbles;
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
          "must be at most a third of the smallest sieve");
   bool radii = true;
   for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
-  s.rule("clump",
-         bed.stone != StoneKind::clump || (!bed.clump.empty() && bed.clump.size() % 4 == 0),
-         "must hold x, y, z and radius of each sphere");
+  s.rule("clump", bed.clump.size() % 4 == 0, "must hold x, y, z and radius of each sphere");
   s.rule("clump", radii, "has a radius that is not above 0");
 }
 
 }  // namespace
 
 void BedParameters::declare(input::Section& s) {
-  s.choice("stone", stone, {"disk", "pebbles", "clump"},
-           "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: the "
-           "given spheres, scaled.");
+  s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound"},
+           "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: "
+           "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
+           "convex pieces.");
   s.text("material", material, "Contact material of the stones.");
   s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
   s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
@@ -81,6 +82,7 @@ void BedParameters::declare(input::Section& s) {
   s.rule("y", is_range(y), "must rise");
   declare_grading(*this, s);
   declare_shape(*this, s);
+  s.table("polyhedron", polyhedron, "Irregular stones in space: polyhedra, compound, clump.");
 }
 
 void PlatenParameters::declare(input::Section& s) {

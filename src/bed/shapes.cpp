@@ -29,13 +29,13 @@ std::vector<Eigen::Vector2d> scaled(std::vector<Eigen::Vector2d> polygon, double
   return polygon;
 }
 
+}  // namespace
+
 std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres) {
   std::vector<geom::Piece> pieces;
   for (const auto& s : spheres) pieces.push_back(geom::ball(s.centre, s.radius));
   return pieces;
 }
-
-}  // namespace
 
 // Disks touch the outline from within and so cut its corners; the outline is enlarged until the
 // disks, which are what passes a sieve, have the wanted size.

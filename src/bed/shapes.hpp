@@ -9,5 +9,10 @@ namespace trackbed::bed {
 dem::Template outline_stone(const BedParameters& parameters, double size, std::uint64_t seed);
 dem::Template round_stone(Dimension dimension);                                   // diameter 1 m
 dem::Template clump_stone(const BedParameters& parameters, Dimension dimension);  // extent 1 m
+// The k-th polyhedron, compound or filled polyhedron; about 1 m. Throws InputError if there is
+// none.
+dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k);
+
+std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres);
 
 }  // namespace trackbed::bed

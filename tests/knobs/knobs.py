@@ -24,6 +24,10 @@ from program import Program  # noqa: E402
 # Surroundings in which some parameters count: overrides that hold before and after the change.
 SPACE = ["dimension=space", "bed.stone=disk", "sleepers.length=0.3"]
 CLUMP = [*SPACE[:1], SPACE[2], "bed.stone=clump", "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4]"]
+SOLID = [*SPACE[:1], SPACE[2], "bed.stone=polyhedra", "bed.height=0.06",
+         "dem.largest_overlap=20"]
+SLICED = [*SOLID, "bed.stone=compound"]
+FILLED = [*SOLID, "bed.stone=clump", "bed.shapes=2"]
 HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
          "material.1.young=3e9"]
 NEWMARK = ["ground.integrator=newmark"]
@@ -76,6 +80,13 @@ KNOBS = {
     "bed.elongation": ("bed.elongation=0.9", []),
     "bed.angularity": ("bed.angularity=0.6", []),
     "bed.clump": ("bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.5]", CLUMP),
+    "bed.polyhedron.vertices": ("bed.polyhedron.vertices=12", SOLID),
+    "bed.polyhedron.elongation": ("bed.polyhedron.elongation=0.8", SOLID),
+    "bed.polyhedron.flatness": ("bed.polyhedron.flatness=0.7", SOLID),
+    "bed.polyhedron.angularity": ("bed.polyhedron.angularity=0.5", SOLID),
+    "bed.polyhedron.rounding": ("bed.polyhedron.rounding=0.08", SOLID),
+    "bed.polyhedron.pieces": ("bed.polyhedron.pieces=2", SLICED),
+    "bed.polyhedron.spheres": ("bed.polyhedron.spheres=[3, 4]", FILLED),
     "ground.present": ("ground.present=false", []),
     "ground.x": ("ground.x=[-0.1, 0.6]", []),
     "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),
@@ -158,8 +169,9 @@ KNOBS = {
 # Parameters that must change nothing here, each with the reason.
 EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
+    "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",
 }
-SPEED_ONLY = {"dem.skin": "dem.skin=0.01"}
+SPEED_ONLY = {"dem.skin": "dem.skin=0.01", "dem.rebalance": "dem.rebalance=0"}
 
 # Figures that differ from run to run.
 TIMES = re.compile(r"wall|dem_time|seconds|per_core|memory|share|imbalance|deck")

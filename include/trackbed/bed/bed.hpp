@@ -16,11 +16,19 @@
 
 namespace trackbed::bed {
 
-enum class StoneKind {
-  disk,
-  pebbles,
-  clump
-};  // disk/sphere; plane outline of disks; given spheres
+// Disk or sphere; plane outline of disks; given spheres, or as many as fill a polyhedron; rounded
+// polyhedra; the same in convex pieces.
+enum class StoneKind { disk, pebbles, clump, polyhedra, compound };
+
+// Irregular convex stones in space; see geom::StoneShape.
+struct PolyhedronParameters {
+  std::int64_t vertices = 24;
+  double elongation = 0.9, flatness = 0.85, angularity = 1;
+  double rounding = 0.05;              // radius over the diameter of the ball of the same volume
+  std::int64_t pieces = 3;             // compound
+  std::vector<double> spheres{5, 10};  // fewest and most, clump
+  void declare(input::Section& s);
+};
 
 struct BedParameters {
   StoneKind stone = StoneKind::pebbles;
@@ -35,7 +43,8 @@ struct BedParameters {
   double pebble_spacing = 2;                             // radii
   std::int64_t shapes = 24;                              // different outlines
   double elongation = 0.7, angularity = 0.3;
-  std::vector<double> clump;  // x y z r of each sphere at unit scale, clump only
+  std::vector<double> clump;  // x y z r of each sphere at unit scale; none: filled polyhedra
+  PolyhedronParameters polyhedron;
   std::int64_t seed = 1;
   void declare(input::Section& s);
 };

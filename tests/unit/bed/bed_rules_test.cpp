@@ -39,7 +39,7 @@ TEST(BedRules, StonesCanBeMade) {
   EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008; }), Names{"pebble_radius"});
   EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008, bed.stone = StoneKind::disk; }),
             Names{});
-  EXPECT_EQ(broken([](auto& bed) { bed.stone = StoneKind::clump; }), Names{"clump"});
+  EXPECT_EQ(broken([](auto& bed) { bed.polyhedron.spheres = {6, 5}; }), Names{"spheres"});
   const auto clump = [](std::vector<double> spheres) {
     return broken([&](auto& bed) { bed.stone = StoneKind::clump, bed.clump = spheres; });
   };

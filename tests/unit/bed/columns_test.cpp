@@ -19,6 +19,7 @@ struct Scene {
     bed.x = {1, 4};
     bed.height = dimension == Dimension::plane ? 0.4 : 0.2;
     bed.clump = {0, 0, 0, 1, 1, 0, 0, 1};
+    bed.shapes = 5;
     domain.dimension = dimension;
     domain.low = {1, -0.5, -0.2};
     domain.high = {4, 0.5, 9};
@@ -55,7 +56,8 @@ TEST_P(ColumnsOf, DoNotOverlapAndStayInTheBed) {
 
 TEST_P(ColumnsOf, NumberStonesFromLeftToRight) {
   const auto stones = Scene(GetParam().first, GetParam().second).build();
-  const double cell = 2 * 1.02 * 0.063 / 0.5;  // m, generous: columns are as wide as a stone
+  const bool plane = GetParam().first == Dimension::plane;
+  const double cell = (plane ? 1 : 8) * 2 * 1.02 * 0.063 / 0.5;  // m, generous: of a column
   for (std::size_t i = 0; i < stones.size(); ++i) {
     EXPECT_EQ(stones[i].id, static_cast<Id>(i));
     if (i > 0) {
@@ -82,7 +84,19 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ColumnsOf,
                                            std::pair(Dimension::plane, StoneKind::pebbles),
                                            std::pair(Dimension::plane, StoneKind::clump),
                                            std::pair(Dimension::space, StoneKind::disk),
+                                           std::pair(Dimension::space, StoneKind::polyhedra),
+                                           std::pair(Dimension::space, StoneKind::compound),
                                            std::pair(Dimension::space, StoneKind::clump)));
+
+// Spheres that stick where they drop fill a third of space and more.
+TEST(Columns, InSpaceStonesLieClose) {
+  Scene scene(Dimension::space, StoneKind::disk);
+  scene.bed.sieve = {22.4, 63}, scene.bed.passing = {0, 100};
+  scene.bed.height = 0.4;
+  double top = 0;
+  for (const auto& stone : scene.build()) top = std::max(top, stone.position.z());
+  EXPECT_LT(top, 3 * scene.bed.height * (1 - scene.bed.porosity));
+}
 
 TEST(Columns, SeedDecides) {
   Scene scene(Dimension::plane, StoneKind::pebbles);

@@ -19,8 +19,8 @@ constexpr int many = 20000;
 // Per cent of the mass that passes `sieve` (m), for evenly spread draws.
 double passing(const Mix& mix, double sieve, int dimension) {
   double below = 0, all = 0;
-  for (int i = 0; i < many; ++i) {
-    const Draw draw = mix.draw((i + 0.5) / many);
+  for (std::uint64_t i = 0; i < many; ++i) {
+    const Draw draw = mix.draw(i, many);
     const auto& shape = mix.templates()[static_cast<std::size_t>(draw.shape)];
     const double mass = shape.volume * std::pow(draw.scale, dimension);
     all += mass;
@@ -71,6 +71,13 @@ TEST(Grading, ClumpsAreGradedByTheirSieve) {
   expect_grading(bed, Dimension::space, 0.05);
 }
 
+TEST(Grading, PolyhedraAreGradedByTheirSieve) {
+  BedParameters bed;
+  bed.stone = StoneKind::polyhedra;
+  bed.shapes = 7;
+  expect_grading(bed, Dimension::space, 0.1);
+}
+
 TEST(Grading, OutlinesStandForEqualSharesOfTheMass) {
   BedParameters bed;
   bed.shapes = 40;
@@ -86,8 +93,8 @@ TEST(Grading, EmptyClassesAreSkipped) {
   bed.passing = {0, 0, 50, 50, 100};
   expect_grading(bed, Dimension::plane, 0.1);
   const Mix mix(bed, Dimension::plane);
-  for (int i = 0; i < many; ++i) {
-    const double size = mix.draw((i + 0.5) / many).scale;
+  for (std::uint64_t i = 0; i < many; ++i) {
+    const double size = mix.draw(i, many).scale;
     EXPECT_TRUE((size >= 0.02 && size <= 0.03) || (size >= 0.04 && size <= 0.05)) << size;
   }
 }
@@ -108,11 +115,50 @@ TEST(Shapes, TemplatesHaveTheMassOfTheSolid) {
   }
 }
 
+TEST(Shapes, CompoundsAreThePolyhedraInPieces) {
+  BedParameters bed;
+  bed.polyhedron.vertices = 12;
+  bed.stone = StoneKind::polyhedra;
+  const dem::Template whole = polyhedron_stone(bed, 4);
+  ASSERT_EQ(whole.pieces.size(), 1u);
+  EXPECT_EQ(whole.pieces[0].core.vertices.size(), 12u);
+  EXPECT_EQ(whole.pieces[0].core.faces.size(), 20u);
+  EXPECT_GT((polyhedron_stone(bed, 5).gyration - whole.gyration).norm(), 1e-3);
+  bed.stone = StoneKind::compound;
+  const dem::Template cut = polyhedron_stone(bed, 4);
+  ASSERT_EQ(cut.pieces.size(), 3u);
+  EXPECT_EQ(cut.volume, whole.volume);
+  EXPECT_EQ(cut.sieve, whole.sieve);
+  EXPECT_EQ(cut.gyration, whole.gyration);
+  // The pieces' own union, by columns (3e-4 at 192), is that stone.
+  const geom::Solid all = geom::union_solid(cut.pieces, 192);
+  EXPECT_NEAR(all.volume / whole.volume, 1, 1e-3);
+  EXPECT_LT(all.centre.norm(), 1e-3);
+  EXPECT_NEAR((all.gyration - whole.gyration).norm() / whole.gyration.norm(), 0, 2e-3);
+}
+
+TEST(Shapes, FilledPolyhedraHaveSpheresFromFewestToMost) {
+  BedParameters bed;
+  bed.stone = StoneKind::clump;
+  bed.polyhedron.spheres = {5, 7};
+  bed.shapes = 6;
+  const std::vector<std::size_t> wanted = {5, 5, 6, 6, 7, 7};
+  for (std::size_t k = 0; k < wanted.size(); k += 2) {
+    const dem::Template made = polyhedron_stone(bed, static_cast<std::int64_t>(k));
+    EXPECT_EQ(made.pieces.size(), wanted[k]);
+    for (const dem::Piece& piece : made.pieces) EXPECT_EQ(piece.core.vertices.size(), 1u);
+  }
+}
+
 TEST(Shapes, WhatCannotBeMadeIsBadInput) {
   BedParameters bed;
   EXPECT_THROW(Mix(bed, Dimension::space), InputError);
   bed.pebble_radius = 0.02;
   EXPECT_THROW(Mix(bed, Dimension::plane), InputError);
+  for (const StoneKind kind : {StoneKind::clump, StoneKind::polyhedra, StoneKind::compound}) {
+    bed.stone = kind;
+    EXPECT_THROW(Mix(bed, Dimension::plane), InputError);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,79 @@
+// Irregular stones in space: rounded polyhedra, whole, in convex pieces, or filled with spheres.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "shapes.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+#include "trackbed/geom/mesh.hpp"
+
+namespace trackbed::bed {
+
+namespace {
+
+constexpr int cells = 192;  // columns across a union of spheres
+
+dem::Template compound(const geom::Piece& whole, int parts) {
+  // Slices of the core, each swept by the ball of the whole: together they are the same stone, so
+  // its mass and its sieve size are exact.
+  std::vector<geom::Piece> pieces;
+  for (const geom::Convex& part : geom::sliced(whole.core, parts))
+    pieces.push_back({part, whole.radius});
+  return geom::template_of(pieces, geom::piece_solid(whole), geom::smallest_hole({whole}));
+}
+
+dem::Template filled(const geom::Piece& whole, int spheres) {
+  const auto made = geom::clump(geom::surface_of(whole), spheres).spheres;
+  return geom::template_of(balls(made), geom::union_solid(made, cells), geom::smallest_hole(made));
+}
+
+// Evenly spread over the templates, ends included.
+int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t shapes) {
+  const auto least = static_cast<std::int64_t>(range[0]);
+  const auto kinds = static_cast<std::int64_t>(range[1]) - least + 1;
+  return static_cast<int>(least + k * kinds / shapes);
+}
+
+}  // namespace
+
+void PolyhedronParameters::declare(input::Section& s) {
+  s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
+            "Corners of a stone; its faces are triangles, twice as many less four.");
+  s.number("elongation", elongation, {.above = 0, .at_most = 1},
+           "Middle over longest side of the box around the stone.");
+  s.number("flatness", flatness, {.above = 0, .at_most = 1},
+           "Shortest over middle side of the box around the stone.");
+  s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
+           "0: corners evenly spread over an ellipsoid; 1: a worn polyhedron of few main corners.");
+  s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
+           "Radius of edges and corners over the diameter of the ball of the same volume, "
+           "which is kept.");
+  s.integer("pieces", pieces, {.at_least = 2, .at_most = 100},
+            "Convex pieces of equal volume that a stone is cut into (compound).");
+  s.numbers("spheres", spheres, {.at_least = 1, .at_most = 200},
+            "Fewest and most spheres in a stone; spread evenly over the shapes (clump).", 2);
+  s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1], "must not fall");
+}
+
+dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) {
+  const PolyhedronParameters& p = parameters.polyhedron;
+  const std::uint64_t seed =
+      mix(static_cast<std::uint64_t>(parameters.seed) ^ mix(static_cast<std::uint64_t>(k)));
+  try {
+    const geom::Convex hull =
+        geom::stone({p.elongation, p.flatness, p.angularity, static_cast<int>(p.vertices)}, seed);
+    const double diameter = std::cbrt(6 * geom::steiner_of(hull).volume / std::numbers::pi);
+    const geom::Piece whole = geom::rounded(hull, p.rounding * diameter);
+    if (parameters.stone == StoneKind::compound) return compound(whole, static_cast<int>(p.pieces));
+    if (parameters.stone == StoneKind::clump)
+      return filled(whole, spheres_of(p.spheres, k, parameters.shapes));
+    return geom::template_of({whole});
+  } catch (const std::invalid_argument& why) {
+    throw InputError({fmt::format("bed.polyhedron makes no stone: {}", why.what())});
+  }
+}
+
+}  // namespace trackbed::bed
