@@ -13,7 +13,7 @@ namespace trackbed::app {
 // Counters at the moment from which speeds are measured.
 struct Measured {
   std::string stage;
-  double dem_seconds = 0;  // on this rank
+  double dem_seconds = 0, neighbour_seconds = 0, cpu_seconds = 0;  // on this rank
   std::int64_t dem_steps = 0;
   double ground_seconds = 0;
   std::int64_t ground_steps = 0;
