@@ -12,6 +12,16 @@ std::uint8_t byte(int corner) { return static_cast<std::uint8_t>(corner); }
 
 Vec4 vec4(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
 
+// Faces may be given in parts that lie in one plane: what is between those is no edge, and felt as
+// one it would stiffen the face.
+bool within_a_face(const geom::Convex& hull, const geom::Edge& edge) {
+  constexpr double flat = 1e-6;  // rad
+  if (edge.faces[0] < 0 || edge.faces[1] < 0) return false;
+  const Vec3& one = hull.faces[static_cast<std::size_t>(edge.faces[0])].normal;
+  const Vec3& other = hull.faces[static_cast<std::size_t>(edge.faces[1])].normal;
+  return one.dot(other) > 0 && one.cross(other).norm() < flat;
+}
+
 }  // namespace
 
 Core core_of(const geom::Piece& piece) {
@@ -25,7 +35,7 @@ Core core_of(const geom::Piece& piece) {
   core.flat = hull.faces.size() == 2;
   for (const Vec3& v : hull.vertices) core.corners.push_back(vec4(v));
   for (const geom::Edge& e : hull.edges)
-    core.edges.push_back({byte(e.vertices[0]), byte(e.vertices[1])});
+    if (!within_a_face(hull, e)) core.edges.push_back({byte(e.vertices[0]), byte(e.vertices[1])});
   const std::size_t faces = core.flat ? 1 : hull.faces.size();
   for (std::size_t f = 0; f < faces; ++f) {
     const std::vector<int>& v = hull.faces[f].vertices;

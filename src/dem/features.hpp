@@ -2,7 +2,7 @@
 // them: the smooth maximum of all overlaps.
 //
 // Features: each corner to the closed other core (the least distance to its triangles), each edge
-// to each closed edge. Every distance is continuous, so the energy of the pair is, too:
+// to each closed edge. Every distance has a continuous gradient, so the force is continuous:
 //   delta_k = r_i + r_j - d_k > 0,   M = (sum delta_k^p)^(1/p),   energy U(M)
 // The force on i is -U'(M) N, N = sum s_k n_k, s_k = dM/d delta_k = (delta_k / M)^(p-1), and its
 // torque -U'(M) T with T = sum s_k x_k x n_k, n_k from i to j: exactly the gradient of U, whatever

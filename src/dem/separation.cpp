@@ -105,41 +105,52 @@ Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, d
   return best;
 }
 
-Slab separating_axis(const Placed& first, const Placed& second) {
+namespace {
+
+// Tries axes and keeps the widest slab. Across an axis on which both cores have no extent and the
+// same place there is no way out: they lie in one plane, which is remembered.
+struct Axes {
+  const Placed &first, &second;
   Slab best{Vec3::UnitX(), -std::numeric_limits<double>::infinity()};
-  const auto try_axis = [&](Vec3 axis) {
+  Vec3 plane = Vec3::Zero();
+
+  void look(Vec3 axis) {
+    const double flat = 1e-12 * (first.radius + second.radius);  // rounding
     const double length = axis.norm();
     if (!(length > 1e-300)) return;
     axis /= length;
-    for (const Vec3& n : {axis, Vec3(-axis)}) {
-      const double width = slab_width(first, second, n);
-      if (width > best.width) best = {n, width};
+    const double ahead = slab_width(first, second, axis), behind = slab_width(first, second, -axis);
+    if (std::max(std::abs(ahead), std::abs(behind)) < flat) {
+      plane = axis;
+      return;
     }
-  };
+    if (ahead > best.width) best = {axis, ahead};
+    if (behind > best.width) best = {-axis, behind};
+  }
+  void look_along_plane() {
+    for (const Placed* p : {&first, &second})
+      for (const Core::Edge& e : p->core->edges)
+        look(plane.cross(p->corner(e[1]) - p->corner(e[0])));
+  }
+};
+
+}  // namespace
+
+Slab separating_axis(const Placed& first, const Placed& second) {
+  Axes axes{first, second};
   for (const Placed* p : {&first, &second})
     for (const Core::Triangle& t : p->core->triangles) {
-      const Vec3 a = p->corner(t[0]), along = p->corner(t[1]) - a;
-      const Vec3 normal = along.cross(p->corner(t[2]) - a);
-      try_axis(normal);
-      if (!p->core->flat) continue;
-      for (std::size_t k = 0; k < 3; ++k)
-        try_axis(normal.cross(p->corner(t[(k + 1) % 3]) - p->corner(t[k])));
+      const Vec3 a = p->corner(t[0]);
+      axes.look((p->corner(t[1]) - a).cross(p->corner(t[2]) - a));
     }
   for (const Core::Edge& e : first.core->edges) {
     const Vec3 u = first.corner(e[1]) - first.corner(e[0]);
     for (const Core::Edge& g : second.core->edges)
-      try_axis(u.cross(second.corner(g[1]) - second.corner(g[0])));
+      axes.look(u.cross(second.corner(g[1]) - second.corner(g[0])));
   }
-  return best;
-}
-
-Vec3 furthest(const Placed& core, const Vec3& direction, double tolerance) {
-  const double most = support(core, direction).along - tolerance;
-  Vec3 sum = Vec3::Zero();
-  double count = 0;
-  for (std::size_t k = 0; k < core.corners.size(); ++k)
-    if (direction.dot(core.corner(k)) >= most) sum += core.corner(k), count += 1;
-  return sum / count;
+  if (!axes.plane.isZero()) axes.look_along_plane();
+  if (!std::isfinite(axes.best.width)) axes.best.width = 0;  // points and segments have no inside
+  return axes.best;
 }
 
 }  // namespace trackbed::dem

@@ -34,10 +34,8 @@ double slab_width(const Placed& first, const Placed& second, const Vec3& normal)
 Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, double tolerance);
 
 // The widest slab over all face normals and crossed edges (separating axis theorem). Exact where
-// the cores overlap: minus its width is the smallest way out. Cost: every pair of edges.
+// the cores overlap: minus its width is the smallest way out, of cores in one plane the smallest
+// way within it. Cost: every pair of edges.
 Slab separating_axis(const Placed& first, const Placed& second);
-
-// Centre of the corners that lie within `tolerance` of the furthest along `direction`, m.
-Vec3 furthest(const Placed& core, const Vec3& direction, double tolerance);
 
 }  // namespace trackbed::dem

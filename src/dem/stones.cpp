@@ -14,19 +14,19 @@ constexpr double margin_steps = 200, least_margin = 0.02, most_margin = 0.3;
 // Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is
 // a small part of it.
 constexpr double close = 0.05;
+// Cores that overlap are felt as if they were this far apart, over the sum of radii: near enough to
+// touching that the energy does not jump, far enough that every normal is known.
+constexpr double apart_by = 1e-3;
 constexpr std::size_t block = 256;  // features computed together: stays in the first-level cache
 
 }  // namespace
 
 // One pair, placed: everything relative to the centre of the first one's particle.
 struct StoneContacts::Sight {
-  std::uint32_t entry;
-  std::int32_t piece;
   Placed i, j;
   double reach;  // m
 
-  Sight(const Scene& scene, const StoneList& list, std::int32_t p, std::uint32_t e)
-      : entry(e), piece(p) {
+  Sight(const Scene& scene, const StoneList& list, std::int32_t p, std::uint32_t e) {
     const Entry& other = list.entries[e];
     const auto bi = body(scene, p), bj = body(scene, other.piece);
     const Vec4 &xi = scene.state.x[bi], &xj = scene.state.x[bj], &h = list.shifts[other.shift];
@@ -163,7 +163,7 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
     start = sight.j.offset + sight.j.corners[0].vec3() - sight.i.corners[0].vec3();
     start = start.norm() > 0 ? Vec3(start.normalized()) : Vec3(Vec3::UnitZ());
   }
-  Slab slab = widest_slab(sight.i, sight.j, start, 0.1 * slack);
+  const Slab slab = widest_slab(sight.i, sight.j, start, 0.1 * slack);
   const bool apart = slab.width > sight.reach + slack;
   reach.normal = slab.normal;
   live_ -= reach.count();
@@ -175,41 +175,53 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
   live_ += reach.count();
 }
 
-void StoneContacts::gather(const Sight& sight, const Reach& reach, double path) {
+FeatureSet StoneContacts::gather(const Sight& sight, const Reach& reach, FeatureRow& corners,
+                                 FeatureRow& edges) const {
   const FeatureWord* word = words_.data() + reach.begin;
-  FeatureSet set{corners_.size(), 0, edges_.size(), 0, reach.begin, reach.of_i};
+  FeatureSet set{corners.size(), 0, edges.size(), 0, reach.begin, reach.of_i};
   for (std::size_t k = 0; k < static_cast<std::size_t>(reach.of_i) + reach.of_j; ++k)
-    add_corner(corners_, sight.i, sight.j, *word++, k < reach.of_i);
-  for (std::size_t k = 0; k < reach.edges; ++k) add_edges(edges_, sight.i, sight.j, *word++);
-  set.corners_end = corners_.size(), set.edges_end = edges_.size();
-  pending_.push_back({sight.entry, sight.piece, set, sight.reach, path});
+    add_corner(corners, sight.i, sight.j, *word++, k < reach.of_i);
+  for (std::size_t k = 0; k < reach.edges; ++k) add_edges(edges, sight.i, sight.j, *word++);
+  set.corners_end = corners.size(), set.edges_end = edges.size();
+  return set;
+}
+
+// Cores overlap: j is moved out along the smallest way, and what is felt there grows by that way.
+// The energy goes on without a jump from cores that touch, and the force stays its gradient as far
+// as N does not change along the way.
+Wrench StoneContacts::deep_wrench(const Sight& sight, const Slab& slab) {
+  thread_local FeatureRow corners, edges;
+  corners.clear(), edges.clear();
+  const double way = apart_by * sight.reach - slab.width;
+  Sight moved = sight;
+  moved.j.offset += way * slab.normal;
+  Reach near;
+  near.normal = slab.normal;
+  near.begin = static_cast<std::uint32_t>(words_.size());
+  keep_features(moved, near, sight.reach, sight.reach);
+  const FeatureSet set = gather(moved, near, corners, edges);
+  corners.compute_corners(), edges.compute_edges();
+  Wrench w = smooth_maximum(corners, edges, set, words_.data(), sight.reach);
+  words_.resize(near.begin);
+  w.M += way * w.N.dot(slab.normal);
+  return w;
 }
 
 Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pending& p) {
   Reach& reach = reaches_[p.entry];
-  Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), p.reach);
+  const Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), p.reach);
   if (w.closest < close * p.reach) reach.watch = true;
   if (!reach.watch) return w;
   const Sight sight(scene, list, p.piece, p.entry);
   // Any direction with an empty slab shows that the cores are apart; seldom all must be tried.
   const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
-  if (apart) {
-    reach.watch = w.closest < close * sight.reach;
-    return w;
-  }
-  const Slab slab = separating_axis(sight.i, sight.j);
-  if (slab.width > 0) {
+  const Slab slab = apart ? Slab{} : separating_axis(sight.i, sight.j);
+  if (apart || slab.width > 0) {
     reach.watch = w.closest < close * sight.reach;
     return w;
   }
   ++deep_;
-  const double flat = 1e-6 * sight.reach;  // corners this near to a face lie on it
-  w.M = sight.reach - slab.width;
-  w.N = slab.normal;
-  w.x = 0.5 * (furthest(sight.i, slab.normal, flat) + furthest(sight.j, -slab.normal, flat));
-  w.T = w.x.cross(w.N);
-  w.spread = 0;
-  return w;
+  return deep_wrench(sight, slab);
 }
 
 void StoneContacts::flush(const Scene& scene, StoneList& list) {
@@ -246,7 +258,8 @@ const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& l
       if (path < reach.quiet) continue;
       const Sight sight(scene, list, row.piece, e);
       if (!(path < reach.until)) refresh(sight, reach, path, pieces.pace[i] + pieces.pace[j]);
-      gather(sight, reach, path);
+      const FeatureSet set = gather(sight, reach, corners_, edges_);
+      pending_.push_back({e, row.piece, set, sight.reach, path});
       if (corners_.size() > block || edges_.size() > block) flush(scene, list);
     }
   }

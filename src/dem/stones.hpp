@@ -57,9 +57,11 @@ class StoneContacts {
 
   void refresh(const Sight& sight, Reach& reach, double path, double pace);
   void keep_features(const Sight& sight, Reach& reach, double depth, double within);
-  void gather(const Sight& sight, const Reach& reach, double path);
+  FeatureSet gather(const Sight& sight, const Reach& reach, FeatureRow& corners,
+                    FeatureRow& edges) const;
   void flush(const Scene& scene, StoneList& list);
   Wrench wrench(const Scene& scene, const StoneList& list, const Pending& p);
+  Wrench deep_wrench(const Sight& sight, const Slab& slab);
   void compact();
 
   std::vector<Reach> reaches_;
