@@ -115,6 +115,7 @@ void load_surfaces(World& world, const io::File& file) {
 
 }  // namespace
 
+// "results/mine/", "results/mine" and "results/mine/stage_fill.h5" mean the same folder.
 std::string folder_of_checkpoint(const std::string& checkpoint) {
   namespace fs = std::filesystem;
   fs::path folder(checkpoint);

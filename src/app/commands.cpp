@@ -29,6 +29,7 @@ void print(const par::Comm& comm, const std::string& text) {
   std::fflush(stdout);
 }
 
+// Warnings are said and the run goes on; problems leave as InputError.
 Model read_model(const par::Comm& comm, const input::Deck& deck) {
   Model model;
   for (const std::string& sentence : deck.fill(declaration_of(model)))
@@ -111,6 +112,8 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
+  // After all checks and before the model is built: a refused run has removed nothing, and a folder
+  // that cannot be made costs no time.
   prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, start);
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!start.empty()) simulation.start_from(start);

@@ -48,6 +48,7 @@ struct Holds {
   bool newmark;       // made the ground's last window
 };
 
+// From the deck that made the state, not from the new one: it says what the state is.
 Holds holds_of(const io::File& checkpoint, const Values& deck) {
   const auto is = [&](const char* key, const char* value) {
     const auto found = deck.find(key);

@@ -1,3 +1,5 @@
+// MPI is begun before anything else and ended after everything else: objects that hold MPI handles
+// live within `program`.
 #include "app/program.hpp"
 #include "trackbed/par/comm.hpp"
 

@@ -1,5 +1,8 @@
 // Command line by CLI11. Words after `--` go to PETSc unseen, so that any of its options can be
 // used.
+// Every exception ends here, as a sentence on rank 0 and an exit code that scripts can trust. Input
+// and run errors are equal on all ranks by the time they arrive; anything else is a rank's own
+// trouble.
 #include "app/program.hpp"
 
 #include <fmt/format.h>
@@ -109,6 +112,7 @@ int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
   return static_cast<int>(code);
 }
 
+// --help and --version are errors to CLI11, with exit code 0.
 int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
   if (!comm.root()) return error.get_exit_code() == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
   return line.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
@@ -132,6 +136,7 @@ int program(const par::Comm& comm, int argc, char** argv) {
     return parse_error(comm, line, error);
   }
   try {
+    // Outlives the model: its matrices and solvers must go before PETSc does.
     const fem::Petsc petsc(petsc_options);
     return (*chosen)(comm, arguments);
   } catch (const InputError& error) {

@@ -29,6 +29,7 @@ std::string clock_words(double seconds) {
 }
 
 // Simulated time still to come, as far as durations are given.
+// Stages may end early, passages without a duration count 0: a guess, for a person.
 double remaining(const Course& course, const Model& model) {
   double time =
       static_cast<double>(course.clock.windows() - course.clock.window()) * course.clock.dt();

@@ -112,6 +112,8 @@ bool same_folder(const par::Comm& comm, const std::string& one, const std::strin
 
 void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
                     const std::string& start) {
+  // Rank 0 looks and all hear: a file system shown to other nodes late must not split the ranks.
+  // Nothing is removed until every objection has been heard.
   std::vector<fs::path> old;
   std::string problem;
   if (comm.root()) try {

@@ -89,6 +89,8 @@ bool is_within(const std::vector<double>& inner, const std::vector<double>& oute
          (inner[0] >= outer[0] - rounding && inner[1] <= outer[1] + rounding);
 }
 
+// A bed longer than its ground is no bed: stones at its ends would fall for ever, and the run would
+// end with a lost stone minutes later.
 void declare_ground_below(const Model& model, input::Section& s) {
   if (!model.ground.present) return;
   const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
@@ -106,6 +108,8 @@ double last_sleeper(const track::SleeperParameters& p) {
   return p.first + static_cast<double>(p.count - 1) * p.spacing;
 }
 
+// Outside is an error, sticking out a warning: half a sleeper at the end of a bed is a legitimate
+// cut, one beside it stands on nothing.
 void declare_sleepers(const Model& model, input::Section& s) {
   const auto& p = model.sleepers;
   const auto& x = model.bed.x;
@@ -143,6 +147,7 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
   const auto& sleepers = model.sleepers;
   const Stage& stage = model.stages[number];
   const double last = last_sleeper(sleepers);
+  // Axles are named by their distance behind the first: the largest is the rear one.
   const double rear = *std::max_element(load.axles.begin(), load.axles.end());
   const double lead = *std::min_element(load.axles.begin(), load.axles.end());
   const double time =

@@ -1,5 +1,7 @@
 // Collects a declaration into a tree without changing any variable, and prints from it what a deck
 // could say: the names, and the present values as effective input.
+// One visit feeds the page, the schema, the effective deck and the suggestions, so none of them can
+// know a parameter that the others do not.
 #include "input/spec.hpp"
 
 #include <fmt/format.h>
@@ -49,6 +51,7 @@ class Collector : public Section {
   void rule(std::string_view, bool, std::string_view, const About&) override {}
 
  protected:
+  // A list without elements still has to show what one may hold: the visit is given one.
   bool describes() const override { return lists_ == Lists::at_least_one_element; }
   bool enter(std::string_view name, std::string_view meaning) override {
     open_.push_back(&add(name, "section", {}, meaning));
@@ -92,6 +95,7 @@ void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
     found.push_back({spec.path, spec.kind, spec.unit, spec.meaning});
 }
 
+// The effective deck: every value the program went by, defaults included.
 Node values_of(const Spec& spec) {
   if (spec.is_list()) {
     Node list = make_list({});

@@ -52,6 +52,8 @@ void write_data(File& file, const std::string& group, const std::vector<FieldDat
   }
 }
 
+// VTKHDF wants all pieces' rows one after the other, counts per piece beside them: just what
+// File::write does with the ranks' shares.
 void write_cells(File& file, const Grid& grid, std::size_t cells) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
   std::vector<std::int64_t> offsets(cells + 1);  // each piece has one more than cells

@@ -72,6 +72,7 @@ std::vector<double> extremes(const par::Comm& comm, const io::File& file, const 
   if (wanted.from == From::zero) std::fill(origin.begin(), origin.end(), 0.0);
   const auto [begin, count] = io::share(rows.second - rows.first, comm.rank(), comm.size());
   const auto values = file.read_rows<double>(wanted.source, rows.first + begin, count);
+  // One maximum serves all: lowest is the largest of the negated, turned back at the end.
   const double sign = wanted.extreme == Extreme::most ? 1 : -1;
   std::vector<double> found(columns, 0.0);  // the first row itself is at most zero away
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -105,6 +106,7 @@ void Results::envelope(std::int64_t stage) {
       file.write<double>(wanted->target,
                          std::span(values).first(room.comm.root() ? values.size() : 0), 1,
                          wanted->label);
+    // A resume from an earlier checkpoint drops an envelope that knows rows it does not have.
     file.attribute("envelope", "rows", room.rows);
     file.attribute("envelope", "stage", stage);
   });

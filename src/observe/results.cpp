@@ -188,6 +188,7 @@ void Results::Room::sample_sleepers(const track::Sleepers* sleepers,
         there ? sleepers->state(i)
               : track::SleeperState{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                     Vec3::Zero()};
+    // Forces up positive as in the rest of the file; seat loads are given downwards.
     const double values[] = {state.displacement.z(), state.velocity.z(), state.acceleration.z(),
                              there ? -seat_force[i] : 0, there ? sleepers->reaction(i).z() : 0};
     for (std::size_t k = 0; k < 5; ++k) sleeper[k].values.push_back(values[k]);

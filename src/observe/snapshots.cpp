@@ -83,6 +83,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene) {
   const Network network = network_of(scene.particles);
   const Stones stones = stones_of(scene.particles);
   room_->replace([&](io::File& file) {
+    // One group per stage: a deck has no two stages of one name.
     const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
     file.write<double>(chains + "/segments", network.segments, 4,
                        {"m", "x and z of the two ends of each contact"});
