@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -86,6 +87,10 @@ void print_costs(const par::Comm& comm, const Model& model, World& world,
     print(comm,
           fmt::format("stage {}: window {:.4g} s in {} sub-steps (limit: {}), {:.0f} windows\n",
                       stage.name, steps.window, steps.substeps, steps.limit, windows));
+    const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
+    if (std::isfinite(coupling.window))
+      print(comm, fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n",
+                              coupling.window, coupling.words()));
   }
   print(comm, fmt::format(
                   "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores, {:.0f} ns per "

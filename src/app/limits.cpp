@@ -13,6 +13,7 @@
 
 #include "app/world.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::app {
 
@@ -29,6 +30,11 @@ double sieve_low(const Model& model) {
   return sieve.empty() ? 0.02 : positive(sieve.front(), 20) * 1e-3;
 }
 
+double sieve_high(const Model& model) {
+  const auto& sieve = model.bed.sieve;
+  return sieve.empty() ? 0.06 : positive(sieve.back(), 60) * 1e-3;
+}
+
 double lightest_material(const Model& model) {
   double density = infinite;
   for (const auto& material : model.physics.materials)
@@ -36,12 +42,34 @@ double lightest_material(const Model& model) {
   return std::isfinite(density) ? density : 2600;
 }
 
-double top_node_mass(const Model& model) {
+// Stones of one size that lie side by side on a face of these extents, m.
+double contacts_on(const Model& model, double along, double across) {
+  const auto row = [&](double extent) {
+    return std::max(1.0, std::ceil(extent / sieve_low(model)));
+  };
+  return row(along) * (model.dimension == Dimension::plane ? 1 : row(across));
+}
+
+// Of stones whose size gives the radius: hertz contacts stiffen with it.
+double stiffest_contact(const Model& model, double size) {
+  return positive(dem::stiffest_contact(model.physics, size / 2, model.dem.largest_overlap), 1e6);
+}
+
+CouplingLimit limit_of(const Model& model, const std::string& body, double mass, double contacts) {
+  const double k = stiffest_contact(model, sieve_high(model));
+  return {.window = 0.5 * std::sqrt(mass / (contacts * k)),
+          .body = fmt::format("{} of {:.3g} kg", body, mass),
+          .contacts = contacts,
+          .stiffness = k};
+}
+
+CouplingLimit limit_of_top(const Model& model) {
   const auto& ground = model.ground;
   double density = infinite;
   for (const auto& layer : ground.layers)
     if (layer.solid.density > 0) density = std::min(density, layer.solid.density);
-  if (!std::isfinite(density) || ground.x.size() != 2 || ground.y.size() != 2) return infinite;
+  if (!std::isfinite(density) || ground.x.size() != 2 || ground.y.size() != 2)
+    return {.window = infinite};
   double depth = 0;
   for (const auto& layer : ground.layers) depth += positive(layer.thickness, 0);
   const auto cells = [](std::int64_t n) {
@@ -53,24 +81,12 @@ double top_node_mass(const Model& model) {
                         : (ground.y[1] - ground.y[0]) / cells(ground.zones_y);
   const double dz = depth / cells(ground.zones_z);
   const double mass = density * dx * dy * dz / 2;
-  return mass > 0 ? mass : infinite;
+  if (!(mass > 0)) return {.window = infinite};
+  constexpr double contacts = 1;  // a zone is about as long as a stone
+  return limit_of(model, "node of the ground's top", mass, contacts);
 }
 
 }  // namespace
-
-double stiffest_contact(const Model& model) {
-  double k = 0;
-  const double size = model.bed.sieve.empty() ? 0.06 : positive(model.bed.sieve.back(), 60) * 1e-3;
-  for (const auto& law : model.physics.laws)
-    if (law.kind == dem::LawKind::linear) k = std::max(k, law.k_n);
-  // Hertz: dF/ddelta = 2 E* sqrt(R delta), E* = E / (2 (1 - nu^2)) of equal materials (Johnson
-  // 1985).
-  for (const auto& material : model.physics.materials) {
-    const double e_star = material.young / (2 * (1 - material.poisson * material.poisson));
-    k = std::max(k, 2 * e_star * 0.5 * size * std::sqrt(1e-3));
-  }
-  return positive(k, 1e6);
-}
 
 double rough_step_limit(const Model& model) {
   const double d = sieve_low(model);
@@ -79,19 +95,25 @@ double rough_step_limit(const Model& model) {
                             ? std::numbers::pi / 4 * d * d * shape * positive(model.thickness, 1)
                             : std::numbers::pi / 6 * d * d * d * shape * shape;
   const double mass = lightest_material(model) * volume;
-  return positive(model.dem.safety, 0.2) * std::sqrt(mass / stiffest_contact(model));
+  return positive(model.dem.safety, 0.2) * std::sqrt(mass / stiffest_contact(model, d));
 }
 
-double coupling_limit(const Model& model, bool ground_moves) {
-  double mass = infinite;
-  if (model.ground.present && ground_moves) mass = top_node_mass(model);
-  if (model.has_stage(StageKind::sleepers)) {
-    const auto& s = model.sleepers;
-    const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
-    const double sleeper = s.density * s.width * s.height * length;
-    if (sleeper > 0) mass = std::min(mass, sleeper);
-  }
-  return 0.5 * std::sqrt(mass / stiffest_contact(model));
+CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
+  CouplingLimit limit{.window = infinite};
+  if (model.ground.present && ground_moves) limit = limit_of_top(model);
+  if (!model.has_stage(StageKind::sleepers)) return limit;
+  const auto& s = model.sleepers;
+  const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
+  const double mass = s.density * s.width * s.height * length;
+  if (!(mass > 0)) return limit;
+  const CouplingLimit sleeper =
+      limit_of(model, "sleeper", mass, contacts_on(model, s.width, length));
+  return sleeper.window < limit.window ? sleeper : limit;
+}
+
+std::string CouplingLimit::words() const {
+  return fmt::format("{} on {:.0f} contact{} of {:.3g} N/m", body, contacts,
+                     contacts > 1 ? "s" : "", stiffness);
 }
 
 Steps choose_steps(const World& world, const Model& model, const Stage& stage,
@@ -102,7 +124,7 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
     throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
                                   deck.where("time.step"), model.time.step, dem_limit, dem_words)});
   const double step = model.time.step > 0 ? model.time.step : dem_limit;
-  const double coupling = coupling_limit(model, stage.ground_moves);
+  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
   steps.limit = "stones: " + dem_words;
@@ -112,14 +134,15 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
     if (ground < steps.window)
       steps.limit += fmt::format("; ground in steps of at most {:.4g} s: {}", ground, ground_words);
   }
-  if (coupling < steps.window) {
-    steps.window = coupling;
-    steps.limit = "coupling: contact stiffness and mass of what the stones touch";
+  if (coupling.window < steps.window) {
+    steps.window = coupling.window;
+    steps.limit = "coupling: " + coupling.words();
   }
   if (model.time.window > 0) {
-    if (model.time.window > coupling * (1 + rounding))
-      throw InputError({fmt::format("{} = {:g} s is above the stable window of {:.4g} s",
-                                    deck.where("time.window"), model.time.window, coupling)});
+    if (model.time.window > coupling.window * (1 + rounding))
+      throw InputError({fmt::format("{} = {:g} s is above the stable window of {:.4g} s ({})",
+                                    deck.where("time.window"), model.time.window, coupling.window,
+                                    coupling.words())});
     steps.window = model.time.window, steps.limit = "given";
   }
   if (!std::isfinite(steps.window))

@@ -10,15 +10,23 @@ namespace trackbed::app {
 
 struct World;
 
-// Largest stiffness of a contact, N/m (Hertz: at an overlap of 1/1000 of the largest stone).
-double stiffest_contact(const Model& model);
 // Upper bound of the stable sub-step, s: safety * sqrt(m/k) of a stone of the smallest sieve.
 double rough_step_limit(const Model& model);
-// Largest window of the staggered coupling, s: 0.5 sqrt(m/k) with m the lightest body the stones
-// push (sleeper; node of the ground's top, if it moves) and k the stiffest contact. The load of a
-// window acts one window late, which feeds energy into an oscillator of frequency w at the rate
-// w^2 dt/2; at this limit the damping of the contacts still takes more.
-double coupling_limit(const Model& model, bool ground_moves);
+
+// What the largest window of the staggered coupling follows from: 0.5 sqrt(m/(n k)) of the body for
+// which it is shortest (sleeper; node of the ground's top, if it moves) on n contacts of the
+// largest stiffness k. The load of a window acts one window late, which feeds energy into an
+// oscillator of frequency w at the rate w^2 dt/2; at this limit the damping of the contacts still
+// takes more.
+struct CouplingLimit {
+  double window;       // s, infinite if nothing moves
+  std::string body{};  // "sleeper of 202 kg"
+  // n, at once. Sleeper: stones of the smallest sieve side by side on its face.
+  double contacts = 1;
+  double stiffness = 0;  // k, N/m
+  std::string words() const;
+};
+CouplingLimit coupling_limit(const Model& model, bool ground_moves);
 
 struct Steps {
   double window = 0;  // s

@@ -114,7 +114,7 @@ void Model::declare(input::Section& s) {
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
   time.rough_step = rough_step_limit(*this);
-  time.rough_window = coupling_limit(*this, true);
+  time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
 }
 

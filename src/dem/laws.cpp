@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem {
 
@@ -26,26 +27,36 @@ Law linear_law(const ContactLaw& c) {
           .mu = c.friction};
 }
 
+// k_n and k_s over sqrt(R delta), Pa: 4/3 E* and 8 G* (Hertz; Mindlin 1949).
+struct HertzStiffness {
+  double e_star, g_star;
+  double normal() const { return 4.0 / 3.0 * e_star; }
+  double shear() const { return 8 * g_star; }
+};
+
+HertzStiffness hertz_stiffness(const Material& a, const Material& b) {
+  const auto softness = [](const Material& m) { return (1 - m.poisson * m.poisson) / m.young; };
+  const auto shear_softness = [](const Material& m) {
+    return 2 * (2 - m.poisson) * (1 + m.poisson) / m.young;
+  };
+  return {1 / (softness(a) + softness(b)), 1 / (shear_softness(a) + shear_softness(b))};
+}
+
 Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
   if (a.young <= 0 || b.young <= 0)
     throw InputError(
         {fmt::format("contact {}-{}: the hertz law needs young above 0 in both "
                      "materials",
                      a.name, b.name)});
-  const auto softness = [](const Material& m) { return (1 - m.poisson * m.poisson) / m.young; };
-  const auto shear_softness = [](const Material& m) {
-    return 2 * (2 - m.poisson) * (1 + m.poisson) / m.young;
-  };
-  const double e_star = 1 / (softness(a) + softness(b));
-  const double g_star = 1 / (shear_softness(a) + shear_softness(b));
+  const HertzStiffness k = hertz_stiffness(a, b);
   const double beta = hertz_damping(c.restitution, !c.attraction);
   const double damping = 2 * std::sqrt(5.0 / 6.0) * beta;
   return {.kind = LawKind::hertz,
           .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
-          .k_n = 4.0 / 3.0 * e_star,
-          .k_s = 8 * g_star,
-          .c_n = damping * std::sqrt(2 * e_star),
-          .c_s = damping * std::sqrt(8 * g_star),
+          .k_n = k.normal(),
+          .k_s = k.shear(),
+          .c_n = damping * std::sqrt(2 * k.e_star),
+          .c_s = damping * std::sqrt(8 * k.g_star),
           .mu = c.friction};
 }
 
@@ -83,6 +94,22 @@ double hertz_damping(double restitution, bool cut) {
     (restitution_of(middle, cut) > restitution ? low : high) = middle;
   }
   return 0.5 * (low + high);
+}
+
+double stiffest_contact(const Physics& physics, double radius, double largest_overlap) {
+  double stiffest = 0;
+  for (const ContactLaw& c : physics.laws) {
+    const int a = physics.material(c.first), b = physics.material(c.second);
+    if (c.kind == LawKind::linear) {
+      stiffest = std::max({stiffest, c.k_n, c.k_s});
+    } else if (a >= 0 && b >= 0) {
+      const HertzStiffness k = hertz_stiffness(physics.materials[static_cast<std::size_t>(a)],
+                                               physics.materials[static_cast<std::size_t>(b)]);
+      const double contact_radius = radius * std::sqrt(largest_overlap);
+      stiffest = std::max(stiffest, std::max(k.normal(), k.shear()) * contact_radius);
+    }
+  }
+  return stiffest;
 }
 
 LawTable::LawTable(const Physics& physics)

@@ -112,6 +112,7 @@ def check_single_cases(program, deck):
              (["info", "no_such_file.h5"], 2, "does not exist"),
              (["fly"], 2, ""), (["run"], 2, ""),
              (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
+             (["check", deck], 0, "sleeper of 156 kg on 6 contacts of 2e+07 N/m"),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
              (["run", deck, "-o", "/proc/nowhere"], 4, "result folder")]
     for arguments, code, words in cases:
