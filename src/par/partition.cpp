@@ -3,6 +3,7 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "trackbed/core/error.hpp"
@@ -54,6 +55,58 @@ std::vector<int> bisect(std::span<const Vec3> points, std::span<const double> we
   std::vector<int> part_of(points.size(), 0);
   bisect_range(points, weights, names, 0, parts, part_of);
   return part_of;
+}
+
+namespace {
+
+// METIS counts in 32 bits: a share of the sum that leaves room for its own sums.
+std::vector<idx_t> whole(std::span<const double> weights) {
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const double unit = sum > 0 ? (1 << 28) / sum : 0;
+  std::vector<idx_t> numbers(weights.size());
+  for (std::size_t k = 0; k < weights.size(); ++k)
+    numbers[k] = std::max<idx_t>(1, static_cast<idx_t>(unit * weights[k]));
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<int> partition_graph(const Graph& graph, int parts) {
+  std::vector<int> part_of(graph.size(), 0);
+  if (graph.size() < static_cast<std::size_t>(parts)) return {};
+  if (parts == 1) return part_of;
+  idx_t vertices = static_cast<idx_t>(graph.size()), constraints = 1, nparts = parts, cut = 0;
+  std::vector<idx_t> begin(graph.begin.begin(), graph.begin.end());
+  std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
+  std::vector<idx_t> weights = whole(graph.weights), edges = whole(graph.edge_weights);
+  neighbours.resize(std::max<std::size_t>(neighbours.size(), 1));  // METIS refuses a null pointer
+  edges.resize(neighbours.size());
+  std::array<idx_t, METIS_NOPTIONS> options;
+  METIS_SetDefaultOptions(options.data());
+  options[METIS_OPTION_SEED] = 1;  // the same split on every rank and in every run
+  // Recursive bisection balances few parts better, k-way is quicker for many.
+  const auto split = parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
+  std::vector<idx_t> found(graph.size());
+  const int status =
+      split(&vertices, &constraints, begin.data(), neighbours.data(), weights.data(), nullptr,
+            edges.data(), &nparts, nullptr, nullptr, options.data(), &cut, found.data());
+  if (status != METIS_OK) return {};
+  std::copy(found.begin(), found.end(), part_of.begin());
+  return part_of;
+}
+
+double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
+  std::vector<double> cost(static_cast<std::size_t>(parts), 0);
+  double sum = 0;
+  for (std::size_t v = 0; v < graph.size(); ++v) {
+    double& mine = cost[static_cast<std::size_t>(part_of[v])];
+    mine += graph.weights[v], sum += graph.weights[v];
+    for (auto e = static_cast<std::size_t>(graph.begin[v]);
+         e < static_cast<std::size_t>(graph.begin[v + 1]); ++e)
+      if (part_of[static_cast<std::size_t>(graph.neighbours[e])] != part_of[v])
+        mine += graph.edge_weights[e];
+  }
+  return sum > 0 ? *std::max_element(cost.begin(), cost.end()) * parts / sum : 1;
 }
 
 std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int nodes_per_element,
