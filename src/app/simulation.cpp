@@ -19,8 +19,7 @@ namespace trackbed::app {
 
 namespace {
 
-constexpr std::int64_t windows_between_balance_checks = 1000;
-constexpr double allowed_imbalance = 1.15;  // largest over mean number of stones of a rank
+constexpr std::int64_t windows_between_balance_checks = 100;
 
 std::int64_t whole_windows(double duration, double window) {
   return std::max<std::int64_t>(1, std::llround(std::ceil(duration / window * (1 - 1e-9))));
@@ -259,10 +258,7 @@ void Simulation::observe() {
                             fmt::format("{}_{:06d}", stage().name, course_.clock.window()),
                             world_.scene());
   }
-  if (course_.windows % windows_between_balance_checks != 0) return;
-  const auto own = static_cast<double>(world_.particles.size());
-  if (comm_.size() > 1 && comm_.max(own) * comm_.size() > allowed_imbalance * comm_.sum(own))
-    world_.rebalance();
+  if (course_.windows % windows_between_balance_checks == 0) world_.rebalance();
 }
 
 void Simulation::sample() {

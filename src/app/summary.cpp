@@ -176,6 +176,9 @@ void write_summary(const SummaryOf& run) {
       {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
   json["memory_mb_per_rank"] = comm.max(peak_memory_mb());
   json["imbalance"] = imbalance(run);
+  json["balance"] = {{"rebalances", run.world.particles.balance().rebalances},
+                     {"imbalance_before", run.world.particles.balance().before},
+                     {"imbalance_now", run.world.particles.imbalance()}};
   json["stages"] = stage_list(run.course);
   std::string problem;
   if (comm.root()) {

@@ -53,12 +53,20 @@ void World::meet() {
   if (platen) platen_number_ = add(platen->surface());
   particles.set_surfaces(surfaces);
   set_means(kept);
-  rebalance();
+  share_out();
+}
+
+void World::share_out() {
+  particles.repartition();
+  connect();
+}
+
+void World::rebalance() {
+  if (particles.rebalance()) connect();
 }
 
 // Whose stones are where decides which nodes a rank needs: coupler after stones.
-void World::rebalance() {
-  particles.repartition();
+void World::connect() {
   coupler.connect([&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
 }
 

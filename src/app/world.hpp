@@ -22,7 +22,7 @@ struct World {
   // Tells stones and coupler which surfaces there are now; mean forces of those that stay are kept.
   // To be called whenever a surface appears or goes. Collective.
   void meet();
-  // A new split of the stones over ranks. Changes no results. Collective.
+  // A new split of the stones over ranks if their work is uneven. Changes no results. Collective.
   void rebalance();
   void raise_walls(double height);  // m; floor at z = 0 if there is no ground
   void place_platen(double z);
@@ -62,6 +62,8 @@ struct World {
   bool ground_settled = false;
 
  private:
+  void share_out();  // a new split in any case; collective
+  void connect();
   struct Touched {
     Surface* surface;
     std::size_t number;  // in the coupler

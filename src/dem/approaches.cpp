@@ -91,10 +91,9 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
   const State& s = scene.state;
   std::vector<int> found;
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    const double widest = scene.grid.edge().x();
-    const Columns columns(*surfaces[k], widest, widest);
+    const Columns columns(*surfaces[k], scene.grid.edge().x(), scene.grid.reach());
     for (std::size_t b = 0; b < s.own; ++b) {
-      const Grid::Image home = scene.grid.locate(s.x[b].vec3());
+      const Lattice::Image home = scene.grid.locate(s.x[b].vec3());
       const Vec3 shift(home.wrap[0] * scene.grid.period(0), home.wrap[1] * scene.grid.period(1),
                        home.wrap[2] * scene.grid.period(2));
       columns.near(s.x[b].vec3() + shift, s.x[b].w + scene.skin, found);

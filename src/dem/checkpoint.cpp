@@ -106,7 +106,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
   r.load_quantum = file.number_attribute(group, "load_quantum");
-  r.choose_grid();
+  r.choose_grid(r.work());
 }
 
 }  // namespace trackbed::dem

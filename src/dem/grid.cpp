@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/par/partition.hpp"
@@ -16,8 +16,8 @@ constexpr double most_cells = 1 << 22;  // bounds the map when stones are tiny b
 
 }  // namespace
 
-Grid::Grid(const Domain& domain, double edge) : domain_(domain), extent_(domain.high - domain.low) {
-  std::vector<std::string> problems;
+Lattice::Lattice(const Domain& domain, double edge)
+    : domain_(domain), extent_(domain.high - domain.low) {
   const auto cells_of = [&](double length) {
     return (extent_ / length).array().floor().max(1).prod();
   };
@@ -27,29 +27,87 @@ Grid::Grid(const Domain& domain, double edge) : domain_(domain), extent_(domain.
     const auto axis = static_cast<std::size_t>(a);
     count_[axis] = std::max(static_cast<int>(extent_[a] / length), 1);
     edge_[a] = extent_[a] / count_[axis];
-    if (domain.periodic[axis] && count_[axis] < 3)
-      problems.push_back(fmt::format(
-          "the domain is {:.4g} m long in {} where it is periodic: it must be at least 3 times the "
-          "largest particle with skin, {:.4g} m",
-          extent_[a], axis_name[a], 3 * edge));
   }
-  if (!problems.empty()) throw InputError(problems);
-  owner_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
-                    static_cast<std::size_t>(count_[2]),
-                0);
 }
 
-Grid::Image Grid::locate(const Vec3& position) const {
+std::size_t Lattice::size() const {
+  return index({count_[0] - 1, count_[1] - 1, count_[2] - 1}) + 1;
+}
+
+Cell Lattice::cell(std::size_t index) const {
+  const auto nz = static_cast<std::size_t>(count_[2]), ny = static_cast<std::size_t>(count_[1]);
+  return {static_cast<int>(index / (nz * ny)), static_cast<int>(index / nz % ny),
+          static_cast<int>(index % nz)};
+}
+
+Vec3 Lattice::centre(std::size_t index) const {
+  const Cell c = cell(index);
+  return domain_.low + Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5).cwiseProduct(edge_);
+}
+
+// What is not a number goes to the first cell; the rebuild reports it.
+Lattice::Image Lattice::locate(const Vec3& position) const {
   Image image{};
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     const double along = (position[a] - domain_.low[a]) / extent_[a];  // 0..1 inside
-    const double turns = domain_.periodic[axis] ? std::floor(along) : 0.0;
+    const double turns = domain_.periodic[axis] && std::isfinite(along) ? std::floor(along) : 0.0;
     image.wrap[axis] = -static_cast<int>(turns);
     const double inside = (along - turns) * count_[axis];
-    image.cell[axis] = static_cast<int>(std::clamp(inside, 0.0, count_[axis] - 0.5));
+    image.cell[axis] = inside > 0 ? static_cast<int>(std::min(inside, count_[axis] - 0.5)) : 0;
   }
   return image;
+}
+
+// Boxes longer than three periods see every image there can be.
+Cell Lattice::lowest(const Vec3& low, const Vec3& high) const {
+  Cell first;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    const double n = count_[axis], cells = (low[a] - domain_.low[a]) / extent_[a] * n;
+    if (domain_.periodic[axis])
+      first[axis] =
+          high[a] - low[a] < 3 * extent_[a] ? static_cast<int>(std::floor(cells)) : -count_[axis];
+    else
+      first[axis] = cells > 0 ? static_cast<int>(std::min(cells, n - 0.5)) : 0;
+  }
+  return first;
+}
+
+Cell Lattice::highest(const Vec3& low, const Vec3& high) const {
+  Cell last;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    const double n = count_[axis], cells = (high[a] - domain_.low[a]) / extent_[a] * n;
+    if (domain_.periodic[axis])
+      last[axis] = high[a] - low[a] < 3 * extent_[a] ? static_cast<int>(std::floor(cells))
+                                                     : 2 * count_[axis] - 1;
+    else
+      last[axis] = cells > 0 ? static_cast<int>(std::min(cells, n - 0.5)) : 0;
+  }
+  return last;
+}
+
+Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin)
+    : domain_(domain), skin_(skin) {
+  levels_.clear();
+  for (const double bound : bounds) levels_.push_back({bound, Lattice(domain, 2 * bound + skin)});
+  owner_.assign(levels_[0].lattice.size(), 0);
+  const double least = 3 * (2 * bounds.back() + skin);
+  std::vector<std::string> problems;
+  for (int a = 0; a < 3; ++a)
+    if (domain.periodic[static_cast<std::size_t>(a)] && period(a) < least)
+      problems.push_back(fmt::format(
+          "the domain is {:.4g} m long in {} where it is periodic: it must be at least 3 times the "
+          "largest particle with skin, {:.4g} m",
+          period(a), axis_name[a], least));
+  if (!problems.empty()) throw InputError(problems);
+}
+
+std::size_t Grid::level_of(double bound) const {
+  std::size_t level = 0;
+  while (level + 1 < levels_.size() && bound > levels_[level].bound) ++level;
+  return level;
 }
 
 bool Grid::outside(const Vec3& position) const {
@@ -61,31 +119,86 @@ bool Grid::outside(const Vec3& position) const {
   return false;
 }
 
-bool Grid::reachable(std::array<int, 3>& cell, std::array<int, 3>& image) const {
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (cell[a] >= 0 && cell[a] < count_[a]) continue;
-    if (!domain_.periodic[a]) return false;
-    image[a] = cell[a] < 0 ? -1 : 1;
-    cell[a] -= image[a] * count_[a];
-  }
-  return true;
+bool Grid::owns_part_of(const Vec3& low, const Vec3& high, int rank) const {
+  return levels_[0].lattice.any(low, high,
+                                [&](const Cell& cell, const Cell&) { return owner(cell) == rank; });
 }
 
-void Grid::share_out(const std::vector<double>& weights, int ranks) {
-  std::vector<Vec3> centres(cells());
-  std::vector<double> costs(cells());
-  for (std::size_t c = 0; c < cells(); ++c) {
-    centres[c] = low_of(c) + 0.5 * edge_;
-    costs[c] = weights[c] + 1e-3;  // empty cells are shared out too
-  }
-  owner_ = par::bisect(centres, costs, ranks);
+namespace {
+
+// The up to six cells beside a cell, across periodic sides too.
+template <class See>
+void for_sides(const Lattice& lattice, std::size_t cell, See&& see) {
+  const Vec3 centre = lattice.centre(cell);
+  for (int a = 0; a < 3; ++a)
+    for (const int way : {-1, 1}) {
+      Vec3 at = centre;
+      at[a] += way * lattice.edge()[a];
+      const std::size_t other = lattice.index(lattice.locate(at).cell);
+      if (other != cell) see(other);  // beyond the domain lies the cell itself
+    }
 }
 
-Vec3 Grid::low_of(std::size_t cell) const {
-  const auto nz = static_cast<std::size_t>(count_[2]), ny = static_cast<std::size_t>(count_[1]);
-  const Vec3 steps(static_cast<double>(cell / (nz * ny)), static_cast<double>(cell / nz % ny),
-                   static_cast<double>(cell % nz));
-  return domain_.low + steps.cwiseProduct(edge_);
+// What is cut between two cells is done twice: the contacts between them, of which a cell with six
+// neighbours has a sixth with each, and the upkeep of the ghosts.
+par::Graph graph_of(const Lattice& lattice, const std::vector<std::size_t>& occupied,
+                    const std::vector<double>& work) {
+  std::vector<std::int32_t> number(lattice.size(), -1);
+  for (std::size_t v = 0; v < occupied.size(); ++v)
+    number[occupied[v]] = static_cast<std::int32_t>(v);
+  par::Graph graph;
+  for (const std::size_t cell : occupied) {
+    graph.weights.push_back(work[cell]);
+    for_sides(lattice, cell, [&](std::size_t other) {
+      if (number[other] < 0) return;
+      graph.neighbours.push_back(number[other]);
+      graph.edge_weights.push_back((work[cell] + work[other]) / 6);
+    });
+    graph.begin.push_back(static_cast<std::int64_t>(graph.neighbours.size()));
+  }
+  return graph;
+}
+
+}  // namespace
+
+// Both splits are tried. METIS finds short cuts through heaps of any form; bisection gives slabs
+// along the longest side, which nothing beats in a long thin bed, and always an answer.
+double Grid::share_out(const std::vector<double>& work, int ranks) {
+  const Lattice& lattice = levels_[0].lattice;
+  std::vector<std::size_t> occupied;
+  std::vector<Vec3> centres;
+  for (std::size_t c = 0; c < cells(); ++c)
+    if (work[c] > 0) occupied.push_back(c), centres.push_back(lattice.centre(c));
+  const par::Graph graph = graph_of(lattice, occupied, work);
+  std::vector<int> best = par::bisect(centres, graph.weights, ranks);
+  double worst = par::worst_part(graph, best, ranks);
+  const std::vector<int> other = ranks > 1 ? par::partition_graph(graph, ranks) : best;
+  if (!other.empty() && par::worst_part(graph, other, ranks) < worst)
+    best = other, worst = par::worst_part(graph, other, ranks);
+  owner_.assign(cells(), -1);
+  for (std::size_t v = 0; v < occupied.size(); ++v) owner_[occupied[v]] = best[v];
+  fill_empty_cells(occupied);
+  return worst;
+}
+
+double Grid::worst(const std::vector<double>& work, int ranks) const {
+  std::vector<std::size_t> occupied;
+  std::vector<int> owners;
+  for (std::size_t c = 0; c < cells(); ++c)
+    if (work[c] > 0) occupied.push_back(c), owners.push_back(owner_[c]);
+  return par::worst_part(graph_of(levels_[0].lattice, occupied, work), owners, ranks);
+}
+
+// Empty cells go with the nearest that is not: whatever moves there stays with its neighbours.
+void Grid::fill_empty_cells(const std::vector<std::size_t>& occupied) {
+  std::vector<std::size_t> queue = occupied;
+  for (std::size_t k = 0; k < queue.size(); ++k)
+    for_sides(levels_[0].lattice, queue[k], [&](std::size_t other) {
+      if (owner_[other] >= 0) return;
+      owner_[other] = owner_[queue[k]];
+      queue.push_back(other);
+    });
+  if (occupied.empty()) std::fill(owner_.begin(), owner_.end(), 0);
 }
 
 }  // namespace trackbed::dem

@@ -1,61 +1,132 @@
 // Cells that cover the domain, and which rank owns each. The map is the same on every rank; a
 // particle belongs to the rank that owns the cell its (wrapped) centre lies in.
+//
+// Particles of very different size lie in cells of different size (hierarchical grid: Ogarko,
+// Luding 2012, doi:10.1016/j.cpc.2011.12.019): level 0 holds all up to twice the median, each
+// further level twice as large ones. A particle is compared with those of a level that lie in the
+// cells its own reach covers, so that a few large ones do not raise the cost of all. Departing from
+// the paper, levels follow the sizes present, and each pair is found from the side of one particle.
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "trackbed/dem/particles.hpp"
 
 namespace trackbed::dem {
 
-class Grid {
+using Cell = std::array<int, 3>;
+
+// Equal boxes that fill the domain.
+class Lattice {
  public:
   struct Image {  // a position brought into the domain
-    std::array<int, 3> cell;
-    std::array<int, 3> wrap;  // position + wrap * period lies in the domain
+    Cell cell;
+    Cell wrap;  // position + wrap * period lies in the domain
   };
 
-  Grid() = default;
-  // Cells no smaller than `edge`. Throws InputError if a periodic side has fewer than 3 of them:
-  // two particles could then touch twice.
-  Grid(const Domain& domain, double edge);
+  Lattice() = default;
+  Lattice(const Domain& domain, double edge);  // edges no smaller than `edge`, m
 
   Image locate(const Vec3& position) const;
-  // Beyond a side that is not periodic, or not a number.
-  bool outside(const Vec3& position) const;
-  std::size_t index(const std::array<int, 3>& cell) const {
+  std::size_t size() const;
+  std::size_t index(const Cell& cell) const {
     return (static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(count_[1]) +
             static_cast<std::size_t>(cell[1])) *
                static_cast<std::size_t>(count_[2]) +
            static_cast<std::size_t>(cell[2]);
   }
-  std::size_t cells() const { return owner_.size(); }
-  double period(int axis) const { return extent_[axis]; }
-  int owner(std::size_t cell) const { return owner_[cell]; }
-  // Even split of the particles counted per cell (`weights`, the same on every rank).
-  void share_out(const std::vector<double>& weights, int ranks);
+  Cell cell(std::size_t index) const;
+  Vec3 centre(std::size_t index) const;
+  const Vec3& edge() const { return edge_; }  // m
+  const Vec3& period() const { return extent_; }
 
-  // Calls see(cell index, image) for the up to 27 cells around; image[a] is -1, 0 or 1 where the
-  // neighbour lies across a periodic side. Cells beyond other sides are left out.
+  // Calls see(cell, image) for the cells that meet the box, until it returns true; says whether it
+  // did. image: periods to add to what lies in the cell to bring it into the box. What lies beyond
+  // a side that is not periodic belongs to the last cell.
   template <class See>
-  void around(const std::array<int, 3>& cell, See&& see) const {
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dz = -1; dz <= 1; ++dz) {
-          std::array<int, 3> other{cell[0] + dx, cell[1] + dy, cell[2] + dz}, image{};
-          if (reachable(other, image)) see(index(other), image);
+  bool any(const Vec3& low, const Vec3& high, See&& see) const {
+    const Cell first = lowest(low, high), last = highest(low, high);
+    std::array<int, 3> c;
+    for (c[0] = first[0]; c[0] <= last[0]; ++c[0])
+      for (c[1] = first[1]; c[1] <= last[1]; ++c[1])
+        for (c[2] = first[2]; c[2] <= last[2]; ++c[2]) {
+          Cell inside = c, image{};
+          for (std::size_t a = 0; a < 3; ++a) {
+            if (c[a] >= 0 && c[a] < count_[a]) continue;
+            image[a] = (c[a] < 0 ? c[a] + 1 : c[a]) / count_[a] - (c[a] < 0 ? 1 : 0);
+            inside[a] -= image[a] * count_[a];
+          }
+          if (see(inside, image)) return true;
         }
+    return false;
   }
-  Vec3 low_of(std::size_t cell) const;
-  const Vec3& edge() const { return edge_; }
+  // The same for all cells that meet the cube of half side `reach` around a position in a domain.
+  template <class See>
+  void around(const Vec3& position, double reach, See&& see) const {
+    any(position.array() - reach, position.array() + reach,
+        [&](const Cell& cell, const Cell& image) { return see(cell, image), false; });
+  }
 
  private:
-  bool reachable(std::array<int, 3>& cell, std::array<int, 3>& image) const;
+  Cell lowest(const Vec3& low, const Vec3& high) const;
+  Cell highest(const Vec3& low, const Vec3& high) const;
 
   Domain domain_;
-  std::array<int, 3> count_{1, 1, 1};
+  Cell count_{1, 1, 1};
   Vec3 edge_ = Vec3::Ones(), extent_ = Vec3::Ones();
+};
+
+class Grid {
+ public:
+  struct Level {
+    double bound = 0;  // m, largest bounding radius in it
+    Lattice lattice;
+  };
+
+  Grid() = default;
+  // `bounds`: the largest bounding radius (m) of each level, ascending, not empty. Throws
+  // InputError if a periodic side is shorter than 3 of the largest particles with skin: two could
+  // then touch twice.
+  Grid(const Domain& domain, std::span<const double> bounds, double skin);
+
+  const std::vector<Level>& levels() const { return levels_; }
+  std::size_t level_of(double bound) const;
+  double reach() const { return levels_.back().bound + skin_; }  // m, of any particle
+  double skin() const { return skin_; }
+
+  Lattice::Image locate(const Vec3& position) const { return levels_[0].lattice.locate(position); }
+  // The position inside the domain.
+  Vec3 wrapped(const Vec3& position, const Cell& wrap) const {
+    return position + Vec3(wrap[0] * period(0), wrap[1] * period(1), wrap[2] * period(2));
+  }
+  // Beyond a side that is not periodic, or not a number.
+  bool outside(const Vec3& position) const;
+  double period(int axis) const { return levels_[0].lattice.period()[axis]; }
+  const Vec3& edge() const { return levels_[0].lattice.edge(); }
+
+  // Owners are those of the cells of level 0.
+  std::size_t cells() const { return owner_.size(); }
+  std::size_t cell_of(const Vec3& position) const {
+    return levels_[0].lattice.index(locate(position).cell);
+  }
+  int owner(const Cell& cell) const { return owner_[levels_[0].lattice.index(cell)]; }
+  int owner_at(const Vec3& position) const { return owner_[cell_of(position)]; }
+  bool owns_part_of(const Vec3& low, const Vec3& high, int rank) const;
+  // Splits the cells such that the work (any unit; of each cell, the same on every rank) is even
+  // and little of it lies along cuts. Returns what the worst rank has to do over the mean.
+  double share_out(const std::vector<double>& work, int ranks);
+  double worst(const std::vector<double>& work, int ranks) const;  // the same of the present split
+
+ private:
+  void fill_empty_cells(const std::vector<std::size_t>& occupied);
+
+  Domain domain_;
+  double skin_ = 0;
+  std::vector<Level> levels_{1};
   std::vector<int> owner_;
 };
 

@@ -4,37 +4,12 @@
 #include <map>
 #include <numeric>
 
+#include "cells.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::dem {
 
 namespace {
-
-// Particles of each cell, in the order of their ids.
-class Cells {
- public:
-  Cells(const State& state, const Grid& grid) : begin_(grid.cells() + 1, 0) {
-    images_.reserve(state.size());
-    for (std::size_t b = 0; b < state.size(); ++b) {
-      images_.push_back(grid.locate(state.x[b].vec3()));
-      ++begin_[grid.index(images_[b].cell) + 1];
-    }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    members_.resize(state.size());
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t b = 0; b < state.size(); ++b)
-      members_[next[grid.index(images_[b].cell)]++] = static_cast<std::int32_t>(b);
-  }
-  std::span<const std::int32_t> in(std::size_t cell) const {
-    return std::span(members_).subspan(begin_[cell], begin_[cell + 1] - begin_[cell]);
-  }
-  const Grid::Image& image(std::size_t particle) const { return images_[particle]; }
-
- private:
-  std::vector<Grid::Image> images_;
-  std::vector<std::size_t> begin_;
-  std::vector<std::int32_t> members_;
-};
 
 struct Partner {
   Id id;
@@ -51,7 +26,7 @@ class PairFinder {
         history_(history),
         pairs_(pairs),
         stones_(stones),
-        cells_(scene.state, scene.grid) {}
+        cells_(scene.state, scene.grid, scene.state.size()) {}
 
   void run() {
     const State& s = scene_.state;
@@ -74,16 +49,17 @@ class PairFinder {
  private:
   void find_partners(std::size_t i) {
     const State& s = scene_.state;
-    const Grid::Image& home = cells_.image(i);
+    const Vec3 home = scene_.grid.wrapped(s.x[i].vec3(), cells_.wrap(i));
     partners_.clear();
-    scene_.grid.around(home.cell, [&](std::size_t cell, const std::array<int, 3>& across) {
-      for (const std::int32_t body : cells_.in(cell)) {
-        const auto j = static_cast<std::size_t>(body);
-        if (s.id[j] <= s.id[i] || (i >= s.own && j >= s.own)) continue;
-        const std::uint16_t shift = shift_number(home.wrap, cells_.image(j).wrap, across);
-        if (near(s.x[i], s.x[j], shift)) partners_.push_back({s.id[j], body, shift});
-      }
-    });
+    for (std::size_t level = 0; level < scene_.grid.levels().size(); ++level) {
+      const double reach = s.x[i].w + scene_.grid.levels()[level].bound + scene_.skin;
+      cells_.near(level, home, reach, [&](std::size_t j, const Cell& across) {
+        if (s.id[j] <= s.id[i] || (i >= s.own && j >= s.own)) return;
+        const std::uint16_t shift = shift_number(cells_.wrap(i), cells_.wrap(j), across);
+        if (near(s.x[i], s.x[j], shift))
+          partners_.push_back({s.id[j], static_cast<std::int32_t>(j), shift});
+      });
+    }
     std::sort(partners_.begin(), partners_.end(),
               [](const Partner& a, const Partner& b) { return a.id < b.id; });
   }

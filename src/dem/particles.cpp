@@ -18,6 +18,9 @@ void Parameters::declare(input::Section& s) {
   s.number("skin", skin, {.unit = "m", .at_least = 0},
            "Reach of the neighbour lists beyond contact; 0: 0.15 of the smallest particle's "
            "radius. Changes speed, not results.");
+  s.number("rebalance", rebalance, {.unit = "-", .at_least = 0},
+           "Work of the busiest rank over the mean above which stones are shared out anew; 0: "
+           "never. Changes speed, not results.");
   s.number("safety", safety, {.unit = "-", .above = 0, .at_most = 1},
            "Longest sub-step over sqrt(m/k) of the stiffest contact and the lightest particle.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
@@ -61,7 +64,7 @@ void Particles::add(std::span<const NewParticle> mine) {
   r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.check_laws();
-  r.choose_grid();
+  r.choose_grid(r.work());
 }
 
 std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& doomed) {
@@ -89,17 +92,19 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& d
   r.derive(0);
   r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
-  r.choose_grid();
+  r.choose_grid(r.work());
   return static_cast<std::int64_t>(gone.size());
 }
 
-void Particles::repartition() {
+void Particles::repartition(const std::function<double(const ParticleView&)>& weight) {
   Room& r = *room_;
+  std::vector<double> work = r.work();  // while the lists tell it
+  for (std::size_t b = 0; weight && b < work.size(); ++b) work[b] = weight((*this)[b]);
   const std::vector<History> kept = r.history();
   visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
   r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
-  r.choose_grid();
+  r.choose_grid(work);
 }
 
 void Particles::Room::check_laws() const {
@@ -147,23 +152,8 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
 }
 
 bool Particles::reaches(const Vec3& low, const Vec3& high) const {
-  const Room& r = *room_;
-  const double margin = r.bound + 2 * r.skin;
-  const Vec3 period = r.domain.high - r.domain.low;
-  for (std::size_t c = 0; c < r.grid.cells(); ++c) {
-    if (r.grid.owner(c) != r.comm.rank()) continue;
-    const Vec3 from = r.grid.low_of(c), to = from + r.grid.edge();
-    bool meets = true;
-    for (int a = 0; a < 3 && meets; ++a) {
-      const auto near = [&](double shift) {
-        return high[a] + shift > from[a] - margin && low[a] + shift < to[a] + margin;
-      };
-      meets = near(0) || (r.domain.periodic[static_cast<std::size_t>(a)] &&
-                          (near(period[a]) || near(-period[a])));
-    }
-    if (meets) return true;
-  }
-  return false;
+  const Vec3 margin = Vec3::Constant(room_->bound + 2 * room_->skin);
+  return room_->grid.owns_part_of(low - margin, high + margin, room_->comm.rank());
 }
 
 double Particles::stable_step(std::string* limit) const {

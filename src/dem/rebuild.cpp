@@ -8,6 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "cells.hpp"
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -77,7 +78,7 @@ void Particles::Room::migrate(std::vector<History>& history) {
     if (grid.outside(at))
       report(fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m", state.id[b],
                          at.x(), at.y(), at.z()));
-    const int owner = at.allFinite() ? grid.owner(grid.index(grid.locate(at).cell)) : comm.rank();
+    const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();
     if (owner == comm.rank()) {
       staying.push_back(b);
       continue;
@@ -103,26 +104,72 @@ void Particles::Room::migrate(std::vector<History>& history) {
   history.erase(std::unique(history.begin(), history.end(), same), history.end());
 }
 
+namespace {
+
+// Own particles that each rank needs, ascending.
+using Needs = std::vector<std::vector<std::int32_t>>;
+
+// Every pair is a matter of the larger one's level: who may hold a partner up to that size gets the
+// particle.
+Needs needed_around(const State& state, const Grid& grid, const par::Comm& comm) {
+  Needs needs(static_cast<std::size_t>(comm.size()));
+  for (std::size_t b = 0; b < state.own; ++b) {
+    const Vec3 at = state.x[b].vec3();
+    if (!at.allFinite()) continue;
+    const double reach =
+        state.x[b].w + grid.levels()[grid.level_of(state.x[b].w)].bound + grid.skin();
+    const Vec3 home = grid.wrapped(at, grid.locate(at).wrap);
+    grid.levels()[0].lattice.around(home, reach, [&](const Cell& cell, const Cell&) {
+      auto& list = needs[static_cast<std::size_t>(grid.owner(cell))];
+      if (grid.owner(cell) == comm.rank()) return;
+      if (list.empty() || list.back() != static_cast<std::int32_t>(b))
+        list.push_back(static_cast<std::int32_t>(b));
+    });
+  }
+  return needs;
+}
+
+// The other side of pairs of different levels: the owner of the larger one needs the smaller. Who
+// has the smaller knows the larger by the list above.
+void add_small_beside_large(const State& state, const Grid& grid, const par::Comm& comm,
+                            Needs& needs) {
+  std::vector<std::vector<Vec4>> large(needs.size());
+  for (std::size_t r = 0; r < needs.size(); ++r)
+    for (const std::int32_t b : needs[r]) {
+      const Vec4& x = state.x[static_cast<std::size_t>(b)];
+      if (grid.level_of(x.w) > 0) large[r].push_back(x);
+    }
+  large = comm.exchange(large);
+  const Cells cells(state, grid, state.own);
+  for (std::size_t r = 0; r < needs.size(); ++r) {
+    for (const Vec4& x : large[r]) {
+      const Vec3 home = grid.wrapped(x.vec3(), grid.locate(x.vec3()).wrap);
+      for (std::size_t level = 0; level < grid.level_of(x.w); ++level)
+        cells.near(
+            level, home, x.w + grid.levels()[level].bound + grid.skin(),
+            [&](std::size_t b, const Cell&) { needs[r].push_back(static_cast<std::int32_t>(b)); });
+    }
+    std::sort(needs[r].begin(), needs[r].end());
+    needs[r].erase(std::unique(needs[r].begin(), needs[r].end()), needs[r].end());
+  }
+}
+
+}  // namespace
+
 void Particles::Room::find_ghosts() {
   struct Name {
     Id id;
     std::int64_t shape, material;
     double scale;
   };
-  const auto ranks = static_cast<std::size_t>(comm.size());
-  std::vector<std::vector<std::int32_t>> items(ranks);
-  std::vector<std::vector<Name>> names_out(ranks);
-  for (std::size_t b = 0; b < state.own; ++b) {
-    const Vec3 at = state.x[b].vec3();
-    if (!at.allFinite()) continue;
-    grid.around(grid.locate(at).cell, [&](std::size_t cell, const auto&) {
-      const auto r = static_cast<std::size_t>(grid.owner(cell));
-      if (grid.owner(cell) == comm.rank()) return;
-      if (!items[r].empty() && items[r].back() == static_cast<std::int32_t>(b)) return;
-      items[r].push_back(static_cast<std::int32_t>(b));
+  Needs items = needed_around(state, grid, comm);
+  if (grid.levels().size() > 1) add_small_beside_large(state, grid, comm, items);
+  std::vector<std::vector<Name>> names_out(items.size());
+  for (std::size_t r = 0; r < items.size(); ++r)
+    for (const std::int32_t item : items[r]) {
+      const auto b = static_cast<std::size_t>(item);
       names_out[r].push_back({state.id[b], state.shape[b], state.material[b], state.scale[b]});
-    });
-  }
+    }
   halo.connect(comm, items);
   for (const auto& list : comm.exchange(names_out))
     for (const Name& name : list) {
@@ -176,32 +223,6 @@ void Particles::Room::update_ghosts() {
     forward<SphereMotion>(halo, state);
   else
     forward<BodyMotion>(halo, state);
-}
-
-double Particles::Room::default_skin() const {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t b = 0; b < state.own; ++b)
-    smallest = std::min(smallest, shapes.bound(state.shape[b]) * state.scale[b]);
-  smallest = comm.min(smallest);
-  return std::isfinite(smallest) ? 0.15 * smallest : 1e-3;
-}
-
-void Particles::Room::choose_grid() {
-  bound = 0;
-  for (std::size_t b = 0; b < state.own; ++b)
-    bound = std::max(bound, shapes.bound(state.shape[b]) * state.scale[b]);
-  bound = comm.max(bound);
-  choose_quantum();
-  skin = parameters.skin > 0 ? parameters.skin : default_skin();
-  grid = Grid(domain, 2 * bound + skin);
-  std::vector<double> weights(grid.cells(), 0);
-  for (std::size_t b = 0; b < state.own; ++b)
-    if (state.x[b].vec3().allFinite())
-      weights[grid.index(grid.locate(state.x[b].vec3()).cell)] +=
-          static_cast<double>(shapes.end(state.shape[b]) - shapes.begin(state.shape[b]));
-  comm.sum(weights);  // whole numbers: exact in any order
-  grid.share_out(weights, comm.size());
-  ready = false;
 }
 
 double Particles::Room::stiffest_contact(double radius) const {

@@ -44,15 +44,24 @@ struct Particles::Room {
   void update_ghosts();
   void sort_own();
   void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
-  void choose_grid();              // collective
   void choose_quantum();
   // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
   // (m).
   double stiffest_contact(double radius) const;
   void remember_reference();
-  double default_skin() const;  // collective
+  // balance.cpp: sizes of cells and their owners; collective.
+  void choose_grid(const std::vector<double>& work);  // of own particles
+  double default_skin() const;
+  std::vector<double> level_bounds() const;  // m
+  std::vector<double> work() const;          // of own particles, counted, ns per sub-step; local
+  double load() const;                       // the same of this rank, ghosts and all; local
+  std::vector<double> by_cell(const std::vector<double>& work) const;
+  double upkeep(std::size_t b, double each) const;
+  template <class See>
+  void visit_work(See&& see) const;
 
   double mass(std::size_t b) const { return state.v[b].w; }
+  double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
   void report(std::string problem) {
     if (trouble.empty()) trouble = std::move(problem);
   }
@@ -77,6 +86,8 @@ struct Particles::Room {
   double skin = 0;     // m
   double bound = 0;    // m, largest bounding radius over all ranks
   bool ready = false;  // lists match the state
+
+  Balance balance;
 
   par::Halo halo;
   Pieces pieces;

@@ -34,6 +34,7 @@ class StoneContacts {
   const std::vector<Overlap>& find(const Scene& scene, StoneList& list);
   const std::vector<Overlap>& found() const { return found_; }  // by the last `find`
   std::int64_t deep() const { return deep_; }  // so far: pairs found with one core in another
+  std::size_t features(std::uint32_t entry) const { return reaches_[entry].count(); }  // kept
   std::size_t memory() const;
 
  private:

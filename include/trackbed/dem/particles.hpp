@@ -45,8 +45,9 @@ struct Domain {
 };
 
 struct Parameters {
-  double skin = 0;      // m, reach of neighbour lists beyond contact; 0: chosen
-  double safety = 0.2;  // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
+  double skin = 0;          // m, reach of neighbour lists beyond contact; 0: chosen
+  double rebalance = 1.15;  // work of the busiest rank over the mean; above: new split; 0: never
+  double safety = 0.2;      // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
   double largest_overlap = 0.2;  // of the smaller radius; beyond it the run stops
   double gravity = trackbed::gravity;
   void declare(input::Section& s);
@@ -86,6 +87,12 @@ struct SurfaceAction {
   double work = 0;             // J, force times surface motion
 };
 
+// Work of the busiest rank over the mean, counted, not timed.
+struct Balance {
+  std::int64_t rebalances = 0;  // of this run
+  double before = 1;            // at the last of them
+};
+
 class Particles {
  public:
   Particles(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
@@ -98,13 +105,19 @@ class Particles {
   void add(std::span<const NewParticle> mine);
   // Takes away own particles for which `doomed` holds (with their contacts). Collective.
   std::int64_t remove(const std::function<bool(const ParticleView&)>& doomed);
-  // New even split of the domain over ranks; changes no results. Collective.
-  void repartition();
+  // New even split of the domain over ranks, by the work counted or by these weights of own
+  // particles (>= 0, any unit); changes no results. Collective.
+  void repartition(const std::function<double(const ParticleView&)>& weight = {});
+  // The same if work is spread so unevenly that it pays; true if it did: ask `reaches` anew.
+  // Collective.
+  bool rebalance();
+  double imbalance() const;  // work of the busiest rank over the mean, now; collective
+  Balance balance() const;
 
   // Surfaces felt from now on, on every rank in the same order; they must outlive their use.
   // Contact history with a surface is kept while a surface of the same name stays.
   void set_surfaces(std::vector<Surface*> surfaces);
-  // Whether stones of this rank may touch something in the box before the next `repartition`.
+  // Whether stones of this rank may touch something in the box before the next split.
   bool reaches(const Vec3& low, const Vec3& high) const;
 
   // Largest allowed sub-step (safety included), s, and what limits it, in words. Collective.

@@ -1,0 +1,169 @@
+// Sizes of cells, and which rank gets which: an even split of the work that was counted.
+//
+// Work is counted, not timed, so that a run always splits the same way and a fault that depends on
+// the split can be found again.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "room.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+// About ns per sub-step: from the operations that pair_contacts.cpp and stones.hpp count, not
+// fitted to times. Only their ratios matter.
+constexpr double particle_cost = 40, ghost_cost = 30, corner_cost = 3;
+constexpr double entry_cost = 3, contact_cost = 30;
+constexpr double stone_entry_cost = 4, feature_cost = 20, stone_contact_cost = 150;
+constexpr double triangle_cost = 30;
+
+constexpr double least_gain = 1.05;  // of the slowest rank, below which a new split is not worth it
+
+// Sizes are counted in steps of a quarter octave.
+constexpr int bins = 256, bins_per_octave = 4;
+int bin_of(double bound) {
+  return std::clamp(static_cast<int>(std::floor(bins_per_octave * std::log2(bound))) + bins / 2, 0,
+                    bins - 1);
+}
+
+}  // namespace
+
+double Particles::Room::default_skin() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t b = 0; b < state.own; ++b) smallest = std::min(smallest, radius(b));
+  smallest = comm.min(smallest);
+  return std::isfinite(smallest) ? 0.15 * smallest : 1e-3;
+}
+
+// Largest radius of each level: up to twice the median, then twice as large ones each; levels that
+// nobody is in are left out.
+std::vector<double> Particles::Room::level_bounds() const {
+  std::vector<std::int64_t> count(bins, 0);
+  for (std::size_t b = 0; b < state.own; ++b) ++count[static_cast<std::size_t>(bin_of(radius(b)))];
+  comm.sum(count);
+  std::int64_t all = 0, below = 0;
+  for (const std::int64_t n : count) all += n;
+  int median = 0;
+  while (median + 1 < bins && 2 * (below += count[static_cast<std::size_t>(median)]) < all)
+    ++median;
+  const double first = 2 * std::exp2(static_cast<double>(median + 1 - bins / 2) / bins_per_octave);
+  const auto level = [&](double bound) {
+    return bound > first ? static_cast<std::size_t>(std::ceil(std::log2(bound / first))) : 0;
+  };
+  std::vector<double> largest(bins, 0);
+  for (std::size_t b = 0; b < state.own; ++b) {
+    double& known = largest[std::min<std::size_t>(level(radius(b)), bins - 1)];
+    known = std::max(known, radius(b));
+  }
+  comm.max(largest);
+  std::erase(largest, 0.0);
+  return largest.empty() ? std::vector<double>{0} : largest;
+}
+
+void Particles::Room::choose_grid(const std::vector<double>& work) {
+  const std::vector<double> bounds = level_bounds();
+  bound = bounds.back();
+  choose_quantum();
+  skin = parameters.skin > 0 ? parameters.skin : default_skin();
+  grid = Grid(domain, bounds, skin);
+  grid.share_out(by_cell(work), comm.size());
+  ready = false;
+}
+
+// See(particle, its partner or itself, ns) for all that the lists make this rank do in a sub-step.
+template <class See>
+void Particles::Room::visit_work(See&& see) const {
+  const auto body = [&](std::int32_t piece) {
+    return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
+  };
+  const auto visit = [&](const PairList& list, auto&& cost) {
+    for (const Row& row : list.rows)
+      for (std::uint32_t e = row.begin; e < row.end; ++e)
+        see(body(row.piece), body(list.entries[e].piece), cost(e));
+  };
+  visit(pairs, [&](std::uint32_t e) {
+    return pairs.entries[e].touching ? entry_cost + contact_cost : entry_cost;
+  });
+  visit(stones, [&](std::uint32_t e) {
+    return stone_entry_cost + feature_cost * static_cast<double>(stone_contacts.features(e)) +
+           (stones.entries[e].touching ? stone_contact_cost : 0);
+  });
+  for (const Approach& a : approaches)
+    see(body(a.piece), body(a.piece), triangle_cost * static_cast<double>(a.triangles.size()));
+}
+
+// ns per sub-step of a particle by itself.
+double Particles::Room::upkeep(std::size_t b, double each) const {
+  double cost = each;
+  if (shapes.only_spheres()) return cost;
+  for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k)
+    cost += corner_cost * static_cast<double>(1 + shapes.core(k).corners.size());
+  return cost;
+}
+
+// Half of each contact belongs to either particle. Contacts that wait for the next lists are known
+// by their history alone.
+std::vector<double> Particles::Room::work() const {
+  std::vector<double> work(state.own);
+  for (std::size_t b = 0; b < state.own; ++b) work[b] = upkeep(b, particle_cost);
+  visit_work([&](std::size_t i, std::size_t j, double ns) {
+    for (const std::size_t b : {i, j})
+      if (b < state.own) work[b] += 0.5 * ns;
+  });
+  std::unordered_map<Id, std::size_t> known;
+  if (!waiting.empty())
+    for (std::size_t b = 0; b < state.own; ++b) known[state.id[b]] = b;
+  const double contact =
+      shapes.any_stones() ? stone_contact_cost + 10 * feature_cost : contact_cost + entry_cost;
+  for (const History& h : waiting)
+    for (const std::int64_t key : {h.first, h.second})
+      if (const auto found = known.find(key >= 0 ? particle_of(key) : -1); found != known.end())
+        work[found->second] += 0.5 * contact;
+  return work;
+}
+
+// Rounded up to whole numbers, so that ranks may add them in any order and no particle is nothing.
+std::vector<double> Particles::Room::by_cell(const std::vector<double>& work) const {
+  std::vector<double> cells(grid.cells(), 0);
+  for (std::size_t b = 0; b < state.own; ++b)
+    if (state.x[b].vec3().allFinite())
+      cells[grid.cell_of(state.x[b].vec3())] += std::max(1.0, std::ceil(work[b]));
+  comm.sum(std::span<double>(cells));
+  return cells;
+}
+
+double Particles::Room::load() const {
+  double ns = 0;
+  for (std::size_t b = 0; b < state.size(); ++b)
+    ns += upkeep(b, b < state.own ? particle_cost : ghost_cost);
+  visit_work([&](std::size_t, std::size_t, double cost) { ns += cost; });
+  return ns;
+}
+
+double Particles::imbalance() const {
+  const Room& r = *room_;
+  const double mine = r.load(), mean = r.comm.sum(mine) / r.comm.size();
+  return mean > 0 ? r.comm.max(mine) / mean : 1;
+}
+
+// A split that is uneven because it cannot be better is left alone.
+bool Particles::rebalance() {
+  Room& r = *room_;
+  if (r.comm.size() == 1 || r.parameters.rebalance == 0 || !r.ready) return false;
+  const double now = imbalance();
+  if (now <= r.parameters.rebalance) return false;
+  const std::vector<double> work = r.by_cell(r.work());
+  Grid trial = r.grid;
+  const double worst = r.grid.worst(work, r.comm.size());
+  if (trial.share_out(work, r.comm.size()) * least_gain > worst) return false;
+  r.balance.before = now, ++r.balance.rebalances;
+  repartition();
+  return true;
+}
+
+Balance Particles::balance() const { return room_->balance; }
+
+}  // namespace trackbed::dem
