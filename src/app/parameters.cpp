@@ -113,6 +113,8 @@ void Model::declare(input::Section& s) {
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
+  if (const int number = material(sleepers.material); number >= 0)
+    sleepers.density = physics.materials[static_cast<std::size_t>(number)].density;
   time.rough_step = rough_step_limit(*this);
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");

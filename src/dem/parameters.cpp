@@ -22,7 +22,8 @@ std::string listed(const std::vector<std::string>& names) {
 
 void Material::declare(input::Section& s) {
   s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
-  s.number("density", density, {.unit = "kg/m3", .above = 0}, "Density of the solid.");
+  s.number("density", density, {.unit = "kg/m3", .above = 0},
+           "Density of the solid: mass of the stones and sleepers made of it.");
   s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
            "Cundall's local damping: share of the net force that resists motion.");
   s.number("young", young, {.unit = "Pa", .at_least = 0}, "Young's modulus, for hertz contacts.");

@@ -30,8 +30,7 @@ void SleeperParameters::declare(input::Section& s) {
   s.number("height", height, {.unit = "m", .above = 0}, "Extent along z.");
   s.number("length", length, {.unit = "m", .above = 0},
            "Extent along y in space; in a plane model the thickness of the model counts.");
-  s.number("density", density, {.unit = "kg/m^3", .above = 0}, "Mass over volume of the box.");
-  s.text("material", material, "Contact material of the surface.");
+  s.text("material", material, "Material: its density makes the mass, its contact laws hold.");
   s.texts("free", free,
           "Degrees of freedom that move: x, y, z, rx, ry, rz. In a plane model only x, z and ry "
           "can.");

@@ -122,7 +122,6 @@ KNOBS = {
     "sleepers.width": ("sleepers.width=0.25", []),
     "sleepers.height": ("sleepers.height=0.2", []),
     "sleepers.length": ("sleepers.length=0.25", SPACE[:2]),
-    "sleepers.density": ("sleepers.density=2300", []),
     "sleepers.material": ("sleepers.material=ballast", ["contact.1.friction=0.1"]),
     "sleepers.free": ('sleepers.free=["z"]', []),
     "sleepers.bevel": ("sleepers.bevel=0.03", []),

@@ -19,8 +19,8 @@ struct SleeperParameters {
   std::int64_t count = 9;
   double first = 0.6, spacing = 0.6;                 // m, x of the first centre, between centres
   double width = 0.29, height = 0.22, length = 1.3;  // m along x, z, y (plane: model thickness)
-  double density = 2441;                             // kg/m^3
-  std::string material = "sleeper";                  // contact material
+  std::string material = "sleeper";                  // gives density and contact laws
+  double density = 2441;  // kg/m^3, of the material: who knows it sets it, decks do not
   std::vector<std::string> free = {"x", "z", "ry"};  // degrees of freedom: x y z rx ry rz
   double bevel = 0;                                  // m, cut of the lower edges; 0: sharp
   void declare(input::Section& s);
