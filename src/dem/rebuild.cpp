@@ -11,6 +11,7 @@
 #include "cells.hpp"
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem {
 
@@ -226,13 +227,7 @@ void Particles::Room::update_ghosts() {
 }
 
 double Particles::Room::stiffest_contact(double radius) const {
-  double stiffest = 0;
-  for (const Law& law : laws.all()) {
-    const double contact_radius =
-        law.kind == LawKind::linear ? 1 : radius * std::sqrt(parameters.largest_overlap);
-    stiffest = std::max(stiffest, std::max(law.k_n, law.k_s) * contact_radius);
-  }
-  return stiffest;
+  return dem::stiffest_contact(physics, radius, parameters.largest_overlap);
 }
 
 // Room on a node for the force of the largest overlap allowed, and eight times more (ExactSum). No
