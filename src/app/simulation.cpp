@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::int64_t windows_between_balance_checks = 100;
 
+// Rounded up, so that a stage is never shorter than asked; the margin keeps 0.3/0.1 at 3.
 std::int64_t whole_windows(double duration, double window) {
   return std::max<std::int64_t>(1, std::llround(std::ceil(duration / window * (1 - 1e-9))));
 }
@@ -43,6 +44,8 @@ Simulation::Simulation(const par::Comm& comm, const Model& model, const input::D
 
 // One time window [t, t + dt] of the serial staggered scheme: bodies and ground move under the
 // stones' mean forces of the last window, then the stones follow their linear motion.
+// Not iterated: each iteration would cost a whole window of stones; what the delay of the load does
+// instead is bounded by coupling_limit.
 void Simulation::window() {
   const double dt = course_.clock.dt();
   move_sleepers(dt);
@@ -135,6 +138,7 @@ Outcome Simulation::run_stages() {
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
     sleeper_x.push_back(world_.sleepers->x(i));
   results_.watch(world_.scene(), model_.dimension, sleeper_x);
+  // A checkpoint is written after the window's row and agreement: a resumed run repeats neither.
   while (course_.stage < model_.stages.size()) {
     if (!course_.begun) begin_stage();
     while (runs()) {
@@ -218,6 +222,7 @@ Simulation::Verdict Simulation::agree() {
   std::string problem = world_.particles.trouble();
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
   if (problem.empty() && world_.sleepers) problem = world_.sleepers->trouble();
+  // Ordered by weight, so that the maximum over ranks is what happens: trouble before all.
   Verdict mine = Verdict::go_on;
   if (comm_.root() && progress_.due()) mine = Verdict::report;
   const bool out_of_time = comm_.root() && model_.output.wall_time > 0 &&
@@ -227,6 +232,7 @@ Simulation::Verdict Simulation::agree() {
   if (interrupted() || out_of_time || far_enough) mine = Verdict::stop;
   if (!problem.empty()) mine = Verdict::trouble;
   const auto verdict = static_cast<Verdict>(comm_.max(static_cast<std::int64_t>(mine)));
+  // The text travels only now; throws on every rank.
   if (verdict == Verdict::trouble) comm_.agree(problem);
   return verdict;
 }

@@ -39,6 +39,7 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
   const auto bytes = comm.sum(static_cast<std::int64_t>(run.world.particles.memory()));
   const auto particles = static_cast<double>(totals.particles);
   const std::int64_t steps = run.world.particles.steps() - run.measured.dem_steps;
+  // From the begin of the last stage: packing at the start would hide the speed of what matters.
   const double done = particles * static_cast<double>(steps);
   return {{"particles", totals.particles},
           {"pieces", totals.pieces},
@@ -86,6 +87,7 @@ Json shares(const SummaryOf& run) {
     result[name] = value;
     known += value;
   }
+  // Timers overlap by rounding at most; a share below zero would only puzzle.
   result["other"] = std::max(0.0, 1 - known);
   return result;
 }
@@ -142,6 +144,7 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
       model.dimension == Dimension::plane ? domain.thickness : domain.high.y() - domain.low.y();
   // For a layer of even density the top is at twice the mean height, which loose stones on top
   // disturb far less than the highest stone would.
+  // E_pot = m g z summed over stones, so E_pot/(m g) is the height of their common centre.
   const double mean_height = ratio(totals.potential, totals.mass * model.dem.gravity);
   const double volume = (domain.high.x() - domain.low.x()) * width * 2 * mean_height;
   const bool pressed = stage.kind == StageKind::compact && world.platen;

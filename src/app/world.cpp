@@ -36,6 +36,8 @@ World::World(const par::Comm& world, const Model& deck)
 }
 
 void World::meet() {
+  // By name, since numbers change: the ground goes on under the load it had, and a new surface
+  // begins without one.
   const std::vector<Means> kept = means();
   touched_.clear();
   coupler.clear();
@@ -111,6 +113,7 @@ std::vector<std::span<const Vec3>> World::on_sleepers() const {
   return forces;
 }
 
+// `meet` adds the ground first.
 std::span<const Vec3> World::on_ground() const { return coupler.mean_force(0); }
 
 // Nodes in their order: the same bits on every rank.
