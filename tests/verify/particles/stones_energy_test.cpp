@@ -1,0 +1,210 @@
+// 1,000 elastic collisions without friction of stones, boxes and compounds with their true mass
+// properties: corners, edges, faces, grazing, spinning.
+//
+// Velocity Verlet keeps a slightly different energy exactly while a linear spring acts; what is
+// lost is lost in the sub-steps in which the contact opens and closes: up to (dt^2 k / m_c) / 4 of
+// the energy of the approach, m_c the effective mass at the point of contact (of two equal spheres:
+// half the mass of one; of a stone hit at a corner: down to an eighth of the lighter one). So a
+// stone errs like a sphere of this mass, and all bounds hold for dt = 0.1 sqrt(m_c / k). With the
+// lighter body's mass m instead the median holds as well; the largest error is up to m / m_c times
+// more.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "support/stone_pairs.hpp"
+
+namespace trackbed {
+namespace {
+
+constexpr int collisions = 1000;
+constexpr double density = 2600;  // kg/m^3
+
+struct Collision {
+  const dem::Template* shape[2];
+  dem::NewParticle body[2];
+  double k;  // N/m
+};
+
+struct Outcome {
+  double error = 0;                       // of the kinetic energy
+  double lighter = 0, effective = 1e300;  // kg; at the contact, least of the collision
+  bool met = false;
+};
+
+const std::vector<dem::Template>& library() {
+  static const std::vector<dem::Template> shapes = [] {
+    std::vector<dem::Template> all;
+    for (std::uint64_t s = 0; s < 24; ++s) all.push_back(test::stone(s));
+    for (std::uint64_t s = 24; s < 30; ++s) all.push_back(test::stone(s, 40, 0.03));
+    for (int s = 0; s < 8; ++s) all.push_back(test::cuboid({0.5, 0.35 + 0.02 * s, 0.3}));
+    for (std::uint64_t s = 0; s < 9; ++s) all.push_back(test::compound(s));
+    return all;
+  }();
+  return shapes;
+}
+
+Vec3 draw(std::uint64_t seed, std::uint64_t key) {
+  return Vec3(uniform(seed, key), uniform(seed + 1, key), uniform(seed + 2, key)) -
+         Vec3::Constant(0.5);
+}
+
+Quat any_turn(std::uint64_t seed, std::uint64_t key) {  // Shoemake 1992
+  const double u = uniform(seed, key), a = 2 * M_PI * uniform(seed + 1, key),
+               b = 2 * M_PI * uniform(seed + 2, key);
+  return {std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a),
+          std::sqrt(u) * std::sin(b), std::sqrt(u) * std::cos(b)};
+}
+
+// Faces towards each other, up to 0.01 rad.
+void lay_faces_together(Collision& c, const Vec3& along, std::uint64_t key) {
+  for (std::uint64_t n = 0; n < 2; ++n) {
+    const auto& faces = c.shape[n]->pieces[0].core.faces;
+    const auto face =
+        static_cast<std::size_t>(uniform(50 + n, key) * static_cast<double>(faces.size()));
+    const Vec3 to = (n == 0 ? along : Vec3(-along)) + 0.01 * draw(55 + 3 * n, key);
+    c.body[n].attitude = Eigen::AngleAxisd(6 * uniform(61 + n, key), along) *
+                         Quat::FromTwoVectors(faces[face].normal, to);
+  }
+}
+
+// By turns: any poses; fast spins; grazing; faces.
+Collision collision(std::uint64_t key) {
+  const auto& shapes = library();
+  Collision c;
+  for (std::uint64_t n = 0; n < 2; ++n) {
+    const double count = static_cast<double>(shapes.size());
+    c.shape[n] = &shapes[static_cast<std::size_t>(uniform(1 + n, key) * count)];
+    c.body[n].id = static_cast<Id>(n);
+    c.body[n].shape = static_cast<int>(n);
+    c.body[n].scale = 0.03 + 0.02 * uniform(4 + n, key);
+    c.body[n].attitude = any_turn(10 + 3 * n, key);
+    if (key % 4 == 1) c.body[n].spin = 200 * draw(40 + 3 * n, key);
+  }
+  c.k = std::pow(10, 6 + 2.7 * uniform(3, key));  // overlaps of 0.1 to 10 % of the rounding
+  const Vec3 along = any_turn(20, key) * Vec3::UnitZ(), side = along.unitOrthogonal();
+  const bool grazing = key % 4 == 2;
+  c.body[1].position = 0.2 * along + (grazing ? 0.012 : 0.003) * side;
+  c.body[1].velocity =
+      grazing ? Vec3(-0.3 * along + 1.5 * along.cross(side)) : Vec3(-along + 0.5 * draw(30, key));
+  if (key % 4 == 3) lay_faces_together(c, along, key);
+  constexpr double gap = 2e-6;  // m
+  test::bring_near(*c.shape[0], c.body[0], *c.shape[1], c.body[1], gap);
+  return c;
+}
+
+// 1 / m_c = sum over both bodies of 1 / m + t . I^-1 t, t the torque of a unit force.
+double effective_mass(const dem::Particles& p, const Collision& c) {
+  double inverse = 0;
+  for (std::size_t n = 0; n < 2; ++n) {
+    const dem::ParticleView v = p[n];
+    const Vec3 torque = v.attitude.conjugate() * Vec3(v.torque / v.force.norm());
+    const Vec3 gyration = v.scale * v.scale * c.shape[n]->gyration;
+    inverse += (1 + torque.cwiseAbs2().cwiseQuotient(gyration).sum()) / v.mass;
+  }
+  return 1 / inverse;
+}
+
+// dt = share sqrt(mass / k), mass 0: that of the lighter body.
+Outcome collide(const Collision& c, double share, double mass) {
+  dem::ContactLaw law;
+  law.k_n = c.k, law.k_s = 0, law.friction = 0;
+  dem::Parameters parameters;
+  parameters.gravity = 0, parameters.largest_overlap = 1e3;
+  dem::Particles p(par::Comm::self(), test::one_material(law, density), parameters,
+                   test::box(Vec3::Constant(-1), Vec3::Ones()));
+  for (const dem::Template* shape : c.shape) p.add_template(*shape);
+  p.add(std::vector(c.body, c.body + 2));
+  Outcome outcome;
+  outcome.lighter = std::min(p[0].mass, p[1].mass);
+  const double dt = share * std::sqrt((mass > 0 ? mass : outcome.lighter) / c.k);
+  const int few = std::max(1, static_cast<int>(0.3 / share));
+  const double before = p.totals().kinetic;
+  constexpr int apart_for_good = 30, never = 3000;
+  for (int quiet = 0; quiet < (outcome.met ? apart_for_good : never);) {
+    p.advance(few * dt, few);
+    ++quiet;
+    if (p.totals().contacts == 0) continue;
+    outcome.met = true, quiet = 0;
+    if (p[0].force.norm() > 0)
+      outcome.effective = std::min(outcome.effective, effective_mass(p, c));
+  }
+  outcome.error = std::abs(p.totals().kinetic / before - 1);
+  return outcome;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+TEST(StoneEnergy, ThousandCollisionsKeepIt) {
+  constexpr double shares[] = {0.1, 0.05, 0.025};
+  constexpr double wanted_median = 5e-4, wanted_largest = 3e-3, wanted_order = 1.8;
+  std::map<double, std::vector<double>> by_lighter, by_effective;
+  std::uint64_t key = 0;
+  for (int met = 0; met < collisions; ++key) {
+    const Collision c = collision(key);
+    const Outcome first = collide(c, 0.05, 0);
+    if (!first.met) continue;
+    ++met;
+    for (const double share : shares) {
+      by_lighter[share].push_back(collide(c, share, 0).error);
+      by_effective[share].push_back(collide(c, share, first.effective).error);
+    }
+  }
+  for (const auto& [name, errors] : {std::pair("lighter", by_lighter), {"effective", by_effective}})
+    for (const double share : shares) {
+      const auto& e = errors.at(share);
+      printf("dt = %.3f sqrt(m/k), m %s: median %.2e, largest %.2e\n", share, name, median(e),
+             *std::max_element(e.begin(), e.end()));
+    }
+  const auto order = [&](const auto& errors) {
+    return std::log(median(errors.at(0.1)) / median(errors.at(0.025))) / std::log(4.0);
+  };
+  const auto largest = [&](const auto& errors, double share) {
+    return *std::max_element(errors.at(share).begin(), errors.at(share).end());
+  };
+  EXPECT_LT(median(by_lighter[0.1]), wanted_median);
+  EXPECT_LT(median(by_effective[0.1]), wanted_median);
+  EXPECT_LT(largest(by_effective, 0.1), wanted_largest);
+  EXPECT_LT(largest(by_lighter, 0.1), 8 * wanted_largest);  // m / m_c goes up to eight
+  EXPECT_LT(largest(by_lighter, 0.05), 8 * wanted_largest / 4);
+  EXPECT_GT(order(by_lighter), wanted_order);
+  EXPECT_GT(order(by_effective), wanted_order);
+}
+
+TEST(StoneEnergy, BoxesFaceToFace) {
+  constexpr int boxes = 120;
+  std::map<double, std::vector<double>> errors;
+  for (std::uint64_t key = 0; key < boxes; ++key) {
+    Collision c;
+    for (std::uint64_t n = 0; n < 2; ++n) {
+      c.shape[n] = &library()[30 + (key + n) % 8];
+      c.body[n].id = static_cast<Id>(n), c.body[n].shape = static_cast<int>(n);
+      c.body[n].scale = 0.04;
+    }
+    c.k = key % 2 ? 5e8 : 2e6;
+    const Quat about(Eigen::AngleAxisd(key % 3 ? uniform(1, key) : 0.0, Vec3::UnitZ()));
+    const Vec3 tilt = 1e-3 * draw(2, key);
+    c.body[1].attitude = Quat(1, tilt.x(), tilt.y(), 0).normalized() * about;
+    c.body[1].position = Vec3(0.02 * draw(5, key).x(), 0.02 * draw(5, key).y(), 0.06);
+    c.body[1].velocity = Vec3(0.1 * draw(8, key).x(), 0.1 * draw(8, key).y(), -1);
+    test::bring_near(*c.shape[0], c.body[0], *c.shape[1], c.body[1], 1e-6, -Vec3::UnitZ());
+    for (const double share : {0.1, 0.05, 0.025}) {
+      const Outcome o = collide(c, share, 0);
+      EXPECT_TRUE(o.met) << key;
+      errors[share].push_back(o.error);
+    }
+  }
+  for (const auto& [share, e] : errors)
+    printf("faces, dt = %.3f sqrt(m/k): median %.2e, largest %.2e\n", share, median(e),
+           *std::max_element(e.begin(), e.end()));
+  constexpr double wanted = 1e-3, wanted_order = 1.8;
+  EXPECT_LT(*std::max_element(errors[0.025].begin(), errors[0.025].end()), wanted);
+  EXPECT_GT(std::log(median(errors[0.1]) / median(errors[0.025])) / std::log(4.0), wanted_order);
+}
+
+}  // namespace
+}  // namespace trackbed
