@@ -79,23 +79,26 @@ double energy_error(Pair pair, const Construction& respond, double share) {
   return met ? std::abs((pair.i.kinetic() + pair.j.kinetic()) / before - 1) : -1;
 }
 
-// Largest change of force between poses along a sideways path of one rounding radius.
+// Largest change of force, and of torque over the size, between poses along a sideways path of one
+// rounding radius.
 double largest_jump(Pair pair, const Construction& respond, int count) {
   const Vec3 along = (pair.j.x - pair.i.x).normalized(), side = along.unitOrthogonal();
-  const double r = test::rounding * size;
-  const Vec3 from = pair.j.x - 0.1 * r * along;
+  constexpr double radius = test::rounding * size;
+  const Vec3 from = pair.j.x - 0.1 * radius * along;
   const Quat q = pair.j.q;
   Memory memory;
   double jump = 0;
-  Vec3 last;
+  Response last;
   for (int s = 0; s <= count; ++s) {
     const double t = static_cast<double>(s) / count;
-    pair.j.x = from + r * t * side;
+    pair.j.x = from + radius * t * side;
     pair.j.q = Quat(Eigen::AngleAxisd(0.1 * t, side)) * q;
     pair.j.place();
-    const Vec3 force = respond(pair.i, pair.j, k, memory).force;
-    if (s > 0) jump = std::max(jump, (force - last).norm());
-    last = force;
+    const Response r = respond(pair.i, pair.j, k, memory);
+    if (s > 0)
+      jump =
+          std::max({jump, (r.force - last.force).norm(), (r.turn_i - last.turn_i).norm() / size});
+    last = r;
   }
   return jump;
 }
@@ -116,6 +119,7 @@ Errors errors_of(Pair (*make)(std::uint64_t), int count, const Construction& c, 
     const double error = energy_error(make(static_cast<std::uint64_t>(n)), c, share);
     if (error >= 0) all.push_back(error);
   }
+  if (all.empty()) return {-1, -1};  // none met
   std::sort(all.begin(), all.end());
   return {all[all.size() / 2], all.back()};
 }
@@ -180,6 +184,11 @@ double substep(const std::vector<Pair>& pairs, const std::vector<dem::Template>&
     }
   p.add(all);
   p.advance(1e-12, steps);
+  const std::int64_t touching = p.totals().contacts,
+                     wanted = apart > 0 ? 0 : static_cast<std::int64_t>(pairs.size());
+  if (touching != wanted)
+    printf("(%lld pairs touch, not %lld)\n", static_cast<long long>(touching),
+           static_cast<long long>(wanted));
   return nanoseconds(pairs.size() * steps, [&] { p.advance(1e-12, steps); });
 }
 
