@@ -74,7 +74,8 @@ void take_history(const std::vector<History>& history, std::int64_t key, int nam
   for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
     const std::int64_t code = -1 - h->second;
-    Approach::Patch patch{static_cast<int>(code & 0xffffffff), true, {}, h->turn, {}};
+    Approach::Patch patch{.patch = static_cast<int>(code & 0xffffffff), .touching = true};
+    patch.turn = h->turn;
     patch.xi.set(Eigen::Map<const Vec3>(h->xi));
     patches.push_back(patch);
   }
@@ -90,22 +91,24 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
   approaches.clear();
   const State& s = scene.state;
   std::vector<int> found;
+  const double beyond = scene.shapes.any_stones() ? 1 + deepest : 1;
+  const auto reach = [&](double radius) { return beyond * radius + scene.skin; };
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const Columns columns(*surfaces[k], scene.grid.edge().x(), scene.grid.reach());
     for (std::size_t b = 0; b < s.own; ++b) {
       const Lattice::Image home = scene.grid.locate(s.x[b].vec3());
       const Vec3 shift(home.wrap[0] * scene.grid.period(0), home.wrap[1] * scene.grid.period(1),
                        home.wrap[2] * scene.grid.period(2));
-      columns.near(s.x[b].vec3() + shift, s.x[b].w + scene.skin, found);
+      columns.near(s.x[b].vec3() + shift, reach(s.x[b].w), found);
       if (found.empty()) continue;
       const int law = scene.laws.index(static_cast<int>(s.material[b]), surfaces[k]->material);
       require(law >= 0, "a particle meets a surface and their materials have no contact law");
       for (std::size_t p = scene.pieces.begin[b]; p < scene.pieces.begin[b + 1]; ++p) {
         const Vec4& x = scene.pieces.x[p];
-        columns.near(x.vec3() + shift, x.w + scene.skin, found);
+        columns.near(x.vec3() + shift, reach(x.w), found);
         if (found.empty()) continue;
         Approach a{
-            static_cast<std::int32_t>(p), static_cast<std::int32_t>(k), shift, found, law, {}};
+            static_cast<std::int32_t>(p), static_cast<std::int32_t>(k), shift, found, law, {}, {}};
         take_history(history, piece_key(s.id[b], p - scene.pieces.begin[b]), names[k], a.patches);
         approaches.push_back(std::move(a));
       }

@@ -18,15 +18,15 @@ namespace {
 [[gnu::always_inline]] inline void finish(FeatureGroup& g, const Lanes3& on_i, const Lanes3& w,
                                           Lanes d) {
   g.d = d;
-  const Lanes3 n = over(d) * w, x = on_i + (g.half + 0.5 * d) * n;
+  g.n = over(d) * w, g.x = on_i + (g.half + 0.5 * d) * g.n;
   const Lanes delta = larger(g.reach - d, all(0));
   const Lanes p2 = delta * delta, p4 = p2 * p2;
   g.power = p4 * p4;
   g.weight = p4 * p2 * delta;
-  g.normal = g.weight * n;
-  g.moment = cross(x, g.normal);
-  g.point = g.weight * x;
-  g.square = dot(x, g.point);
+  g.normal = g.weight * g.n;
+  g.moment = cross(g.x, g.normal);
+  g.point = g.weight * g.x;
+  g.square = dot(g.x, g.point);
 }
 
 // Corner p0 and triangle p1 p2 p3: the foot on the plane if it lies inside, else the closest of the

@@ -24,13 +24,15 @@ namespace trackbed::dem {
 using FeatureWord = std::array<std::uint8_t, 4>;
 
 // Eight pairs of features. In: four points in m from a common origin near them; of corner features
-// the corner, then the triangle. Out: distance, and the sums of the smooth maximum over delta^7.
+// the corner, then the triangle. Out: distance, normal, point of contact, and what the smooth
+// maximum sums.
 struct FeatureGroup {
   Lanes3 p[4];
   Lanes side;    // 1: the corner is one of i; -1: one of j
   Lanes reach;   // m, sum of the radii
   Lanes half;    // m, (r_i - r_j) / 2
   Lanes d;       // m
+  Lanes3 n, x;   // unit normal from i to j; m, point of contact
   Lanes power;   // delta^8; 0 without overlap
   Lanes weight;  // delta^7, and its products with normal, moment, point and its square
   Lanes3 normal, moment, point;
@@ -55,10 +57,13 @@ class FeatureRow {
   }
   const FeatureGroup& group(std::size_t slot) const { return groups_[slot / lanes]; }
   double distance(std::size_t slot) const { return group(slot).d[slot % lanes]; }
+  Vec3 normal(std::size_t slot) const { return at(group(slot).n, slot % lanes); }
+  Vec3 contact(std::size_t slot) const { return at(group(slot).x, slot % lanes); }
   void compute_corners();
   void compute_edges();
 
  private:
+  static Vec3 at(const Lanes3& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
   std::vector<FeatureGroup> groups_;
   std::size_t size_ = 0;
 };

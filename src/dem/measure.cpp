@@ -123,15 +123,14 @@ struct Particles::ContactLoop {
 
   template <class See>
   void surface(const Approach& a, const Approach::Patch& p, See& see) const {
-    const Vec4 x = piece(static_cast<std::size_t>(a.piece));
-    const double delta = x.w - p.contact.distance;
+    if (!(p.radius > 0)) return;  // loaded, not yet felt
+    const auto i = static_cast<std::size_t>(a.piece);
     const Law& law = laws[static_cast<std::size_t>(a.law)];
-    if (p.contact.triangle < 0) return;  // loaded, not yet felt
-    const Vec3 force = elastic_force(law, delta, x.w, p.xi, p.contact.normal);
-    const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
-    see(ContactView{state.id[b], -1 - a.surface, x.vec3(), Vec3(p.contact.point - a.shift), force,
-                    delta},
-        stored_energy(law, delta, x.w, p.xi));
+    const Coefficients c = coefficients<true>(law, p.overlap, 0, p.radius);
+    const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
+    see(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
+                    p.overlap},
+        stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn);
   }
 };
 
@@ -257,7 +256,8 @@ std::size_t Particles::memory() const {
   count(r.pieces.corners), count(r.pieces.first_corner), count(r.pieces.rounding);
   count(r.pieces.last_x), count(r.pieces.last_q), count(r.pieces.path);
   bytes += r.stone_contacts.memory();
-  for (const Approach& a : r.approaches) count(a.triangles), count(a.patches);
+  for (const Approach& a : r.approaches)
+    count(a.triangles), count(a.patches), count(a.near.features);
   return bytes;
 }
 

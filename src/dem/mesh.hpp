@@ -1,14 +1,17 @@
-// Where a sphere touches a triangulated surface.
+// Where a sphere, or the corner of a stone, touches a triangulated surface.
 //
-// A sphere may be near many triangles; what it feels must not depend on how a face is cut. A
-// contact is a local minimum of the distance to the whole surface: a closest point on an edge or
-// corner counts only if no triangle that shares the edge or corner is closer, and once if several
-// are equally close. Within one smooth patch (triangles joined by edges bent less than
-// `smooth_angle`) only the deepest contact is kept, so that a plane cut into triangles, or slightly
-// bent by the ground below, acts as one plane; across a sharp concave edge there are two contacts.
+// What a body feels must not depend on how a face is cut. A **patch** is a set of triangles joined
+// by edges bent less than `smooth_angle` or bent away from the stones (convex); two sides of a
+// sharp concave edge are different patches. A point has one contact with a patch, the closest point
+// of it: its signed distance is continuous, however the patch is cut, and a body that rolls over
+// the edge of a sleeper keeps its contact and its history. In a concave edge it has two.
+//
+// Beyond a concave edge a patch goes on as the plane of its border, so that it acts all along it
+// and also on what has been pressed through the other patch. Beyond an open edge the surface ends.
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "trackbed/core/surface.hpp"
@@ -25,27 +28,80 @@ struct Ball {
 struct MeshContact {
   int triangle = -1;
   int patch = -1;
-  Vec3 normal = Vec3::Zero();  // unit, from the sphere into the surface
+  Vec3 normal = Vec3::Zero();  // unit, into the surface
   Vec3 point = Vec3::Zero();   // m, on the surface
   Vec3 weight = Vec3::Zero();  // share of each of the triangle's nodes, sums to 1
-  double distance = 0;         // m, centre to point, negative behind a face
+  double distance = 0;         // m, to the point, negative behind a face
+};
+
+// The closest point of one triangle; the sign of the distance is not yet known.
+struct Closest {
+  MeshContact contact;
+  double squared = 1e300;  // m^2, distance^2
+  double height = 0;       // m, over the triangle's plane
+  Vec3 out = Vec3::Zero();
+  unsigned part = 0;  // bit k: node k carries the point; 7: inside the face
+
+  // Of two triangles that share the closest part the one that faces the point tells the side.
+  bool replaces(const Closest& old, double equal) const;
+};
+
+// An edge that the edges of a stone may meet: convex and sharp, or open.
+struct SharpEdge {
+  std::array<std::int32_t, 2> nodes;
+  std::array<int, 2> triangles;  // ascending; of an open edge the second is -1
+  int chain;                     // sharp edges that go on almost straight are one
+};
+// A node where sharp edges end or bend.
+struct SharpCorner {
+  std::int32_t node;
+  int triangle;
 };
 
 // Topology of one surface, worked out once from the positions it has then.
 class Mesh {
  public:
   explicit Mesh(const Surface& surface);
-  int patch(std::size_t triangle) const { return patch_[triangle]; }
+  int patch(int triangle) const { return patch_[static_cast<std::size_t>(triangle)]; }
   int patches() const { return patches_; }
+  const SharpEdge& edge(int k) const { return edges_[static_cast<std::size_t>(k)]; }
+  const SharpCorner& corner(int k) const { return corners_[static_cast<std::size_t>(k)]; }
+  // Numbers of the sharp edges and corners that belong to a triangle; each belongs to one.
+  std::span<const int> edges_of(int triangle) const { return edges_at_.of(triangle); }
+  std::span<const int> corners_of(int triangle) const { return corners_at_.of(triangle); }
 
   // All contacts of the sphere with the candidate triangles (ascending), one per patch, in the
   // order of patches, when the share `s` of the window has passed. Appends to `found`.
   void touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface, double s,
              std::vector<MeshContact>& found) const;
 
+  // Closest point of a triangle to p; p and the point are relative to `origin`.
+  Closest closest(const Vec3& p, int triangle, const Surface& surface, double s,
+                  const Vec3& origin) const;
+  // Sign and normal of the closest of a patch. Returns false where the surface ends: there the
+  // distance has no sign.
+  bool settle(Closest& c, const Vec3& p, const Surface& surface, double s,
+              const Vec3& origin) const;
+
  private:
+  friend class MeshBuilder;
+  // What lies behind a side or a node of a triangle.
+  enum class Border : std::uint8_t { inner, crease, open };
+  struct Numbers {  // lists of numbers, one for each triangle
+    std::vector<int> begin, numbers;
+    std::span<const int> of(int triangle) const {
+      const auto t = static_cast<std::size_t>(triangle);
+      return std::span(numbers).subspan(static_cast<std::size_t>(begin[t]),
+                                        static_cast<std::size_t>(begin[t + 1] - begin[t]));
+    }
+  };
+
   std::vector<std::array<std::int32_t, 3>> triangles_;
   std::vector<int> patch_;
+  std::vector<std::array<Border, 8>> border_;  // by Closest::part
+  std::vector<SharpEdge> edges_;
+  std::vector<SharpCorner> corners_;
+  Numbers edges_at_, corners_at_;
   int patches_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include "laws.hpp"
 #include "mesh.hpp"
 #include "state.hpp"
+#include "stone_surface.hpp"
 
 namespace trackbed::dem {
 
@@ -74,11 +75,16 @@ struct Approach {
   struct Patch {
     int patch;
     bool touching;
-    Vec4 xi;
-    double turn;          // rad
-    MeshContact contact;  // as found in the last sub-step
+    Vec4 xi{};
+    double turn = 0;  // rad
+    // As felt in the last sub-step; radius 0: not yet.
+    double overlap = 0, radius = 0;  // m
+    double spread = 0;               // m^2
+    Vec3 N = Vec3::Zero();           // the overlap grows along it
+    Vec3 point = Vec3::Zero();       // m, beside the piece (not shifted)
   };
   std::vector<Patch> patches;  // touched ones, ascending
+  NearFeatures near;           // of a piece with several corners
 };
 
 // What the builders read.

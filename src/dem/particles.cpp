@@ -141,6 +141,9 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   r.surfaces = std::move(surfaces);
   r.surface_names.clear(), r.meshes.clear();
   r.surface_reference.assign(r.surfaces.size(), {});
+  r.surface_path.assign(r.surfaces.size(), 0);
+  r.surface_way.assign(r.surfaces.size(), 0);
+  r.surface_last.assign(r.surfaces.size(), {});
   for (Surface* surface : r.surfaces) {
     r.surface_names.push_back(r.name_number(surface->name));
     r.meshes.emplace_back(*surface);
@@ -152,7 +155,8 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
 }
 
 bool Particles::reaches(const Vec3& low, const Vec3& high) const {
-  const Vec3 margin = Vec3::Constant(room_->bound + 2 * room_->skin);
+  const double deep = room_->shapes.any_stones() ? 1 + deepest : 1;
+  const Vec3 margin = Vec3::Constant(deep * room_->bound + 2 * room_->skin);
   return room_->grid.owns_part_of(low - margin, high + margin, room_->comm.rank());
 }
 
@@ -177,6 +181,7 @@ void Particles::advance(double dt_window, int steps) {
   r.action = {};
   if (!r.ready) r.rebuild();
   r.surface_motion = r.surface_motion_since_rebuild();
+  r.follow_surfaces();
   for (int k = 1; k <= steps; ++k)
     r.substep({dt_window / steps, static_cast<double>(k) / steps, steps});
   double sums[7];

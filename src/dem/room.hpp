@@ -1,6 +1,7 @@
 // The inside of Particles: what a rank keeps, and the verbs of a sub-step.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,15 @@ struct Particles::Room {
   Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
   void feel_pairs(double dt);
   void feel_surfaces(const SubStep& step);
-  void touch_surface(Approach& a, const MeshContact& c, const SubStep& step);
+  double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
+  double touch_with_corners(Approach& a, const SubStep& step);  // over rounding
+  void push(Approach& a, const MeshContact& c, const SubStep& step);
+  double press(Approach& a, std::span<const MeshContact> contacts, double rounding,
+               const SubStep& step);
+  StoneSight sight(const Approach& a, double share) const;
+  void add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
+                      const SubStep& step);
+  void follow_surfaces();  // their paths, at the begin of a window
   // rebuild.cpp: new owners, ghosts and lists, from the state alone.
   void rebuild();
   void migrate(std::vector<History>& history);
@@ -105,6 +114,9 @@ struct Particles::Room {
   double load_quantum = 0;                           // N; only grows, so that it survives a restart
   std::vector<std::vector<Vec3>> surface_reference;  // m, at the end of the rebuild's window
   double surface_motion = 0;                         // m, largest of a node since then
+  // m, path that no node of a surface exceeded up to this window, and its way in it.
+  std::vector<double> surface_path, surface_way;
+  std::vector<std::vector<Vec3>> surface_last;  // m, nodes at the end of this window
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
 
   double local_damping = -1;

@@ -1,10 +1,12 @@
-// Forces of pieces on surfaces: the contacts found by mesh.hpp, the law of laws.hpp, and the way of
-// each force to the nodes of its triangle.
+// Forces of pieces on surfaces, and the way of each force to the nodes of its triangle. Pieces with
+// one corner are balls: contacts found by mesh.hpp, the law of laws.hpp. The others: contacts found
+// by stone_surface.hpp, the law of stone_law.hpp on their smooth maximum.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "room.hpp"
+#include "stone_law.hpp"
 #include "trackbed/core/exact_sum.hpp"
 
 namespace trackbed::dem {
@@ -25,68 +27,197 @@ void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, doubl
   }
 }
 
+// m, of the surface at the contact, over one sub-step.
+Vec3 motion_at(const Surface& surface, const MeshContact& c, const SubStep& step) {
+  const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
+  Vec3 motion = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    motion += c.weight[k] * surface.motion[static_cast<std::size_t>(nodes[k])];
+  return motion / step.count;
+}
+
 // The patch record of a contact, kept in the order of patches; new ones start without history.
 Approach::Patch& patch_record(Approach& a, int patch) {
   auto at = std::find_if(a.patches.begin(), a.patches.end(),
                          [&](const Approach::Patch& p) { return p.patch >= patch; });
   if (at == a.patches.end() || at->patch != patch)
-    at = a.patches.insert(at, Approach::Patch{patch, true, {}, 0, {}});
+    at = a.patches.insert(at, Approach::Patch{.patch = patch, .touching = true});
   at->touching = true;
   return *at;
 }
 
 }  // namespace
 
-// Force and torque of one contact on particle `b`, the opposite on the surface's nodes, and both in
-// the window's action.
-void Particles::Room::touch_surface(Approach& a, const MeshContact& c, const SubStep& step) {
+// `force` on the particle; the opposite goes to the nodes and into the window's action.
+void Particles::Room::add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
+                                     const SubStep& step) {
+  Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
+  load_nodes(surface, c, -force, step.share);
+  action.work -= force.dot(motion_at(surface, c, step));
+}
+
+// Force and torque of one contact of a ball on its particle, the opposite on the surface.
+void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& step) {
   const auto p = static_cast<std::size_t>(a.piece);
   const auto b = static_cast<std::size_t>(pieces.body[p]);
   const Vec4& piece = shapes.only_spheres() ? state.x[b] : pieces.x[p];
-  Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
+  const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
   Approach::Patch& patch = patch_record(a, c.patch);
-  patch.contact = c;
-  const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
-  Vec3 motion = Vec3::Zero();  // m, of the surface at the contact, over this sub-step
-  for (int k = 0; k < 3; ++k)
-    motion += c.weight[k] * surface.motion[static_cast<std::size_t>(nodes[k])];
-  motion /= step.count;
+  patch.overlap = piece.w - c.distance, patch.radius = piece.w;
+  patch.N = c.normal, patch.point = c.point - a.shift;
   // From raw positions: which periodic image was taken must not change a bit.
   const Vec3 arm = (piece.vec3() - state.x[b].vec3()) + c.distance * c.normal;
   const Vec3 spin = state.w[b].vec3();
-  const Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion / step.dt;
+  const Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion_at(surface, c, step) / step.dt;
   const Vec3& n = c.normal;
   // A surface does not spin: the contact turns with half the particle's spin about the normal.
-  const Touch touch{
-      n.x(), n.y(), n.z(), v.x(), v.y(), v.z(), piece.w - c.distance, 0.5 * spin.dot(n)};
+  const Touch touch{n.x(), n.y(), n.z(), v.x(), v.y(), v.z(), patch.overlap, 0.5 * spin.dot(n)};
   const Law& law = laws[static_cast<std::size_t>(a.law)];
   const Coefficients k = coefficients<true>(law, touch.delta, std::sqrt(mass(b)), piece.w);
   const Vec3 force = contact_force(k, touch, step.dt, patch.xi).vec3();
   const Vec3 torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
-  load_nodes(surface, c, -force, step.share);
+  add_to_surface(a, c, force, step);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
-  action.work -= force.dot(motion);
+}
+
+double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
+  thread_local std::vector<MeshContact> found;  // keeps its capacity: no allocation per step
+  const auto p = static_cast<std::size_t>(a.piece);
+  const Vec4& piece =
+      shapes.only_spheres() ? state.x[static_cast<std::size_t>(pieces.body[p])] : pieces.x[p];
+  found.clear();
+  meshes[static_cast<std::size_t>(a.surface)].touch({piece.vec3() + a.shift, piece.w}, a.triangles,
+                                                    *surfaces[static_cast<std::size_t>(a.surface)],
+                                                    step.share, found);
+  double worst = 0;
+  for (const MeshContact& c : found) {
+    push(a, c, step);
+    worst = std::max(worst, (piece.w - c.distance) / piece.w);
+  }
+  return worst;
+}
+
+StoneSight Particles::Room::sight(const Approach& a, double share) const {
+  const auto p = static_cast<std::size_t>(a.piece), k = static_cast<std::size_t>(a.surface);
+  const auto b = static_cast<std::size_t>(pieces.body[p]);
+  const Vec3 centre = state.x[b].vec3();
+  const std::span corners(pieces.corners);
+  const std::size_t first = pieces.first_corner[p];
+  return {{&shapes.core(shapes.begin(state.shape[b]) + p - pieces.begin[b]),
+           corners.subspan(first, pieces.first_corner[p + 1] - first), Vec3::Zero(),
+           pieces.rounding[p]},
+          {pieces.x[p].vec3() - centre, pieces.x[p].w},
+          meshes[k],
+          *surfaces[k],
+          share,
+          centre + a.shift};
+}
+
+double Particles::Room::touch_with_corners(Approach& a, const SubStep& step) {
+  thread_local std::vector<MeshContact> found;
+  const auto k = static_cast<std::size_t>(a.surface);
+  const double path =
+      pieces.path[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)])] +
+      surface_path[k] + step.share * surface_way[k];
+  const bool old = !(path < a.near.until);
+  if (!old && a.near.features.empty()) return 0;
+  const StoneSight s = sight(a, step.share);
+  if (old) find_features(s, a.triangles, path, a.near);
+  found.clear();
+  touch_surface(s, a.near.features, found);
+  double worst = 0;
+  for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
+    while (end < found.size() && found[end].patch == found[begin].patch) ++end;
+    worst = std::max(worst,
+                     press(a, std::span(found).subspan(begin, end - begin), s.stone.radius, step));
+  }
+  return worst;
+}
+
+// All contacts of a piece with one patch act as one; each gives its share of the force to its own
+// triangle, so that the surface gets the opposite of the stone's force and moment to rounding.
+double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts, double rounding,
+                              const SubStep& step) {
+  Overlaps overlaps;
+  for (const MeshContact& c : contacts) overlaps.add(rounding - c.distance, c.normal, c.point);
+  const Wrench w = overlaps.result();
+  if (!(w.M > 0)) return 0;
+  thread_local std::vector<double> slope;  // s_k = dM/d delta_k
+  slope.clear();
+  double total = 0;
+  for (const MeshContact& c : contacts) {
+    const double ratio = (rounding - c.distance) / w.M, square = ratio * ratio;
+    slope.push_back(square * square * square * ratio);
+    total += slope.back();
+  }
+  const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
+  Vec3 motion = Vec3::Zero();  // m, of the surface at the mean point of contact
+  double closing = 0;          // m, of the features on the surface, along N
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Vec3 u = motion_at(surface, contacts[k], step);
+    motion += slope[k] / total * u;
+    closing += slope[k] * contacts[k].normal.dot(u);
+  }
+  const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
+  Approach::Patch& patch = patch_record(a, contacts[0].patch);
+  patch.overlap = w.M, patch.radius = rounding, patch.spread = w.spread, patch.N = w.N;
+  patch.point = w.x + state.x[b].vec3();
+  thread_local StoneGroup g{};
+  g.N.put(0, w.N), g.T.put(0, w.T), g.x.put(0, w.x), g.M[0] = w.M, g.spread[0] = w.spread;
+  g.vi.put(0, state.v[b]), g.wi.put(0, state.w[b]), g.vj.put(0, Vec3(motion / step.dt));
+  g.drift[0] = (closing - motion.dot(w.N)) / step.dt;
+  g.xi.put(0, patch.xi), g.turn[0] = patch.turn, g.root_mass[0] = std::sqrt(mass(b));
+  set_law(g, 0, laws[static_cast<std::size_t>(a.law)], rounding);
+  respond(g, 0, step.dt);
+  patch.xi.set(g.xi.at(0)), patch.turn = g.turn[0];
+  const Vec3 friction = g.force.at(0) + g.f_n[0] * w.N;
+  const Vec3 ring =
+      w.spread > 0 ? Vec3(g.moment[0] / w.spread * w.N.normalized()) : Vec3(Vec3::Zero());
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const MeshContact& c = contacts[k];
+    const Vec3 part =
+        slope[k] / total * (friction + ring.cross(c.point - w.x)) - g.f_n[0] * slope[k] * c.normal;
+    add_to_surface(a, c, part, step);
+    force += part, torque += c.point.cross(part);
+  }
+  state.f[b].set(state.f[b].vec3() + force);
+  state.t[b].set(state.t[b].vec3() + torque);
+  action.force -= force;
+  action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
+  return w.M / rounding;
+}
+
+void Particles::Room::follow_surfaces() {
+  const auto farthest = [](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    double most = 0;  // nodes far from all stones may be unknown (not a number)
+    for (std::size_t n = 0; n < from.size(); ++n) {
+      const double way = (to[n] - from[n]).norm();
+      if (way > most) most = way;
+    }
+    return most;
+  };
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const Surface& surface = *surfaces[k];
+    surface_path[k] += surface_way[k] + farthest(surface_last[k], surface.position);
+    surface_last[k].resize(surface.nodes());
+    for (std::size_t n = 0; n < surface.nodes(); ++n)
+      surface_last[k][n] = surface.position[n] + surface.motion[n];
+    surface_way[k] = farthest(surface.position, surface_last[k]);
+  }
 }
 
 void Particles::Room::feel_surfaces(const SubStep& step) {
-  thread_local std::vector<MeshContact> found;  // keeps its capacity: no allocation per step
   double worst = 0;
   for (Approach& a : approaches) {
-    const auto p = static_cast<std::size_t>(a.piece);
-    const auto b = static_cast<std::size_t>(pieces.body[p]);
-    const Vec4& piece = shapes.only_spheres() ? state.x[b] : pieces.x[p];
     for (Approach::Patch& patch : a.patches) patch.touching = false;
-    found.clear();
-    meshes[static_cast<std::size_t>(a.surface)].touch(
-        {piece.vec3() + a.shift, piece.w}, a.triangles,
-        *surfaces[static_cast<std::size_t>(a.surface)], step.share, found);
-    for (const MeshContact& c : found) {
-      touch_surface(a, c, step);
-      worst = std::max(worst, (piece.w - c.distance) / piece.w);
-    }
+    const auto p = static_cast<std::size_t>(a.piece);
+    const bool corners =
+        shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+    worst = std::max(worst, corners ? touch_with_corners(a, step) : touch_with_ball(a, step));
     // What does not touch any more loses its history.
     std::erase_if(a.patches, [](const Approach::Patch& patch) { return !patch.touching; });
   }

@@ -1,0 +1,71 @@
+// Where a piece with several corners touches a triangulated surface.
+//
+// Like a pair of such pieces (features.hpp) it has one energy with each patch of the surface: that
+// of the smooth maximum M of the overlaps delta_k = r - d_k of all features, r the piece's
+// rounding:
+//   corner of the piece and patch: signed distance, the least over the patch's triangles;
+//   edge of the piece and sharp edge of the surface: the least over a run of almost straight edges;
+//   sharp corner of the surface and piece: signed distance, the least over the piece's triangles.
+// Every d_k is continuous, and none depends on how the patch is cut into triangles: edges within a
+// smooth patch are no features. Distances are signed so that what has passed through is pushed
+// back: corners behind a face, edges that have crossed.
+//
+// Each approach keeps the features that may come within contact before the piece and the surface
+// have moved by a margin (`NearFeatures::until` counts the length of their paths). Which it keeps
+// changes no bit. Cost: a kept corner about 50 ns per triangle, finding anew 10 to 30 us.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "mesh.hpp"
+#include "separation.hpp"
+
+namespace trackbed::dem {
+
+// How far a corner may be behind a surface, over the radius of the ball around its piece.
+// Approaches reach so much further than the ball that the closest triangle is always among them.
+inline constexpr double deepest = 0.5;
+
+enum class FeatureKind : std::uint8_t { corner, edge, sharp_corner };
+
+// Sorts by contact: features that differ in `own` and `part` only are one, and the closest counts.
+struct SurfaceFeature {
+  int patch;
+  FeatureKind kind;
+  std::uint16_t group;  // corner or edge of the piece
+  int run;              // of the surface: chain of sharp edges or sharp corner
+  int part;             // triangle, sharp edge or sharp corner of the surface
+  std::uint16_t own;    // corner, edge or triangle of the piece
+  auto operator<=>(const SurfaceFeature&) const = default;
+  bool same_contact(const SurfaceFeature& o) const {
+    return patch == o.patch && kind == o.kind && group == o.group && run == o.run;
+  }
+};
+
+struct NearFeatures {
+  std::vector<SurfaceFeature> features;  // ascending
+  double until = -1;                     // m, sum of both paths up to which they hold
+};
+
+// One piece near one surface at one moment; all points are relative to the particle's centre.
+struct StoneSight {
+  Placed stone;
+  Ball ball;  // around the piece
+  const Mesh& mesh;
+  const Surface& surface;
+  double share;  // of the window that has passed
+  Vec3 origin;   // m, the particle's centre as the surface sees it
+
+  Vec3 node(std::int32_t n) const { return node_at(surface, n, share) - origin; }
+};
+
+// Features near now; `triangles`: candidates. `path` m, of both so far.
+void find_features(const StoneSight& sight, const std::vector<int>& triangles, double path,
+                   NearFeatures& near);
+// Contacts with overlap, in the order of patches.
+void touch_surface(const StoneSight& sight, const std::vector<SurfaceFeature>& features,
+                   std::vector<MeshContact>& found);
+
+}  // namespace trackbed::dem
