@@ -21,8 +21,7 @@
 
 namespace trackbed::dem {
 
-// This version moves pieces with one core vertex (spheres, disks); others are refused with
-// InputError.
+// Pieces of any number of corners move; without a radius they are refused with InputError.
 using geom::Piece;
 using geom::Template;
 
