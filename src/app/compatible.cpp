@@ -114,7 +114,10 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;
   for (const auto& [key, value] : all) {
-    if (!matters(key, holds)) continue;
+    // Stones keep the number of their material: those there were must stay where they stood.
+    const bool numbered =
+        key.starts_with("material[") && key.ends_with("].name") && then.contains(key);
+    if (!numbered && !matters(key, holds)) continue;
     const auto new_one = now.find(key), old_one = then.find(key);
     if (new_one != now.end() && old_one != then.end() && new_one->second == old_one->second)
       continue;

@@ -90,7 +90,7 @@ struct Touch {
 }
 
 // Laws of all pairs of materials, from the deck's declarations. Throws InputError for a pair given
-// twice or an unknown material; a pair that is not given has kind `missing` (see law_index).
+// twice or an unknown material; `index` is -1 for a pair that is not given.
 class LawTable {
  public:
   explicit LawTable(const Physics& physics);
@@ -99,7 +99,7 @@ class LawTable {
                  static_cast<std::size_t>(material_j)];  // -1: not declared
   }
   const Law& operator[](std::size_t index) const { return laws_[index]; }
-  // Until it is called with a number below 0, `mu` of every law.
+  // `mu` is the friction of every law from now on; below 0: each has its own again.
   void override_friction(double mu);
   const std::vector<Law>& all() const { return laws_; }
   std::size_t materials() const { return materials_; }

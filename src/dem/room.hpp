@@ -33,7 +33,7 @@ struct Particles::Room {
   void kick_and_drift(double dt);
   void kick(double dt);
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
-  // contacts.cpp
+  // pair_contacts.cpp, surface_contacts.cpp
   Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
   void feel_pairs(double dt);
   void feel_surfaces(const SubStep& step);

@@ -139,6 +139,13 @@ def check_other_models(program, deck, folder):
             expect(ran.returncode == 2, f"{command} must be refused", ran)
             expect(change.split("=")[0].split(".")[-1] in ran.stderr and
                    "was made with" in ran.stderr, f"{command} must say why", ran)
+    # Stones keep the number of their material: a new one in front must not make them of it.
+    lead = folder / "lead.toml"
+    lead.write_text(pathlib.Path(deck).read_text().replace(
+        "[[material]]", '[[material]]\nname = "lead"\ndensity = 11340\n\n[[material]]', 1))
+    ran = program(1, "check", lead, still)
+    expect(ran.returncode == 2 and "material" in ran.stderr and "was made with" in ran.stderr,
+           "materials in another order must be refused", ran)
     ran = program(1, "resume", made / "stage_load.h5", "ground.zones_x=30", *place)
     expect(ran.returncode == 2, "resume must refuse it too", ran)
     expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
