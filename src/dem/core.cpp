@@ -10,8 +10,6 @@ namespace {
 
 std::uint8_t byte(int corner) { return static_cast<std::uint8_t>(corner); }
 
-Vec4 vec4(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
-
 // Faces may be given in parts that lie in one plane: what is between those is no edge, and felt as
 // one it would stiffen the face.
 bool within_a_face(const geom::Convex& hull, const geom::Edge& edge) {

@@ -32,7 +32,7 @@ struct FeatureGroup {
   Lanes reach;   // m, sum of the radii
   Lanes half;    // m, (r_i - r_j) / 2
   Lanes d;       // m
-  Lanes3 n, x;   // unit normal from i to j; m, point of contact
+  Lanes3 n, x;   // gradient of d: normal from i to j (unit for corners); m, point of contact
   Lanes power;   // delta^8; 0 without overlap
   Lanes weight;  // delta^7, and its products with normal, moment, point and its square
   Lanes3 normal, moment, point;

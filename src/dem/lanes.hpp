@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "vec4.hpp"
+
 namespace trackbed::dem {
 
 inline constexpr std::size_t lanes = 8;  // doubles in a 512-bit register
@@ -47,5 +49,14 @@ struct Lanes3 {
 [[gnu::always_inline]] inline Lanes3 select(Mask mask, const Lanes3& yes, const Lanes3& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
+
+// Eight vectors as plain arrays, for loops that the compiler vectorises.
+struct alignas(64) Lane3 {
+  double x[lanes], y[lanes], z[lanes];
+  void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
+  void put(std::size_t k, const Vec3& v) { x[k] = v.x(), y[k] = v.y(), z[k] = v.z(); }
+  void put(std::size_t k, double a, double b, double c) { x[k] = a, y[k] = b, z[k] = c; }
+  Vec3 at(std::size_t k) const { return {x[k], y[k], z[k]}; }
+};
 
 }  // namespace trackbed::dem

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lanes.hpp"
 #include "trackbed/dem/law.hpp"
 #include "vec4.hpp"
 
@@ -88,6 +89,25 @@ struct Touch {
   xi.z = slips ? soft * (sz + c.c_s * vtz) : z;
   return {sx - f_n * t.nx, sy - f_n * t.ny, sz - f_n * t.nz, f_n};
 }
+
+// The laws of eight contacts, for loops over lanes.
+struct alignas(64) LawLanes {
+  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
+  void set(std::size_t k, const Law& law) {
+    k_n[k] = law.k_n, k_s[k] = law.k_s, c_n[k] = law.c_n, c_s[k] = law.c_s;
+    mu[k] = law.mu, least[k] = law.least;
+    hertz[k] = law.kind == LawKind::hertz;
+  }
+  [[gnu::always_inline]] Law at(std::size_t k) const {
+    return {hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
+            least[k],
+            k_n[k],
+            k_s[k],
+            c_n[k],
+            c_s[k],
+            mu[k]};
+  }
+};
 
 // Laws of all pairs of materials, from the deck's declarations. Throws InputError for a pair given
 // twice or an unknown material; `index` is -1 for a pair that is not given.

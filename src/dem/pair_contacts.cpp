@@ -15,17 +15,12 @@ namespace trackbed::dem {
 
 namespace {
 
-struct alignas(64) Lane3 {
-  double x[lanes], y[lanes], z[lanes];
-  void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
-};
-
 // Eight contacts: what the law reads and what it gives.
 struct alignas(64) Group {
   Lane3 d, vi, vj, wi, wj, ai, aj;  // a: piece centre from the particle's, clumps only
   Lane3 xi, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
   double ri[lanes], rj[lanes], root_mass[lanes];
-  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
+  LawLanes law;
 };
 
 // Arrays of the pair loop, so that the compiler sees plain pointers.
@@ -75,20 +70,17 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
     const Vec4 &pi = a.piece_x[c.piece], &pj = a.piece_x[entry.piece],
                &h = list.shifts[entry.shift];
     const std::size_t i = particle<spheres>(a, c.piece), j = particle<spheres>(a, entry.piece);
-    g.d.put(k, {pj.x - pi.x + h.x, pj.y - pi.y + h.y, pj.z - pi.z + h.z, 0});
+    g.d.put(k, pj.x - pi.x + h.x, pj.y - pi.y + h.y, pj.z - pi.z + h.z);
     g.ri[k] = pi.w, g.rj[k] = pj.w;
     g.vi.put(k, a.v[i]), g.vj.put(k, a.v[j]);
     g.wi.put(k, a.w[i]), g.wj.put(k, a.w[j]);
     if constexpr (!spheres) {
-      g.ai.put(k, {pi.x - a.x[i].x, pi.y - a.x[i].y, pi.z - a.x[i].z, 0});
-      g.aj.put(k, {pj.x - a.x[j].x, pj.y - a.x[j].y, pj.z - a.x[j].z, 0});
+      g.ai.put(k, pi.x - a.x[i].x, pi.y - a.x[i].y, pi.z - a.x[i].z);
+      g.aj.put(k, pj.x - a.x[j].x, pj.y - a.x[j].y, pj.z - a.x[j].z);
     }
     const Vec4& xi = list.xi[c.entry];
     g.xi.put(k, xi), g.root_mass[k] = xi.w;
-    const Law& law = laws[entry.law];
-    g.k_n[k] = law.k_n, g.k_s[k] = law.k_s, g.c_n[k] = law.c_n, g.c_s[k] = law.c_s;
-    g.mu[k] = law.mu, g.least[k] = law.least;
-    g.hertz[k] = law.kind == LawKind::hertz;
+    g.law.set(k, laws[entry.law]);
   }
 }
 
@@ -115,13 +107,7 @@ void respond(Group& g, double dt) {
     const double vy = (g.vi.y[k] + (wiz * rix - wix * riz)) - (g.vj.y[k] + (wjz * rjx - wjx * rjz));
     const double vz = (g.vi.z[k] + (wix * riy - wiy * rix)) - (g.vj.z[k] + (wjx * rjy - wjy * rjx));
     const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
-    const Law law{g.hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
-                  g.least[k],
-                  g.k_n[k],
-                  g.k_s[k],
-                  g.c_n[k],
-                  g.c_s[k],
-                  g.mu[k]};
+    const Law law = g.law.at(k);
     const Coefficients c =
         coefficients<hertz>(law, delta, g.root_mass[k], hertz ? g.ri[k] * g.rj[k] / reach : 0.0);
     Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};

@@ -26,7 +26,7 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   g.root_mass[k] = list.xi[o.entry].w, g.turn[k] = list.turn[o.entry].x;
   const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
   const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
-  set_law(g, k, scene.laws[entry.law], ri * rj / (ri + rj));
+  g.law.set(k, scene.laws[entry.law]), g.radius[k] = ri * rj / (ri + rj);
 }
 
 void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,

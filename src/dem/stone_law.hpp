@@ -13,30 +13,15 @@
 
 namespace trackbed::dem {
 
-struct alignas(64) Lane3 {
-  double x[lanes], y[lanes], z[lanes];
-  void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }
-  void put(std::size_t k, const Vec3& v) { x[k] = v.x(), y[k] = v.y(), z[k] = v.z(); }
-  void put(std::size_t k, double a, double b, double c) { x[k] = a, y[k] = b, z[k] = c; }
-  Vec3 at(std::size_t k) const { return {x[k], y[k], z[k]}; }
-};
-
 struct alignas(64) StoneGroup {
   Lane3 d, N, T, x, vi, vj, wi, wj, xi;  // in; d: centre of j from that of i
-  double M[lanes], spread[lanes], turn[lanes], root_mass[lanes], radius[lanes];
-  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
+  double M[lanes], spread[lanes], turn[lanes], root_mass[lanes];
+  double radius[lanes];  // m, of the two curvatures together
+  LawLanes law;
   double drift[lanes];  // m/s, rate at which features of j move along N against its motion at x
   Lane3 force, turn_i, turn_j;       // out, on i; torque on j of the opposite force
   double f_n[lanes], moment[lanes];  // out: force along -N, moment of torsion
 };
-
-// `radius`: of the two curvatures together, m.
-inline void set_law(StoneGroup& g, std::size_t k, const Law& law, double radius) {
-  g.radius[k] = radius;
-  g.k_n[k] = law.k_n, g.k_s[k] = law.k_s, g.c_n[k] = law.c_n, g.c_s[k] = law.c_s;
-  g.mu[k] = law.mu, g.least[k] = law.least;
-  g.hertz[k] = law.kind == LawKind::hertz;
-}
 
 // Moment about the normal, on i, from a torsion spring of stiffness k_s spread, cut at the moment
 // that friction can carry at this spread.
@@ -74,13 +59,8 @@ inline void set_law(StoneGroup& g, std::size_t k, const Law& law, double radius)
   // `contact_force` takes the rate of overlap from the velocity along n: here it is that of M.
   const double correct = rate - (px * nx + py * ny + pz * nz);
   const double vx = px + correct * nx, vy = py + correct * ny, vz = pz + correct * nz;
-  const Law law{g.hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
-                g.least[k],
-                g.k_n[k],
-                g.k_s[k],
-                g.c_n[k],
-                g.c_s[k],
-                g.mu[k] * length};
+  Law law = g.law.at(k);
+  law.mu *= length;
   const Coefficients c = coefficients<true>(law, g.M[k], g.root_mass[k], g.radius[k]);
   const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
   Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};

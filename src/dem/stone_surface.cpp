@@ -11,8 +11,6 @@ namespace {
 
 constexpr double margin = 0.5;  // of the rounding: way that found features last
 
-Vec4 line(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
-
 bool solid(const Core& core) { return !core.flat && core.corners.size() > 3; }
 
 // Closest points of an edge of the piece and a sharp edge, or of a triangle of the piece and a
@@ -24,14 +22,14 @@ class Rows {
     const Core::Edge& e = s.stone.core->edges[own];
     const auto& nodes = s.mesh.edge(part).nodes;
     edges_.add(1, 0, 0,
-               {line(s.stone.corner(e[0])), line(s.stone.corner(e[1])), line(s.node(nodes[0])),
-                line(s.node(nodes[1]))});
+               {vec4(s.stone.corner(e[0])), vec4(s.stone.corner(e[1])), vec4(s.node(nodes[0])),
+                vec4(s.node(nodes[1]))});
   }
   void add_corner(const StoneSight& s, std::uint16_t own, int part) {
     const Core::Triangle& t = s.stone.core->triangles[own];
     corners_.add(-1, 0, 0,
-                 {line(s.node(s.mesh.corner(part).node)), line(s.stone.corner(t[0])),
-                  line(s.stone.corner(t[1])), line(s.stone.corner(t[2]))});
+                 {vec4(s.node(s.mesh.corner(part).node)), vec4(s.stone.corner(t[0])),
+                  vec4(s.stone.corner(t[1])), vec4(s.stone.corner(t[2]))});
   }
   void compute() { edges_.compute_edges(), corners_.compute_corners(); }
   const FeatureRow& of(FeatureKind kind) const {

@@ -12,7 +12,7 @@
 //
 // Each approach keeps the features that may come within contact before the piece and the surface
 // have moved by a margin (`NearFeatures::until` counts the length of their paths). Which it keeps
-// changes no bit. Cost: a kept corner about 50 ns per triangle, finding anew 10 to 30 us.
+// changes no bit.
 #pragma once
 
 #include <compare>

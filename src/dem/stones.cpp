@@ -8,7 +8,7 @@ namespace trackbed::dem {
 namespace {
 
 // Distance a pair may close before its features are found anew: what it goes in so many sub-steps
-// at its present pace (finding costs some 50 times a sub-step), within these shares of the sum of
+// at its present pace (finding costs many times a sub-step), within these shares of the sum of
 // its radii. The fewer features lie within the margin, the less each sub-step has to compute.
 constexpr double margin_steps = 200, least_margin = 0.02, most_margin = 0.3;
 // Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is

@@ -8,7 +8,7 @@
 // are summed in the order of their numbers.
 //
 // Cost per kept feature: about 100 flops of 8 lanes and 12 scalar loads; per touching pair 300
-// flops; finding features anew: about 3 us, every few hundred sub-steps in a dense bed.
+// flops. Finding features anew costs many times that and is rare in a bed at rest.
 #pragma once
 
 #include <vector>

@@ -170,7 +170,7 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   g.vi.put(0, state.v[b]), g.wi.put(0, state.w[b]), g.vj.put(0, Vec3(motion / step.dt));
   g.drift[0] = (closing - motion.dot(w.N)) / step.dt;
   g.xi.put(0, patch.xi), g.turn[0] = patch.turn, g.root_mass[0] = std::sqrt(mass(b));
-  set_law(g, 0, laws[static_cast<std::size_t>(a.law)], rounding);
+  g.law.set(0, laws[static_cast<std::size_t>(a.law)]), g.radius[0] = rounding;
   respond(g, 0, step.dt);
   patch.xi.set(g.xi.at(0)), patch.turn = g.turn[0];
   const Vec3 friction = g.force.at(0) + g.f_n[0] * w.N;
