@@ -219,12 +219,30 @@ def table(runs):
     return "\n".join(lines) + "\n"
 
 
+def lasting_ground(results):
+    """m downwards below each sleeper: what the passage leaves in the ground's top."""
+    if "displacement" not in results.ground or not len(results.ground_x):
+        return np.zeros(len(results.sleepers_x))
+    height = results.ground["displacement"].values[results.passage()]
+    return np.interp(results.sleepers_x, results.ground_x, height[0] - height[-1])
+
+
 def warnings(results):
-    """A sentence per sleeper that the passage has moved for good."""
-    return [f"warning: {results.name}: the sleeper at x = {x:.2f} m keeps {1e3 * left:.2f} mm of "
-            f"its displacement (more than {1e3 * LASTING:.0f} mm): single stones gave way"
-            for x, left in zip(results.sleepers_x, lasting_displacement(results))
-            if abs(left) > LASTING]
+    """A sentence on ground that the passage has moved for good, and one per sleeper that it has
+    moved against the ground."""
+    kept = lasting_displacement(results)
+    if not len(kept):
+        return []
+    sunk = lasting_ground(results)
+    lines = []
+    if np.max(np.abs(sunk)) > LASTING:
+        lines.append(
+            f"warning: {results.name}: the ground itself keeps up to {1e3 * np.max(sunk):.2f} mm: "
+            "it had not come to rest at the end, or its base carries no load that stays")
+    return lines + [
+        f"warning: {results.name}: the sleeper at x = {x:.2f} m keeps {1e3 * left:.2f} mm of its "
+        f"displacement against the ground (more than {1e3 * LASTING:.0f} mm): single stones gave "
+        "way" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
 def _verdict(change, wanted):

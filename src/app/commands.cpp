@@ -10,6 +10,7 @@
 #include "app/compatible.hpp"
 #include "app/result_folder.hpp"
 #include "app/simulation.hpp"
+#include "app/spent.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/checkpoint.hpp"
@@ -65,7 +66,8 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
   const io::File file = io::open_checkpoint(comm, start);
   require_same_model(file, start, effective_deck(model), deck);
-  stage_after(file, start, model, deck);
+  for (const std::string& sentence : spent_changes(file, start, model, deck, GoesOn::in_another))
+    print(comm, fmt::format("warning: {}\n", sentence));
   return start;
 }
 
@@ -74,24 +76,37 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
 // pebbles.
 constexpr double time_per_stone = 75e-9, time_per_piece = 15e-9;
 
+// What limits the steps of a stage, in words: most stages of a deck share it.
+std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
+  std::string words =
+      fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
+                  steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
+  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
+  if (std::isfinite(coupling.window))
+    words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
+                         coupling.words());
+  return words;
+}
+
 void print_costs(const par::Comm& comm, const Model& model, World& world,
                  const StageActions& actions, const input::Deck& deck) {
   const dem::Totals totals = world.particles.totals();
   const double step_time = time_per_stone * static_cast<double>(totals.particles) +
                            time_per_piece * static_cast<double>(totals.pieces);
   double seconds = 0;
+  std::string shared, numbers;  // of the stages since the limits changed
   for (const Stage& stage : model.stages) {
     const Steps steps = choose_steps(world, model, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
     seconds += step_time * windows * steps.substeps / comm.size();
-    print(comm,
-          fmt::format("stage {}: window {:.4g} s in {} sub-steps (limit: {}), {:.0f} windows\n",
-                      stage.name, steps.window, steps.substeps, steps.limit, windows));
-    const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
-    if (std::isfinite(coupling.window))
-      print(comm, fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n",
-                              coupling.window, coupling.words()));
+    const std::string limits = limits_of(model, stage, steps);
+    if (limits != shared && !numbers.empty()) print(comm, shared + "  " + numbers + "\n");
+    if (limits != shared) numbers.clear();
+    shared = limits;
+    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "windows at most: " : ", ", stage.name,
+                           windows);
   }
+  print(comm, shared + "  " + numbers + "\n");
   print(comm, fmt::format(
                   "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores, {:.0f} ns per "
                   "stone and sub-step + {:.0f} ns per piece, stages of full length; ground and "
@@ -114,6 +129,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
   const std::string start = checked_start(comm, model, deck);
+  require_stones(comm, model, deck);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
@@ -123,6 +139,24 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
+}
+
+// Nothing is resumed with a parameter that means nothing to it.
+void require_can_go_on(const io::File& file, const std::string& checkpoint, const Model& model,
+                       const input::Deck& deck) {
+  require_same_model(file, checkpoint, effective_deck(model), deck);
+  std::vector<std::string> problems =
+      spent_changes(file, checkpoint, model, deck, GoesOn::within_the_run);
+  const std::int64_t done = file.read_all<std::int64_t>("run/counts").at(4);
+  const std::string key = deck.where("output.stop_after");
+  // The one that stopped the run stands in its deck and is no wish to stop again.
+  if (model.output.stop_after > 0 && model.output.stop_after <= done &&
+      key.starts_with("command line"))
+    problems.push_back(
+        fmt::format("{} = {} windows of the whole run: {} are done already; give "
+                    "more, or 0",
+                    key, model.output.stop_after, done));
+  if (!problems.empty()) throw InputError(problems);
 }
 
 // The deck comes from the checkpoint; overrides may change what later windows use.
@@ -137,8 +171,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck =
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
-  require_same_model(io::open_checkpoint(comm, checkpoint), checkpoint, effective_deck(model),
-                     deck);
+  require_can_go_on(io::open_checkpoint(comm, checkpoint), checkpoint, model, deck);
   const std::string own = folder_of_checkpoint(checkpoint);
   const std::string folder = arguments.folder.empty() ? own : arguments.folder;
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to

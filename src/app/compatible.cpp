@@ -6,38 +6,15 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <map>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
+#include "app/deck_values.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::app {
 
 namespace {
-
-using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 1.5e+08
-
-// "ground.layer" -> "ground.layer[1]" if that is the second such table.
-Values values_of(const std::string& effective) {
-  Values values;
-  std::map<std::string, int> elements;
-  std::istringstream lines(effective);
-  std::string line, section;
-  while (std::getline(lines, line)) {
-    // The text was written by `effective`: no comments, no line breaks within values.
-    if (line.starts_with("[[")) {
-      const std::string name = line.substr(2, line.find(']') - 2);
-      section = fmt::format("{}[{}].", name, elements[name]++);
-    } else if (line.starts_with('[')) {
-      section = line.substr(1, line.find(']') - 1) + ".";
-    } else if (const std::size_t sign = line.find(" = "); sign != std::string::npos) {
-      values[section + line.substr(0, sign)] = line.substr(sign + 3);
-    }
-  }
-  return values;
-}
 
 // What lies in the checkpoint and so ties the decks that go on from it.
 struct Holds {
@@ -90,7 +67,8 @@ bool matters(std::string_view key, const Holds& holds) {
                                         "ground.x",       "ground.y",      "ground.zones_x",
                                         "ground.zones_y", "ground.zones_z"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
-                                        "sleepers.width", "sleepers.height", "sleepers.length"};
+                                        "sleepers.width", "sleepers.height", "sleepers.length",
+                                        "sleepers.bevel"};
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;

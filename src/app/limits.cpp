@@ -35,11 +35,10 @@ double sieve_high(const Model& model) {
   return sieve.empty() ? 0.06 : positive(sieve.back(), 60) * 1e-3;
 }
 
-double lightest_material(const Model& model) {
-  double density = infinite;
-  for (const auto& material : model.physics.materials)
-    if (material.density > 0) density = std::min(density, material.density);
-  return std::isfinite(density) ? density : 2600;
+double density_of_stones(const Model& model) {
+  const int number = model.material(model.bed.material);
+  return positive(
+      number < 0 ? 0 : model.physics.materials[static_cast<std::size_t>(number)].density, 2600);
 }
 
 // Stones of one size that lie side by side on a face of these extents, m.
@@ -94,7 +93,7 @@ double rough_step_limit(const Model& model) {
   const double volume = model.dimension == Dimension::plane
                             ? std::numbers::pi / 4 * d * d * shape * positive(model.thickness, 1)
                             : std::numbers::pi / 6 * d * d * d * shape * shape;
-  const double mass = lightest_material(model) * volume;
+  const double mass = density_of_stones(model) * volume;
   return positive(model.dem.safety, 0.2) * std::sqrt(mass / stiffest_contact(model, d));
 }
 
@@ -116,13 +115,36 @@ std::string CouplingLimit::words() const {
                      contacts > 1 ? "s" : "", stiffness);
 }
 
+namespace {
+
+void require_stable(const Model& model, const input::Deck& deck, double limit,
+                    const std::string& words) {
+  if (model.time.step > limit * (1 + rounding))
+    throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
+                                  deck.where("time.step"), model.time.step, limit, words)});
+}
+
+}  // namespace
+
+void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
+  if (!fills && !model.has_stage(StageKind::cribs)) return;
+  const dem::Domain domain = model.domain();
+  const bed::Stones stones = bed::stones_of(comm, model.bed, domain);
+  if (!fills || stones.count < 1) return;
+  const double thickness = model.dimension == Dimension::plane ? domain.thickness : 1;
+  const double lightest = density_of_stones(model) * stones.smallest_volume * thickness;
+  std::string words;
+  const double limit =
+      dem::stable_step(model.physics, model.dem, lightest, stones.largest_bound, &words);
+  require_stable(model, deck, limit, words);
+}
+
 Steps choose_steps(const World& world, const Model& model, const Stage& stage,
                    const input::Deck& deck) {
   std::string dem_words, ground_words;
   const double dem_limit = world.particles.stable_step(&dem_words);
-  if (model.time.step > dem_limit * (1 + rounding))
-    throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
-                                  deck.where("time.step"), model.time.step, dem_limit, dem_words)});
+  require_stable(model, deck, dem_limit, dem_words);
   const double step = model.time.step > 0 ? model.time.step : dem_limit;
   const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
   Steps steps;

@@ -10,7 +10,8 @@ namespace trackbed::app {
 
 struct World;
 
-// Upper bound of the stable sub-step, s: safety * sqrt(m/k) of a stone of the smallest sieve.
+// Estimate of the stable sub-step, s: safety * sqrt(m/k) of a stone of the smallest sieve. Without
+// the stones' shapes known to within a factor of 1.5.
 double rough_step_limit(const Model& model);
 
 // What the largest window of the staggered coupling follows from: 0.5 sqrt(m/(n k)) of the body for
@@ -33,6 +34,11 @@ struct Steps {
   int substeps = 1;
   std::string limit;  // what limits them, in words
 };
+
+// Throws InputError if the stones that the deck asks for cannot be made, or not be moved with its
+// step: known from the deck alone, so that a run is refused before it leaves anything behind.
+// Collective.
+void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck);
 
 // Equal on any number of ranks. Throws InputError if the deck's window or step is above what is
 // stable. Collective.

@@ -38,8 +38,10 @@ void Stage::declare(input::Section& s) {
       "profile", profile, {.unit = "m"},
       "Sleepers, when they are placed: stones with their centre above this height are taken "
       "away; 0: none. Cribs: the height they are filled to; what lies higher at the end goes.");
-  s.number("seat_force", seat_force, {.unit = "N"}, "Constant force on each rail seat, downwards.");
-  s.number("load", load, {.unit = "N"}, "Load: peak on each rail seat, above seat_force.");
+  s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+           "Constant force on each rail seat, downwards.");
+  s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+           "Load: peak on each rail seat, above seat_force.");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Load: time from zero to the peak and, at the end, back.");
   s.integer("cycles", cycles, {.at_least = 0},
@@ -62,8 +64,9 @@ void TimeParameters::declare(input::Section& s) {
            "Sub-step of the stones; 0: chosen from stability.");
   s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
             "Sub-steps in a window if `window` is 0, as far as the coupling allows.");
+  // Twice: the lightest stone is known only once there are stones, and then the limit is exact.
   s.rule(
-      "step", step <= rough_step,
+      "step", step <= 2 * rough_step,
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
                   rough_step));
   s.rule("window", window <= rough_window,
@@ -84,13 +87,14 @@ void Output::declare(input::Section& s) {
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
            "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
   s.integer("stop_after", stop_after, {.at_least = 0},
-            "Time windows after which a checkpoint is written and the run stops; 0: no limit.");
+            "Time windows, counted from the first of the run also after a resume, after which a "
+            "checkpoint is written and the run stops; 0: no limit.");
 }
 
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
-  s.number("thickness", thickness, {.unit = "m", .above = 0},
+  s.number("thickness", thickness, {.unit = "m", .above = 0, .usually_to = 10},
            "Extent of a plane model across the track.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file(

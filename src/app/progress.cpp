@@ -42,6 +42,12 @@ const char* words_of(fem::Base base) {
   return base == fem::Base::fixed ? "fixed" : "quiet (viscous dashpots)";
 }
 
+std::string words_of_springs(const fem::GroundParameters& ground) {
+  if (ground.base == fem::Base::fixed || ground.base_stiffness == 0) return "";
+  if (ground.base_stiffness < 0) return " on springs of shear modulus over depth";
+  return fmt::format(" on springs of {:g} Pa/m", ground.base_stiffness);
+}
+
 }  // namespace
 
 double Progress::wall_time() const {
@@ -59,10 +65,7 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
     const double step = world.ground->stable_step(&limit);
     say(comm_, "  ground: {} elements, {} unknowns, base {}{}, stable step {:.4g} s ({})\n",
         totals.elements, totals.unknowns, words_of(model.ground.base),
-        model.ground.base_stiffness > 0
-            ? fmt::format(" on springs of {:g} Pa/m", model.ground.base_stiffness)
-            : "",
-        step, limit);
+        words_of_springs(model.ground), step, limit);
   }
   if (world.sleepers)
     say(comm_, "  sleepers: {} of {:.1f} kg; seat load peak {:.4g} kN at {:.2f} km/h, {} axles\n",

@@ -72,6 +72,8 @@ bool start_lies_in(const fs::path& start, const fs::path& folder) {
 // Why the run must not go on, or nothing. On rank 0.
 std::string objection(const std::string& folder, const std::vector<fs::path>& old,
                       OldResults old_results, const std::string& start) {
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    return fmt::format("{}: is not a folder; choose another for the results (-o DIR)", folder);
   const bool remove = old_results == OldResults::remove;
   if ((remove || !old.empty()) && start_lies_in(start, folder))
     return fmt::format(
@@ -101,7 +103,11 @@ std::string removed(const std::vector<fs::path>& files) {
 void make_folder(const par::Comm& comm, const std::string& folder) {
   std::error_code error;
   if (comm.root()) fs::create_directories(folder, error);
-  comm.agree(error ? "cannot make the result folder " + folder + ": " + error.message() : "");
+  const std::string problem = comm.broadcast(
+      error ? fmt::format("{}: cannot be made as result folder ({}); choose another (-o DIR)",
+                          folder, error.message())
+            : "");
+  if (!problem.empty()) throw InputError({problem});
 }
 
 bool same_folder(const par::Comm& comm, const std::string& one, const std::string& other) {

@@ -194,6 +194,31 @@ void declare_passages(const Model& model, input::Section& s) {
     if (model.stages[i].kind == StageKind::passage) declare_passage(model, i, s);
 }
 
+// What is valid but moves the track in a way nobody means.
+void declare_oddities(const Model& model, input::Section& s) {
+  const auto& ground = model.ground;
+  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [](const Stage& stage) { return stage.ground_moves; });
+  s.rule("ground.base_stiffness",
+         !ground.present || !moves || ground.base != fem::Base::quiet || ground.base_stiffness != 0,
+         "a quiet base without springs carries no load that stays: the ground sinks for as long as "
+         "a train is on it; give the springs' stiffness, a value below 0 to have it chosen, or "
+         "base = \"fixed\"",
+         {.weight = input::Weight::warning, .reads = {"ground", "stage"}});
+  // Rails, fastenings and what a stage before put on them do not go away by themselves.
+  double before = 0;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const bool seated = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+    s.rule(fmt::format("stage[{}].seat_force", i), !seated || before == 0 || stage.seat_force != 0,
+           fmt::format("the {:g} N of the stage before are taken off all rail seats; give "
+                       "seat_force here too if they are to stay",
+                       before),
+           {.weight = input::Weight::warning, .reads = {"stage"}});
+    if (seated || stage.kind == StageKind::sleepers) before = stage.seat_force;
+  }
+}
+
 }  // namespace
 
 void declare_rules(const Model& model, input::Section& s) {
@@ -202,6 +227,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_ground_below(model, s);
   declare_sleepers(model, s);
   declare_passages(model, s);
+  declare_oddities(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
   s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"", {.reads = {"periodic"}});

@@ -25,7 +25,7 @@ std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string&
   deck.fill([&](input::Section& section) { model.declare(section); });
   dimension = model.dimension;
   std::vector<NamedShape> shapes;
-  for (const dem::Template& shape : bed::templates(model.bed, model.dimension))
+  for (const dem::Template& shape : bed::templates(comm, model.bed, model.dimension))
     shapes.push_back(
         {fmt::format("{}_{}", fs::path(file).stem().string(), shapes.size()), shape, {}});
   return shapes;

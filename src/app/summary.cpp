@@ -145,7 +145,8 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
   // For a layer of even density the top is at twice the mean height, which loose stones on top
   // disturb far less than the highest stone would.
   // E_pot = m g z summed over stones, so E_pot/(m g) is the height of their common centre.
-  const double mean_height = ratio(totals.potential, totals.mass * model.dem.gravity);
+  const double mean_height =
+      ratio(totals.potential, totals.mass * model.dem.gravity) - world.mean_ground_level();
   const double volume = (domain.high.x() - domain.low.x()) * width * 2 * mean_height;
   const bool pressed = stage.kind == StageKind::compact && world.platen;
   return {.name = stage.name,

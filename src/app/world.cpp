@@ -105,6 +105,14 @@ double World::top_of_stones() const {
   return comm.max(top);
 }
 
+// Of the nodes' motion, so that it is exactly 0 on a ground that never moved.
+double World::mean_ground_level() const {
+  if (!ground) return 0;
+  double sum = 0;
+  for (const std::int32_t own : ground->own_top()) sum += ground->top_state(own).displacement.z();
+  return comm.sum(sum) / static_cast<double>(ground->top_owner().size());
+}
+
 // Spans into the coupler: valid until the next `meet`.
 std::vector<std::span<const Vec3>> World::on_sleepers() const {
   std::vector<std::span<const Vec3>> forces;

@@ -89,7 +89,7 @@ BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) 
 
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
             int material) {
-  const Mix mix(parameters, particles.domain().dimension);
+  const Mix mix(parameters, particles.domain().dimension, library_of(comm, parameters));
   return pour(particles, comm, mix, material,
               {{.columns = Columns(parameters, particles.domain(), mix)}});
 }
@@ -97,7 +97,7 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot) {
   const dem::Domain& domain = particles.domain();
-  const Mix mix(parameters, domain.dimension);
+  const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
   const double least = narrowest * mix.largest_bound();
   Id first = first_free_id(particles, comm);
   std::vector<Batch> batches;

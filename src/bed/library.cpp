@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t library_format = 1;
+constexpr double smallest_stone = 1e-3, largest_stone = 1;  // m, of what a track is made of
 
 geom::MeshFormat format_of(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
@@ -71,8 +72,18 @@ std::vector<geom::Piece> spheres_in(const geom::Mesh& mesh, int spheres,
 
 }  // namespace
 
-std::vector<dem::Template> templates(const BedParameters& parameters, Dimension dimension) {
-  return Mix(parameters, dimension).templates();
+std::vector<dem::Template> templates(const par::Comm& comm, const BedParameters& parameters,
+                                     Dimension dimension) {
+  return Mix(parameters, dimension, library_of(comm, parameters)).templates();
+}
+
+std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters& parameters) {
+  if (parameters.stone != StoneKind::library) return {};
+  std::vector<dem::Template> shapes;
+  for (NamedShape& named : load_library(comm, parameters.library))
+    shapes.push_back(std::move(named.shape));
+  if (shapes.empty()) throw InputError({parameters.library + ": holds no shapes"});
+  return shapes;
 }
 
 NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const MeshShape& wanted) {
@@ -80,6 +91,11 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
   const geom::Import import = geom::import_mesh(bytes_of(comm, file), format, wanted.unit, file);
   NamedShape named{fs::path(file).stem().string(), {}, import.repairs};
   const geom::Solid solid = geom::mesh_solid(import.mesh);
+  // The length of most scans is the millimetre, which the file does not say.
+  if (const double size = diameter(solid.volume); size > largest_stone || size < smallest_stone)
+    named.notes.push_back(fmt::format(
+        "warning: as large as a ball of {:.3g} m; is --unit right (0.001 for a file in mm)?",
+        size));
   try {
     const double radius = wanted.rounding * diameter(solid.volume);
     const auto pieces = wanted.spheres > 0

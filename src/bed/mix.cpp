@@ -21,10 +21,11 @@ std::vector<double> in_metres(std::vector<double> sieve) {
 
 }  // namespace
 
-Mix::Mix(const BedParameters& parameters, Dimension dimension)
+Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::Template> library)
     : grading_(in_metres(parameters.sieve), parameters.passing,
                dimension == Dimension::plane ? 2 : 3),
-      power_(dimension == Dimension::plane ? 2 : 3) {
+      power_(dimension == Dimension::plane ? 2 : 3),
+      templates_(std::move(library)) {
   if (parameters.stone == StoneKind::pebbles) {
     if (dimension != Dimension::plane)
       throw InputError(
@@ -61,7 +62,7 @@ void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
     throw InputError(
         {"bed.stone makes stones in space: a plane model takes disk, pebbles, or "
          "clump with the spheres given in bed.clump"});
-  else
+  else if (parameters.stone != StoneKind::library)
     for (std::int64_t k = 0; k < parameters.shapes; ++k)
       templates_.push_back(polyhedron_stone(parameters, k));
 }

@@ -13,10 +13,16 @@ struct Draw {
   double scale;
 };
 
+// Templates of the file that the bed's stones come from; none for other kinds. Throws InputError if
+// it is no library. Collective.
+std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters& parameters);
+
 class Mix {
  public:
-  // Throws InputError if the stones cannot be made.
-  Mix(const BedParameters& parameters, Dimension dimension);
+  // `library`: the stones of kind library, else not used. Throws InputError if the stones cannot be
+  // made.
+  Mix(const BedParameters& parameters, Dimension dimension,
+      std::vector<dem::Template> library = {});
 
   const std::vector<dem::Template>& templates() const { return templates_; }
   // The k-th of `count` stones, from small to large: all of them together have the grading.

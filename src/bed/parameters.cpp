@@ -39,7 +39,7 @@ void declare_grading(BedParameters& bed, input::Section& s) {
 }
 
 void declare_shape(BedParameters& bed, input::Section& s) {
-  s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0},
+  s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0, .usually_to = 0.1},
            "Radius of the disks of a plane stone (pebbles).");
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
@@ -53,6 +53,13 @@ void declare_shape(BedParameters& bed, input::Section& s) {
   s.numbers("clump", bed.clump, {.unit = "m"},
             "x, y, z, radius of each sphere of the stone, at any size (clump); none: polyhedra are "
             "filled with spheres (space).");
+  s.file(
+      "library", bed.library,
+      "File of shapes made by `trackbed shapes ... --library FILE` (library). A run that goes on "
+      "needs it as long as stones are still to be made.");
+  s.rule("library", bed.stone != StoneKind::library || !bed.library.empty(),
+         "must name a file of shapes, as `trackbed shapes scan.stl --library FILE` makes them",
+         {.reads = {"stone", "library"}});
   const bool pebbles = bed.stone == StoneKind::pebbles;
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
@@ -66,14 +73,14 @@ void declare_shape(BedParameters& bed, input::Section& s) {
 }  // namespace
 
 void BedParameters::declare(input::Section& s) {
-  s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound"},
+  s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
            "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: "
            "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
-           "convex pieces.");
+           "convex pieces; library: the shapes of a file, each as often (space).");
   s.text("material", material, "Contact material of the stones.");
   s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
   s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
-  s.number("height", height, {.unit = "m", .above = 0},
+  s.number("height", height, {.unit = "m", .above = 0, .usually_to = 5},
            "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Share of voids expected after compaction.");
@@ -86,8 +93,10 @@ void BedParameters::declare(input::Section& s) {
 }
 
 void PlatenParameters::declare(input::Section& s) {
-  s.number("pressure", pressure, {.unit = "Pa", .above = 0}, "Pressure that is held.");
-  s.number("speed", speed, {.unit = "m/s", .above = 0}, "Speed of approach, never exceeded.");
+  s.number("pressure", pressure, {.unit = "Pa", .above = 0, .usually_from = 1e3, .usually_to = 1e7},
+           "Pressure that is held.");
+  s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_to = 10},
+           "Speed of approach, never exceeded.");
   s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
            "The plate speeds up no faster; it may brake faster.");
   s.number("average", average, {.unit = "s", .above = 0},

@@ -112,6 +112,15 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
   return stiffest;
 }
 
+double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
+                   double largest, std::string* limit) {
+  const double stiffest = stiffest_contact(physics, largest, parameters.largest_overlap);
+  if (limit)
+    *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
+                         lightest, stiffest);
+  return parameters.safety * std::sqrt(lightest / stiffest);
+}
+
 LawTable::LawTable(const Physics& physics)
     : materials_(physics.materials.size()), pair_(materials_ * materials_, -1) {
   std::vector<std::string> problems;

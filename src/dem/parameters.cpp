@@ -22,11 +22,13 @@ std::string listed(const std::vector<std::string>& names) {
 
 void Material::declare(input::Section& s) {
   s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
-  s.number("density", density, {.unit = "kg/m3", .above = 0},
+  s.number("density", density,
+           {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
            "Density of the solid: mass of the stones and sleepers made of it.");
   s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
            "Cundall's local damping: share of the net force that resists motion.");
-  s.number("young", young, {.unit = "Pa", .at_least = 0}, "Young's modulus, for hertz contacts.");
+  s.number("young", young, {.unit = "Pa", .at_least = 0, .usually_from = 1e5, .usually_to = 1e12},
+           "Young's modulus, for hertz contacts.");
   s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},
            "Poisson's ratio, for hertz contacts.");
 }
@@ -35,8 +37,10 @@ void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
   s.choice("law", kind, {"linear", "hertz"}, "Contact law between the two.");
-  s.number("k_n", k_n, {.unit = "N/m", .above = 0}, "Normal stiffness, linear law.");
-  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0}, "Tangential stiffness, linear law.");
+  s.number("k_n", k_n, {.unit = "N/m", .above = 0, .usually_from = 1e3, .usually_to = 1e12},
+           "Normal stiffness, linear law.");
+  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
+           "Tangential stiffness, linear law.");
   s.number("friction", friction, {.unit = "-", .at_least = 0}, "Coulomb's friction coefficient.");
   s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
            "Normal viscous damping over critical, linear law.");

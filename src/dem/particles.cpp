@@ -11,6 +11,7 @@
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/exact_sum.hpp"
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem {
 
@@ -168,12 +169,7 @@ double Particles::stable_step(std::string* limit) const {
     largest = std::max(largest, r.state.x[b].w);
   }
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
-  const double stiffest = r.stiffest_contact(largest);
-  const double step = r.parameters.safety * std::sqrt(lightest / stiffest);
-  if (limit)
-    *limit = fmt::format("the lightest particle ({:.4g} kg) on the stiffest contact ({:.4g} N/m)",
-                         lightest, stiffest);
-  return step;
+  return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
 }
 
 void Particles::advance(double dt_window, int steps) {

@@ -212,20 +212,26 @@ void Particles::Room::follow_surfaces() {
 
 void Particles::Room::feel_surfaces(const SubStep& step) {
   double worst = 0;
+  const Approach* deepest = nullptr;
   for (Approach& a : approaches) {
     for (Approach::Patch& patch : a.patches) patch.touching = false;
     const auto p = static_cast<std::size_t>(a.piece);
     const bool corners =
         shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
-    worst = std::max(worst, corners ? touch_with_corners(a, step) : touch_with_ball(a, step));
+    const double overlap = corners ? touch_with_corners(a, step) : touch_with_ball(a, step);
+    if (overlap > worst) worst = overlap, deepest = &a;
     // What does not touch any more loses its history.
     std::erase_if(a.patches, [](const Approach::Patch& patch) { return !patch.touching; });
   }
-  if (worst > parameters.largest_overlap)
-    report(
-        fmt::format("a particle overlaps a surface by {:.3g} of its radius (limit "
-                    "dem.largest_overlap = {:.3g})",
-                    worst, parameters.largest_overlap));
+  if (worst <= parameters.largest_overlap) return;
+  const Vec4& x =
+      state.x[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(deepest->piece)])];
+  report(
+      fmt::format("a particle at ({:.3f}, {:.3f}, {:.3f}) m overlaps the surface \"{}\" by {:.3g} "
+                  "of its radius (limit dem.largest_overlap = {:.3g}); a slower surface, a smaller "
+                  "step, a stiffer contact or less load may help",
+                  x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
+                  parameters.largest_overlap));
 }
 
 }  // namespace trackbed::dem

@@ -78,14 +78,17 @@ bool rises(const std::vector<double>& range) { return range.size() != 2 || range
 }  // namespace
 
 void Elastic::declare(Section& s) {
-  s.number("young", young, {.unit = "Pa", .above = 0}, "Young's modulus.");
+  s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e5, .usually_to = 1e12},
+           "Young's modulus.");
   s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");
-  s.number("density", density, {.unit = "kg/m^3", .above = 0}, "Mass per volume.");
+  s.number("density", density,
+           {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4},
+           "Mass per volume.");
 }
 
 void Layer::declare(Section& s) {
   s.text("name", name, "What messages and overrides call the layer.");
-  s.number("thickness", thickness, {.unit = "m", .above = 0},
+  s.number("thickness", thickness, {.unit = "m", .above = 0, .usually_to = 200},
            "Height of the layer; its borders need not lie on element borders.");
   solid.declare(s);
 }
@@ -119,8 +122,9 @@ void GroundParameters::declare(Section& s) {
            "Plane stress or plane strain across a plane model.");
   s.choice("base", base, {"fixed", "quiet"},
            "Lower border; fixed: held; quiet: Lysmer-Kuhlemeyer dashpots that let waves out.");
-  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = 0},
-           "Springs beside the dashpots of a quiet base: the ground below; 0: none.");
+  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
+           "Springs beside the dashpots of a quiet base: the ground below; below 0: shear modulus "
+           "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
   s.choice("sides", sides, {"free", "roller", "quiet"},
            "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out.");
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0},

@@ -28,6 +28,10 @@ Impedance impedance(const Elastic& s, bool plane_stress) {
   return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
 }
 
+double depth_of(const Lattice& lattice) {
+  return lattice.size.z() * static_cast<double>(lattice.zones[2]);
+}
+
 // Visits the borders of one zone after the other, in ascending order: nodal sums have the same bits
 // on any number of ranks.
 struct Builder {
@@ -58,11 +62,12 @@ struct Builder {
     const bool quiet = parameters.base == Base::quiet;
     const int up = mesh.lattice.components() - 1;
     if (!quiet) terms.held[n] |= all;
-    if (!quiet || parameters.base_stiffness == 0) terms.held_at_rest[n] |= all;
+    const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
+    const double spring = base_spring(parameters, solid, depth_of(mesh.lattice));
+    if (!quiet || spring == 0) terms.held_at_rest[n] |= all;
     if (!quiet) return;
     dashpots(z, node, up);
-    if (parameters.base_stiffness > 0)
-      terms.springs.push_back({node, parameters.base_stiffness * face_share(up)});
+    if (spring > 0) terms.springs.push_back({node, spring * face_share(up)});
   }
 
   // A quiet side gives no static support across it; at rest it acts as a roller.
@@ -115,6 +120,11 @@ double largest_eigenvalue(const Eigen::MatrixXd& k) {
 
 }  // namespace
 
+double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth) {
+  const double shear = solid.young / (2 * (1 + solid.poisson));
+  return parameters.base_stiffness < 0 ? shear / depth : parameters.base_stiffness;
+}
+
 Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness)
     : mass(mesh.nodes(), 0.0),
       damping(mesh.lattice.components(), mesh.nodes()),
@@ -137,7 +147,7 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
 double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit) {
   const Lattice& lattice = mesh.lattice;
-  const bool springs = parameters.base == Base::quiet && parameters.base_stiffness > 0;
+  const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;
   const double share = lattice.size.prod() / lattice.size.z() / (lattice.corners() / 2);
   double highest = 0;  // square of the largest angular frequency
   // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
@@ -152,8 +162,10 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     if (used[at] == 0) continue;
     const ZoneElement& element = stiffness.element(static_cast<std::int32_t>(at / 2));
     Eigen::MatrixXd k = element.stiffness;
+    const double spring =
+        share * base_spring(parameters, mesh.solids.solid[at / 2], depth_of(lattice));
     for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // low corners come first
-      k(f, f) += parameters.base_stiffness * share;
+      k(f, f) += spring;
     const double squared = largest_eigenvalue(k) / element.corner_mass;
     if (squared <= highest) continue;
     highest = squared;

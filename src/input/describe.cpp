@@ -37,7 +37,9 @@ std::string default_in_words(const Spec& spec) {
 std::string range_of(const Spec& spec) {
   Limits limits = spec.limits;
   limits.unit = "-";  // has its own column
-  return range_in_words(limits);
+  const std::string range = range_in_words(limits), often = usual_in_words(limits);
+  if (often.empty()) return range;
+  return fmt::format("{}{}usually {}", range, range.empty() ? "" : "; ", often);
 }
 
 // A bar would end the cell of a Markdown table.

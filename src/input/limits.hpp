@@ -14,6 +14,19 @@ inline bool within(const Limits& limits, double value) {
   return value > limits.above && value >= limits.at_least && value <= limits.at_most;
 }
 
+// Zero is left alone: it mostly means "none" or "chosen".
+inline bool usual(const Limits& limits, double value) {
+  return value == 0 || (value >= limits.usually_from && value <= limits.usually_to);
+}
+
+// "1e+05 to 1e+12", "at most 5", or nothing.
+inline std::string usual_in_words(const Limits& limits) {
+  const bool from = limits.usually_from != -unbounded, to = limits.usually_to != unbounded;
+  if (from && to) return fmt::format("{:g} to {:g}", limits.usually_from, limits.usually_to);
+  if (from) return fmt::format("at least {:g}", limits.usually_from);
+  return to ? fmt::format("at most {:g}", limits.usually_to) : "";
+}
+
 // "above 0 and at most 1 m", or nothing.
 inline std::string range_in_words(const Limits& limits) {
   std::string words;

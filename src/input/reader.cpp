@@ -194,6 +194,10 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
     problem(&node, path, fmt::format(" = {} must be {}", shown(found), range_in_words(limits)));
     return false;
   }
+  if (!usual(limits, found))
+    problems_.warn(&node, fmt::format("{} = {} is far from the usual values ({} {}); is its unit "
+                                      "right?",
+                                      path, shown(found), usual_in_words(limits), limits.unit));
   value = found;
   return true;
 }

@@ -121,8 +121,10 @@ std::vector<std::string> newest_first(const fs::path& folder) {
 // What `path` may mean, best first; on rank 0. Paths, one per line.
 std::string candidates(const std::string& path, IfDamaged if_damaged) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return path + "\n";
-  const fs::path folder = path;
+  // The text file `latest` stands for the folder whose newest checkpoint it names.
+  const bool names_latest = fs::path(path).filename() == "latest" && fs::is_regular_file(path);
+  if (!names_latest && !fs::is_directory(path, ignored)) return path + "\n";
+  const fs::path folder = names_latest ? fs::path(path).parent_path() : fs::path(path);
   const std::string latest = latest_of(folder);
   std::string lines = latest.empty() ? "" : (folder / latest).string() + "\n";
   if (if_damaged == IfDamaged::refuse) return lines;
@@ -201,7 +203,7 @@ Chosen choose_checkpoint(const par::Comm& comm, const std::string& path, IfDamag
   Chosen chosen;
   const std::string lines = comm.broadcast(comm.root() ? candidates(path, if_damaged) : "");
   if (lines.empty())
-    refuse((fs::path(path) / "latest").string() + ": does not exist; the folder has no checkpoint");
+    refuse(path + ": holds no checkpoint; name the result folder of a run, or a file .h5 in it");
   std::istringstream paths(lines);
   while (std::getline(paths, chosen.file)) {
     if (if_damaged == IfDamaged::refuse) return chosen;  // whoever opens it hears what is wrong

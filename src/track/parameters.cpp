@@ -25,10 +25,11 @@ bool are_degrees_of_freedom(const std::vector<std::string>& names) {
 void SleeperParameters::declare(input::Section& s) {
   s.integer("count", count, {.at_least = 0}, "Number of sleepers.");
   s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
-  s.number("spacing", spacing, {.unit = "m", .above = 0}, "Distance between centres.");
-  s.number("width", width, {.unit = "m", .above = 0}, "Extent along x.");
-  s.number("height", height, {.unit = "m", .above = 0}, "Extent along z.");
-  s.number("length", length, {.unit = "m", .above = 0},
+  s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},
+           "Distance between centres.");
+  s.number("width", width, {.unit = "m", .above = 0, .usually_to = 2}, "Extent along x.");
+  s.number("height", height, {.unit = "m", .above = 0, .usually_to = 1}, "Extent along z.");
+  s.number("length", length, {.unit = "m", .above = 0, .usually_to = 10},
            "Extent along y in space; in a plane model the thickness of the model counts.");
   s.text("material", material, "Material: its density makes the mass, its contact laws hold.");
   s.texts("free", free,
@@ -47,9 +48,10 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"winkler", "power", "table"},
            "Shape of the load of one axle along the track: deflection of a beam on a Winkler bed, "
            "ratio^((s/spacing)^2), or a measured history.");
-  s.number("peak", peak, {.unit = "N", .at_least = 0},
+  s.number("peak", peak, {.unit = "N", .at_least = 0, .usually_from = 1e3, .usually_to = 1e6},
            "Rail-seat load of one axle right above the sleeper (winkler, power).");
-  s.number("speed", speed, {.unit = "m/s", .above = 0}, "Speed of the axles along x.");
+  s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 170},
+           "Speed of the axles along x.");
   s.numbers("axles", axles, {.unit = "m", .at_least = 0},
             "Distance of each axle behind the first (winkler, power).");
   s.number("start", start, {.unit = "m"},

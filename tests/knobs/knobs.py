@@ -28,6 +28,7 @@ SOLID = [*SPACE[:1], SPACE[2], "bed.stone=polyhedra", "bed.height=0.06",
          "dem.largest_overlap=20"]
 SLICED = [*SOLID, "bed.stone=compound"]
 FILLED = [*SOLID, "bed.stone=clump", "bed.shapes=2"]
+LIBRARY = [*SOLID, "bed.stone=library", "bed.library={folder}/round.h5"]
 HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
          "material.1.young=3e9"]
 NEWMARK = ["ground.integrator=newmark"]
@@ -80,6 +81,7 @@ KNOBS = {
     "bed.elongation": ("bed.elongation=0.9", []),
     "bed.angularity": ("bed.angularity=0.6", []),
     "bed.clump": ("bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.5]", CLUMP),
+    "bed.library": ("bed.library={folder}/flat.h5", LIBRARY),
     "bed.polyhedron.vertices": ("bed.polyhedron.vertices=12", SOLID),
     "bed.polyhedron.elongation": ("bed.polyhedron.elongation=0.8", SOLID),
     "bed.polyhedron.flatness": ("bed.polyhedron.flatness=0.7", SOLID),
@@ -250,6 +252,9 @@ def main():
     folder.mkdir(parents=True)
     for name, force in (("weak", 2000), ("strong", 4000)):
         (folder / f"{name}.csv").write_text(f"time_s,force_N\n0,{force}\n1,{force}\n")
+    for name, flatness in (("round", 0.9), ("flat", 0.6)):
+        program.done(1, "shapes", "--stones", 4, "--flatness", flatness, "--library",
+                     folder / f"{name}.h5")
     declared = set(parameters(json.loads(program.done(1, "schema").stdout)))
     listed = set(KNOBS) | set(EXCEPTIONS)
     problems = [f"{name}: no entry in this test" for name in sorted(declared - listed)]

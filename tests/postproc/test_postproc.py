@@ -193,6 +193,18 @@ def test_what_sleepers_keep_is_said(runs):
             < text.index("a wedge should")
 
 
+def test_ground_that_sinks_is_not_blamed_on_stones(runs):
+    run = runs[0]
+    rows, nodes = len(run.time), len(run.ground_x)
+    down = np.linspace(0, -5e-3, rows)
+    sinking = dataclasses.replace(
+        run, ground={"displacement": read.Quantity(np.tile(down[:, None], (1, nodes)), "m", "-")},
+        sleeper={**run.sleeper, "displacement": read.Quantity(
+            run.sleeper["displacement"].values + down[:, None], "m", "-")})
+    lines = measures.warnings(sinking)
+    assert len(lines) == 1 and "the ground itself keeps up to" in lines[0]
+
+
 def test_other_stages_are_said(runs):
     other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": [{"kind": "passage"}]})
     assert "stages of the two decks differ" in measures.table([runs[0], other])

@@ -3,9 +3,12 @@
 
     shapes.py PROGRAM FOLDER
 """
+import json
 import pathlib
 import subprocess
 import sys
+
+BENCH = pathlib.Path(__file__).resolve().parents[2] / "inputs/bench/stones12.toml"
 
 TETRAHEDRON = """v 0 0 0
 v 30 0 0
@@ -37,6 +40,35 @@ def near(found, wanted, relative, what):
         raise SystemExit(f"{what}: {found}, not {wanted}")
 
 
+def bed_of_library(program, library, folder, made):
+    """Stones of a library fall in a bed; the deck shows the library's shapes; a text is refused."""
+    shown = rows(shapes(program, write_deck(folder, library)))
+    if list(shown.values()) != list(rows(made).values()):
+        raise SystemExit("the shapes of the deck are not those of its library")
+    short = [f"stage.{name}.duration=0.002" for name in ("fill", "settle", "rest")]
+    done = subprocess.run([program, "run", folder / "deck.toml", "bed.height=0.06", *short, "-o",
+                           folder / "results", "--force"], capture_output=True, text=True,
+                          check=False)
+    stones = json.loads((folder / "results/summary.json").read_text())["dem"]["particles"]
+    if done.returncode != 0 or stones < 100:
+        raise SystemExit(f"{stones} stones\n{done.stdout}{done.stderr}")
+    wrong = subprocess.run([program, "run", write_deck(folder, folder / "deck.toml"), "-o",
+                            folder / "none"], capture_output=True, text=True, check=False)
+    if wrong.returncode != 2 or "is no library" not in wrong.stderr:
+        raise SystemExit(f"a deck is no library: {wrong.stdout}{wrong.stderr}")
+
+
+def write_deck(folder, library):
+    """The benchmark of stones with those of a library instead of parametric ones."""
+    text = BENCH.read_text(encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    deck = folder / "deck.toml"
+    deck.write_text(text.replace('stone = "polyhedra"',
+                                 f'stone = "library"\nlibrary = "{library.resolve()}"'),
+                    encoding="utf-8")
+    return deck
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -51,9 +83,12 @@ def main():
     if any(row[:3] != [1, 12, 20] for row in rows(made).values()):
         raise SystemExit(f"12 corners make 20 triangles\n{made}")
 
+    bed_of_library(program, library, folder / "bed", made)
+
     # The picture of one stone is a closed mesh: read again it has the same volume, but for the
     # rounding cut into triangles.
-    one = rows(shapes(program, "--stones", 1, "--picture", picture))["stone_1"]
+    one = rows(shapes(program, "--stones", 1, "--rounding", 0.02, "--picture",
+                      picture))["stone_1"]
     again = rows(shapes(program, picture, "--rounding", 0, "--vertices", 200))["stones"]
     near(again[3], one[3], 0.005, "volume of the picture")
     near(again[8], one[8], 0.01, "sieve size of the picture")
@@ -62,6 +97,8 @@ def main():
     tetrahedron = rows(shapes(program, mesh, "--unit", 0.001, "--rounding", 0))["tetra"]
     near(tetrahedron[3], 4.5, 1e-3, "cm3 of a corner of a cube of 30 mm")
     near(rows(shapes(program, mesh, "--unit", 0.001))["tetra"][3], 4.5, 1e-3, "cm3, rounded")
+    if "is --unit right" not in shapes(program, mesh):
+        raise SystemExit("a stone of 30 m must be worth a warning")
     clump = shapes(program, mesh, "--unit", 0.001, "--spheres", 20)
     if rows(clump)["tetra"][0] != 20 or "off the mesh's, surface" not in clump:
         raise SystemExit(clump)

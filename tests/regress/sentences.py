@@ -49,7 +49,13 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "sleepers.count=0": "must be at least 1",
            "stage.passage.duration=0.001": "give more time",
            "stage.sleepers.kind=run": "no stage of kind sleepers"}
-WARNED = {"sleepers.first=0.1": "reaches beyond the end",
+WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
+          "material.0.density=2.65": "is its unit right?",
+          "load.peak=60e6": "usual values (1000 to 1e+06 N)",
+          "sleepers.height=450": "usual values (at most 1 m)",
+          "ground.base_stiffness=0": "sinks for as long as a train is on it",
+          "stage.load.seat_force=1e3": "are taken off all rail seats",
+          "sleepers.first=0.1": "reaches beyond the end",
           "load.start=0.5": "begins beyond the first sleeper",
           "ground.block.0.outline=[-1,0, 0.5,0, 0.5,-0.6, -1,-0.6]": "is cut",
           "sleepers.material=ballast": "nothing is made of it"}
@@ -104,21 +110,25 @@ def check_nonsense(program, deck, folder):
 
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
-             (["run", deck, "time.step=1.4e-4"], 2, "step"),
+             (["run", deck, "time.step=1.265e-4", "-o", "nowhere"], 2,
+              "the lightest particle (7.994"),
              (["run", deck, "load.speeed=3"], 2, "speed"),
              (["describe", "grund"], 2, "ground"),
              (["resume", "no_such_checkpoint.h5"], 2, "does not exist"),
+             (["resume", HERE], 2, "holds no checkpoint"),
              (["resume", PROBLEMS], 2, "not a trackbed checkpoint"),
              (["info", "no_such_file.h5"], 2, "does not exist"),
              (["fly"], 2, ""), (["run"], 2, ""),
              (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
              (["check", deck], 0, "sleeper of 156 kg on 6 contacts of 2e+07 N/m"),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
-             (["run", deck, "-o", "/proc/nowhere"], 4, "result folder")]
+             (["run", deck, "-o", "/proc/nowhere"], 2, "result folder"),
+             (["run", deck, "-o", PROBLEMS], 2, "is not a folder")]
     for arguments, code, words in cases:
         ran = program(1, *arguments)
         expect(ran.returncode == code, f"{arguments} must end with {code}", ran)
         expect(words in ran.stdout + ran.stderr, f"{arguments} must say {words}", ran)
+    expect(not pathlib.Path("nowhere").exists(), "an unstable step must leave nothing behind", ran)
 
 
 def check_other_models(program, deck, folder):
@@ -148,10 +158,26 @@ def check_other_models(program, deck, folder):
            "materials in another order must be refused", ran)
     ran = program(1, "resume", made / "stage_load.h5", "ground.zones_x=30", *place)
     expect(ran.returncode == 2, "resume must refuse it too", ran)
+    check_spent(program, deck, made, place)
     expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
     program.done(1, "run", deck, still, "ground.block.structure.present=false", *place)
     program.done(1, "check", deck, still, *borders)
     check_integrators(program, deck, folder, still, moved)
+
+
+def check_spent(program, deck, made, place):
+    """What has done its work is not changed any more; other parameters still are."""
+    for change, why in (("bed.seed=5", "the stones are made"),
+                        ("platen.pressure=30e3", "nothing is compacted any more"),
+                        ("stage.fill.duration=1", "this stage is over"),
+                        ("settle_average=1", "the ground moves already"),
+                        ("output.stop_after=1", "are done already")):
+        ran = program(1, "resume", made / "stage_load.h5", change, *place)
+        expect(ran.returncode == 2 and why in ran.stderr, f"{change} on resume must say {why}", ran)
+    start = f"start={made / 'stage_load.h5'}"
+    ran = program(1, "check", deck, start, "bed.seed=5")
+    expect(ran.returncode == 0 and "warning: " in ran.stdout and "the stones are made" in
+           ran.stdout, "another bed than that of the checkpoint must be worth a warning", ran)
 
 
 def check_integrators(program, deck, folder, still, moved):

@@ -17,8 +17,8 @@
 namespace trackbed::bed {
 
 // Disk or sphere; plane outline of disks; given spheres, or as many as fill a polyhedron; rounded
-// polyhedra; the same in convex pieces.
-enum class StoneKind { disk, pebbles, clump, polyhedra, compound };
+// polyhedra; the same in convex pieces; those of a file.
+enum class StoneKind { disk, pebbles, clump, polyhedra, compound, library };
 
 // Irregular convex stones in space; see geom::StoneShape.
 struct PolyhedronParameters {
@@ -45,6 +45,7 @@ struct BedParameters {
   double elongation = 0.7, angularity = 0.3;
   std::vector<double> clump;  // x y z r of each sphere at unit scale; none: filled polyhedra
   PolyhedronParameters polyhedron;
+  std::string library;  // file of shapes (library.hpp)
   std::int64_t seed = 1;
   void declare(input::Section& s);
 };
@@ -64,8 +65,14 @@ struct Box {
 // height they reach (m). Throws InputError if that is beyond the domain. Collective.
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot);
-// Stones that `fill` will make, for `check`.
-std::int64_t count(const BedParameters& parameters, const dem::Domain& domain);
+// The stones that `fill` will make, before any is there. Throws InputError if they cannot be made.
+// Collective.
+struct Stones {
+  std::int64_t count = 0;
+  double smallest_volume = 0;  // m^3; plane: m^2
+  double largest_bound = 0;    // m, radius of the ball around the largest
+};
+Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);
 
 // Flat floor at z = 0 (if `floor`) and walls at the ends (and sides in space) up to `height`;
 // periodic sides have none. All reach beyond their edges, so that no stone slips through a corner.

@@ -27,12 +27,14 @@ struct MeshShape {
   double unit = 1;  // m per unit of the file
   int pieces = 1;
   int vertices = 24;  // of each piece, at most
-  double rounding = 0.02;
+  double rounding = 0.05;
   int spheres = 0;
 };
 
 // The stones a bed is made of, before scaling. Throws InputError if they cannot be made.
-std::vector<dem::Template> templates(const BedParameters& parameters, Dimension dimension);
+// Collective.
+std::vector<dem::Template> templates(const par::Comm& comm, const BedParameters& parameters,
+                                     Dimension dimension);
 // From an STL, PLY or OBJ file. Throws InputError with the reason if it cannot be used. Collective.
 NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const MeshShape& wanted);
 // Parametric stone of this seed, extent 1 m, rounded. Throws InputError if there is none.

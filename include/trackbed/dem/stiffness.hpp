@@ -1,12 +1,20 @@
 // How stiff contacts can be: what time steps follow from.
 #pragma once
 
+#include <string>
+
 #include "trackbed/dem/law.hpp"
+#include "trackbed/dem/particles.hpp"
 
 namespace trackbed::dem {
 
 // N/m, stiffness of the stiffest law. Hertz: k = F/delta on a contact of this radius (m) at the
 // largest overlap allowed (share of the radius). Pairs of unknown materials do not count.
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap);
+
+// s, largest sub-step: safety sqrt(m/k) of the lightest particle (kg) on the stiffest contact that
+// particles up to this bounding radius (m) can have. `limit`: that in words.
+double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
+                   double largest, std::string* limit = nullptr);
 
 }  // namespace trackbed::dem

@@ -53,7 +53,9 @@ struct GroundParameters {
   std::vector<Block> blocks;
   PlaneState plane = PlaneState::stress;
   Base base = Base::quiet;
-  double base_stiffness = 0;  // Pa/m springs beside the dashpots: the ground below; 0: none
+  // Pa/m springs beside the dashpots of a quiet base: the ground below; 0: none; below 0: chosen,
+  // as `base_spring` says.
+  double base_stiffness = -1;
   Sides sides = Sides::roller;
   double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s
   Integrator integrator = Integrator::explicit_;
@@ -62,6 +64,13 @@ struct GroundParameters {
   double tolerance = 1e-8;  // relative residual of linear solves
   void declare(input::Section& s);
 };
+
+// Pa/m of the springs below a quiet base under this solid, `depth` m below the top.
+// Chosen: G / depth, of the springs of a viscous-spring boundary (Liu, Du, Du, Wang, Wu 2006,
+// doi:10.1007/s11803-006-0585-2: alpha G / R with R from the source to the border; alpha_N 0.8 to
+// 1.2, alpha_T 0.35 to 0.65 in a plane, 1 to 2 and 0.5 to 1 in space). One number for all
+// directions, since loads of a track act downwards.
+double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth);
 
 struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;

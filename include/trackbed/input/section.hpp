@@ -30,6 +30,8 @@ struct Limits {
   double at_least = -unbounded;  // value >= at_least
   double at_most = unbounded;    // value <= at_most
   bool required = false;         // no default: an input without it is refused
+  // Outside of these, as of a value in another unit, the deck is read with a warning.
+  double usually_from = -unbounded, usually_to = unbounded;
 };
 
 enum class Weight { problem, warning };  // warning: legitimate but odd

@@ -76,7 +76,8 @@ TEST_P(ColumnsOf, HoldTheSolidVolumeAskedFor) {
              std::pow(p.scale, plane ? 2 : 3);
   const double wanted = 3 * scene.bed.height * (1 - scene.bed.porosity);
   EXPECT_NEAR(solid / wanted, 1, 0.01);  // draws are spread evenly: half a large stone
-  EXPECT_EQ(count(scene.bed, scene.domain), static_cast<std::int64_t>(scene.build().size()));
+  EXPECT_EQ(stones_of(par::Comm::self(), scene.bed, scene.domain).count,
+            static_cast<std::int64_t>(scene.build().size()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ColumnsOf,

@@ -33,7 +33,7 @@ TEST(Fill, EveryStoneIsThereOnce) {
   Bed bed;
   dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
   const double height = fill(particles, bed.world, bed.parameters, 1);
-  const std::int64_t expected = count(bed.parameters, bed.domain);
+  const std::int64_t expected = stones_of(bed.world, bed.parameters, bed.domain).count;
   EXPECT_EQ(bed.world.sum(static_cast<std::int64_t>(particles.size())), expected);
   std::int64_t sum = 0;
   for (std::size_t i = 0; i < particles.size(); ++i) {

@@ -149,6 +149,7 @@ constexpr double scans[10][5] = {
 // random.
 TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
   std::vector<double> sphericity_scan, fill_scan, ratio_scan, sphericity_own, fill_own, ratio_own;
+  std::vector<double> sphericity_2, sphericity_5;  // rounded, for the page on shapes
   for (const auto& [x, y, z, volume, area] : scans) {
     sphericity_scan.push_back(sphericity(volume, area));
     fill_scan.push_back(1e3 * volume / (x * y * z));
@@ -165,6 +166,9 @@ TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
       low = low.cwiseMin(turn * p), high = high.cwiseMax(turn * p);
     const Vec3 size = high - low;
     sphericity_own.push_back(sphericity(s.volume, s.area));
+    const double diameter = std::cbrt(6 * s.volume / std::numbers::pi);
+    sphericity_2.push_back(sphericity(s.volume, surface_area(rounded(core, 0.02 * diameter))));
+    sphericity_5.push_back(sphericity(s.volume, surface_area(rounded(core, 0.05 * diameter))));
     fill_own.push_back(s.volume / size.prod());
     ratio_own.push_back(size.minCoeff() / size.maxCoeff());
   }
@@ -178,6 +182,10 @@ TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
     EXPECT_NEAR(a.spread / b.spread, 1, 0.3) << name;
   };
   compare(sphericity_own, sphericity_scan, 1, "sphericity");
+  std::printf("rounded by 0.02 %.3f, by 0.05 %.3f\n", statistics(sphericity_2).mean,
+              statistics(sphericity_5).mean);
+  EXPECT_LT(statistics(sphericity_own).mean, statistics(sphericity_2).mean);
+  EXPECT_LT(statistics(sphericity_2).mean, statistics(sphericity_5).mean);
   compare(fill_own, fill_scan, 1, "volume over box");
   // Boxes of the scans are nearer to cubes than those of any stones of this sphericity turned at
   // random, so they were not: within three standard errors.

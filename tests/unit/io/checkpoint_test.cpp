@@ -102,7 +102,8 @@ TEST(Checkpoint, SaysWhatIsWrongWithAFile) {
   const std::string path = scratch / "c.h5";
   EXPECT_EQ(refusal(path), path + ": does not exist");
   EXPECT_EQ(refusal(scratch.folder()),
-            scratch / "latest" + ": does not exist; the folder has no checkpoint");
+            scratch.folder() +
+                ": holds no checkpoint; name the result folder of a run, or a file .h5 in it");
   on_root([&] { std::ofstream(path).close(); });
   EXPECT_EQ(refusal(path), path + ": is empty");
   on_root([&] { std::ofstream(path) << "some text of another kind, longer than a header"; });

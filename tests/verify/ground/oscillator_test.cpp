@@ -119,5 +119,25 @@ TEST_P(Oscillator, BlockSinksIntoBaseSprings) {
   EXPECT_NEAR(Comm::world().max(mine) / expected, 1, 0.01);  // inertia: 0.5 % of the constant
 }
 
+// The springs that are chosen: G / depth, and a load that stays is carried.
+TEST_P(Oscillator, ChosenBaseSpringsCarryALoad) {
+  GroundParameters p = oscillator(Integrator::newmark);
+  p.base = Base::quiet;
+  p.base_stiffness = -1;
+  double depth = 0;
+  for (const Layer& layer : p.layers) depth += layer.thickness;
+  const double spring = base_spring(p, solid, depth);
+  EXPECT_NEAR(spring, solid.young / (2 * (1 + solid.poisson)) / depth, 1e-12 * spring);
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  const auto load = pressure(ground, 1.0);
+  const double constant = std::sqrt(modulus() * solid.density) / spring;
+  for (int w = 0; w < 400; ++w) ground.advance(0.05 * constant, load);
+  double mine = -1e300;
+  for (const auto n : ground.own_top())
+    mine = std::max(mine, -ground.top_state(n).displacement.z());
+  const double expected = 1.0 / spring + depth / modulus();  // springs and the block itself
+  EXPECT_NEAR(Comm::world().max(mine) / expected, 1, 1e-3);  // after 20 time constants
+}
+
 }  // namespace
 }  // namespace trackbed::fem

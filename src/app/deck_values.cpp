@@ -1,0 +1,29 @@
+// Not parsed as TOML again: a stored deck need not be valid any more, e.g. because a table beside
+// it is gone, and its text is of the plainest kind: no comments, no line breaks within values.
+#include "app/deck_values.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace trackbed::app {
+
+Values values_of(const std::string& effective) {
+  Values values;
+  std::map<std::string, int> elements;
+  std::istringstream lines(effective);
+  std::string line, section;
+  while (std::getline(lines, line)) {
+    if (line.starts_with("[[")) {
+      const std::string name = line.substr(2, line.find(']') - 2);
+      section = fmt::format("{}[{}].", name, elements[name]++);
+    } else if (line.starts_with('[')) {
+      section = line.substr(1, line.find(']') - 1) + ".";
+    } else if (const std::size_t sign = line.find(" = "); sign != std::string::npos) {
+      values[section + line.substr(0, sign)] = line.substr(sign + 3);
+    }
+  }
+  return values;
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,88 @@
+#include "app/spent.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "app/compatible.hpp"
+#include "app/deck_values.hpp"
+#include "app/version.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// Where the run is that goes on.
+struct Position {
+  std::size_t stage;  // the one under way, or else the first that is still to come
+  bool begun;         // it is under way
+  bool ground_moved;
+  bool same_run;  // its stages are those of the checkpoint's deck, by number
+};
+
+bool is_to_come(const Model& model, std::size_t from, std::initializer_list<StageKind> kinds) {
+  for (std::size_t i = from; i < model.stages.size(); ++i)
+    if (std::find(kinds.begin(), kinds.end(), model.stages[i].kind) != kinds.end()) return true;
+  return false;
+}
+
+// What a stage looks at only when it begins.
+bool acts_at_begin(std::string_view name, StageKind kind) {
+  static constexpr std::array names = {"name",   "kind",   "duration",
+                                       "cycles", "height", "ground_moves"};
+  if (name == "profile") return kind == StageKind::sleepers;
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Why another value of `key` does not act any more, or nothing.
+std::string why_spent(std::string_view key, const Model& model, const Position& at) {
+  const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
+  if (key.starts_with("bed."))
+    return is_to_come(model, next, {StageKind::fill, StageKind::cribs}) ? ""
+                                                                        : "the stones are made";
+  if (key.starts_with("platen."))
+    return is_to_come(model, at.stage, {StageKind::compact}) ? "" : "nothing is compacted any more";
+  if (key == "settle_average") return at.ground_moved ? "the ground moves already" : "";
+  if (key.starts_with("time.") || key == "dem.safety")
+    return next < model.stages.size() ? "" : "the last stage has its steps already";
+  if (!at.same_run || !key.starts_with("stage[")) return "";
+  const std::size_t number = std::stoul(std::string(key.substr(6)));
+  if (number < at.stage) return "this stage is over";
+  const std::string_view name = key.substr(key.find("].") + 2);
+  return number == at.stage && at.begun && acts_at_begin(name, model.stages[number].kind)
+             ? "this stage has begun"
+             : "";
+}
+
+Position position_of(const io::File& checkpoint, const std::string& path, const Model& model,
+                     const input::Deck& deck, GoesOn goes_on) {
+  const bool begun = checkpoint.integer_attribute("/", "stage_finished") == 0;
+  const auto counts = checkpoint.read_all<std::int64_t>("run/counts");
+  const bool moved = checkpoint.has("ground");
+  if (goes_on == GoesOn::in_another)
+    return {stage_after(checkpoint, path, model, deck), false, moved, false};
+  return {static_cast<std::size_t>(counts.at(0)) + (begun ? 0 : 1), begun, moved, true};
+}
+
+}  // namespace
+
+std::vector<std::string> spent_changes(const io::File& checkpoint, const std::string& path,
+                                       const Model& model, const input::Deck& deck,
+                                       GoesOn goes_on) {
+  const Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values now = values_of(effective_deck(model));
+  const Position at = position_of(checkpoint, path, model, deck, goes_on);
+  std::vector<std::string> sentences;
+  for (const auto& [key, value] : now) {
+    const auto old = then.find(key);
+    if (old == then.end() || old->second == value) continue;
+    if (const std::string why = why_spent(key, model, at); !why.empty())
+      sentences.push_back(fmt::format("{} = {} has no effect: {}, with {} ({})", deck.where(key),
+                                      value, why, old->second, path));
+  }
+  return sentences;
+}
+
+}  // namespace trackbed::app
