@@ -5,7 +5,8 @@ LAMMPS.
     bench_stones.py TRACKBED FOLDER [RUNS]
 
 TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
-results go. All cases take turns, RUNS times (3), and of each the best run counts: other work on the
+results go. `contacts` counts those of pieces,
+`touched` the stones (and the floor) that a stone touches. All cases take turns, RUNS times (3), and of each the best run counts: other work on the
 machine only slows down. Two ranks have twice the box along x, so as many stones each. The
 processor time shows what a busy machine hides from the wall time. LAMMPS (Debian's) moves the same
 clumps with fix rigid/small and the same law between spheres; it is left out where there is no
@@ -184,15 +185,17 @@ def run_lammps(folder, bodies):
 
 def table(cases):
     alone = {case.name: case for case in cases if case.ranks == 1}
-    print("deck      ranks  stones  contacts  steps/s/core  by CPU time  of stones12  neighbours"
-          "  B/stone  of one rank")
+    print("deck      ranks  stones  contacts  touched  steps/s/core  by CPU time  of stones12"
+          "  neighbours  B/stone  without contacts  of one rank")
     for case in cases:
         dem = case.runs[-1]
         print(f"{case.name:9} {case.ranks:5} {dem['particles']:7} "
-              f"{dem['contacts_per_particle']:9.2f} {case.speed():13.3e} "
+              f"{dem['contacts_per_particle']:9.2f} {dem['neighbours_per_particle']:8.2f} "
+              f"{case.speed():13.3e} "
               f"{case.speed_by_cpu():12.3e} {case.speed() / alone['stones12'].speed():12.2f} "
               f"{100 * case.best('neighbour_share', largest=False):9.1f} % "
               f"{dem['memory_per_particle_b']:8.0f} "
+              f"{dem['memory_per_particle_without_contacts_b']:17.0f} "
               f"{case.speed() / alone[case.name].speed():12.2f}")
 
 

@@ -36,7 +36,11 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
   const double seconds = comm.max(run.timers.seconds(Verb::dem) - run.measured.dem_seconds);
   const double own = run.timers.seconds(Verb::dem) - run.measured.dem_seconds;
   const double neighbours = run.timers.seconds(Verb::neighbours) - run.measured.neighbour_seconds;
-  const auto bytes = comm.sum(static_cast<std::int64_t>(run.world.particles.memory()));
+  const dem::Memory memory = run.world.particles.memory();
+  const auto per_particle = [&](std::size_t bytes) {
+    return ratio(static_cast<double>(comm.sum(static_cast<std::int64_t>(bytes))),
+                 static_cast<double>(totals.particles));
+  };
   const auto particles = static_cast<double>(totals.particles);
   const std::int64_t steps = run.world.particles.steps() - run.measured.dem_steps;
   // From the begin of the last stage: packing at the start would hide the speed of what matters.
@@ -45,6 +49,7 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
           {"pieces", totals.pieces},
           {"steps", run.world.particles.steps()},
           {"contacts_per_particle", ratio(2 * static_cast<double>(totals.contacts), particles)},
+          {"neighbours_per_particle", ratio(static_cast<double>(totals.neighbours), particles)},
           {"particle_steps_per_second_per_core", ratio(done, seconds) / comm.size()},
           {"state_hash", fmt::format("{:016x}", run.world.particles.state_hash())},
           {"measured_stage", run.measured.stage},
@@ -52,7 +57,8 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
           {"measured_dem_time_s", seconds},
           {"measured_cpu_time_s", comm.max(cpu_time() - run.measured.cpu_seconds)},
           {"neighbour_share", ratio(comm.sum(neighbours), comm.sum(own))},
-          {"memory_per_particle_b", ratio(static_cast<double>(bytes), particles)}};
+          {"memory_per_particle_b", per_particle(memory.total())},
+          {"memory_per_particle_without_contacts_b", per_particle(memory.particles)}};
 }
 
 Json ground_figures(const SummaryOf& run) {

@@ -189,6 +189,16 @@ double mean(double sum, std::int64_t count) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
+// Two particles may touch with many pieces, all of them counted on the same rank. A surface has no
+// neighbours of its own.
+std::int64_t neighbours(std::vector<std::pair<Id, Id>>& touching) {
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  std::int64_t count = 0;
+  for (const auto& [first, second] : touching) count += second < 0 ? 1 : 2;
+  return count;
+}
+
 }  // namespace
 
 Totals Particles::totals() const {
@@ -200,14 +210,17 @@ Totals Particles::totals() const {
     terms.add(p, r.state.l[b].vec3(), r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
+  std::vector<std::pair<Id, Id>> touching;
   ContactLoop(r).run([&](const ContactView& c, double energy) {
     ++total.contacts;
+    touching.emplace_back(c.first, c.second);
     total.largest_overlap = std::max(total.largest_overlap, c.overlap);
     terms.add(c, energy);
   });
   total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
   total.pieces = r.comm.sum(total.pieces);
   total.contacts = r.comm.sum(total.contacts);
+  total.neighbours = r.comm.sum(neighbours(touching));
   total.largest_overlap = r.comm.max(total.largest_overlap);
   total.mass = exact_total(r.comm, terms.mass);
   total.kinetic = exact_total(r.comm, terms.kinetic);
@@ -244,21 +257,24 @@ std::uint64_t Particles::state_hash() const {
   return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
 }
 
-std::size_t Particles::memory() const {
+Memory Particles::memory() const {
   const Room& r = *room_;
-  std::size_t bytes = 0;
-  const auto count = [&](const auto& v) { bytes += v.capacity() * sizeof(v[0]); };
+  Memory memory;
+  std::size_t* to = &memory.particles;
+  const auto count = [&](const auto&... arrays) {
+    ((*to += arrays.capacity() * sizeof(arrays[0])), ...);
+  };
   visit_state(r.state, [&](auto, auto, auto, auto& array, int) { count(array); });
-  count(r.state.w), count(r.state.inertia), count(r.reference_x), count(r.reference_q);
-  count(r.pieces.x), count(r.pieces.body), count(r.pieces.begin);
-  count(r.pairs.rows), count(r.pairs.entries), count(r.pairs.xi), count(r.approaches);
-  count(r.stones.rows), count(r.stones.entries), count(r.stones.xi), count(r.stones.turn);
-  count(r.pieces.corners), count(r.pieces.first_corner), count(r.pieces.rounding);
-  count(r.pieces.last_x), count(r.pieces.last_q), count(r.pieces.path);
-  bytes += r.stone_contacts.memory();
-  for (const Approach& a : r.approaches)
-    count(a.triangles), count(a.patches), count(a.near.features);
-  return bytes;
+  count(r.state.w, r.state.inertia, r.reference_x, r.reference_q);
+  count(r.pieces.x, r.pieces.body, r.pieces.begin);
+  count(r.pieces.corners, r.pieces.first_corner, r.pieces.rounding);
+  count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);
+  to = &memory.contacts;
+  count(r.pairs.rows, r.pairs.entries, r.pairs.xi, r.approaches);
+  count(r.stones.rows, r.stones.entries, r.stones.xi, r.stones.turn);
+  for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
+  memory.contacts += r.stone_contacts.memory();
+  return memory;
 }
 
 }  // namespace trackbed::dem

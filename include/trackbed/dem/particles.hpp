@@ -71,11 +71,18 @@ struct ContactView {
 
 // Sums over all ranks' particles and contacts, each counted once; equal bits on any rank count.
 struct Totals {
-  std::int64_t particles = 0, pieces = 0, contacts = 0;      // contacts: particle pairs and surface
+  std::int64_t particles = 0, pieces = 0, contacts = 0;  // contacts: of pieces, and with surfaces
+  std::int64_t neighbours = 0;  // what particles touch: each pair twice, each surface once
   double mass = 0, kinetic = 0, potential = 0, elastic = 0;  // kg, J
   double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
   Vec3 momentum = Vec3::Zero(), surface_force = Vec3::Zero(), surface_moment = Vec3::Zero();
+};
+
+// Bytes. Contacts: neighbour lists, kept features, histories.
+struct Memory {
+  std::size_t particles = 0, contacts = 0;
+  std::size_t total() const { return particles + contacts; }
 };
 
 // What the contacts with surfaces did in the last `advance`, from the particles' side: sums over
@@ -139,7 +146,7 @@ class Particles {
   Totals totals() const;                                                    // collective
   const SurfaceAction& surface_action() const;  // collective result of the last advance
   std::uint64_t state_hash() const;             // collective; independent of the rank count
-  std::size_t memory() const;                   // bytes on this rank
+  Memory memory() const;                        // of this rank
   std::int64_t steps() const;                   // sub-steps so far
   std::int64_t rebuilds() const;
   const Domain& domain() const;

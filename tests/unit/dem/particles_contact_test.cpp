@@ -128,6 +128,31 @@ TEST(Contact, MomentumIsKept) {
   EXPECT_LT((p.totals().momentum - before).norm(), 1e-12);  // kg m/s, of about 1
 }
 
+// Two pairs of spheres side by side touch twice and are one neighbour of each other; the floor is a
+// neighbour of the lower one.
+TEST(Contact, NeighboursAreCountedOnceContactsByPieces) {
+  dem::Template pair;
+  pair.pieces = {geom::ball({-0.6, 0, 0}, 0.5), geom::ball({0.6, 0, 0}, 0.5)};
+  pair.volume = 1, pair.gyration = Vec3(0.1, 0.4, 0.4);
+  dem::Particles p(par::Comm::self(), test::one_material(elastic()), weightless(),
+                   test::box(Vec3::Constant(-2), Vec3::Constant(4)));
+  p.add_template(pair);
+  Surface floor = test::floor_of(1, 2);
+  p.set_surfaces({&floor});
+  std::vector<dem::NewParticle> two(2);
+  two[0].position = Vec3(0, 0, 0.4999);
+  two[1].id = 1, two[1].position = Vec3(0, 0, 1.4998);
+  p.add(two);
+  p.advance(1e-9, 1);
+  const dem::Totals totals = p.totals();
+  EXPECT_EQ(totals.contacts, 4);
+  EXPECT_EQ(totals.neighbours, 3);
+  const dem::Memory memory = p.memory();
+  EXPECT_GT(memory.particles, 2 * 10 * sizeof(double));  // pose and motion
+  EXPECT_GT(memory.contacts, 0u);
+  EXPECT_EQ(memory.total(), memory.particles + memory.contacts);
+}
+
 TEST(Contact, PiecesThatCannotMoveAreRefused) {
   dem::Particles p(par::Comm::self(), test::one_material({}), {},
                    test::box(Vec3::Zero(), Vec3::Ones()));
