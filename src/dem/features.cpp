@@ -6,7 +6,9 @@ namespace trackbed::dem {
 
 namespace {
 
-[[gnu::always_inline]] inline Lanes clamped(Lanes t) { return smaller(larger(t, all(0)), all(1)); }
+[[gnu::always_inline]] inline Lanes clamped(Lanes t, Lanes least = all(0)) {
+  return smaller(larger(t, least), all(1) - least);
+}
 
 // Lengths of degenerate features are zero: keeps the quotient finite.
 [[gnu::always_inline]] inline Lanes over(Lanes length) {
@@ -21,8 +23,8 @@ namespace {
   g.n = over(d) * w, g.x = on_i + (g.half + 0.5 * d) * g.n;
   const Lanes delta = larger(g.reach - d, all(0));
   const Lanes p2 = delta * delta, p4 = p2 * p2;
-  g.power = p4 * p4;
-  g.weight = p4 * p2 * delta;
+  g.power = p4 * p2;
+  g.weight = p4 * delta;
   g.normal = g.weight * g.n;
   g.moment = cross(g.x, g.normal);
   g.point = g.weight * g.x;
@@ -60,15 +62,24 @@ namespace {
 //   D^2 = |w(s, t)|^2 + h ((s - 1/2)^2 + (t - 1/2)^2)
 // is taken for the distance: one point for any pose, D has a continuous gradient w / D, and D - d
 // is below `centring`^2 / 4 of the reach.
+// The edges end a little short of their corners: where two corners meet, all their edges were
+// closest there as well, up to 27 features in one point that made it 2.3 times as stiff. The
+// corners stand in for the ends: while a contact passes from an edge to its corner, the overlap
+// dips by less than (`shortened` / 2)^2 / 2 of the reach.
 [[gnu::always_inline]] inline void edge_and_edge(FeatureGroup& g) {
-  constexpr double centring = 0.01;  // root of h over the reach
+  constexpr double centring = 0.01;   // root of h over the reach
+  constexpr double shortened = 0.05;  // at each end, over the reach
   const Lanes3 d1 = g.p[1] - g.p[0], d2 = g.p[3] - g.p[2], r = g.p[0] - g.p[2];
   const Lanes h = (centring * centring) * g.reach * g.reach;
   const Lanes a = dot(d1, d1) + h, e = dot(d2, d2) + h, b = dot(d1, d2);
   const Lanes c = 0.5 * h - dot(d1, r), f = 0.5 * h + dot(d2, r);
-  const Lanes s0 = clamped((c * e + b * f) * over(a * e - b * b));
-  const Lanes t = clamped((b * s0 + f) * over(e));
-  const Lanes s = clamped((b * t + c) * over(a));
+  const auto short_by = [&](const Lanes3& edge) {  // over its length; at most to its middle
+    return smaller(shortened * g.reach * over(root(dot(edge, edge))), all(0.5));
+  };
+  const Lanes s_end = short_by(d1), t_end = short_by(d2);
+  const Lanes s0 = clamped((c * e + b * f) * over(a * e - b * b), s_end);
+  const Lanes t = clamped((b * s0 + f) * over(e), t_end);
+  const Lanes s = clamped((b * t + c) * over(a), s_end);
   const Lanes3 on_i = g.p[0] + s * d1, w = g.p[2] + t * d2 - on_i;
   const Lanes u = s - all(0.5), v = t - all(0.5);
   finish(g, on_i, w, root(dot(w, w) + h * (u * u + v * v)));
@@ -86,17 +97,17 @@ void FeatureRow::compute_edges() {
 
 void Overlaps::add(double delta, const Vec3& n, const Vec3& x) {
   if (!(delta > 0)) return;
-  const double p2 = delta * delta, p4 = p2 * p2, p7 = p4 * p2 * delta;
-  const Vec3 normal = p7 * n, point = p7 * x;
-  power_ += p4 * p4, weight_ += p7, square_ += x.dot(point);
+  const double p2 = delta * delta, p4 = p2 * p2, p5 = p4 * delta;
+  const Vec3 normal = p5 * n, point = p5 * x;
+  power_ += p4 * p2, weight_ += p5, square_ += x.dot(point);
   normal_ += normal, moment_ += x.cross(normal), point_ += point;
 }
 
 Wrench Overlaps::result() const {
   Wrench w;
   if (!(power_ > 1e-300)) return w;
-  w.M = std::sqrt(std::sqrt(std::sqrt(power_)));
-  const double share = w.M / power_;  // 1 / M^7
+  w.M = std::cbrt(std::sqrt(power_));
+  const double share = w.M / power_;  // 1 / M^5
   w.N = share * normal_, w.T = share * moment_;
   w.x = point_ / weight_;
   const double spread = square_ / weight_ - w.x.squaredNorm();

@@ -2,11 +2,12 @@
 // them: the smooth maximum of all overlaps.
 //
 // Features: each corner to the closed other core (the least distance to its triangles), each edge
-// to each closed edge. Every distance has a continuous gradient, so the force is continuous:
+// to each edge (both all but closed). Every distance has a continuous gradient, so the force is
+// continuous:
 //   delta_k = r_i + r_j - d_k > 0,   M = (sum delta_k^p)^(1/p),   energy U(M)
 // The force on i is -U'(M) N, N = sum s_k n_k, s_k = dM/d delta_k = (delta_k / M)^(p-1), and its
 // torque -U'(M) T with T = sum s_k x_k x n_k, n_k from i to j: exactly the gradient of U, whatever
-// the features do. The deepest feature decides, equal ones share. p = 8: see
+// the features do. The deepest feature decides, equal ones share. p = 6: see
 // docs/decisions/stone-contact.md.
 #pragma once
 
@@ -33,8 +34,8 @@ struct FeatureGroup {
   Lanes half;    // m, (r_i - r_j) / 2
   Lanes d;       // m
   Lanes3 n, x;   // gradient of d: normal from i to j (unit for corners); m, point of contact
-  Lanes power;   // delta^8; 0 without overlap
-  Lanes weight;  // delta^7, and its products with normal, moment, point and its square
+  Lanes power;   // delta^6; 0 without overlap
+  Lanes weight;  // delta^5, and its products with normal, moment, point and its square
   Lanes3 normal, moment, point;
   Lanes square;
 };

@@ -150,7 +150,7 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   double total = 0;
   for (const MeshContact& c : contacts) {
     const double ratio = (rounding - c.distance) / w.M, square = ratio * ratio;
-    slope.push_back(square * square * square * ratio);
+    slope.push_back(square * square * ratio);
     total += slope.back();
   }
   const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];

@@ -72,12 +72,12 @@ TEST(StoneShapes, CrossedCapsulesTouchOnce) {
 }
 
 TEST(StoneShapes, EqualFeaturesShareTheLoad) {
-  // Capsules side by side: four ends and one pair of edges with the same overlap. M = 5^(1/8) delta
-  // and the force U'(M) dM/d delta is 5^(2/8) k delta.
+  // Capsules side by side: four ends and one pair of edges with the same overlap. M = 5^(1/6) delta
+  // and the force U'(M) dM/d delta is 5^(1/3) k delta.
   const dem::Particles p = two(capsule(0.5), capsule(0.5), {0, 0, 2 * r - delta});
-  EXPECT_NEAR(p[1].force.z(), std::pow(5, 0.25) * k * delta, rounding);
+  EXPECT_NEAR(p[1].force.z(), std::cbrt(5) * k * delta, rounding);
   expect_near(p[1].torque, Vec3::Zero(), rounding);
-  EXPECT_NEAR(p.totals().elastic, 0.5 * std::pow(5, 0.25) * k * delta * delta, rounding * delta);
+  EXPECT_NEAR(p.totals().elastic, 0.5 * std::cbrt(5) * k * delta * delta, rounding * delta);
 }
 
 // Triangles and bars in the plane y = 0.

@@ -135,13 +135,14 @@ TEST(StoneOnSurface, ElasticCollisionsKeepTheirEnergy) {
     };
     const std::vector<double> coarse = errors(1), fine = errors(0.25);
     const double order = std::log(coarse[count / 2] / fine[count / 2]) / std::log(4.0);
-    std::printf("hit %d: median %.2g, largest %.2g, order %.2f\n", static_cast<int>(hit),
-                coarse[count / 2], coarse.back(), order);
-    // A face or an edge that strikes all but flat has several short impacts, one on each corner.
-    const bool flat = hit == Hit::face || hit == Hit::edge;
-    EXPECT_LT(coarse[count / 2], flat ? 3e-3 : 1e-3);
-    EXPECT_LT(coarse.back(), flat ? 1.5e-2 : 5e-3);
-    EXPECT_GT(order, flat ? 1.6 : 1.8);
+    std::printf("hit %d: median %.2g, largest %.2g (a quarter: %.2g), order %.2f\n",
+                static_cast<int>(hit), coarse[count / 2], coarse.back(), fine.back(), order);
+    // A face that strikes all but flat rocks from one corner to the next within a sub-step: the
+    // force changes its point by (p - 1) times the way, on an effective mass of a fifth of m.
+    EXPECT_LT(coarse[count / 2], hit == Hit::face ? 3e-3 : 5e-4);
+    EXPECT_LT(coarse.back(), hit == Hit::face ? 1.5e-2 : 5e-3);
+    EXPECT_LT(fine.back(), 1e-3);
+    EXPECT_GT(order, 1.8);
   }
 }
 
@@ -149,9 +150,14 @@ TEST(StoneOnSurface, ElasticCollisionsKeepTheirEnergy) {
 // falls along its side, over the work of its weight along its height.
 double error_over_the_rim(int n, double share) {
   dem::NewParticle one;
-  one.position = Vec3(0.07, 0.011, 0.1 + half.z() + 1e-6);
+  const dem::Template brick = test::brick(half, rounding);
+  // As deep as four equal corners carry it, so that it does not bounce on the block: many small
+  // bounces add up errors of the second order by chance.
+  const double sunk = density * brick.volume * gravity / (std::cbrt(4.0) * elastic().k_n);
+  one.position = Vec3(0.07, 0.011, 0.1 + half.z() - sunk);
   one.velocity = Vec3(0.3, 0, 0), one.attitude = Quat(1, 0, 0, 0.15).normalized();
-  Stage stage(test::brick(half, rounding), one, test::block_of({0.1, 0.3, 0.1}, n), elastic());
+  Stage stage(brick, one, test::block_of({0.1, 0.3, 0.1}, n), elastic());
+  stage.particles.advance(1e-12, 1);  // finds the contacts
   const double before = stage.energy();
   double worst = 0;
   for (int k = 0; k < 60; ++k) {
@@ -167,7 +173,7 @@ TEST(StoneOnSurface, TurningOverASharpEdgeKeepsTheEnergy) {
   for (const int n : {1, 6}) {
     const double coarse = error_over_the_rim(n, 0.5), fine = error_over_the_rim(n, 0.125);
     std::printf("rim: %.2g %.2g\n", coarse, fine);
-    EXPECT_LT(coarse, 1e-5) << n;
+    EXPECT_LT(coarse, 1e-7) << n;
     EXPECT_LT(fine, coarse / 8) << n;  // second order: a sixteenth
   }
 }

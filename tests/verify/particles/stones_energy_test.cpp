@@ -1,13 +1,12 @@
 // 1,000 elastic collisions without friction of stones, boxes and compounds with their true mass
 // properties: corners, edges, faces, grazing, spinning.
 //
-// Velocity Verlet keeps a slightly different energy exactly while a linear spring acts; what is
-// lost is lost in the sub-steps in which the contact opens and closes: up to (dt^2 k / m_c) / 4 of
-// the energy of the approach, m_c the effective mass at the point of contact (of two equal spheres:
-// half the mass of one; of a stone hit at a corner: down to an eighth of the lighter one). So a
-// stone errs like a sphere of this mass, and all bounds hold for dt = 0.1 sqrt(m_c / k). With the
-// lighter body's mass m instead the median holds as well; the largest error is up to m / m_c times
-// more.
+// Velocity Verlet keeps a slightly different energy exactly while a linear spring acts; what it
+// loses where the contact opens and closes is mended (felt_overlap in src/dem/stone_law.hpp). What
+// is left grows with dt sqrt(k / m_c), m_c the effective mass at the contact (of two equal spheres:
+// half the mass of one; of a stone hit at a corner: down to an eighth of the lighter one), and is
+// largest where a face rocks from one corner to the next within a sub-step. All bounds hold for
+// dt = 0.1 sqrt(m / k), m the lighter body's mass; they are tighter with m_c in its place.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -141,7 +140,9 @@ double median(std::vector<double> values) {
 
 TEST(StoneEnergy, ThousandCollisionsKeepIt) {
   constexpr double shares[] = {0.1, 0.05, 0.025};
-  constexpr double wanted_median = 5e-4, wanted_largest = 3e-3, wanted_order = 1.8;
+  constexpr double wanted_median = 5e-5, wanted_order = 1.8;
+  // Of 3,000, at three steps close to each other, the largest error is 4.4e-3.
+  constexpr double wanted_largest = 5e-3, wanted_with_effective = 2e-3;
   std::map<double, std::vector<double>> by_lighter, by_effective;
   std::uint64_t key = 0;
   for (int met = 0; met < collisions; ++key) {
@@ -167,10 +168,10 @@ TEST(StoneEnergy, ThousandCollisionsKeepIt) {
     return *std::max_element(errors.at(share).begin(), errors.at(share).end());
   };
   EXPECT_LT(median(by_lighter[0.1]), wanted_median);
-  EXPECT_LT(median(by_effective[0.1]), wanted_median);
-  EXPECT_LT(largest(by_effective, 0.1), wanted_largest);
-  EXPECT_LT(largest(by_lighter, 0.1), 8 * wanted_largest);  // m / m_c goes up to eight
-  EXPECT_LT(largest(by_lighter, 0.05), 8 * wanted_largest / 4);
+  EXPECT_LT(median(by_effective[0.1]), wanted_median / 5);
+  EXPECT_LT(largest(by_lighter, 0.1), wanted_largest);
+  EXPECT_LT(largest(by_lighter, 0.05), wanted_largest / 4);
+  EXPECT_LT(largest(by_effective, 0.1), wanted_with_effective);
   EXPECT_GT(order(by_lighter), wanted_order);
   EXPECT_GT(order(by_effective), wanted_order);
 }
