@@ -107,50 +107,105 @@ Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, d
 
 namespace {
 
-// Tries axes and keeps the widest slab. Across an axis on which both cores have no extent and the
-// same place there is no way out: they lie in one plane, which is remembered.
-struct Axes {
-  const Placed &first, &second;
-  Slab best{Vec3::UnitX(), -std::numeric_limits<double>::infinity()};
-  Vec3 plane = Vec3::Zero();
+// Where an axis comes from decides how it turns: with the body of its face or with both edges.
+enum class Source { face_of_first, face_of_second, edges };
+struct Axis {
+  Source source;
+  Vec3 along;  // edges: u x v
+  Vec3 u = Vec3::Zero(), v = Vec3::Zero();
+};
 
-  void look(Vec3 axis) {
-    const double flat = 1e-12 * (first.radius + second.radius);  // rounding
-    const double length = axis.norm();
+// Shows all axes, both ways. Across an axis on which both cores have no extent and the same place
+// there is no way out: they lie in one plane, and ways within it are looked at as well.
+template <class See>
+class Axes {
+ public:
+  Axes(const Placed& first, const Placed& second, See& see)
+      : first_(first), second_(second), see_(see) {}
+
+  void run() {
+    each_face(first_, Source::face_of_first), each_face(second_, Source::face_of_second);
+    for (const Core::Edge& e : first_.core->edges) {
+      const Vec3 u = first_.corner(e[1]) - first_.corner(e[0]);
+      for (const Core::Edge& g : second_.core->edges) {
+        const Vec3 v = second_.corner(g[1]) - second_.corner(g[0]);
+        look({Source::edges, u.cross(v), u, v});
+      }
+    }
+    if (plane_.isZero()) return;
+    each_side(first_, Source::face_of_first), each_side(second_, Source::face_of_second);
+  }
+
+ private:
+  void each_face(const Placed& p, Source source) {
+    for (const Core::Triangle& t : p.core->triangles) {
+      const Vec3 a = p.corner(t[0]);
+      look({source, (p.corner(t[1]) - a).cross(p.corner(t[2]) - a)});
+    }
+  }
+  void each_side(const Placed& p, Source source) {
+    for (const Core::Edge& e : p.core->edges)
+      look({source, plane_.cross(p.corner(e[1]) - p.corner(e[0]))});
+  }
+  void look(const Axis& axis) {
+    const double flat = 1e-12 * (first_.radius + second_.radius);  // rounding
+    const double length = axis.along.norm();
     if (!(length > 1e-300)) return;
-    axis /= length;
-    const double ahead = slab_width(first, second, axis), behind = slab_width(first, second, -axis);
+    const Vec3 n = axis.along / length;
+    const double ahead = slab_width(first_, second_, n), behind = slab_width(first_, second_, -n);
     if (std::max(std::abs(ahead), std::abs(behind)) < flat) {
-      plane = axis;
+      plane_ = n;
       return;
     }
-    if (ahead > best.width) best = {axis, ahead};
-    if (behind > best.width) best = {-axis, behind};
+    see_(Slab{n, ahead}, axis), see_(Slab{-n, behind}, axis);
   }
-  void look_along_plane() {
-    for (const Placed* p : {&first, &second})
-      for (const Core::Edge& e : p->core->edges)
-        look(plane.cross(p->corner(e[1]) - p->corner(e[0])));
-  }
+
+  const Placed &first_, &second_;
+  See& see_;
+  Vec3 plane_ = Vec3::Zero();
 };
+
+Mat3 cross_matrix(const Vec3& n) {
+  return Mat3{{0, -n.z(), n.y()}, {n.z(), 0, -n.x()}, {-n.y(), n.x(), 0}};
+}
+
+WayOut way_out(const Placed& first, const Placed& second, const Slab& slab, const Axis& axis) {
+  const Vec3& n = slab.normal;
+  WayOut way{slab, Vec3::Zero(), Mat3::Zero(), 1, Vec3::Zero()};
+  if (axis.source == Source::face_of_first) way.swing = -cross_matrix(n);
+  if (axis.source == Source::edges) {
+    // d (u x v) = (a x u) x v = (u v^T - (u . v)) a
+    const Mat3 change = axis.u * axis.v.transpose() - axis.u.dot(axis.v) * Mat3::Identity();
+    const double sign = n.dot(axis.along) > 0 ? 1 : -1, length2 = axis.along.squaredNorm();
+    way.swing = sign / std::sqrt(length2) * (Mat3::Identity() - n * n.transpose()) * change;
+    const double over = 1 / (axis.u.squaredNorm() * axis.v.squaredNorm());
+    way.sine2 = over * length2;
+    way.sharpens = 2 * over * (change.transpose() * axis.along);
+  }
+  const Vec3 on_first = first.corner(support(first, n).corner),
+             on_second = second.corner(support(second, -n).corner);
+  way.moment = n.cross(on_first) + way.swing.transpose() * (on_second - on_first);
+  return way;
+}
 
 }  // namespace
 
 Slab separating_axis(const Placed& first, const Placed& second) {
-  Axes axes{first, second};
-  for (const Placed* p : {&first, &second})
-    for (const Core::Triangle& t : p->core->triangles) {
-      const Vec3 a = p->corner(t[0]);
-      axes.look((p->corner(t[1]) - a).cross(p->corner(t[2]) - a));
-    }
-  for (const Core::Edge& e : first.core->edges) {
-    const Vec3 u = first.corner(e[1]) - first.corner(e[0]);
-    for (const Core::Edge& g : second.core->edges)
-      axes.look(u.cross(second.corner(g[1]) - second.corner(g[0])));
-  }
-  if (!axes.plane.isZero()) axes.look_along_plane();
-  if (!std::isfinite(axes.best.width)) axes.best.width = 0;  // points and segments have no inside
-  return axes.best;
+  Slab best{Vec3::UnitX(), -std::numeric_limits<double>::infinity()};
+  const auto see = [&](const Slab& slab, const Axis&) {
+    if (slab.width > best.width) best = slab;
+  };
+  Axes(first, second, see).run();
+  if (!std::isfinite(best.width)) best.width = 0;  // points and segments have no inside
+  return best;
+}
+
+void ways_out(const Placed& first, const Placed& second, double least, std::vector<WayOut>& ways) {
+  ways.clear();
+  const auto see = [&](const Slab& slab, const Axis& axis) {
+    if (slab.width >= least) ways.push_back(way_out(first, second, slab, axis));
+  };
+  Axes(first, second, see).run();
 }
 
 }  // namespace trackbed::dem

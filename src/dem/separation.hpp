@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core.hpp"
 #include "trackbed/core/types.hpp"
@@ -37,5 +38,19 @@ Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, d
 // the cores overlap: minus its width is the smallest way out, of cores in one plane the smallest
 // way within it. Cost: every pair of edges.
 Slab separating_axis(const Placed& first, const Placed& second);
+
+// One way to part overlapping cores: the second moves by -width along the normal. While the first
+// turns by a small vector a (rad) about the common origin and the second stays,
+//   d normal = swing a,  d width = moment . a (m);  if the second moves by x, d width = normal . x.
+struct WayOut {
+  Slab slab;
+  Vec3 moment;    // m
+  Mat3 swing;     // of a face of the second core: zero
+  double sine2;   // of crossed edges: sin^2 of the angle between them, with which their axis fades
+  Vec3 sharpens;  // d sine2 = sharpens . a; faces: sine2 = 1 and no change
+};
+
+// All axes of `separating_axis` with a slab of this width (m) or wider.
+void ways_out(const Placed& first, const Placed& second, double least, std::vector<WayOut>& ways);
 
 }  // namespace trackbed::dem

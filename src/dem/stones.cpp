@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deep.hpp"
+
 namespace trackbed::dem {
 
 namespace {
@@ -186,25 +188,33 @@ FeatureSet StoneContacts::gather(const Sight& sight, const Reach& reach, Feature
   return set;
 }
 
-// Cores overlap: j is moved out along the smallest way, and what is felt there grows by that way.
-// The energy goes on without a jump from cores that touch, and the force stays its gradient as far
-// as N does not change along the way.
-Wrench StoneContacts::deep_wrench(const Sight& sight, const Slab& slab) {
+// What is felt when j is moved out along a way, its cores then apart.
+Wrench StoneContacts::moved_wrench(const Sight& sight, const Vec3& n, double length) {
   thread_local FeatureRow corners, edges;
   corners.clear(), edges.clear();
-  const double way = apart_by * sight.reach - slab.width;
   Sight moved = sight;
-  moved.j.offset += way * slab.normal;
+  moved.j.offset += length * n;
   Reach near;
-  near.normal = slab.normal;
+  near.normal = n;
   near.begin = static_cast<std::uint32_t>(words_.size());
   keep_features(moved, near, sight.reach, sight.reach);
   const FeatureSet set = gather(moved, near, corners, edges);
   corners.compute_corners(), edges.compute_edges();
-  Wrench w = smooth_maximum(corners, edges, set, words_.data(), sight.reach);
+  const Wrench w = smooth_maximum(corners, edges, set, words_.data(), sight.reach);
   words_.resize(near.begin);
-  w.M += way * w.N.dot(slab.normal);
   return w;
+}
+
+Wrench StoneContacts::deep_wrench(const Sight& sight, const Slab& widest) {
+  thread_local std::vector<WayOut> ways;
+  const double apart = apart_by * sight.reach, shortest = apart - widest.width;
+  ways_out(sight.i, sight.j, apart - DeepBlend::longest * shortest, ways);
+  DeepBlend blend(sight.reach - apart);
+  for (const WayOut& way : ways) {
+    const double length = apart - way.slab.width;
+    blend.add(way, length, shortest, moved_wrench(sight, way.slab.normal, length));
+  }
+  return blend.result();
 }
 
 Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pending& p) {

@@ -62,7 +62,8 @@ class StoneContacts {
                     FeatureRow& edges) const;
   void flush(const Scene& scene, StoneList& list);
   Wrench wrench(const Scene& scene, const StoneList& list, const Pending& p);
-  Wrench deep_wrench(const Sight& sight, const Slab& slab);
+  Wrench moved_wrench(const Sight& sight, const Vec3& n, double length);
+  Wrench deep_wrench(const Sight& sight, const Slab& widest);
   void compact();
 
   std::vector<Reach> reaches_;

@@ -88,36 +88,56 @@ std::vector<dem::NewParticle> overlapping(const dem::Template& a, const dem::Tem
   return pair;
 }
 
+// Largest difference of force and torque (over a length) from the slope of the energy, of the
+// force.
+double off_the_slope(const dem::Template& a, const dem::Template& b,
+                     const std::vector<dem::NewParticle>& pair) {
+  constexpr double step = 1e-5 * r;  // m; its square and the rounding of U / step are below 1e-6
+  const Felt felt = feel(a, b, pair);
+  EXPECT_GT(felt.energy, 0);
+  double off = 0;
+  for (std::size_t n = 0; n < 2; ++n)
+    for (int axis = 0; axis < 6; ++axis) {
+      double energy[2];
+      for (int side = 0; side < 2; ++side) {
+        auto moved = pair;
+        const Vec3 by = (side ? step : -step) * Vec3::Unit(axis % 3);
+        if (axis < 3)
+          moved[n].position += by;
+        else
+          moved[n].attitude =
+              Quat(Eigen::AngleAxisd((side ? step : -step) / size, Vec3::Unit(axis % 3))) *
+              moved[n].attitude;
+        energy[side] = feel(a, b, moved).energy;
+      }
+      const double slope = (energy[0] - energy[1]) / (2 * step);
+      const double own = axis < 3 ? felt.force[n][axis] : felt.torque[n][axis - 3] / size;
+      off = std::max(off, std::abs(own - slope) / felt.force[0].norm());
+    }
+  return off;
+}
+
 TEST(StonePair, TheForceIsTheGradientOfTheEnergy) {
-  constexpr double step = 1e-5 * r;  // m; its square and the rounding of U / step are below
-  constexpr double wanted = 1e-6;    // of the force, times a length for torques
   for (std::uint64_t key = 0; key < 120; ++key) {
     const dem::Template a = shape(key), b = shape(key + 1 + key / 8);
-    const auto pair = overlapping(a, b, key);
-    const Felt felt = feel(a, b, pair);
-    ASSERT_GT(felt.energy, 0) << key;
-    for (std::size_t n = 0; n < 2; ++n)
-      for (int axis = 0; axis < 6; ++axis) {
-        double energy[2];
-        for (int side = 0; side < 2; ++side) {
-          auto moved = pair;
-          const Vec3 by = (side ? step : -step) * Vec3::Unit(axis % 3);
-          if (axis < 3)
-            moved[n].position += by;
-          else
-            moved[n].attitude =
-                Quat(Eigen::AngleAxisd((side ? step : -step) / size, Vec3::Unit(axis % 3))) *
-                moved[n].attitude;
-          energy[side] = feel(a, b, moved).energy;
-        }
-        const double slope = (energy[0] - energy[1]) / (2 * step);
-        const double own = axis < 3 ? felt.force[n][axis] : felt.torque[n][axis - 3] / size;
-        EXPECT_NEAR(own, slope, wanted * felt.force[0].norm()) << key << " " << n << " " << axis;
-      }
+    EXPECT_LT(off_the_slope(a, b, overlapping(a, b, key)), 1e-6) << key;
+  }
+}
+
+TEST(StonePair, TheForceIsTheGradientOfTheEnergyWhereCoresOverlap) {
+  for (std::uint64_t key = 0; key < 20; ++key) {
+    const dem::Template a = shape(key), b = shape(key + 1);
+    auto pair = overlapping(a, b, key);
+    for (const double depth : {0.75, 0.5}) {
+      pair[1].position *= depth;
+      EXPECT_LT(off_the_slope(a, b, pair), 1e-6) << key << " " << depth;
+    }
   }
 }
 
 // Largest jump of the force between poses `count` of which lie on a path through many features.
+// Where the cores touch only the energy goes on without a jump (`CoresPassIntoEachOther...`): those
+// poses are left out.
 double largest_jump(const dem::Template& a, const dem::Template& b, std::uint64_t key, int count) {
   const auto begin = overlapping(a, b, key);
   const Vec3 along = draw(60, key).normalized(), about = draw(70, key).normalized();
@@ -125,14 +145,18 @@ double largest_jump(const dem::Template& a, const dem::Template& b, std::uint64_
   const Vec3 side = (along - along.dot(n) * n).normalized();
   double jump = 0;
   Felt last = feel(a, b, begin);
+  bool apart = true;
   for (int s = 1; s <= count; ++s) {
     const double t = static_cast<double>(s) / count;
     auto pair = begin;
     pair[1].position += 2 * r * t * side;
     pair[1].attitude = Quat(Eigen::AngleAxisd(0.1 * t, about)) * pair[1].attitude;
+    const bool apart_before = apart;
+    apart = test::gap_of(a, pair[0], b, pair[1]) > -1.99 * r;
     const Felt felt = feel(a, b, pair);
-    jump = std::max({jump, (felt.force[0] - last.force[0]).norm(),
-                     (felt.torque[0] - last.torque[0]).norm() / size});
+    if (apart && apart_before)
+      jump = std::max({jump, (felt.force[0] - last.force[0]).norm(),
+                       (felt.torque[0] - last.torque[0]).norm() / size});
     last = felt;
   }
   return jump;
@@ -241,9 +265,9 @@ TEST(StonePair, HowAFaceIsGivenDoesNotMatter) {
 }
 
 TEST(StonePair, DeepPenetrationGivesBackWhatWasStored) {
-  // The smallest way out may change while cores part and turn, and the energy with it: what comes
-  // back is near to what was stored, never several times as much.
-  constexpr double mean_bound = 0.1, bound = 0.4;  // of the energy stored
+  // What is left is the integrator's: where one way out takes over from another the force changes
+  // fast. The error falls with the step (a quarter of it: mean 2e-3, largest 1e-2 of 60).
+  constexpr double mean_bound = 0.02, bound = 0.06;  // of the energy stored
   double mean = 0;
   constexpr int cases = 24;
   for (std::uint64_t key = 0; key < cases; ++key) {
