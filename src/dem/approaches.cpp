@@ -70,13 +70,14 @@ class Columns {
 // Patches of (piece, surface) that were touching before.
 void take_history(const std::vector<History>& history, std::int64_t key, int name,
                   std::vector<Approach::Patch>& patches) {
-  const History lowest{key, patch_key(name, 0x7fffffff), {}, 0};
+  const History lowest{key, patch_key(name, 0x7fffffff)};
   for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
     const std::int64_t code = -1 - h->second;
     Approach::Patch patch{.patch = static_cast<int>(code & 0xffffffff), .touching = true};
     patch.turn = h->turn;
     patch.xi.set(Eigen::Map<const Vec3>(h->xi));
+    patch.roll.set(Eigen::Map<const Vec3>(h->roll));
     patches.push_back(patch);
   }
   std::sort(patches.begin(), patches.end(),

@@ -57,13 +57,14 @@ void Particles::save(io::File& file, const std::string& group) const {
   });
   save_templates(file, group + "/template", r.shapes.templates(), r.comm);
   std::vector<std::int64_t> keys;
-  std::vector<double> xi;
+  std::vector<double> xi, roll;
   const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& h : records)
       if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
         keys.insert(keys.end(), {h.first, h.second});
         xi.insert(xi.end(), {h.xi[0], h.xi[1], h.xi[2], h.turn});
+        roll.insert(roll.end(), h.roll, h.roll + 3);
       }
   file.write<std::int64_t>(group + "/history/keys", keys, 2,
                            {"-",
@@ -72,6 +73,9 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<double>(
       group + "/history/xi", xi, 4,
       {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
+  if (r.laws.any_rolls())
+    file.write<double>(group + "/history/roll", roll, 3,
+                       {"m", "displacement of rolling x y z; missing if no contact resists it"});
   for (std::size_t n = 0; n < r.names.size(); ++n)
     file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
   file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));
@@ -95,10 +99,16 @@ void Particles::load(const io::File& file, const std::string& group) {
   // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
   const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
   const auto xi = file.read_all<double>(group + "/history/xi");
+  const std::string rolling = group + "/history/roll";
+  auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
+  roll.resize(3 * keys.size() / 2, 0.0);
   r.forget_contacts(), r.waiting.clear();
   for (std::size_t k = 0; 2 * k < keys.size(); ++k)
-    r.waiting.push_back(
-        {keys[2 * k], keys[2 * k + 1], {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]}, xi[4 * k + 3]});
+    r.waiting.push_back({keys[2 * k],
+                         keys[2 * k + 1],
+                         {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]},
+                         xi[4 * k + 3],
+                         {roll[3 * k], roll[3 * k + 1], roll[3 * k + 2]}});
   r.names.clear();
   for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
     r.names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));

@@ -17,6 +17,11 @@ int material_named(const Physics& physics, const std::string& name) {
   throw InputError({fmt::format("contact: \"{}\" is not the name of a material", name)});
 }
 
+Rolling rolling_of(const ContactLaw& c) {
+  if (!(c.rolling_friction > 0)) return {};
+  return {c.rolling_friction, c.rolling_stiffness, c.zeta_r};
+}
+
 Law linear_law(const ContactLaw& c) {
   return {.kind = LawKind::linear,
           .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
@@ -24,7 +29,8 @@ Law linear_law(const ContactLaw& c) {
           .k_s = c.k_s,
           .c_n = 2 * c.zeta_n * std::sqrt(c.k_n),
           .c_s = 2 * c.zeta_s * std::sqrt(c.k_s),
-          .mu = c.friction};
+          .mu = c.friction,
+          .rolling = rolling_of(c)};
 }
 
 // k_n and k_s over sqrt(R delta), Pa: 4/3 E* and 8 G* (Hertz; Mindlin 1949).
@@ -57,7 +63,8 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
           .k_s = k.shear(),
           .c_n = damping * std::sqrt(2 * k.e_star),
           .c_s = damping * std::sqrt(8 * k.g_star),
-          .mu = c.friction};
+          .mu = c.friction,
+          .rolling = rolling_of(c)};
 }
 
 // Restitution of m x'' = -(x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x') from x' = 1: the Hertz
@@ -100,13 +107,15 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
   double stiffest = 0;
   for (const ContactLaw& c : physics.laws) {
     const int a = physics.material(c.first), b = physics.material(c.second);
+    const double rolling = c.rolling_friction > 0 ? c.rolling_stiffness : 0;  // over k_n
     if (c.kind == LawKind::linear) {
-      stiffest = std::max({stiffest, c.k_n, c.k_s});
+      stiffest = std::max({stiffest, c.k_n, c.k_s, rolling * c.k_n});
     } else if (a >= 0 && b >= 0) {
       const HertzStiffness k = hertz_stiffness(physics.materials[static_cast<std::size_t>(a)],
                                                physics.materials[static_cast<std::size_t>(b)]);
       const double contact_radius = radius * std::sqrt(largest_overlap);
-      stiffest = std::max(stiffest, std::max(k.normal(), k.shear()) * contact_radius);
+      stiffest = std::max(stiffest,
+                          std::max({k.normal(), k.shear(), rolling * k.normal()}) * contact_radius);
     }
   }
   return stiffest;
@@ -135,7 +144,7 @@ LawTable::LawTable(const Physics& physics)
                         : hertz_law(c, physics.materials[a], physics.materials[b]));
   }
   if (!problems.empty()) throw InputError(problems);
-  for (const Law& law : laws_) friction_.push_back(law.mu);
+  for (const Law& law : laws_) friction_.push_back(law.mu), rolls_ |= law.rolling.mu > 0;
 }
 
 void LawTable::override_friction(double mu) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "room.hpp"
 #include "trackbed/core/exact_sum.hpp"
@@ -103,7 +104,8 @@ struct Particles::ContactLoop {
     const double turn = stones.turn[o.entry].x;
     see(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
                     pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M},
-        stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn);
+        stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
+            rolling(stones, o.entry, o.wrench.M, radius));
   }
 
   template <class See>
@@ -118,7 +120,13 @@ struct Particles::ContactLoop {
     const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
     const auto bj = static_cast<std::size_t>(pieces.body[j]);
     see(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta},
-        stored_energy(law, delta, radius, pairs.xi[e]));
+        stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius));
+  }
+
+  double rolling(const PairList& list, std::uint32_t e, double delta, double radius) const {
+    return list.roll.empty()
+               ? 0
+               : rolling_energy(laws[list.entries[e].law], delta, radius, list.roll[e]);
   }
 
   template <class See>
@@ -130,7 +138,8 @@ struct Particles::ContactLoop {
     const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
     see(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
                     p.overlap},
-        stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn);
+        stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
+            rolling_energy(law, p.overlap, p.radius, p.roll));
   }
 };
 
@@ -247,12 +256,14 @@ std::uint64_t Particles::state_hash() const {
     h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
     sum += mix(h);
   }
+  // Without resistance to rolling, the hash of what there is without it.
+  const std::size_t bytes = r.laws.any_rolls() ? sizeof(History) : offsetof(History, roll);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& record : records) {
       const Id first = particle_of(record.first);
       const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
       if (std::binary_search(r.state.id.begin(), end, first))
-        sum += mix(hash_bytes(&record, sizeof record));
+        sum += mix(hash_bytes(&record, bytes));
     }
   return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
 }
@@ -270,8 +281,9 @@ Memory Particles::memory() const {
   count(r.pieces.corners, r.pieces.first_corner, r.pieces.rounding);
   count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);
   to = &memory.contacts;
-  count(r.pairs.rows, r.pairs.entries, r.pairs.xi, r.approaches);
-  count(r.stones.rows, r.stones.entries, r.stones.xi, r.stones.turn);
+  for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
+    count(list->rows, list->entries, list->xi, list->roll);
+  count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
   memory.contacts += r.stone_contacts.memory();
   return memory;

@@ -21,6 +21,7 @@ struct alignas(64) Group {
   Lane3 xi, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
   double ri[lanes], rj[lanes], root_mass[lanes];
   LawLanes law;
+  RollingLanes rolling;
 };
 
 // Arrays of the pair loop, so that the compiler sees plain pointers.
@@ -49,8 +50,7 @@ void find_touching(const Vec4* piece_x, PairList& list) {
         entry.touching = 1;
         list.touching.push_back({e, row.piece});
       } else if (entry.touching) {
-        entry.touching = 0;
-        list.xi[e].set(Vec3::Zero());
+        list.forget(e);
       }
     }
   }
@@ -61,7 +61,7 @@ std::size_t particle(const Arrays& a, std::int32_t piece) {
   return static_cast<std::size_t>(spheres ? piece : a.body[piece]);
 }
 
-template <bool spheres>
+template <bool spheres, bool rolls>
 void load(const Arrays& a, const LawTable& laws, const PairList& list, const Contact* contacts,
           std::size_t count, Group& g) {
   for (std::size_t k = 0; k < lanes; ++k) {
@@ -81,11 +81,13 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
     const Vec4& xi = list.xi[c.entry];
     g.xi.put(k, xi), g.root_mass[k] = xi.w;
     g.law.set(k, laws[entry.law]);
+    if constexpr (rolls)
+      g.rolling.set(k, laws[entry.law].rolling, pi.w * pj.w / (pi.w + pj.w), list.roll[c.entry]);
   }
 }
 
 // The law on all lanes. Everything is inlined into one loop without branches.
-template <bool spheres, bool hertz>
+template <bool spheres, bool hertz, bool rolls>
 void respond(Group& g, double dt) {
 #pragma omp simd
   for (std::size_t k = 0; k < lanes; ++k) {
@@ -117,12 +119,18 @@ void respond(Group& g, double dt) {
     g.turn_i.x[k] = riy * f.z - riz * f.y, g.turn_j.x[k] = rjy * f.z - rjz * f.y;
     g.turn_i.y[k] = riz * f.x - rix * f.z, g.turn_j.y[k] = rjz * f.x - rjx * f.z;
     g.turn_i.z[k] = rix * f.y - riy * f.x, g.turn_j.z[k] = rjx * f.y - rjy * f.x;
+    if constexpr (rolls) {
+      const Rolls t{nx, ny, nz, twist, wix - wjx, wiy - wjy, wiz - wjz, f.w, 0, g.root_mass[k]};
+      const Vec4 m = g.rolling.moment(k, c.k_n, t, dt);
+      g.turn_i.x[k] += m.x, g.turn_i.y[k] += m.y, g.turn_i.z[k] += m.z;
+      g.turn_j.x[k] += m.x, g.turn_j.y[k] += m.y, g.turn_j.z[k] += m.z;
+    }
     g.d.x[k] = delta / (g.ri[k] < g.rj[k] ? g.ri[k] : g.rj[k]);  // for the check of overlaps
   }
 }
 
 // Adds forces in the order of the list; returns the largest overlap over the smaller radius.
-template <bool spheres>
+template <bool spheres, bool rolls>
 double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t count,
            const Group& g) {
   double worst = 0;
@@ -130,6 +138,7 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
     const std::uint32_t e = contacts[k].entry;
     Vec4& xi = list.xi[e];
     xi.x = g.xi.x[k], xi.y = g.xi.y[k], xi.z = g.xi.z[k];
+    if constexpr (rolls) list.roll[e].set(g.rolling.roll.at(k));
     const std::size_t i = particle<spheres>(a, contacts[k].piece);
     const std::size_t j = particle<spheres>(a, list.entries[e].piece);
     Vec4 &fi = a.f[i], &ti = a.t[i], &fj = a.f[j], &tj = a.t[j];
@@ -142,18 +151,27 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
   return worst;
 }
 
-template <bool spheres, bool hertz>
+template <bool spheres, bool hertz, bool rolls>
 double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
   double worst = 0;
   Group group{};
   for (std::size_t begin = 0; begin < list.touching.size(); begin += lanes) {
     const Contact* contacts = list.touching.data() + begin;
     const std::size_t count = std::min(lanes, list.touching.size() - begin);
-    load<spheres>(a, laws, list, contacts, count, group);
-    respond<spheres, hertz>(group, dt);
-    worst = std::max(worst, add<spheres>(a, list, contacts, count, group));
+    load<spheres, rolls>(a, laws, list, contacts, count, group);
+    respond<spheres, hertz, rolls>(group, dt);
+    worst = std::max(worst, add<spheres, rolls>(a, list, contacts, count, group));
   }
   return worst;
+}
+
+// The loop compiled for what these shapes and laws need.
+auto loop_for(bool spheres, bool hertz, bool rolls) {
+  constexpr decltype(&pair_loop<false, false, false>) loops[] = {
+      pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,
+      pair_loop<false, true, true>,   pair_loop<true, false, false>, pair_loop<true, false, true>,
+      pair_loop<true, true, false>,   pair_loop<true, true, true>};
+  return loops[4 * spheres + 2 * hertz + rolls];
 }
 
 }  // namespace
@@ -161,7 +179,7 @@ double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double d
 void Particles::Room::feel_pairs(double dt) {
   std::fill(state.f.begin(), state.f.end(), Vec4{});
   std::fill(state.t.begin(), state.t.end(), Vec4{});
-  const bool spheres = shapes.only_spheres(), hertz = laws.any_hertz();
+  const bool spheres = shapes.only_spheres();
   if (!spheres) place(state, shapes, pieces);
   const Arrays a{spheres ? state.x.data() : pieces.x.data(),
                  pieces.body.data(),
@@ -171,8 +189,7 @@ void Particles::Room::feel_pairs(double dt) {
                  state.f.data(),
                  state.t.data()};
   find_touching(a.piece_x, pairs);
-  const auto loop = spheres ? (hertz ? pair_loop<true, true> : pair_loop<true, false>)
-                            : (hertz ? pair_loop<false, true> : pair_loop<false, false>);
+  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
   double worst = loop(a, laws, pairs, dt);
   if (shapes.any_stones()) {
     const auto& overlaps = stone_contacts.find(scene(), stones);

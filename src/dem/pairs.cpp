@@ -43,7 +43,7 @@ class PairFinder {
         make_row(p);
     }
     stones_.shifts = pairs_.shifts;
-    pairs_.xi.shrink_to_fit();
+    pairs_.xi.shrink_to_fit(), pairs_.roll.shrink_to_fit();
   }
 
  private:
@@ -125,9 +125,9 @@ class PairFinder {
         scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
     require(law >= 0, "particles meet whose materials have no contact law");
     const double m_i = s.v[i].w, m_j = s.v[j].w;
-    Vec4 xi{0, 0, 0, std::sqrt(m_i * m_j / (m_i + m_j))};
+    Vec4 xi{0, 0, 0, std::sqrt(m_i * m_j / (m_i + m_j))}, roll{};
     // Rows and entries ascend like the sorted history, so one pass over it serves all.
-    const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j]), {}};
+    const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j])};
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;
     std::uint8_t touching = 0;
     double turn = 0;
@@ -135,12 +135,14 @@ class PairFinder {
       touching = 1;
       xi.set(Eigen::Map<const Vec3>(history_[next_].xi));
       turn = history_[next_].turn;
+      roll.set(Eigen::Map<const Vec3>(history_[next_].roll));
     }
     const bool stones = has_corners(p) || has_corners(r);
     PairList& list = stones ? stones_ : pairs_;
     list.entries.push_back(
         {static_cast<std::int32_t>(r), shift, static_cast<std::uint8_t>(law), touching});
     list.xi.push_back(xi);
+    if (rolls_) list.roll.push_back(roll);
     if (stones) stones_.turn.push_back({turn, 0, 0, 0});
   }
 
@@ -149,6 +151,7 @@ class PairFinder {
   PairList& pairs_;
   StoneList& stones_;
   Cells cells_;
+  bool rolls_ = scene_.laws.any_rolls();
   std::vector<Partner> partners_;
   std::map<std::array<int, 3>, std::uint16_t> numbers_;
   std::size_t next_ = 0;
@@ -173,12 +176,15 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
   };
   const auto collect = [&](const PairList& list, const std::vector<Vec4>* turn) {
     for (const Row& row : list.rows)
-      for (std::uint32_t e = row.begin; e < row.end; ++e)
-        if (list.entries[e].touching)
-          all.push_back({key(row.piece),
-                         key(list.entries[e].piece),
-                         {list.xi[e].x, list.xi[e].y, list.xi[e].z},
-                         turn ? (*turn)[e].x : 0.0});
+      for (std::uint32_t e = row.begin; e < row.end; ++e) {
+        if (!list.entries[e].touching) continue;
+        const Vec4 roll = list.roll.empty() ? Vec4{} : list.roll[e];
+        all.push_back({key(row.piece),
+                       key(list.entries[e].piece),
+                       {list.xi[e].x, list.xi[e].y, list.xi[e].z},
+                       turn ? (*turn)[e].x : 0.0,
+                       {roll.x, roll.y, roll.z}});
+      }
   };
   collect(pairs, nullptr);
   collect(stones, &stones.turn);
@@ -187,7 +193,8 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
       all.push_back({key(a.piece),
                      patch_key(names[static_cast<std::size_t>(a.surface)], p.patch),
                      {p.xi.x, p.xi.y, p.xi.z},
-                     p.turn});
+                     p.turn,
+                     {p.roll.x, p.roll.y, p.roll.z}});
   std::sort(all.begin(), all.end());
   return all;
 }

@@ -50,6 +50,14 @@ void ContactLaw::declare(input::Section& s) {
            "Restitution of a head-on collision, hertz law.");
   s.flag("attraction", attraction,
          "Whether viscous damping may pull at the end of a collision; without it F_n >= 0.");
+  s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
+           "Largest moment against rolling over F_n R, R the reduced radius of the two pieces (of "
+           "the balls around them): the tangent of the slope on which a sphere just rolls; 0: "
+           "rolling is free.");
+  s.number("rolling_stiffness", rolling_stiffness, {.unit = "-", .above = 0},
+           "Moment per angle of rolling over k_n R^2.");
+  s.number("zeta_r", zeta_r, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Viscous damping of rolling over critical.");
 }
 
 void Physics::declare(input::Section& s) {

@@ -23,6 +23,14 @@ struct SubStep {
   int count;
 };
 
+// What resistance to rolling reads of a piece on a patch: its contacts, how much each counts, and
+// what they feel together.
+struct Pressed {
+  std::span<const MeshContact> contacts;
+  std::span<const double> weights;
+  double k_n, f_n;  // N/m; N, along the normal
+};
+
 struct Particles::Room {
   Room(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
        const Domain& domain);
@@ -45,6 +53,10 @@ struct Particles::Room {
   StoneSight sight(const Approach& a, double share) const;
   void add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
                       const SubStep& step);
+  void resist_rolling(const Approach& a, Approach::Patch& patch, const Pressed& pressed,
+                      const SubStep& step);
+  void add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
+                   const SubStep& step);
   void follow_surfaces();  // their paths, at the begin of a window
   // rebuild.cpp: new owners, ghosts and lists, from the state alone.
   void rebuild();

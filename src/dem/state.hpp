@@ -78,10 +78,11 @@ double mass_of(const Template& shape, double scale, double density, const Domain
 // Contact history between two pieces, or a piece and a patch of a surface, on its way from one
 // neighbour list to the next, to another rank or into a checkpoint.
 struct History {
-  std::int64_t first = 0;    // key of the piece with the lower id
-  std::int64_t second = 0;   // key of the other piece, or -1 - (surface * 2^32 + patch)
-  double xi[3] = {0, 0, 0};  // m, tangential displacement
-  double turn = 0;           // rad, relative rotation about the normal
+  std::int64_t first = 0;      // key of the piece with the lower id
+  std::int64_t second = 0;     // key of the other piece, or -1 - (surface * 2^32 + patch)
+  double xi[3] = {0, 0, 0};    // m, tangential displacement
+  double turn = 0;             // rad, relative rotation about the normal
+  double roll[3] = {0, 0, 0};  // m, displacement of rolling; zero if no law resists it
 
   bool operator<(const History& o) const {
     return first != o.first ? first < o.first : second < o.second;

@@ -27,11 +27,16 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
   const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
   g.law.set(k, scene.laws[entry.law]), g.radius[k] = ri * rj / (ri + rj);
+  if (list.roll.empty()) return;
+  const double bi = scene.pieces.x[static_cast<std::size_t>(o.piece)].w;
+  const double bj = scene.pieces.x[static_cast<std::size_t>(entry.piece)].w;
+  g.rolling.set(k, scene.laws[entry.law].rolling, bi * bj / (bi + bj), list.roll[o.entry]);
 }
 
 void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
          State& state) {
   list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry].x = g.turn[k];
+  if (!list.roll.empty()) list.roll[o.entry].set(g.rolling.roll.at(k));
   const std::size_t i = body(scene, o.piece), j = body(scene, list.entries[o.entry].piece);
   Vec4 &fi = state.f[i], &ti = state.t[i], &fj = state.f[j], &tj = state.t[j];
   fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
@@ -46,18 +51,24 @@ double overlap_over_radius(const Overlap& o, const Scene& scene, const StoneList
                                scene.pieces.rounding[other]);
 }
 
+template <bool rolls>
+void respond_all(StoneGroup& g, double dt) {
+#pragma omp simd
+  for (std::size_t k = 0; k < lanes; ++k) respond<rolls>(g, k, dt);
+}
+
 }  // namespace
 
 double feel_stones(const std::vector<Overlap>& overlaps, const Scene& scene, double dt,
                    StoneList& list, State& state) {
   double worst = 0;
   StoneGroup group{};
+  const auto respond_to = list.roll.empty() ? respond_all<false> : respond_all<true>;
   for (std::size_t begin = 0; begin < overlaps.size(); begin += lanes) {
     const std::size_t count = std::min(lanes, overlaps.size() - begin);
     for (std::size_t k = 0; k < lanes; ++k)  // spare lanes repeat a pair, unused
       load(overlaps[begin + (k < count ? k : 0)], scene, list, k, group);
-#pragma omp simd
-    for (std::size_t k = 0; k < lanes; ++k) respond(group, k, dt);
+    respond_to(group, dt);
     for (std::size_t k = 0; k < count; ++k) {
       const Overlap& o = overlaps[begin + k];
       add(o, scene, group, k, list, state);

@@ -3,7 +3,7 @@
 // the first centre to the second: spring and damper of the law act on M and M' and their force
 // works on nothing else. Friction acts at the mean point of contact, in the plane across N;
 // relative rotation about N is resisted like a ring of the contact's spread would do (zero for a
-// corner).
+// corner). Resistance to rolling takes the balls around the two pieces for their radii.
 #pragma once
 
 #include <cmath>
@@ -32,6 +32,7 @@ struct alignas(64) StoneGroup {
   double M[lanes], spread[lanes], turn[lanes], root_mass[lanes];
   double radius[lanes];  // m, of the two curvatures together
   LawLanes law;
+  RollingLanes rolling;
   double drift[lanes];  // m/s, rate at which features of j move along N against its motion at x
   Lane3 force, turn_i, turn_j;       // out, on i; torque on j of the opposite force
   double f_n[lanes], moment[lanes];  // out: force along -N, moment of torsion
@@ -51,6 +52,7 @@ struct alignas(64) StoneGroup {
   return slips ? cut : moment;
 }
 
+template <bool rolls>
 [[gnu::always_inline]] inline void respond(StoneGroup& g, std::size_t k, double dt) {
   const double Nx = g.N.x[k], Ny = g.N.y[k], Nz = g.N.z[k];
   const double Tx = g.T.x[k], Ty = g.T.y[k], Tz = g.T.z[k];
@@ -95,6 +97,13 @@ struct alignas(64) StoneGroup {
   g.turn_j.x[k] = (by * sz - bz * sy) - f_n * Sx + moment * nx;
   g.turn_j.y[k] = (bz * sx - bx * sz) - f_n * Sy + moment * ny;
   g.turn_j.z[k] = (bx * sy - by * sx) - f_n * Sz + moment * nz;
+  if constexpr (rolls) {
+    const Rolls t{nx,        ny,        nz,           twist, wix - wjx,
+                  wiy - wjy, wiz - wjz, f_n * length, 0,     g.root_mass[k]};
+    const Vec4 m = g.rolling.moment(k, c.k_n, t, dt);
+    g.turn_i.x[k] += m.x, g.turn_i.y[k] += m.y, g.turn_i.z[k] += m.z;
+    g.turn_j.x[k] += m.x, g.turn_j.y[k] += m.y, g.turn_j.z[k] += m.z;
+  }
 }
 
 }  // namespace trackbed::dem

@@ -247,10 +247,7 @@ void StoneContacts::flush(const Scene& scene, StoneList& list) {
     // Nothing can touch before the pair has closed the gap that is left.
     Reach& reach = reaches_[p.entry];
     if (!reach.watch) reach.quiet = std::min(reach.until, p.path + (w.closest - p.reach));
-    if (entry.touching) {
-      entry.touching = 0;
-      list.xi[p.entry].set(Vec3::Zero()), list.turn[p.entry].x = 0;
-    }
+    if (entry.touching) list.forget(p.entry);
   }
   pending_.clear(), corners_.clear(), edges_.clear();
 }

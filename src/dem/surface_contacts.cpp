@@ -13,18 +13,21 @@ namespace trackbed::dem {
 
 namespace {
 
+void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s) {
+  const double over = 1.0 / surface.load_quantum;
+  NodeLoad& load = surface.load[static_cast<std::size_t>(node)];
+  for (int a = 0; a < 3; ++a) {
+    const double part = force[a] * over;
+    load.force[static_cast<std::size_t>(a)] += std::llrint(part);
+    load.first[static_cast<std::size_t>(a)] += std::llrint(s * part);
+  }
+}
+
 // Adds the force to the nodes of the touched triangle by its shape functions (weights).
 void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, double s) {
-  const double over = 1.0 / surface.load_quantum;
-  for (int k = 0; k < 3; ++k) {
-    NodeLoad& load = surface.load[static_cast<std::size_t>(
-        surface.triangles[static_cast<std::size_t>(c.triangle)][static_cast<std::size_t>(k)])];
-    for (int a = 0; a < 3; ++a) {
-      const double part = c.weight[k] * force[a] * over;
-      load.force[static_cast<std::size_t>(a)] += std::llrint(part);
-      load.first[static_cast<std::size_t>(a)] += std::llrint(s * part);
-    }
-  }
+  const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
+  for (int k = 0; k < 3; ++k)
+    load_node(surface, nodes[static_cast<std::size_t>(k)], c.weight[k] * force, s);
 }
 
 // m, of the surface at the contact, over one sub-step.
@@ -56,6 +59,14 @@ void Particles::Room::add_to_surface(const Approach& a, const MeshContact& c, co
   action.work -= force.dot(motion_at(surface, c, step));
 }
 
+// A force on node k of a triangle, and its work.
+void Particles::Room::add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
+                                  const SubStep& step) {
+  const std::int32_t node = surface.triangles[static_cast<std::size_t>(triangle)][k];
+  load_node(surface, node, force, step.share);
+  action.work += force.dot(surface.motion[static_cast<std::size_t>(node)]) / step.count;
+}
+
 // Force and torque of one contact of a ball on its particle, the opposite on the surface.
 void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& step) {
   const auto p = static_cast<std::size_t>(a.piece);
@@ -74,13 +85,16 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   const Touch touch{n.x(), n.y(), n.z(), v.x(), v.y(), v.z(), patch.overlap, 0.5 * spin.dot(n)};
   const Law& law = laws[static_cast<std::size_t>(a.law)];
   const Coefficients k = coefficients<true>(law, touch.delta, std::sqrt(mass(b)), piece.w);
-  const Vec3 force = contact_force(k, touch, step.dt, patch.xi).vec3();
-  const Vec3 torque = arm.cross(force);
+  const Vec4 felt = contact_force(k, touch, step.dt, patch.xi);
+  const Vec3 force = felt.vec3(), torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
   add_to_surface(a, c, force, step);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
+  constexpr double whole = 1;
+  if (laws.any_rolls())
+    resist_rolling(a, patch, {std::span(&c, 1), std::span(&whole, 1), k.k_n, felt.w}, step);
 }
 
 double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
@@ -171,7 +185,7 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   g.drift[0] = (closing - motion.dot(w.N)) / step.dt;
   g.xi.put(0, patch.xi), g.turn[0] = patch.turn, g.root_mass[0] = std::sqrt(mass(b));
   g.law.set(0, laws[static_cast<std::size_t>(a.law)]), g.radius[0] = rounding;
-  respond(g, 0, step.dt);
+  respond<false>(g, 0, step.dt);
   patch.xi.set(g.xi.at(0)), patch.turn = g.turn[0];
   const Vec3 friction = g.force.at(0) + g.f_n[0] * w.N;
   const Vec3 ring =
@@ -188,6 +202,10 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   state.t[b].set(state.t[b].vec3() + torque);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
+  if (laws.any_rolls()) {
+    const double k_n = coefficients<true>(g.law.at(0), w.M, 0, rounding).k_n;
+    resist_rolling(a, patch, {contacts, slope, k_n, g.f_n[0] * w.N.norm()}, step);
+  }
   return w.M / rounding;
 }
 

@@ -34,6 +34,7 @@ HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
 NEWMARK = ["ground.integrator=newmark"]
 POWER = ["load.kind=power"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
+ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
@@ -62,6 +63,9 @@ KNOBS = {
     "contact.[].zeta_s": ("contact.0.zeta_s=0.1", []),
     "contact.[].restitution": ("contact.0.restitution=0.5", HERTZ),
     "contact.[].attraction": ("contact.0.attraction=true", []),
+    "contact.[].rolling_friction": (ROLLING[0], []),
+    "contact.[].rolling_stiffness": ("contact.0.rolling_stiffness=0.5", ROLLING),
+    "contact.[].zeta_r": ("contact.0.zeta_r=0.5", ROLLING),
     "dem.safety": ("dem.safety=0.15", []),
     "dem.largest_overlap": ("dem.largest_overlap=1e-6", []),
     "dem.gravity": ("dem.gravity=9", []),

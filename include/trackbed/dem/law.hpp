@@ -29,6 +29,9 @@ struct ContactLaw {
   double zeta_n = 0, zeta_s = 0;  // of critical, linear only
   double restitution = 1;         // hertz only
   bool attraction = false;        // whether damping may pull at the end of a collision
+  double rolling_friction = 0;    // mu_r: rolling is resisted by up to mu_r F_n R; 0: it is free
+  double rolling_stiffness = 1;   // k_r over k_n R^2
+  double zeta_r = 0;              // of critical
   void declare(input::Section& s);
 };
 

@@ -22,12 +22,14 @@ struct Outcome {
   dem::Totals totals;
 };
 
-Outcome pour(const par::Comm& comm, bool clumps, bool periodic, bool shuffle) {
+Outcome pour(const par::Comm& comm, bool clumps, bool periodic, bool shuffle, double mu_r = 0) {
   const double r = 0.01;
   dem::Domain domain = test::box({0, 0, -0.05}, {0.36, 0.18, 0.5});
   if (!periodic) domain.low = {-0.5, -0.5, -0.05}, domain.high = {0.9, 0.7, 0.5};
   domain.periodic = {periodic, periodic, false};
-  dem::Particles particles(comm, test::one_material(rough()), {}, domain);
+  dem::ContactLaw law = rough();
+  law.rolling_friction = mu_r, law.zeta_r = 0.1;
+  dem::Particles particles(comm, test::one_material(law), {}, domain);
   particles.add_template(clumps ? test::clump() : test::sphere());
   if (clumps) particles.add_template(test::sphere(0.7));
   particles.add(test::mine(comm, test::lattice({12, 6, 4}, 0.03, r, clumps ? 2 : 1)));
@@ -60,9 +62,15 @@ TEST(Ranks, ClumpsInAPeriodicBoxGiveTheSameBits) {
                pour(par::Comm::self(), true, true, false));
 }
 
+TEST(Ranks, SpheresThatResistRollingGiveTheSameBits) {
+  const Outcome rolling = pour(par::Comm::world(), false, true, true, 0.2);
+  expect_equal(rolling, pour(par::Comm::self(), false, true, false, 0.2));
+  EXPECT_NE(rolling.hash, pour(par::Comm::world(), false, true, false).hash);
+}
+
 TEST(Ranks, RepartitionChangesNothing) {
-  const Outcome kept = pour(par::Comm::world(), true, true, false);
-  const Outcome moved = pour(par::Comm::world(), true, true, true);
+  const Outcome kept = pour(par::Comm::world(), true, true, false, 0.2);
+  const Outcome moved = pour(par::Comm::world(), true, true, true, 0.2);
   expect_equal(kept, moved);
 }
 

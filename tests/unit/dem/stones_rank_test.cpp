@@ -1,6 +1,6 @@
-// A crowd of stones, boxes, compounds and spheres pressed together by rough, damped collisions: the
-// same bits on any number of ranks, with any skin, through repartitions and through a checkpoint
-// written while they touch.
+// A crowd of stones, boxes, compounds and spheres pressed together by rough, damped collisions,
+// rolling resisted: the same bits on any number of ranks, with any skin, through repartitions and
+// through a checkpoint written while they touch.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,6 +18,7 @@ dem::Particles crowd(const par::Comm& comm, double skin) {
   dem::ContactLaw law;
   law.k_n = 1e6, law.k_s = 0.8e6;
   law.friction = 0.5, law.zeta_n = 0.1, law.zeta_s = 0.1;
+  law.rolling_friction = 0.2, law.zeta_r = 0.1;
   dem::Parameters parameters;
   parameters.gravity = 0, parameters.largest_overlap = 10, parameters.skin = skin;
   dem::Domain domain = test::box(Vec3::Zero(), {0.259, 0.222, 0.222});

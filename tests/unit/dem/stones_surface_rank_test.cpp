@@ -16,6 +16,7 @@ dem::ContactLaw rough() {
   law.k_n = 5e5, law.k_s = 4e5;
   law.friction = 0.5;
   law.zeta_n = law.zeta_s = 0.5;
+  law.rolling_friction = 0.1, law.zeta_r = 0.5;
   return law;
 }
 

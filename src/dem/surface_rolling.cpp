@@ -1,0 +1,69 @@
+// Resistance to rolling on surfaces.
+#include <cmath>
+
+#include "couple.hpp"
+#include "room.hpp"
+
+namespace trackbed::dem {
+
+Couple::Couple(const Surface& surface, int triangle, double s) {
+  const auto& nodes = surface.triangles[static_cast<std::size_t>(triangle)];
+  std::array<Vec3, 3> x;
+  for (std::size_t k = 0; k < 3; ++k) x[k] = node_at(surface, nodes[k], s);
+  const Vec3 area = (x[1] - x[0]).cross(x[2] - x[0]);  // twice the triangle's
+  const double size = area.norm();
+  const Vec3 centre = (x[0] + x[1] + x[2]) / 3;
+  normal_ = area / size;
+  Vec3 slope = Vec3::Zero(), around = Vec3::Zero();  // of the motion along the normal; in the face
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& u = surface.motion[static_cast<std::size_t>(nodes[k])];
+    gradient_[k] = normal_.cross(x[(k + 2) % 3] - x[(k + 1) % 3]) / size;
+    arm_[k] = x[k] - centre;
+    square_ += arm_[k].squaredNorm();
+    slope += u.dot(normal_) * gradient_[k];
+    around += arm_[k].cross(u);
+  }
+  spin_ = slope.cross(normal_) + around.dot(normal_) / square_ * normal_;
+}
+
+std::array<Vec3, 3> Couple::forces(const Vec3& moment) const {
+  const Vec3 across = normal_.cross(moment);
+  const double along = moment.dot(normal_) / square_;
+  std::array<Vec3, 3> all;
+  for (std::size_t k = 0; k < 3; ++k)
+    all[k] = across.dot(gradient_[k]) * normal_ + along * normal_.cross(arm_[k]);
+  return all;
+}
+
+// The moment goes to the particle; each contact's triangle takes its share of the opposite.
+void Particles::Room::resist_rolling(const Approach& a, Approach::Patch& patch,
+                                     const Pressed& pressed, const SubStep& step) {
+  thread_local std::vector<Couple> couples;
+  couples.clear();
+  Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
+  double total = 0;
+  Vec3 spin = Vec3::Zero();  // rad in a window
+  for (std::size_t k = 0; k < pressed.contacts.size(); ++k) {
+    couples.emplace_back(surface, pressed.contacts[k].triangle, step.share);
+    total += pressed.weights[k];
+    spin += pressed.weights[k] * couples.back().spin();
+  }
+  const auto p = static_cast<std::size_t>(a.piece);
+  const auto b = static_cast<std::size_t>(pieces.body[p]);
+  const double radius = shapes.only_spheres() ? state.x[b].w : pieces.x[p].w;
+  const Vec3 n = patch.N.normalized(), w = state.w[b].vec3();
+  const Vec3 against = w - spin / (total * step.count * step.dt);
+  const Rolls rolls{n.x(),       n.y(),       n.z(),       0.5 * w.dot(n), against.x(),
+                    against.y(), against.z(), pressed.f_n, radius,         std::sqrt(mass(b))};
+  const Rolling& law = laws[static_cast<std::size_t>(a.law)].rolling;
+  const Vec3 moment = radius * rolling_force(law, pressed.k_n, rolls, step.dt, patch.roll).vec3();
+  state.t[b].set(state.t[b].vec3() + moment);
+  action.moment -= moment;
+  for (std::size_t k = 0; k < couples.size(); ++k) {
+    const auto forces = couples[k].forces(-pressed.weights[k] / total * moment);
+    for (std::size_t i = 0; i < 3; ++i)
+      add_to_node(surface, pressed.contacts[k].triangle, i, forces[i], step);
+  }
+}
+
+}  // namespace trackbed::dem
