@@ -7,6 +7,10 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
+// A switch over the kinds of laws has no default here: a new kind is not compiled before each of
+// them has its case.
+#pragma GCC diagnostic error "-Wswitch"
+
 namespace trackbed::dem {
 
 namespace {
@@ -23,7 +27,7 @@ Rolling rolling_of(const ContactLaw& c) {
 }
 
 Law linear_law(const ContactLaw& c) {
-  return {.kind = LawKind::linear,
+  return {.rooted = false,
           .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
           .k_n = c.k_n,
           .k_s = c.k_s,
@@ -57,7 +61,7 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
   const HertzStiffness k = hertz_stiffness(a, b);
   const double beta = hertz_damping(c.restitution, !c.attraction);
   const double damping = 2 * std::sqrt(5.0 / 6.0) * beta;
-  return {.kind = LawKind::hertz,
+  return {.rooted = true,
           .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
           .k_n = k.normal(),
           .k_s = k.shear(),
@@ -65,6 +69,40 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
           .c_s = damping * std::sqrt(8 * k.g_star),
           .mu = c.friction,
           .rolling = rolling_of(c)};
+}
+
+Law law_of(const ContactLaw& c, const Material& a, const Material& b) {
+  Law law;
+  switch (c.kind) {
+    case LawKind::linear:
+      law = linear_law(c);
+      break;
+    case LawKind::hertz:
+      law = hertz_law(c, a, b);
+      break;
+  }
+  return law;
+}
+
+// N/m, normal and tangential; hertz: at this contact radius, sqrt(R delta), m.
+struct Stiffness {
+  double normal = 0, shear = 0;
+};
+
+Stiffness stiffness_of(const ContactLaw& c, const Material& a, const Material& b,
+                       double contact_radius) {
+  Stiffness k;
+  switch (c.kind) {
+    case LawKind::linear:
+      k = {c.k_n, c.k_s};
+      break;
+    case LawKind::hertz: {
+      const HertzStiffness over = hertz_stiffness(a, b);
+      k = {over.normal() * contact_radius, over.shear() * contact_radius};
+      break;
+    }
+  }
+  return k;
 }
 
 // Restitution of m x'' = -(x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x') from x' = 1: the Hertz
@@ -93,6 +131,18 @@ double restitution_of(double beta, bool cut) {
 
 }  // namespace
 
+bool needs_young(LawKind kind) {
+  bool needs = false;
+  switch (kind) {
+    case LawKind::linear:
+      break;
+    case LawKind::hertz:
+      needs = true;
+      break;
+  }
+  return needs;
+}
+
 double hertz_damping(double restitution, bool cut) {
   if (restitution >= 1) return 0;
   double low = 0, high = 20;
@@ -107,16 +157,14 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
   double stiffest = 0;
   for (const ContactLaw& c : physics.laws) {
     const int a = physics.material(c.first), b = physics.material(c.second);
-    const double rolling = c.rolling_friction > 0 ? c.rolling_stiffness : 0;  // over k_n
-    if (c.kind == LawKind::linear) {
-      stiffest = std::max({stiffest, c.k_n, c.k_s, rolling * c.k_n});
-    } else if (a >= 0 && b >= 0) {
-      const HertzStiffness k = hertz_stiffness(physics.materials[static_cast<std::size_t>(a)],
-                                               physics.materials[static_cast<std::size_t>(b)]);
-      const double contact_radius = radius * std::sqrt(largest_overlap);
-      stiffest = std::max(stiffest,
-                          std::max({k.normal(), k.shear(), rolling * k.normal()}) * contact_radius);
-    }
+    if (needs_young(c.kind) && (a < 0 || b < 0)) continue;
+    const auto material = [&](int m) {
+      return m < 0 ? Material{} : physics.materials[static_cast<std::size_t>(m)];
+    };
+    const Stiffness k =
+        stiffness_of(c, material(a), material(b), radius * std::sqrt(largest_overlap));
+    const double rolling = c.rolling_friction > 0 ? c.rolling_stiffness * k.normal : 0;
+    stiffest = std::max({stiffest, k.normal, k.shear, rolling});
   }
   return stiffest;
 }
@@ -139,9 +187,7 @@ LawTable::LawTable(const Physics& physics)
     if (pair_[a * materials_ + b] >= 0)
       problems.push_back(fmt::format("contact {}-{} is given twice", c.first, c.second));
     pair_[a * materials_ + b] = pair_[b * materials_ + a] = static_cast<int>(laws_.size());
-    laws_.push_back(c.kind == LawKind::linear
-                        ? linear_law(c)
-                        : hertz_law(c, physics.materials[a], physics.materials[b]));
+    laws_.push_back(law_of(c, physics.materials[a], physics.materials[b]));
   }
   if (!problems.empty()) throw InputError(problems);
   for (const Law& law : laws_) friction_.push_back(law.mu), rolls_ |= law.rolling.mu > 0;

@@ -25,11 +25,12 @@ struct Rolling {
   double mu = 0, stiffness = 1, zeta = 0;
 };
 
-// One pair of materials, ready for the kernels.
+// One pair of materials, ready for the kernels. They know no kinds of laws, only this: which kind
+// becomes what is chosen in laws.cpp (`law_of`), for each kind there is.
 struct Law {
-  LawKind kind = LawKind::linear;
+  bool rooted = false;      // stiffnesses grow with sqrt(R delta)
   double least = 0;         // N, F_n >= least: 0 without attraction, else -infinity
-  double k_n = 0, k_s = 0;  // N/m; hertz: 4/3 E* and 8 G*, Pa
+  double k_n = 0, k_s = 0;  // N/m; rooted: over sqrt(R delta), Pa
   double c_n = 0, c_s = 0;  // over sqrt(m_eff): 2 zeta sqrt(k)
   double mu = 0;
   Rolling rolling = {};
@@ -40,13 +41,13 @@ struct Coefficients {
   double k_n, k_s, c_n, c_s, mu, least;
 };
 
-// R: 1/R = 1/R_i + 1/R_j (m); root_mass: sqrt of the effective mass. `hertz` false: all laws are
-// linear, and the roots are left out.
-template <bool hertz>
+// R: 1/R = 1/R_i + 1/R_j (m); root_mass: sqrt of the effective mass. `any_rooted` false: no law
+// is, and the roots are left out.
+template <bool any_rooted>
 [[gnu::always_inline]] inline Coefficients coefficients(const Law& law, double delta,
                                                         double root_mass, double radius) {
-  if constexpr (hertz) {
-    const double a = law.kind == LawKind::linear ? 1.0 : std::sqrt(radius * delta);
+  if constexpr (any_rooted) {
+    const double a = law.rooted ? std::sqrt(radius * delta) : 1.0;
     const double damping = std::sqrt(a) * root_mass;
     return {law.k_n * a, law.k_s * a, law.c_n * damping, law.c_s * damping, law.mu, law.least};
   }
@@ -56,7 +57,7 @@ template <bool hertz>
 // Elastic energy stored in a contact, J.
 inline double stored_energy(const Law& law, double delta, double radius, const Vec4& xi) {
   const Coefficients c = coefficients<true>(law, delta, 0, radius);
-  const double share = law.kind == LawKind::linear ? 0.5 : 0.4;  // Hertz: 2/5 F delta
+  const double share = law.rooted ? 0.4 : 0.5;  // of F delta: F grows with delta^1.5 or delta
   return share * c.k_n * delta * delta + 0.5 * c.k_s * (xi.x * xi.x + xi.y * xi.y + xi.z * xi.z);
 }
 
@@ -150,21 +151,14 @@ struct Rolls {
 
 // The laws of eight contacts, for loops over lanes.
 struct alignas(64) LawLanes {
-  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], hertz[lanes];
+  double k_n[lanes], k_s[lanes], c_n[lanes], c_s[lanes], mu[lanes], least[lanes], rooted[lanes];
   void set(std::size_t k, const Law& law) {
     k_n[k] = law.k_n, k_s[k] = law.k_s, c_n[k] = law.c_n, c_s[k] = law.c_s;
     mu[k] = law.mu, least[k] = law.least;
-    hertz[k] = law.kind == LawKind::hertz;
+    rooted[k] = law.rooted;
   }
   [[gnu::always_inline]] Law at(std::size_t k) const {
-    return {hertz[k] > 0 ? LawKind::hertz : LawKind::linear,
-            least[k],
-            k_n[k],
-            k_s[k],
-            c_n[k],
-            c_s[k],
-            mu[k],
-            {}};
+    return {rooted[k] > 0, least[k], k_n[k], k_s[k], c_n[k], c_s[k], mu[k], {}};
   }
 };
 
@@ -201,9 +195,8 @@ class LawTable {
   void override_friction(double mu);
   const std::vector<Law>& all() const { return laws_; }
   std::size_t materials() const { return materials_; }
-  bool any_hertz() const {
-    return std::any_of(laws_.begin(), laws_.end(),
-                       [](const Law& law) { return law.kind == LawKind::hertz; });
+  bool any_rooted() const {
+    return std::any_of(laws_.begin(), laws_.end(), [](const Law& law) { return law.rooted; });
   }
   bool any_rolls() const { return rolls_; }
 

@@ -87,7 +87,7 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
 }
 
 // The law on all lanes. Everything is inlined into one loop without branches.
-template <bool spheres, bool hertz, bool rolls>
+template <bool spheres, bool rooted, bool rolls>
 void respond(Group& g, double dt) {
 #pragma omp simd
   for (std::size_t k = 0; k < lanes; ++k) {
@@ -111,7 +111,7 @@ void respond(Group& g, double dt) {
     const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
     const Law law = g.law.at(k);
     const Coefficients c =
-        coefficients<hertz>(law, delta, g.root_mass[k], hertz ? g.ri[k] * g.rj[k] / reach : 0.0);
+        coefficients<rooted>(law, delta, g.root_mass[k], rooted ? g.ri[k] * g.rj[k] / reach : 0.0);
     Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
     const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, delta, twist}, dt, xi);
     g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
@@ -151,7 +151,7 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
   return worst;
 }
 
-template <bool spheres, bool hertz, bool rolls>
+template <bool spheres, bool rooted, bool rolls>
 double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
   double worst = 0;
   Group group{};
@@ -159,19 +159,19 @@ double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double d
     const Contact* contacts = list.touching.data() + begin;
     const std::size_t count = std::min(lanes, list.touching.size() - begin);
     load<spheres, rolls>(a, laws, list, contacts, count, group);
-    respond<spheres, hertz, rolls>(group, dt);
+    respond<spheres, rooted, rolls>(group, dt);
     worst = std::max(worst, add<spheres, rolls>(a, list, contacts, count, group));
   }
   return worst;
 }
 
 // The loop compiled for what these shapes and laws need.
-auto loop_for(bool spheres, bool hertz, bool rolls) {
+auto loop_for(bool spheres, bool rooted, bool rolls) {
   constexpr decltype(&pair_loop<false, false, false>) loops[] = {
       pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,
       pair_loop<false, true, true>,   pair_loop<true, false, false>, pair_loop<true, false, true>,
       pair_loop<true, true, false>,   pair_loop<true, true, true>};
-  return loops[4 * spheres + 2 * hertz + rolls];
+  return loops[4 * spheres + 2 * rooted + rolls];
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ void Particles::Room::feel_pairs(double dt) {
                  state.f.data(),
                  state.t.data()};
   find_touching(a.piece_x, pairs);
-  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
+  const auto loop = loop_for(spheres, laws.any_rooted(), laws.any_rolls());
   double worst = loop(a, laws, pairs, dt);
   if (shapes.any_stones()) {
     const auto& overlaps = stone_contacts.find(scene(), stones);

@@ -83,7 +83,7 @@ void Physics::declare(input::Section& s) {
       const int number = material(name);
       return number >= 0 && materials[static_cast<std::size_t>(number)].young > 0;
     };
-    s.rule(key + ".law", law.kind == LawKind::linear || (stiff(law.first) && stiff(law.second)),
+    s.rule(key + ".law", !needs_young(law.kind) || (stiff(law.first) && stiff(law.second)),
            "needs young above 0 in both materials", {.reads = {key, "material"}});
   }
 }

@@ -78,7 +78,7 @@ template <bool rolls>
   Law law = g.law.at(k);
   law.mu *= length;
   const Coefficients c = coefficients<true>(law, g.M[k], g.root_mass[k], g.radius[k]);
-  const double felt = g.law.hertz[k] > 0 ? g.M[k] : felt_overlap(g.M[k], rate, dt);
+  const double felt = g.law.rooted[k] > 0 ? g.M[k] : felt_overlap(g.M[k], rate, dt);
   const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
   Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
   const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, felt, twist}, dt, xi);

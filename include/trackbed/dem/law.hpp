@@ -20,6 +20,7 @@ struct Material {
 // linear: F_n = k_n delta, F_s incremental with k_s, viscous damping as ratio of the critical one.
 // hertz: Hertz-Mindlin from the materials' young and poisson, damped to the given restitution.
 enum class LawKind { linear, hertz };
+bool needs_young(LawKind kind);  // above 0, in both materials
 
 struct ContactLaw {
   std::string first, second;  // material names
