@@ -85,6 +85,8 @@ void StageActions::place_sleepers(const Stage& stage) {
 
 // More than fits, since loose stones need more room than the porosity says: `end` cuts the heaps.
 void StageActions::fill_cribs(const Stage& stage) {
+  // Not where their last window began: a run that starts from a checkpoint knows no window before.
+  world_.sleepers->show_at_rest();
   const double height = bed::fill_boxes(world_.particles, world_.comm, model_.bed,
                                         model_.material(model_.bed.material),
                                         cribs(world_, stage.profile), world_.top_of_stones());

@@ -148,6 +148,7 @@ double Sleepers::mass() const { return room_->mass; }
 bool Sleepers::placed() const { return room_->placed; }
 double Sleepers::bottom() const { return room_->bottom; }
 std::vector<Surface>& Sleepers::surfaces() { return room_->surfaces; }
+void Sleepers::show_at_rest() { room_->show_at_rest(); }
 Vec3 Sleepers::reaction(std::size_t i) const { return room_->bodies.at(i).reaction; }
 
 void Sleepers::place(double z) {

@@ -80,6 +80,8 @@ class Sleepers {
   bool overlaps(const Vec3& centre, double radius) const;
 
   std::vector<Surface>& surfaces();  // one per sleeper, closed box, normals outwards
+  // Surfaces where the sleepers stand now, without motion, until the next `advance`.
+  void show_at_rest();
   // One window: seat_force N downwards through each centre; node_force: mean node forces per
   // sleeper (surfaces()[i].nodes() each; empty: none). Leapfrog: v += a (dt + last dt)/2, x += v
   // dt, where the last dt is 0 after `place`, so that the order is two from rest. Velocity is that
