@@ -49,11 +49,11 @@ struct Number<Vec4> {
 
 void Particles::save(io::File& file, const std::string& group) const {
   const Room& r = *room_;
-  visit_state(r.state, [&](const char* name, const char* unit, const char* meaning,
-                           const auto& array, int columns) {
+  visit_state(r.state, [&](auto quantity, const auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
-    const auto numbers = flat(array, r.state.own, columns);
-    file.write<T>(group + "/" + name, numbers, static_cast<std::size_t>(columns), {unit, meaning});
+    const auto numbers = flat(array, r.state.own, quantity.columns);
+    file.write<T>(group + "/" + quantity.name, numbers, quantity.columns,
+                  {quantity.unit, quantity.meaning});
   });
   save_templates(file, group + "/template", r.shapes.templates(), r.comm);
   std::vector<std::int64_t> keys;
@@ -89,9 +89,9 @@ void Particles::load(const io::File& file, const std::string& group) {
   Room& r = *room_;
   r.shapes = {};
   for (const Template& shape : load_templates(file, group + "/template")) r.shapes.add(shape);
-  visit_state(r.state, [&](const char* name, const char*, const char*, auto& array, int columns) {
+  visit_state(r.state, [&](auto quantity, auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
-    unflatten(file.read_share<T>(group + "/" + name), array, columns);
+    unflatten(file.read_share<T>(group + "/" + quantity.name), array, quantity.columns);
   });
   r.state.own = r.state.id.size();
   r.sort_own();

@@ -275,8 +275,8 @@ Memory Particles::memory() const {
   const auto count = [&](const auto&... arrays) {
     ((*to += arrays.capacity() * sizeof(arrays[0])), ...);
   };
-  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { count(array); });
-  count(r.state.w, r.state.inertia, r.reference_x, r.reference_q);
+  visit_all(r.state, [&](auto, auto& array) { count(array); });
+  count(r.reference_x, r.reference_q);
   count(r.pieces.x, r.pieces.body, r.pieces.begin);
   count(r.pieces.corners, r.pieces.first_corner, r.pieces.rounding);
   count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);

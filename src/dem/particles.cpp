@@ -44,9 +44,9 @@ int Particles::add_template(const Template& shape) { return room_->shapes.add(sh
 void Particles::add(std::span<const NewParticle> mine) {
   Room& r = *room_;
   const std::vector<History> kept = r.history();
-  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
+  visit_state(r.state, [&](auto, auto& array) { array.resize(r.state.own); });
   for (const NewParticle& p : mine) {
-    visit_state(r.state, [](auto, auto, auto, auto& array, int) { array.emplace_back(); });
+    visit_state(r.state, [](auto, auto& array) { array.emplace_back(); });
     r.state.id.back() = p.id, r.state.shape.back() = p.shape;
     r.state.material.back() = p.material, r.state.scale.back() = p.scale;
     r.state.x.back().set(p.position), r.state.q.back() = vec4(p.attitude.normalized());
@@ -84,7 +84,7 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& d
   const auto is_stale = [&](const History& h) { return is_gone(h.first) || is_gone(h.second); };
   std::erase_if(kept, is_stale);
   std::erase_if(r.waiting, is_stale);
-  visit_state(r.state, [&](auto, auto, auto, auto& array, int) {
+  visit_state(r.state, [&](auto, auto& array) {
     array.resize(r.state.own);
     for (std::size_t k = dead.size(); k-- > 0;)
       array.erase(array.begin() + static_cast<std::ptrdiff_t>(dead[k]));
@@ -102,7 +102,7 @@ void Particles::repartition(const std::function<double(const ParticleView&)>& we
   std::vector<double> work = r.work();  // while the lists tell it
   for (std::size_t b = 0; weight && b < work.size(); ++b) work[b] = weight((*this)[b]);
   const std::vector<History> kept = r.history();
-  visit_state(r.state, [&](auto, auto, auto, auto& array, int) { array.resize(r.state.own); });
+  visit_state(r.state, [&](auto, auto& array) { array.resize(r.state.own); });
   r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.choose_grid(work);

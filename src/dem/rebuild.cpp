@@ -19,7 +19,7 @@ namespace {
 
 // Applies `permutation` to the first entries of every listed array.
 void permute_own(State& state, const std::vector<std::size_t>& permutation) {
-  visit_state(state, [&](auto, auto, auto, auto& array, int) {
+  visit_state(state, [&](auto, auto& array) {
     auto moved = array;
     moved.resize(permutation.size());
     for (std::size_t k = 0; k < permutation.size(); ++k) moved[k] = array[permutation[k]];
@@ -27,20 +27,30 @@ void permute_own(State& state, const std::vector<std::size_t>& permutation) {
   });
 }
 
-void pack(State& state, std::size_t b, std::vector<std::byte>& out) {
-  visit_state(state, [&](auto, auto, auto, auto& array, int) {
+// Bytes of the stored quantities of one particle that are `wanted` (of a quantity).
+template <class Wanted>
+void pack(const State& state, std::size_t b, Wanted wanted, std::vector<std::byte>& out) {
+  visit_state(state, [&](auto quantity, const auto& array) {
+    if (!wanted(quantity)) return;
     const auto* bytes = reinterpret_cast<const std::byte*>(&array[b]);
     out.insert(out.end(), bytes, bytes + sizeof(array[b]));
   });
 }
 
-const std::byte* unpack(State& state, const std::byte* in) {
-  visit_state(state, [&](auto, auto, auto, auto& array, int) {
-    std::memcpy(&array.emplace_back(), in, sizeof(array[0]));
+// Adds a particle from them; what is not wanted is zero.
+template <class Wanted>
+const std::byte* unpack(State& state, Wanted wanted, const std::byte* in) {
+  visit_state(state, [&](auto quantity, auto& array) {
+    array.emplace_back();
+    if (!wanted(quantity)) return;
+    std::memcpy(&array.back(), in, sizeof(array[0]));
     in += sizeof(array[0]);
   });
   return in;
 }
+
+constexpr auto all_stored = [](auto) { return true; };
+constexpr auto once = [](auto quantity) { return quantity.ghost == Ghost::once; };
 
 }  // namespace
 
@@ -84,7 +94,7 @@ void Particles::Room::migrate(std::vector<History>& history) {
       staying.push_back(b);
       continue;
     }
-    pack(state, b, leaving[static_cast<std::size_t>(owner)]);
+    pack(state, b, all_stored, leaving[static_cast<std::size_t>(owner)]);
     goes_to[state.id[b]] = static_cast<std::size_t>(owner);
   }
   if (!goes_to.empty())
@@ -96,7 +106,7 @@ void Particles::Room::migrate(std::vector<History>& history) {
   permute_own(state, staying);
   for (const auto& bytes : comm.exchange(leaving))
     for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
-      in = unpack(state, in);
+      in = unpack(state, all_stored, in);
   state.own = state.size();
   for (const auto& list : comm.exchange(leaving_history))
     history.insert(history.end(), list.begin(), list.end());
@@ -158,62 +168,74 @@ void add_small_beside_large(const State& state, const Grid& grid, const par::Com
 }  // namespace
 
 void Particles::Room::find_ghosts() {
-  struct Name {
-    Id id;
-    std::int64_t shape, material;
-    double scale;
-  };
   Needs items = needed_around(state, grid, comm);
   if (grid.levels().size() > 1) add_small_beside_large(state, grid, comm, items);
-  std::vector<std::vector<Name>> names_out(items.size());
+  std::vector<std::vector<std::byte>> outgoing(items.size());
   for (std::size_t r = 0; r < items.size(); ++r)
-    for (const std::int32_t item : items[r]) {
-      const auto b = static_cast<std::size_t>(item);
-      names_out[r].push_back({state.id[b], state.shape[b], state.material[b], state.scale[b]});
-    }
+    for (const std::int32_t item : items[r])
+      pack(state, static_cast<std::size_t>(item), once, outgoing[r]);
   halo.connect(comm, items);
-  for (const auto& list : comm.exchange(names_out))
-    for (const Name& name : list) {
-      visit_state(state, [](auto, auto, auto, auto& array, int) { array.emplace_back(); });
-      state.id.back() = name.id, state.shape.back() = name.shape;
-      state.material.back() = name.material, state.scale.back() = name.scale;
-    }
+  for (const auto& bytes : comm.exchange(outgoing))
+    for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
+      in = unpack(state, once, in);
   derive(0);
   update_ghosts();
 }
 
 namespace {
 
-// What a contact needs of a ghost; radius and mass follow from its name.
-struct SphereMotion {
-  double x[3], v[3], w[3];
-};
-struct BodyMotion {
-  double x[3], v[3], w[3], q[4];
+template <bool turning>
+constexpr bool in_each_step(Ghost ghost) {
+  return ghost == Ghost::each_step || (turning && ghost == Ghost::turning);
+}
+
+// Numbers that a ghost gets in each sub-step.
+template <bool turning>
+consteval std::size_t numbers_in_each_step() {
+  std::size_t numbers = 0;
+  State none;
+  visit_all(none, [&](auto quantity, auto&) {
+    if (in_each_step<turning>(quantity.ghost)) numbers += quantity.columns;
+  });
+  return numbers;
+}
+
+// What a contact needs of a ghost; radius and mass follow from what it got once.
+template <bool turning>
+struct Motion {
+  double number[numbers_in_each_step<turning>()];
 };
 
-template <class Motion>
+// copy(number in the message, number in the state, bytes) for each quantity of particle b.
+template <bool turning, class S, class Copy>
+[[gnu::always_inline]] inline void visit_motion(S& state, std::size_t b, Copy&& copy) {
+  std::size_t first = 0;
+  visit_all(state, [&](auto quantity, auto& array) {
+    if constexpr (in_each_step<turning>(quantity.ghost)) {
+      constexpr std::size_t bytes = quantity.columns * sizeof(double);
+      static_assert(bytes <= sizeof(array[0]));
+      copy(first, &array[b], std::integral_constant<std::size_t, bytes>{});
+      first += quantity.columns;
+    }
+  });
+}
+
+template <bool turning>
 void forward(par::Halo& halo, State& state) {
-  thread_local std::vector<Motion> mine, ghosts;
+  thread_local std::vector<Motion<turning>> mine, ghosts;
   mine.resize(state.own);
   for (const std::int32_t item : halo.items()) {
     const auto b = static_cast<std::size_t>(item);
-    Motion& m = mine[b];
-    std::memcpy(m.x, &state.x[b], sizeof m.x);
-    std::memcpy(m.v, &state.v[b], sizeof m.v);
-    std::memcpy(m.w, &state.w[b], sizeof m.w);
-    if constexpr (sizeof(Motion) == sizeof(BodyMotion)) std::memcpy(m.q, &state.q[b], sizeof m.q);
+    visit_motion<turning>(state, b, [&](std::size_t first, const void* from, auto bytes) {
+      std::memcpy(mine[b].number + first, from, bytes);
+    });
   }
   ghosts.resize(halo.received());
   halo.forward(mine.data(), ghosts.data());
-  for (std::size_t k = 0; k < ghosts.size(); ++k) {
-    const std::size_t b = state.own + k;
-    std::memcpy(&state.x[b].x, ghosts[k].x, sizeof ghosts[k].x);
-    std::memcpy(&state.v[b].x, ghosts[k].v, sizeof ghosts[k].v);
-    std::memcpy(&state.w[b].x, ghosts[k].w, sizeof ghosts[k].w);
-    if constexpr (sizeof(Motion) == sizeof(BodyMotion))
-      std::memcpy(&state.q[b].x, ghosts[k].q, sizeof ghosts[k].q);
-  }
+  for (std::size_t k = 0; k < ghosts.size(); ++k)
+    visit_motion<turning>(state, state.own + k, [&](std::size_t first, void* to, auto bytes) {
+      std::memcpy(to, ghosts[k].number + first, bytes);
+    });
 }
 
 }  // namespace
@@ -221,9 +243,9 @@ void forward(par::Halo& halo, State& state) {
 void Particles::Room::update_ghosts() {
   const auto timing = (timers ? *timers : own_timers).scope(Verb::halo);
   if (shapes.only_spheres())
-    forward<SphereMotion>(halo, state);
+    forward<false>(halo, state);
   else
-    forward<BodyMotion>(halo, state);
+    forward<true>(halo, state);
 }
 
 double Particles::Room::stiffest_contact(double radius) const {
@@ -259,7 +281,7 @@ void Particles::Room::rebuild() {
   std::vector<History> carried = history();
   if (!waiting.empty()) carried.insert(carried.end(), waiting.begin(), waiting.end());
   waiting.clear();
-  visit_state(state, [&](auto, auto, auto, auto& array, int) { array.resize(state.own); });
+  visit_state(state, [&](auto, auto& array) { array.resize(state.own); });
   migrate(carried);
   sort_own();
   find_ghosts();

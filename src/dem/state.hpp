@@ -1,5 +1,5 @@
-// The particles of a rank. What must survive migration, checkpoint and restart is listed once, in
-// `visit_state`; everything else is derived from it.
+// The particles of a rank. Their quantities are listed once, in `visit_all`: migration, ghosts,
+// checkpoints, sorting, adding and taking away follow the list.
 #pragma once
 
 #include <vector>
@@ -30,19 +30,51 @@ struct State {
   std::size_t size() const { return id.size(); }
 };
 
-// The list: name, unit, meaning, variable, columns stored in files (the rest is derived).
+// What a ghost gets of a quantity: nothing; its value when the ghost is made; its value in each
+// sub-step; that only where attitudes are followed (not all particles are spheres).
+enum class Ghost { nothing, once, each_step, turning };
+// Stored quantities go to new owners and into checkpoints; the others follow from them.
+enum class Kept { stored, derived };
+
+template <int columns_, Ghost ghost_, Kept kept_ = Kept::stored>
+struct Quantity {
+  static constexpr int columns = columns_;  // numbers (of 8 bytes) that count, from the first
+  static constexpr Ghost ghost = ghost_;
+  static constexpr Kept kept = kept_;
+  const char *name, *unit, *meaning;
+};
+
+// The list. visit(quantity, array) for each.
+template <class S, class Visit>
+constexpr void visit_all(S& s, Visit&& visit) {
+  using enum Ghost;
+  visit(Quantity<1, once>{"id", "-", "name of the particle, the same on every rank"}, s.id);
+  visit(Quantity<1, once>{"shape", "-", "number of its template"}, s.shape);
+  visit(Quantity<1, once>{"material", "-", "number of its material"}, s.material);
+  visit(Quantity<1, once>{"scale", "-", "size over the template's"}, s.scale);
+  visit(Quantity<3, each_step>{"position", "m", "centre of mass, unwrapped across periodic sides"},
+        s.x);
+  visit(Quantity<4, turning>{"attitude", "-", "quaternion x y z w from principal axes to space"},
+        s.q);
+  visit(Quantity<3, each_step>{"velocity", "m/s", "of the centre of mass"}, s.v);
+  visit(Quantity<3, nothing>{"angular_momentum", "kg m2/s",
+                             "about the centre of mass, in space axes"},
+        s.l);
+  visit(Quantity<3, nothing>{"force", "N", "sum of contact forces at this time, without gravity"},
+        s.f);
+  visit(Quantity<3, nothing>{"torque", "Nm",
+                             "sum of contact torques about the centre of mass at this time"},
+        s.t);
+  visit(Quantity<3, each_step, Kept::derived>{"spin", "rad/s", "in space axes"}, s.w);
+  visit(Quantity<3, nothing, Kept::derived>{"inertia", "kg m2", "principal moments"}, s.inertia);
+}
+
+// What is stored of it.
 template <class S, class Visit>
 void visit_state(S& s, Visit&& visit) {
-  visit("id", "-", "name of the particle, the same on every rank", s.id, 1);
-  visit("shape", "-", "number of its template", s.shape, 1);
-  visit("material", "-", "number of its material", s.material, 1);
-  visit("scale", "-", "size over the template's", s.scale, 1);
-  visit("position", "m", "centre of mass, unwrapped across periodic sides", s.x, 3);
-  visit("attitude", "-", "quaternion x y z w from principal axes to space", s.q, 4);
-  visit("velocity", "m/s", "of the centre of mass", s.v, 3);
-  visit("angular_momentum", "kg m2/s", "about the centre of mass, in space axes", s.l, 3);
-  visit("force", "N", "sum of contact forces at this time, without gravity", s.f, 3);
-  visit("torque", "Nm", "sum of contact torques about the centre of mass at this time", s.t, 3);
+  visit_all(s, [&](auto quantity, auto& array) {
+    if constexpr (quantity.kept == Kept::stored) visit(quantity, array);
+  });
 }
 
 // Templates flattened for the kernels.
