@@ -77,10 +77,14 @@ struct Particles::Room {
   std::vector<double> work() const;          // of own particles, counted, ns per sub-step; local
   double load() const;                       // the same of this rank, ghosts and all; local
   std::vector<double> by_cell(const std::vector<double>& work) const;
-  double upkeep(std::size_t b, double each) const;
+  double upkeep(std::size_t b) const;
   template <class See>
   void visit_work(See&& see) const;
 
+  bool has_corners(std::int32_t piece) const {
+    const auto p = static_cast<std::size_t>(piece);
+    return shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+  }
   double mass(std::size_t b) const { return state.v[b].w; }
   double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
   void report(std::string problem) {

@@ -233,10 +233,8 @@ void Particles::Room::feel_surfaces(const SubStep& step) {
   const Approach* deepest = nullptr;
   for (Approach& a : approaches) {
     for (Approach::Patch& patch : a.patches) patch.touching = false;
-    const auto p = static_cast<std::size_t>(a.piece);
-    const bool corners =
-        shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
-    const double overlap = corners ? touch_with_corners(a, step) : touch_with_ball(a, step);
+    const double overlap =
+        has_corners(a.piece) ? touch_with_corners(a, step) : touch_with_ball(a, step);
     if (overlap > worst) worst = overlap, deepest = &a;
     // What does not touch any more loses its history.
     std::erase_if(a.patches, [](const Approach::Patch& patch) { return !patch.touching; });
