@@ -261,8 +261,8 @@ void find_features(const StoneSight& sight, const std::vector<int>& triangles, d
   Finder(sight, triangles, near).run(path);
 }
 
-void touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& features,
-                   std::vector<MeshContact>& found) {
+int touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& features,
+                  std::vector<MeshContact>& found) {
   thread_local Rows rows;
   rows.clear();
   for (const SurfaceFeature& f : features) {
@@ -272,6 +272,7 @@ void touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& featu
   rows.compute();
   const double radius = s.stone.radius, equal = 1e-12 * radius * radius;
   const double deep = std::max(radius, deepest * s.ball.radius);
+  int lost = -1;
   std::array<std::size_t, 3> slot{};
   for (std::size_t k = 0; k < features.size();) {
     const SurfaceFeature& first = features[k];
@@ -283,9 +284,12 @@ void touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& featu
         const Closest c = s.mesh.closest(p, features[k].part, s.surface, s.share, s.origin);
         if (c.replaces(best, equal)) best = c;
       }
-      if (best.squared > deep * deep) continue;
-      s.mesh.settle(best, p, s.surface, s.share, s.origin);
+      const bool sided = s.mesh.settle(best, p, s.surface, s.share, s.origin);
       contact = best.contact;
+      if (best.squared > deep * deep) {
+        if (sided && contact.distance < 0) lost = contact.patch;
+        continue;
+      }
     } else {
       const FeatureRow& row = rows.of(first.kind);
       std::size_t& next = slot[static_cast<std::size_t>(first.kind)];
@@ -299,6 +303,7 @@ void touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& featu
     }
     if (contact.distance < radius) found.push_back(contact);
   }
+  return lost;
 }
 
 }  // namespace trackbed::dem

@@ -64,8 +64,9 @@ struct StoneSight {
 // Features near now; `triangles`: candidates. `path` m, of both so far.
 void find_features(const StoneSight& sight, const std::vector<int>& triangles, double path,
                    NearFeatures& near);
-// Contacts with overlap, in the order of patches.
-void touch_surface(const StoneSight& sight, const std::vector<SurfaceFeature>& features,
-                   std::vector<MeshContact>& found);
+// Contacts with overlap, in the order of patches. Returns a patch that a corner is further behind
+// than it is felt (`deepest`), or -1.
+int touch_surface(const StoneSight& sight, const std::vector<SurfaceFeature>& features,
+                  std::vector<MeshContact>& found);
 
 }  // namespace trackbed::dem

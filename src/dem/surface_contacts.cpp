@@ -141,7 +141,15 @@ double Particles::Room::touch_with_corners(Approach& a, const SubStep& step) {
   const StoneSight s = sight(a, step.share);
   if (old) find_features(s, a.triangles, path, a.near);
   found.clear();
-  touch_surface(s, a.near.features, found);
+  const int lost = touch_surface(s, a.near.features, found);
+  // What was never in touch with the patch may lie behind it.
+  if (std::any_of(a.patches.begin(), a.patches.end(),
+                  [&](const Approach::Patch& p) { return p.patch == lost; }))
+    report(fmt::format(
+        "a corner of particle {} is further behind the surface \"{}\" than {} of the "
+        "particle's radius and would be lost: take smaller steps or stiffer contacts",
+        state.id[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)])],
+        s.surface.name, deepest));
   double worst = 0;
   for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
     while (end < found.size() && found[end].patch == found[begin].patch) ++end;

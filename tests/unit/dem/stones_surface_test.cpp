@@ -250,6 +250,26 @@ TEST(StoneOnSurface, WhatHasBeenPressedThroughComesBack) {
   }
 }
 
+TEST(StoneOnSurface, ACornerThatIsLostBehindASurfaceIsReported) {
+  // Too soft for its speed: half of the brick goes through the floor.
+  dem::NewParticle one = lying(half.z() + 0.001);
+  one.attitude = Quat(1, 0.2, 0.1, 0).normalized(), one.position.z() += 0.01;
+  one.velocity = Vec3(0, 0, -10);
+  dem::ContactLaw soft = elastic();
+  soft.k_n = 1e4;
+  dem::Particles p(par::Comm::self(), test::one_material(soft, density),
+                   {.largest_overlap = 100, .gravity = 0},
+                   test::box(Vec3::Constant(-3), Vec3::Constant(3)));
+  p.add_template(test::brick(half, rounding));
+  p.add(std::span(&one, 1));
+  Surface floor = test::floor_of(9, 0.5);
+  p.set_surfaces({&floor});
+  std::string trouble;
+  for (int k = 0; k < 200 && trouble.empty(); ++k) p.advance(2e-4, 10), trouble = p.trouble();
+  EXPECT_NE(trouble.find("a corner of particle 0 is further behind the surface"), std::string::npos)
+      << trouble;
+}
+
 TEST(StoneOnSurface, TheSurfaceGetsTheOppositeForceAndMoment) {
   dem::NewParticle one = lying(0.02);
   one.attitude = Quat(1, 0.3, 0.2, 0.1).normalized();
