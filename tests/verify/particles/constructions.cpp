@@ -232,7 +232,7 @@ std::vector<Named> constructions() {
     all_features(i, j, found);
     return each(found, i, j, k);
   };
-  return {{"smooth maximum, p = 8", smooth(8)},   {"smooth maximum, p = 4", smooth(4)},
+  return {{"smooth maximum, p = 6", smooth(6)},   {"smooth maximum, p = 4", smooth(4)},
           {"smooth maximum, p = 16", smooth(16)}, {"single closest point", single},
           {"clipped manifold", clipped},          {"sum of all features", sum}};
 }
