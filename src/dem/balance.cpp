@@ -13,18 +13,20 @@ namespace trackbed::dem {
 
 namespace {
 
-// ns per sub-step, fitted to CPU time: each loop alone on beds at rest (1000 to 2000 spheres, 1000
-// clumps of 3 spheres, 150 stones of 16 corners, 150 compounds of 2 pieces; floors of 32 to 28,800
-// triangles; skins of 0.05 to 0.4 radii), median of 41 repeats, GCC 12, -O3, 512-bit registers, one
-// core; that of ghosts from the halo of 100 to 220 of them between two ranks. They give the
-// measured times of these beds within 12 %. Only their ratios matter.
+// ns per sub-step, fitted to CPU time: each loop alone on beds (900 to 2000 spheres, 600 to 1000
+// clumps of 3 spheres, 150 stones of 16 corners at rest, 150 compounds of 2 pieces; floors of 32 to
+// 28,800 triangles; skins of 0.05 to 0.4 radii), median of 41 repeats, GCC 12, -O3, 512-bit
+// registers, one core; that of ghosts from the halo of 100 to 220 of them between two ranks. They
+// give the sum of these loops within 12 %; a whole sub-step of a layer of balls on a floor took up
+// to a third less than they say. Only their ratios matter.
 constexpr double sphere_cost = 13, body_cost = 145;  // forces cleared, moved; attitude followed
 constexpr double ghost_cost = 11;
 constexpr double piece_cost = 3, corner_cost = 1.5;  // placed, if not all are spheres
 constexpr double entry_cost = 1.8, contact_cost = 17;
 constexpr double stone_entry_cost = 3, feature_cost = 7.5, stone_contact_cost = 53;
-// On surfaces. Finding the features near a stone takes 600 to 1100 ns for each triangle, but only
-// when its margin is used up: 5 stands for once in about 200 sub-steps, which is not measured.
+// On surfaces. Finding the features near a stone costs up to 1000 ns for each triangle (a bed that
+// jumps, rebuilds included), but only when its margin is used up: 5 stands for once in 200
+// sub-steps, which is a guess.
 constexpr double triangle_cost = 23, patch_cost = 55;
 constexpr double stone_triangle_cost = 5, stone_feature_cost = 25, stone_patch_cost = 200;
 
