@@ -1,4 +1,7 @@
 // Convex cores from corners and faces: edges, normals and offsets follow.
+//
+// A core is checked as a whole when it is made, so that contacts never meet a broken one: closed,
+// all faces outward, convex within the slack. Cost: faces times corners.
 #include "trackbed/geom/convex.hpp"
 
 #include <algorithm>
@@ -15,6 +18,7 @@ namespace {
 
 // Twice the area times the normal of a closed loop (Newell): all corners count, so one that sits a
 // little off the plane spoils nothing.
+// Its direction is the outward normal if the loop turns counter-clockwise seen from outside.
 Vec3 area_vector(const std::vector<Vec3>& at, const std::vector<int>& loop) {
   Vec3 sum = Vec3::Zero();
   const Vec3& origin = at[static_cast<std::size_t>(loop[0])];
@@ -24,6 +28,9 @@ Vec3 area_vector(const std::vector<Vec3>& at, const std::vector<int>& loop) {
   return sum;
 }
 
+// The offset is that of the corner furthest out, not the mean of the face's: `normal . x <= offset`
+// then holds for all of the core, which bounds of distances rely on. It costs a face that lies
+// outside its corners by at most the slack.
 Face face_of(const std::vector<Vec3>& vertices, const std::vector<int>& loop, double slack) {
   for (const int v : loop)
     if (v < 0 || static_cast<std::size_t>(v) >= vertices.size()) refuse("a face names no corner");
@@ -40,6 +47,8 @@ Face face_of(const std::vector<Vec3>& vertices, const std::vector<int>& loop, do
   return face;
 }
 
+// Each edge is run along twice, once each way, if the faces close and are turned alike; anything
+// else is refused. The map also makes the order of edges independent of that of the faces.
 std::vector<Edge> edges_of(const std::vector<Face>& faces) {
   std::map<std::array<int, 2>, int> ways;  // (from, to) -> face
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -65,6 +74,7 @@ double extent_of(const std::vector<Vec3>& points) {
   return (high - low).norm();
 }
 
+// A point and a segment have no faces. The segment's one edge then borders face -1 on both sides.
 Convex assemble(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces,
                 double slack) {
   Convex core;
@@ -82,12 +92,14 @@ Convex assemble(std::vector<Vec3> vertices, const std::vector<std::vector<int>>&
 }
 
 Convex convex_of(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces) {
+  // Corners from files have seven digits at least.
   constexpr double slack = 1e-6;
   return assemble(std::move(vertices), faces, slack);
 }
 
 Piece ball(const Vec3& centre, double radius) { return {{{centre}, {}, {}}, radius}; }
 
+// Exact: the point of a ball furthest from the origin lies behind its centre.
 double bounding_radius(const Template& shape) {
   double bound = 0;
   for (const Piece& piece : shape.pieces)

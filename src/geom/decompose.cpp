@@ -17,13 +17,16 @@ namespace trackbed::geom {
 
 namespace {
 
+// Planes worth trying at a concave edge: on with one face, on with the other, and between them.
 struct Dent {
   Vec3 at;           // middle of a concave edge
   double depth = 0;  // length times sine of the angle
   std::array<Vec3, 3> normals;
 };
 
+// The order by depth times length puts the notch that costs most volume first.
 std::vector<Dent> concave_edges(const Mesh& mesh) {
+  // About one degree: below it the edge is a facet of something round, not a dent.
   constexpr double sharp = 0.02;  // sine of the least angle
   std::map<std::array<int, 2>, Vec3> normals;
   for (const auto& t : mesh.triangles) {
@@ -48,7 +51,10 @@ std::vector<Dent> concave_edges(const Mesh& mesh) {
   return dents;
 }
 
+// Dents of the whole mesh that lie within the part, the deepest first; then planes across its
+// principal axes, for parts whose hollow has no sharp edge.
 std::vector<Plane> candidates(const Part& part, const std::vector<Dent>& dents) {
+  // Bounds of the time a cut takes.
   constexpr std::size_t edges = 20;
   constexpr int slices = 8;
   std::vector<Plane> planes;
@@ -79,6 +85,7 @@ struct Cut {
 };
 
 // Best of several planes, starting from what is known.
+// Greedy: only the next cut is weighed, not what later cuts could make of it.
 class Search {
  public:
   Search(const Mesh& mesh, const Part& part) : mesh_(mesh), part_(part) {
@@ -86,6 +93,7 @@ class Search {
   }
   // Whether the plane is better than what is known by the share `gain`.
   bool attempt(const Plane& plane, double gain = 0) {
+    // A cut that shaves off nearly nothing would count as a part and help nobody.
     constexpr double sliver = 1e-4;  // of the volume
     auto parts = cut(part_, plane, mesh_);
     if (std::min(parts.first.volume, parts.second.volume) < sliver * part_.volume) return false;
@@ -95,6 +103,8 @@ class Search {
     found_ = true;
     return true;
   }
+  // Steps are tilts in radians and shifts in extents, halved from 0.06 to 0.0075; each gain
+  // restarts the pass at the same step.
   void refine() {
     constexpr double gain = 0.02;  // below it a search takes more time than it is worth
     const double extent = extent_of(part_.corners);
@@ -149,6 +159,8 @@ bool cut_worst(const Mesh& mesh, const std::vector<Dent>& dents, double allowed,
 
 // Few corners cut off volume; the hull of them grows about its centroid to what the part's hull
 // has.
+// Growing about the centroid keeps the centre of mass where it was to first order. Neighbours may
+// then overlap a little; the union counts that once.
 Convex with_corners(const Part& part, int vertices) {
   const Convex core = reduced_hull(part.corners, vertices);
   const Solid solid = piece_solid({core, 0});
@@ -173,6 +185,8 @@ Decomposition decompose(const Mesh& mesh, int parts, int vertices) {
     result.pieces.push_back(with_corners(part, vertices));
     pieces.push_back({result.pieces.back(), 0});
   }
+  // One piece has an exact volume; of several, the union by lines, whose error of 0.04 % is below
+  // what is reported.
   const double all =
       pieces.size() == 1 ? piece_solid(pieces[0]).volume : union_solid(pieces, cells).volume;
   result.volume_error = all / volume - 1;

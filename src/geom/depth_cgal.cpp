@@ -1,4 +1,8 @@
 // Distances from a mesh by CGAL's tree of boxes.
+//
+// Distance: nearest triangle through the tree. Sign: parity of a ray's crossings, exact, so that no
+// point next to the surface is taken for one inside. Each point looks at about log n of n
+// triangles.
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -3,6 +3,10 @@
 // Scans and computed points put corners a rounding error off the plane they are meant to lie in, so
 // faces are gathered with a tolerance: from the largest triangle on, all that stay within it. A
 // corner of less than three faces lies within an edge or a face and is left out.
+//
+// Cost: O(n log n) for the hull, then a pass over its triangles per face. Merging triangles pair by
+// pair while their normals are close would drift along a gently curved surface; here all of a face
+// stays within one tolerance of one plane.
 #include "hull.hpp"
 
 #include <algorithm>
@@ -27,10 +31,12 @@ struct Plane {
 
 const Vec3& at(const Points& points, int k) { return points[static_cast<std::size_t>(k)]; }
 
+// Twice the area times the outward normal, m^2.
 Vec3 area_of(const Points& points, const Triangle& t) {
   return (at(points, t[1]) - at(points, t[0])).cross(at(points, t[2]) - at(points, t[0]));
 }
 
+// The first of equals, so that the hull depends on the order of points alone.
 std::size_t furthest(const Points& points, const auto& distance) {
   std::size_t best = 0;
   for (std::size_t k = 1; k < points.size(); ++k)
@@ -41,6 +47,8 @@ std::size_t furthest(const Points& points, const auto& distance) {
 // Number of the face each triangle belongs to.
 class Faces {
  public:
+  // The largest triangle first: its plane is known best, and slivers, whose normals are noise, join
+  // it instead of founding faces of their own. Stable, so that equal areas keep the order of CGAL.
   Faces(const Points& points, const std::vector<Triangle>& triangles, double tolerance)
       : points_(points), triangles_(triangles), tolerance_(tolerance), face_(triangles.size(), -1) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -55,10 +63,15 @@ class Faces {
   }
 
   // The loop around each face, without corners of less than three faces.
+  // Each way between two faces is on the border of the one to its left; the ways of one face,
+  // joined head to tail, are its loop, counter-clockwise seen from outside. A face that is left
+  // with two corners was narrower than the tolerance and is dropped: its neighbours meet in its
+  // place.
   std::vector<Loop> loops() const {
     std::map<int, std::set<int>> around;
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       for (const int v : triangles_[t]) around[v].insert(face_[t]);
+    // Every way has its opposite, since the hull is closed: `at` does not throw.
     std::vector<std::map<int, int>> next(static_cast<std::size_t>(count_));
     for (const auto& [way, t] : left_)
       if (face_[left_.at({way[1], way[0]})] != face_[t])
@@ -75,6 +88,8 @@ class Faces {
   }
 
  private:
+  // Over edges shared with the face so far; the plane is that of the seed and does not follow. A
+  // triangle far away that happens to lie in the same plane is therefore not taken in.
   void grow(std::size_t seed) {
     const Vec3 normal = area_of(points_, triangles_[seed]).normalized();
     const Plane plane{normal, normal.dot(at(points_, triangles_[seed][0]))};
@@ -107,6 +122,7 @@ class Faces {
 };
 
 // Only the corners that loops name, in the order given.
+// `number` is sorted by old index, which is what keeps the order.
 Convex with_corners_of(const Points& points, std::vector<Loop> loops, double slack) {
   std::map<int, int> number;
   for (const Loop& loop : loops)
@@ -122,6 +138,9 @@ Convex with_corners_of(const Points& points, std::vector<Loop> loops, double sla
 }
 
 // Points within the tolerance of a plane: a polygon with two faces.
+// Projected to axes u, v with u x v = normal, so that counter-clockwise in the plane is so seen
+// from the tip of the normal. The hull gives back coordinates it was given, bit by bit, which find
+// the points again.
 Convex flat_hull(const Points& points, const Vec3& normal, double slack) {
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<Eigen::Vector2d> flat;
@@ -137,6 +156,9 @@ Convex flat_hull(const Points& points, const Vec3& normal, double slack) {
 
 }  // namespace
 
+// The dimension comes first: furthest points span a segment, the point furthest from its line a
+// triangle, the one furthest from its plane a body. What does not exceed the tolerance counts as of
+// the lower dimension, so that CGAL gets a body of volume or is not asked.
 Convex convex_hull(const Points& points, double merge) {
   if (points.empty()) throw std::invalid_argument("there is no point to make a hull of");
   for (const Vec3& p : points)

@@ -1,4 +1,8 @@
 // Convex hulls inside the room.
+//
+// Two levels: hulls of triangles from CGAL, exact but with slivers on faces that are flat up to
+// rounding; and cores made of them, whose faces are polygons. Contacts want the second: a face cut
+// into slivers has edges that are none.
 #pragma once
 
 #include <array>
@@ -16,6 +20,7 @@ std::vector<Eigen::Vector2d> convex_hull(const std::vector<Eigen::Vector2d>& poi
 
 // Triangles of the hull, counter-clockwise seen from outside, as indices of the points; none if the
 // points lie exactly in one plane.
+// Of points given twice the first counts.
 std::vector<Triangle> hull_triangles(const std::vector<Vec3>& points);
 
 double extent_of(const std::vector<Vec3>& points);  // m, diagonal of the box around them

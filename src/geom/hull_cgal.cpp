@@ -1,5 +1,9 @@
 // Hulls by CGAL, which stays in the files named ..._cgal.cpp: its headers take seconds to compile
 // and its types would spread.
+//
+// Kernel: exact predicates (is a point above a plane?) by interval arithmetic with exact numbers
+// where that does not decide, and coordinates in double, since a hull makes no new points. Space:
+// quickhull (Barber, Dobkin, Huhdanpaa 1996, doi:10.1145/235815.235821).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>
@@ -29,6 +33,8 @@ std::vector<Triangle> hull_triangles(const std::vector<Vec3>& points) {
     number.insert({Kernel::Point_3(p.x(), p.y(), p.z()), static_cast<int>(given.size())});
     given.emplace_back(p.x(), p.y(), p.z());
   }
+  // As a half-edge mesh: as a set of indexed triangles, hulls came out wrong
+  // (docs/decisions/shapes.md). A hull without volume leaves it without faces.
   CGAL::Surface_mesh<Kernel::Point_3> hull;
   CGAL::convex_hull_3(given.begin(), given.end(), hull);
   std::vector<Triangle> triangles;

@@ -1,4 +1,9 @@
 // Meshes from files, repaired or refused; CGAL mends and checks.
+//
+// A scan is rarely sound. What can be mended without a guess about the shape is mended, and said;
+// what would need one is refused with its reason. The order matters: facets are cleaned and turned
+// before there is a surface at all (CGAL's half-edge mesh holds no others), specks go before holes
+// are closed (their holes do not count), and the checks come last, on what is going to be used.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
@@ -29,12 +34,16 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
+// Dust of a scanner is far smaller, a second stone far larger.
 constexpr double speck = 0.01;  // of the surface
-constexpr double hole = 0.3;    // perimeter, of the extent
+// A hole of this border is about a tenth of the stone wide: a flat lid over it changes the volume
+// little. Where a stone lay on its table the hole is larger, and its shape unknown.
+constexpr double hole = 0.3;  // perimeter, of the extent
 
 // Why a mesh cannot be used; the caller adds its name.
 [[noreturn]] void refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
+// Also catches a wrong `unit`, and keeps cubes of lengths far from overflow.
 void scale(std::vector<Vec3>& points, double unit) {
   constexpr double largest = 1e6;  // m
   for (Vec3& p : points) {
@@ -44,6 +53,8 @@ void scale(std::vector<Vec3>& points, double unit) {
   }
 }
 
+// `repairs` grows by a sentence per kind of repair. Repairing may also split polygons, so that
+// their number can rise; the sentence then says 0 and that something was done.
 Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   const std::size_t polygons = soup.polygons.size();
   std::vector<Kernel::Point_3> points;
@@ -58,12 +69,15 @@ Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   Surface surface;
   pmp::polygon_soup_to_polygon_mesh(points, soup.polygons, surface);
   if (!pmp::triangulate_faces(surface)) refuse("a facet cannot be cut into triangles");
+  // Only edges whose ends have the same coordinates: merging what nearly touches would be a guess
+  // about the shape.
   if (const std::size_t edges = pmp::stitch_borders(surface); edges > 0)
     repairs.push_back(fmt::format("{} border edges stitched", edges));
   return surface;
 }
 
 // The largest body; others must be specks.
+// By area, not volume: parts may still be open here.
 Surface largest_part(const Surface& surface, std::vector<std::string>& repairs) {
   std::vector<Surface> parts;
   pmp::split_connected_components(surface, parts);
@@ -79,6 +93,7 @@ Surface largest_part(const Surface& surface, std::vector<std::string>& repairs) 
   return std::move(*largest);
 }
 
+// The patch is triangles over the vertices of the border, without new points.
 void close_holes(Surface& surface, double extent, std::vector<std::string>& repairs) {
   std::vector<Surface::Halfedge_index> borders;
   pmp::extract_boundary_cycles(surface, std::back_inserter(borders));
@@ -96,7 +111,10 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
   if (!borders.empty()) repairs.push_back(fmt::format("{} small holes closed", borders.size()));
 }
 
+// Closed, then free of cuts, then outward: each needs the one before. Volume is what mass comes
+// from.
 void check(Surface& surface, double extent) {
+  // Below it the inertia is rounding, and no stone is that thin.
   constexpr double flat = 1e-9;  // of the extent cubed
   if (!CGAL::is_closed(surface)) refuse("it is not closed");
   if (pmp::does_self_intersect(surface)) refuse("it cuts through itself");
@@ -104,6 +122,7 @@ void check(Surface& surface, double extent) {
   if (!(pmp::volume(surface) > flat * extent * extent * extent)) refuse("it has no volume");
 }
 
+// Removed vertices leave gaps in CGAL's numbers; ours have none.
 Mesh mesh_of(const Surface& surface) {
   Mesh mesh;
   std::vector<int> number(surface.num_vertices() + surface.number_of_removed_vertices(), -1);
@@ -124,6 +143,8 @@ Mesh mesh_of(const Surface& surface) {
 
 }  // namespace
 
+// CGAL states breaches of its preconditions as exceptions of its own, whose texts tell a user
+// nothing.
 Import import_mesh(const std::string& bytes, MeshFormat format, double unit,
                    const std::string& name) {
   try {

@@ -1,4 +1,8 @@
 // Centre and principal axes from integrals over a body, for bodies in space and laminas.
+//
+// With C = <x x^T> - <x><x>^T, the covariance of position over the body, m^2, the inertia about the
+// centre is m (tr(C) 1 - C). Both have the same principal axes. What is stored, `gyration`, is the
+// inertia over the mass, so that it scales with the square of the size alone.
 #include "mass.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -9,12 +13,16 @@ namespace trackbed::geom {
 namespace {
 
 // Covariance of position about the centre, m^2.
+// Differences of large numbers if the origin is far from the body: callers sum about a point
+// inside.
 Mat3 spread(const Integrals& integrals, const Vec3& centre) {
   return integrals.second / integrals.volume - centre * centre.transpose();
 }
 
 }  // namespace
 
+// Exact moments of a simplex with corners 0, a, b, c and s = a + b + c:
+//   V = a . (b x c) / 6,  int x = V s / 4,  int x x^T = V (s s^T + a a^T + b b^T + c c^T) / 20.
 void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sums) {
   const double volume = a.dot(b.cross(c)) / 6;  // with the origin
   const Vec3 s = a + b + c;
@@ -24,6 +32,8 @@ void add_tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, Integrals& sum
       volume / 20 * (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
 }
 
+// The solver gives eigenvalues in rising order, so the first axis is the longest of the body. Equal
+// eigenvalues (ball, cube) leave the axes open: any are right, but which come out is rounding.
 Solid solid_of(const Integrals& integrals) {
   Solid solid;
   solid.volume = integrals.volume;
@@ -38,6 +48,10 @@ Solid solid_of(const Integrals& integrals) {
   return solid;
 }
 
+// In the plane the solver is not asked: it would order the axes by size, and a lamina's polar axis
+// (the largest moment) must stay y, about which plane stones turn. Spread in y is 0, so the moment
+// about y is the sum of the spreads along x and z, and those about x and z are the spread along the
+// other axis.
 Solid lamina_of(const Integrals& integrals) {
   Solid solid;
   solid.volume = integrals.volume;

@@ -1,4 +1,7 @@
 // Mass properties of meshes, and surfaces of pieces as meshes.
+//
+// Both sums need a closed mesh whose triangles turn counter-clockwise seen from outside; an open
+// one gives a number without meaning and no error. Cost: one pass over the triangles.
 #include "trackbed/geom/mesh.hpp"
 
 #include <numbers>
@@ -11,6 +14,9 @@ namespace trackbed::geom {
 namespace {
 
 // Directions over the sphere: an octahedron whose triangles are cut `fineness` times.
+// The lattice points |i| + |j| + |k| = fineness lie on the octahedron; k < 0 is added by hand, so
+// that the equator is not given twice. Triangles near the middle of an octant come out larger than
+// at its corners: good enough for pictures, which is all they are for.
 std::vector<Vec3> ball_points(int fineness) {
   std::vector<Vec3> points;
   for (int i = -fineness; i <= fineness; ++i)
@@ -24,6 +30,9 @@ std::vector<Vec3> ball_points(int fineness) {
 
 }  // namespace
 
+// Volume by the divergence theorem: signed tetrahedra between each triangle and one point. The
+// point may lie anywhere; the mean of the vertices keeps the tetrahedra small, so that a scan given
+// far from its origin does not lose digits to cancellation.
 Solid mesh_solid(const Mesh& mesh) {
   Vec3 middle = Vec3::Zero();  // sums about a point inside lose no digits
   for (const Vec3& p : mesh.vertices) middle += p / static_cast<double>(mesh.vertices.size());
@@ -45,6 +54,9 @@ double surface_area(const Mesh& mesh) {
   return area;
 }
 
+// The hull of balls at the corners is the swept core, so a hull of points on those balls is a mesh
+// of it without any case for faces, edges and corners. Its points are renumbered: most of each ball
+// lies within the hull and is left out.
 Mesh surface_of(const Piece& piece, int fineness) {
   std::vector<Vec3> points;
   for (const Vec3& corner : piece.core.vertices) {

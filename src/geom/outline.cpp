@@ -4,6 +4,8 @@
 // angles and radii scatter with the angularity; their hull is stretched until smallest width and
 // largest extent have the wanted ratio. A star-shaped random outline would need no hull, but its
 // dents would be filled by disks as large as the pebbles anyway.
+//
+// Key: hash of the seed and a number, so that an outline does not depend on what was drawn before.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,6 +21,7 @@ namespace {
 using Point = Eigen::Vector2d;
 using Polygon = std::vector<Point>;
 
+// All pairs: a dozen corners are not worth rotating calipers.
 double largest_extent(const Polygon& polygon) {
   double largest = 0;
   for (const Point& a : polygon)
@@ -45,6 +48,7 @@ Width width_of(const Polygon& polygon) {
   return smallest;
 }
 
+// Radius of the superellipse in the direction of `angle`: (|cos|^n + (|sin|/b)^n)^(-1/n).
 Polygon scattered_corners(const OutlineShape& shape, std::uint64_t seed) {
   const double exponent = 2 + 2 * shape.angularity;  // from an ellipse towards a rounded box
   Polygon points;
@@ -77,6 +81,7 @@ void stretch(Polygon& polygon, double elongation) {
 
 }  // namespace
 
+// Scaled last, since stretching changes the extent.
 std::vector<Point> outline(const OutlineShape& shape, std::uint64_t seed) {
   Polygon polygon = convex_hull(scattered_corners(shape, seed));
   stretch(polygon, shape.elongation);

@@ -55,6 +55,8 @@ std::vector<Vec3> spread_directions(int count, double scatter, Draw& draw) {
   return directions;
 }
 
+// With S = sum (d . c_j)^p + rho^p at |d| = 1, grad h = S^(1/p - 1) (sum (d . c_j)^(p-1) c_j +
+// rho^p d).
 std::vector<Vec3> support_points(const std::vector<Vec3>& directions,
                                  const std::vector<Vec3>& main_corners, double rho) {
   constexpr double p = 6;  // large enough for corners, small enough for edges between them
@@ -72,6 +74,8 @@ std::vector<Vec3> support_points(const std::vector<Vec3>& directions,
   return points;
 }
 
+// At an angularity of 0 the main corners vanish and rho is 1: an even ball. All draws come before
+// the wear, so that how much a stone is worn changes no draw.
 std::vector<Vec3> all_corners(const StoneShape& shape, std::uint64_t seed) {
   constexpr double clear = 2e-3;  // of the extent a corner stands out at least
   constexpr double wear = 0.05;
@@ -89,6 +93,8 @@ std::vector<Vec3> all_corners(const StoneShape& shape, std::uint64_t seed) {
 
 }  // namespace
 
+// Stretching is affine, so it keeps the hull convex and its corners corners; the hull is made anew
+// for the faces' normals.
 Convex stone(const StoneShape& shape, std::uint64_t seed) {
   std::vector<Vec3> points = all_corners(shape, seed);
   Vec3 low = points[0], high = low;

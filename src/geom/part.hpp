@@ -9,6 +9,7 @@
 
 namespace trackbed::geom {
 
+// Points with height >= 0 are above.
 struct Plane {
   Vec3 normal;    // unit
   double offset;  // m
@@ -20,6 +21,8 @@ using Corners = std::array<Vec3, 3>;
 
 // What a mesh has on the upper side of some planes. The sections close it as signed fans of
 // triangles, so volumes are exact; a fan may reach beyond its section, so hulls are made without.
+// Kept as triangles: a Boolean operation on meshes would fail on touching or coplanar facets, and
+// this cannot.
 struct Part {
   std::vector<Corners> skin, caps;
   std::vector<Plane> planes;

@@ -1,4 +1,8 @@
 // PLY files: a head that says what follows, then rows of numbers, as text or binary.
+//
+// The head names elements (vertex, face, others), each with a number of rows and its properties;
+// the rows follow in that order without any mark between them. So every property has to be read,
+// also those nobody wants, to find the next. Vertices must stand before the faces that name them.
 #include <bit>
 #include <cstring>
 #include <stdexcept>
@@ -35,6 +39,7 @@ struct Property {
 
 struct Element {
   std::string_view name;
+  // As a number, since a broken head may say anything; compared, never used as a size.
   double rows;
   std::vector<Property> properties;
 };
@@ -73,6 +78,7 @@ Head read_head(Words& words) {
 }
 
 // One number after the other from the rows.
+// All types come out as double: 32-bit integers fit exactly.
 class Rows {
  public:
   Rows(std::string_view bytes, const Head& head)
@@ -80,6 +86,7 @@ class Rows {
     bytes_.remove_prefix(std::min(bytes_.find('\n') + 1, bytes_.size()));  // of end_header
   }
   double next(Number type) {
+    // As text a type says nothing.
     if (text_) return words_.number();
     switch (type) {
       case Number::i8:
@@ -117,6 +124,8 @@ class Rows {
 };
 
 // Items of a property in one row; a plain number is a list of one.
+// The count is compared as a number, so that a negative one or one that is not a number is an empty
+// list; a huge one ends where the file breaks off.
 std::vector<double> items(const Property& property, Rows& rows) {
   const double count = property.list ? rows.next(property.count) : 1;
   std::vector<double> values;
@@ -124,6 +133,7 @@ std::vector<double> items(const Property& property, Rows& rows) {
   return values;
 }
 
+// An element of another name may have properties x, y, z too: they are read and dropped.
 void read_row(const Element& element, Rows& rows, Soup& soup) {
   Vec3 point = Vec3::Zero();
   std::vector<std::size_t> polygon;
@@ -145,6 +155,8 @@ void read_row(const Element& element, Rows& rows, Soup& soup) {
 
 }  // namespace
 
+// An element without properties has rows of no bytes: reading them would only count, perhaps for
+// ever.
 Soup read_ply(std::string_view bytes) {
   Words words(bytes);
   const Head head = read_head(words);

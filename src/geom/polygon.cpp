@@ -27,6 +27,8 @@ Polygon clipped(const Polygon& polygon, const Point& origin, const Point& inward
 }
 
 // What is left of a convex polygon at least `distance` inside its border.
+// For every distance that leaves something: offsetting the edges instead would have to find those
+// that vanish.
 Polygon inset(const Polygon& polygon, double distance) {
   Polygon result = polygon;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -47,6 +49,8 @@ Polygon thinned(const Polygon& polygon, double distance) {
   return kept;
 }
 
+// Evenly along each edge, begin included and end left to the next edge, so that corners get one
+// disk.
 void place_along(const Polygon& ring, double radius, double gap, std::vector<Sphere>& disks) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point edge = ring[(i + 1) % ring.size()] - ring[i];
@@ -61,6 +65,8 @@ void place_along(const Polygon& ring, double radius, double gap, std::vector<Sph
 }  // namespace
 
 // Green's theorem, edge by edge.
+// Each edge p-q stands for the triangle with the origin, of signed area (p x q)/2:
+//   int x = area (p + q)/3,  int x x^T = area ((p+q)(p+q)^T + p p^T + q q^T)/12.
 Solid polygon_solid(const std::vector<Point>& polygon) {
   Integrals sums;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -75,6 +81,7 @@ Solid polygon_solid(const std::vector<Point>& polygon) {
   return lamina_of(sums);
 }
 
+// Centres run along the outline set in by their radius, so disks touch it from inside.
 std::vector<Sphere> pebbles_inside(const std::vector<Point>& polygon, double radius,
                                    double spacing) {
   constexpr double crowded = 0.4;  // radii between corners that share a disk

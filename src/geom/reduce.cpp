@@ -1,4 +1,9 @@
 // Hulls of few corners for the many of a scan.
+//
+// Furthest point first, as in quickhull, but stopped early: each step takes the corner that the
+// hull misses most. Cost: a hull of at most `vertices` points and a pass over all corners per step.
+// The corners are some of those of the whole hull, so faces stay where the scan has them;
+// collapsing edges would make new ones.
 #include <algorithm>
 
 #include "hull.hpp"
@@ -9,6 +14,7 @@ namespace trackbed::geom {
 namespace {
 
 // How far a point sticks out of a polyhedron; of anything flatter, its distance from the corners.
+// The flat cases guide only the first three steps, until there is a body.
 double outside(const Convex& core, const Vec3& p) {
   double height = 0;
   if (core.faces.size() > 2) {
@@ -29,6 +35,7 @@ double outside(const Convex& core, const Vec3& p) {
 
 Convex reduced_hull(const std::vector<Vec3>& points, int vertices) {
   const Convex whole = convex_hull(points);
+  // Four corners at least: fewer have no volume.
   const auto wanted = static_cast<std::size_t>(std::max(4, vertices));
   if (whole.vertices.size() <= wanted) return whole;
   std::vector<Vec3> chosen{whole.vertices[0]};

@@ -1,4 +1,8 @@
 // Convex cores cut into convex parts of equal volume.
+//
+// Rounded with one radius, the parts of a cut core overlap and fill exactly what the whole filled:
+// the sweep of a union is the union of the sweeps. So pieces of a stone may be made of a single
+// one, to test what several pieces do.
 #include <algorithm>
 #include <stdexcept>
 
@@ -9,6 +13,8 @@ namespace trackbed::geom {
 namespace {
 
 // The part of a core with normal . x <= offset.
+// Hull of the corners below and of the points where edges cross: exact for a convex core, and no
+// face has to be clipped.
 Convex below(const Convex& core, const Vec3& normal, double offset) {
   std::vector<Vec3> points;
   for (const Vec3& v : core.vertices)
@@ -24,6 +30,8 @@ Convex below(const Convex& core, const Vec3& normal, double offset) {
 
 double volume_of(const Convex& core) { return steiner_of(core).volume; }
 
+// Halves by volume, again and again; for odd numbers the shares are (n/2)/n. Always across the
+// longest axis, the one of the smallest moment, so that parts stay compact.
 void slice(const Convex& core, int parts, std::vector<Convex>& into) {
   if (parts == 1) {
     into.push_back(core);
@@ -37,6 +45,7 @@ void slice(const Convex& core, int parts, std::vector<Convex>& into) {
   for (const Vec3& v : core.vertices)
     low = std::min(low, normal.dot(v)), high = std::max(high, normal.dot(v));
   const double wanted = solid.volume * (parts / 2) / parts;
+  // To 1e-12 of the extent.
   constexpr int halvings = 40;
   const double margin = 1e-6 * (high - low);  // no slivers
   low += margin, high -= margin;

@@ -1,5 +1,10 @@
 // Mesh files as facets: OBJ and STL, and what they share with PLY. CGAL has readers for all three,
 // but damaged files crash that of PLY.
+//
+// The files come from elsewhere, so every byte may be wrong: sizes are compared before bytes are
+// read, indices before they are used, and numbers must be numbers to their last letter. What a
+// format has beyond positions and facets (normals, colours, textures) is passed over: normals
+// follow from the order of the corners, and those in files are often wrong.
 #include "soup.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +20,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
 // `word` of a face is v, v/vt, v//vn or v/vt/vn; negative numbers count from the end.
+// Only vertices above the line can be named; that makes negative numbers well defined, too.
 std::size_t obj_index(std::string_view word, std::size_t points) {
   const double given = number_of(word.substr(0, word.find('/')));
   const double index = given < 0 ? given + static_cast<double>(points) : given - 1;
@@ -23,6 +29,7 @@ std::size_t obj_index(std::string_view word, std::size_t points) {
   return static_cast<std::size_t>(index);
 }
 
+// Line by line, since a facet ends with its line.
 Soup read_obj(std::string_view bytes) {
   Soup soup;
   while (!bytes.empty()) {
@@ -42,12 +49,14 @@ Soup read_obj(std::string_view bytes) {
   return soup;
 }
 
+// STL repeats each corner in every facet; equal points become one when the facets are joined.
 void add_corner(Soup& soup, const Vec3& corner) {
   if (soup.points.size() % 3 == 0) soup.polygons.emplace_back();
   soup.polygons.back().push_back(soup.points.size());
   soup.points.push_back(corner);
 }
 
+// Only `vertex` counts: the words around it differ between programs.
 Soup read_stl_text(std::string_view bytes) {
   Soup soup;
   Words words(bytes);
@@ -63,6 +72,7 @@ Soup read_stl_text(std::string_view bytes) {
 constexpr std::size_t stl_head = 84, stl_facet = 50;  // bytes
 
 // The number of facets stands after a head of 80 bytes; a text of just this length is unlikely.
+// A file cannot be known by its first word: binary heads that begin with "solid" are common.
 bool is_binary_stl(std::string_view bytes) {
   if (bytes.size() < stl_head) return false;
   std::uint32_t facets = 0;
@@ -70,6 +80,7 @@ bool is_binary_stl(std::string_view bytes) {
   return bytes.size() == stl_head + stl_facet * std::size_t{facets};
 }
 
+// Little-endian by the format, and so read as it lies there: hosts are taken to be so too.
 Soup read_stl_binary(std::string_view bytes) {
   Soup soup;
   for (std::size_t at = stl_head; at < bytes.size(); at += stl_facet)
@@ -83,6 +94,7 @@ Soup read_stl_binary(std::string_view bytes) {
 
 }  // namespace
 
+// A '+' is valid in files but not to from_chars.
 double number_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;

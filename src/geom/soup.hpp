@@ -8,6 +8,7 @@
 
 namespace trackbed::geom {
 
+// Points need not be shared between facets (STL never does) and nothing is said about their order.
 struct Soup {
   std::vector<Vec3> points;  // in units of the file
   std::vector<std::vector<std::size_t>> polygons;
@@ -18,6 +19,7 @@ Soup read_soup(std::string_view bytes, MeshFormat format);
 Soup read_ply(std::string_view bytes);
 
 // Words and numbers of a text, one after the other.
+// Views into the text, which must outlive them. The decimal mark is a point whatever the locale.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}

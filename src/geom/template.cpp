@@ -1,4 +1,7 @@
 // Cores moved, scaled and rounded; templates of pieces.
+//
+// A template is what many stones share: unit size, centre of mass at the origin, principal axes
+// along x, y, z. A stone of scale s has the volume s^3 V and the inertia m s^2 gyration.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -12,6 +15,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 // Positive root of volume x^3 + area r x^2 + bend r^2 x + ball = volume, which grows with x.
+// The core is scaled by x, which scales the terms of Steiner's formula by x^3, x^2 and x; what is
+// wanted is the volume before rounding. At x = 1 the sum is above it, at 0 below.
 double shrinkage(const Steiner& s, double r) {
   const double ball = 4 * pi / 3 * r * r * r;
   if (!(ball < s.volume))
@@ -28,6 +33,7 @@ double shrinkage(const Steiner& s, double r) {
 
 }  // namespace
 
+// Edges hold numbers only: they stay.
 Convex moved(Convex core, const Quat& turn, const Vec3& shift) {
   for (Vec3& corner : core.vertices) corner = turn * corner + shift;
   for (Face& face : core.faces) {
@@ -43,6 +49,8 @@ Convex scaled(Convex core, double factor) {
   return core;
 }
 
+// About the centroid, which so stays put; the centre of the rounded solid is off it only by what
+// the stone lacks in symmetry.
 Piece rounded(const Convex& hull, double radius) {
   if (radius == 0) return {hull, 0};
   const double factor = shrinkage(steiner_of(hull), radius);
@@ -51,6 +59,7 @@ Piece rounded(const Convex& hull, double radius) {
   return {moved(core, Quat::Identity(), centre), radius};
 }
 
+// From the axes the pieces were given in to the principal ones: x' = axes^T (x - centre).
 Template template_of(const std::vector<Piece>& pieces, const Solid& solid, double sieve) {
   Template shape;
   const Quat back = solid.axes.conjugate();
@@ -68,6 +77,7 @@ Template template_of(const std::vector<Piece>& pieces) {
   return template_of(pieces, solid, smallest_hole(pieces));
 }
 
+// Surface of the ball of this volume: (36 pi V^2)^(1/3).
 double sphericity(double volume, double area) {
   return std::cbrt(pi * 36 * volume * volume) / area;
 }

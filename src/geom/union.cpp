@@ -4,6 +4,10 @@
 // integrated exactly; lines are spaced evenly in y and z (midpoint rule). Cells in x as well would
 // cost `cells` times more and be less accurate; the exact union of balls (alpha shapes) or of
 // polyhedra is far more code.
+//
+// The midpoint rule errs by O(h^(3/2)), not h^2, because the length of a chord has a square root at
+// the border of a ball's shadow. Cost: lines x shapes; no tree over the shapes, of which a stone
+// has a few dozen at most.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,6 +25,7 @@ using Interval = std::pair<double, double>;
 constexpr double far = std::numeric_limits<double>::infinity();
 constexpr Interval nothing{far, -far};
 
+// Empty until it holds something: low above high.
 struct Box {
   Vec3 low = Vec3::Constant(far), high = Vec3::Constant(-far);
   void hold(const Vec3& centre, double radius) {
@@ -43,6 +48,7 @@ Box box_of(const std::vector<Piece>& pieces) {
 }
 
 // What the line through (y, z) has in common with a sphere; first > second: nothing.
+// A line that only touches has nothing in common with it: it adds no volume.
 Interval chord(const Sphere& s, double y, double z) {
   const double dy = y - s.centre.y(), dz = z - s.centre.z();
   const double square = s.radius * s.radius - dy * dy - dz * dz;
@@ -51,6 +57,8 @@ Interval chord(const Sphere& s, double y, double z) {
 }
 
 // Part of a chord where normal . (x, y, z) <= offset.
+// Clips the interval by one half space (Liang and Barsky's way of clipping a line). A line parallel
+// to the plane is kept or lost as a whole.
 void cut(Interval& chord, const Vec3& normal, double offset, double y, double z) {
   const double slope = normal.x(), rest = offset - normal.y() * y - normal.z() * z;
   if (slope > 0)
@@ -62,6 +70,8 @@ void cut(Interval& chord, const Vec3& normal, double offset, double y, double z)
 }
 
 // With the cylinder of radius r about the edge, between its ends.
+// Of the point p + x d, both taken perpendicular to the axis, the distance from it is r:
+//   dd x^2 + 2 pd x + pp - r^2 = 0.
 Interval chord(const Vec3& a, const Vec3& b, double r, double y, double z) {
   const Vec3 along = (b - a).normalized(), from = Vec3(0, y, z) - a;
   const Vec3 p = from - along.dot(from) * along, d = Vec3::UnitX() - along.x() * along;
@@ -74,6 +84,8 @@ Interval chord(const Vec3& a, const Vec3& b, double r, double y, double z) {
 }
 
 // With the prism of height r on a face.
+// Half spaces of its lid, its base and its sides; the cross product of edge and normal points
+// outward as corners turn counter-clockwise seen from the tip of the normal.
 Interval chord(const Convex& core, const Face& face, double r, double y, double z) {
   Interval part{-far, far};
   cut(part, face.normal, face.offset + r, y, z);
@@ -89,6 +101,8 @@ Interval chord(const Convex& core, const Face& face, double r, double y, double 
 }
 
 // The piece is convex, so its chord spans those of its parts.
+// Parts: core, a ball per corner, a cylinder per edge, a prism per face. Together they are the
+// swept core; each chord is exact, so the span is too.
 Interval chord(const Piece& piece, double y, double z) {
   Interval whole = nothing;
   const auto join = [&](const Interval& part) {
@@ -108,6 +122,8 @@ Interval chord(const Piece& piece, double y, double z) {
   return whole;
 }
 
+// Exact in x; y and z are taken as constant over the cell, whose own spread about its line is left
+// out: that is part of the rule's error.
 void add_interval(const Interval& part, double y, double z, double area, Integrals& sums) {
   const auto [a, b] = part;
   const double one = b - a, x = (b * b - a * a) / 2, xx = (b * b * b - a * a * a) / 3;
@@ -119,6 +135,7 @@ void add_interval(const Interval& part, double y, double z, double area, Integra
 }
 
 // Parts of the line through (y, z) within the union, in order, none touching the next.
+// Sorted by their begin, so one pass joins what overlaps.
 template <class Shapes>
 void merge(const Shapes& shapes, double y, double z, std::vector<Interval>& parts) {
   parts.clear();
@@ -137,6 +154,7 @@ void merge(const Shapes& shapes, double y, double z, std::vector<Interval>& part
 }
 
 // The lines along x through the middles of cells of the box's shadow: `see(y, z, area)`.
+// Cells of about equal sides, a whole number in both directions.
 void along_lines(const Box& box, int cells, const auto& see) {
   const Vec3 size = box.high - box.low;
   const double wanted = std::max(size.y(), size.z()) / cells;
@@ -169,6 +187,9 @@ Solid union_solid(const std::vector<Piece>& pieces, int cells) {
   return solid_by_lines(pieces, cells);
 }
 
+// Cauchy, Crofton: the surface of a convex body is four times the mean area of its shadows. A line
+// enters a body that is not convex several times and counts each. Directions over half a sphere, as
+// a shadow from behind is the same.
 double union_area(const std::vector<Piece>& pieces, int directions, int cells) {
   double shadows = 0;  // m^2, each part of each line counted
   std::vector<Interval> parts;
@@ -188,6 +209,7 @@ double union_area(const std::vector<Piece>& pieces, int directions, int cells) {
   return 4 * shadows / directions;
 }
 
+// One row of lines: the disks lie in one plane, y = 0, and lines need no thickness.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells) {
   std::vector<Sphere> flat = disks;
   for (Sphere& disk : flat) disk.centre.y() = 0;
