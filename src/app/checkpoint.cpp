@@ -1,5 +1,10 @@
 // The state of a run in a checkpoint: that of each room in its own group, what lies between them
 // (surfaces' mean forces, averages, clock, finished stages) in the group run.
+//
+// What goes in: state that cannot be computed from the deck. What stays out: neighbour lists, the
+// ground's matrices, walls; they are built again, in the same way and so with the same bits.
+// Nothing here depends on the number of ranks: rows of numbers are written as wholes, so a run may
+// go on with another number. The layout is described in docs/checkpoint.md.
 #include "trackbed/io/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -21,6 +26,7 @@ namespace {
 // types would need a compound type that other readers rarely know.
 constexpr std::size_t record_columns = 10;
 
+// Integers as numbers: all counts here are far below 2^53.
 std::vector<double> pack(const std::vector<StageRecord>& records) {
   std::vector<double> rows;
   for (const StageRecord& r : records)
@@ -30,6 +36,7 @@ std::vector<double> pack(const std::vector<StageRecord>& records) {
   return rows;
 }
 
+// Inverse of `pack`. Stops at the shorter of names and rows rather than read beyond either.
 std::vector<StageRecord> unpack(const std::string& names, const std::vector<double>& rows) {
   std::vector<StageRecord> records;
   std::istringstream words(names);
@@ -49,12 +56,14 @@ std::string joined_names(const std::vector<StageRecord>& records) {
 }
 
 // Vectors per node as rows; rank 0 holds them all.
+// The argument of the other ranks is not looked at. Collective.
 void write_nodes(const par::Comm& comm, io::File& file, const std::string& path,
                  const std::vector<Vec3>& all, const io::Label& label) {
   const double* first = all.empty() ? nullptr : all[0].data();
   file.write<double>(path, std::span(first, comm.root() ? 3 * all.size() : 0), 3, label);
 }
 
+// On every rank the whole, as surfaces are held. Collective.
 std::vector<Vec3> read_nodes(const io::File& file, const std::string& path) {
   const std::vector<double> values = file.read_all<double>(path);
   std::vector<Vec3> nodes(values.size() / 3);
@@ -66,6 +75,7 @@ std::vector<Vec3> read_nodes(const io::File& file, const std::string& path) {
 // Own nodes' values from every rank; the others are zero, so the sum is exact.
 // Not only own nodes differ from zero in the argument: ghosts hold copies. They are left out, or
 // the sum would count a node once per rank that knows it.
+// Cost: one reduction over all top nodes; checkpoints are rare. Collective.
 std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
                            const std::vector<Vec3>& values) {
   std::vector<Vec3> all(values.size(), Vec3::Zero());
@@ -77,6 +87,7 @@ std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
 
 // Walls are made again from their height; ground, sleepers and platen bring their own shape. The
 // mean forces matter: they move the bodies in the next window.
+// Collective.
 void save_surfaces(World& world, io::File& file) {
   const par::Comm& comm = world.comm;
   std::vector<double> height;
@@ -116,6 +127,7 @@ void load_surfaces(World& world, const io::File& file) {
 }  // namespace
 
 // "results/mine/", "results/mine" and "results/mine/stage_fill.h5" mean the same folder.
+// Only text and the kind of the path: a checkpoint that is not there has a folder as well.
 std::string folder_of_checkpoint(const std::string& checkpoint) {
   namespace fs = std::filesystem;
   fs::path folder(checkpoint);
@@ -124,6 +136,8 @@ std::string folder_of_checkpoint(const std::string& checkpoint) {
   return folder.empty() ? "." : folder.string();
 }
 
+// Histories first: a checkpoint must not count rows that are not in the file yet. Its name stands
+// in `latest` once the file is whole.
 void Simulation::checkpoint(const std::string& name) {
   results_.flush();
   const auto timing = timers_.scope(Verb::output);
@@ -132,8 +146,11 @@ void Simulation::checkpoint(const std::string& name) {
 }
 
 // Parts that do not exist yet are left out; `load` sees that and leaves them new.
+// Collective, as is all that it calls.
 void Simulation::save(io::File& file) {
   file.attribute("/", "version", version());
+  // The whole input with its defaults: `resume` needs no deck, and later versions with other
+  // defaults go on as this one would have.
   file.attribute("/", "deck", effective_deck(model_));
   file.attribute("/", "deck_name", name_);
   file.attribute("/", "stage", stage().name);
@@ -205,6 +222,8 @@ void Simulation::load(const io::File& file) {
 }
 
 // Histories go on in the file beside the checkpoint, or begin anew if it is not there.
+// The steps of a stage under way are those of the checkpoint, not chosen again: limits may have
+// moved with the stones, and a run that was not stopped would not have noticed either.
 void Simulation::resume(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   load(file);
@@ -218,6 +237,7 @@ void Simulation::resume(const std::string& checkpoint) {
     ++course_.stage;
     return;
   }
+  // What `begin` would have set; the rest of it is in the state.
   world_.particles.set_local_damping(stage().local_damping);
   world_.particles.set_friction(stage().friction);
   // The seat forces of the window before the checkpoint, as they stand in the run that was not

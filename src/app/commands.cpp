@@ -1,4 +1,8 @@
 // What each word of the command line does. All commands but `describe` and `schema` are collective.
+//
+// A command reads everything it is told, checks it, and only then makes or removes anything: a
+// refused run leaves the disk as it was. Answers go to stdout, warnings with them, since they are
+// part of the answer; problems leave as exceptions and end in program.cpp.
 #include "app/commands.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +29,8 @@ input::Declaration declaration_of(Model& model) {
   return [&model](input::Section& section) { model.declare(section); };
 }
 
+// Flushed at once: batch systems show stdout to users only when it is flushed, and a run that is
+// killed must have said where it was.
 void print(const par::Comm& comm, const std::string& text) {
   if (!comm.root()) return;
   std::fputs(text.c_str(), stdout);
@@ -32,6 +38,7 @@ void print(const par::Comm& comm, const std::string& text) {
 }
 
 // Warnings are said and the run goes on; problems leave as InputError.
+// Collective; each rank parses alike and so has the same sentences.
 Model read_model(const par::Comm& comm, const input::Deck& deck) {
   Model model;
   for (const std::string& sentence : deck.fill(declaration_of(model)))
@@ -39,6 +46,7 @@ Model read_model(const par::Comm& comm, const input::Deck& deck) {
   return model;
 }
 
+// The exit code tells a script whether to run `resume`; the sentence tells a person.
 int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
   const Outcome outcome = simulation.run();
   if (outcome == Outcome::finished) {
@@ -88,9 +96,13 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
   return words;
 }
 
+// An upper bound of the windows, since stages may end early, times the cost of the stones. The
+// ground is left out: its share depends on the deck far more than on a constant. Perfect scaling
+// over ranks is assumed, and said in the sentence. Collective.
 void print_costs(const par::Comm& comm, const Model& model, World& world,
                  const StageActions& actions, const input::Deck& deck) {
   const dem::Totals totals = world.particles.totals();
+  // A sub-step costs a share per stone (motion, lists) and a share per piece (contacts).
   const double step_time = time_per_stone * static_cast<double>(totals.particles) +
                            time_per_piece * static_cast<double>(totals.pieces);
   double seconds = 0;
@@ -99,6 +111,7 @@ void print_costs(const par::Comm& comm, const Model& model, World& world,
     const Steps steps = choose_steps(world, model, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
     seconds += step_time * windows * steps.substeps / comm.size();
+    // Stages with the same limits share one line.
     const std::string limits = limits_of(model, stage, steps);
     if (limits != shared && !numbers.empty()) print(comm, shared + "  " + numbers + "\n");
     if (limits != shared) numbers.clear();
@@ -125,6 +138,7 @@ std::string effective_deck(const Model& model) {
   return input::effective(declaration_of(copy));
 }
 
+// Without -o the folder has the name of the deck's file.
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
@@ -142,6 +156,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
 }
 
 // Nothing is resumed with a parameter that means nothing to it.
+// All problems in one list, as with decks. Collective.
 void require_can_go_on(const io::File& file, const std::string& checkpoint, const Model& model,
                        const input::Deck& deck) {
   require_same_model(file, checkpoint, effective_deck(model), deck);
@@ -160,6 +175,9 @@ void require_can_go_on(const io::File& file, const std::string& checkpoint, cons
 }
 
 // The deck comes from the checkpoint; overrides may change what later windows use.
+// A damaged newest checkpoint is passed over, with a warning: the one before is worth more than no
+// run. A start from a checkpoint refuses instead, since there the user named one state and means
+// it.
 int resume(const par::Comm& comm, const Arguments& arguments) {
   const std::string checkpoint = checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over);
   std::string text, name;
@@ -172,6 +190,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
   require_can_go_on(io::open_checkpoint(comm, checkpoint), checkpoint, model, deck);
+  // Closed by now: the file must not stay open while new checkpoints may replace it.
   const std::string own = folder_of_checkpoint(checkpoint);
   const std::string folder = arguments.folder.empty() ? own : arguments.folder;
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
@@ -187,6 +206,8 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 }
 
 // Builds the model as far as it can be without moving it.
+// Fills the bed, since only stones know their smallest mass and number. Memory is that after the
+// first fill; contacts come later and add to it.
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
@@ -210,18 +231,22 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   return static_cast<int>(ExitCode::success);
 }
 
+// Of a model with all defaults, on any rank alone.
 int describe(const par::Comm& comm, const Arguments& arguments) {
   Model model;
   print(comm, input::describe(declaration_of(model), arguments.section));
   return static_cast<int>(ExitCode::success);
 }
 
+// For editors: a deck is then completed and checked while it is typed.
 int schema(const par::Comm& comm, const Arguments&) {
   Model model;
   print(comm, input::schema(declaration_of(model)));
   return static_cast<int>(ExitCode::success);
 }
 
+// Opening a checkpoint compares its seal and all checksums, so an answer also says that the file is
+// whole. Of results only attributes are read.
 int info(const par::Comm& comm, const Arguments& arguments) {
   if (!fs::exists(arguments.file)) throw InputError({arguments.file + ": does not exist"});
   const bool results = fs::path(arguments.file).filename() == "results.h5";

@@ -1,6 +1,10 @@
 // Both decks are compared as the text that `effective` writes: equal values have equal texts there
 // (numbers have 17 digits), and a stored deck need not be valid any more, e.g. because a table
 // beside it is gone.
+//
+// Compared are only parameters that the state depends on. Refusing any difference would be simpler,
+// but to go on with other loads, outputs or contact laws is what a start from a checkpoint is for.
+// A parameter that is not listed here is free to change.
 #include "app/compatible.hpp"
 
 #include <fmt/format.h>
@@ -91,6 +95,8 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;
+  // All differences in one list: a user who mends one and meets the next waits in a queue each
+  // time.
   for (const auto& [key, value] : all) {
     // Stones keep the number of their material: those there were must stay where they stood.
     const bool numbered =

@@ -14,6 +14,7 @@ namespace trackbed::app {
 enum class Aim { none, missed, reached };
 
 // What a finished stage left behind, for summary.json.
+// Numbers as double, so that a record is a row of a dataset.
 struct StageRecord {
   std::string name;
   double time = 0;      // s of simulated time at its end
@@ -28,6 +29,7 @@ struct StageRecord {
   double settlement = -1;       // m, largest of a sleeper in the last cycle; below 0: no cycles
 };
 
+// Small, and the same on all ranks. What of it the deck does not give is in the checkpoint.
 struct Course {
   std::size_t stage = 0;     // number in the deck
   bool begun = false;        // the stage is under way: its `begin` is done

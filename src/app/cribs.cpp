@@ -1,4 +1,7 @@
 // Digging and filling around sleepers.
+//
+// Crib boxes need not be exact: stones settle into them, and what lies above the profile is cut at
+// the end. What matters is that they do not overlap sleepers and leave no gap out.
 #include "app/cribs.hpp"
 
 #include <algorithm>
@@ -7,6 +10,8 @@ namespace trackbed::app {
 
 namespace {
 
+// Of the nodes: sleepers that have tilted have a larger box than they fill, and stones keep clear
+// of all of it.
 bed::Box box_around(const Surface& surface) {
   bed::Box box{surface.position[0], surface.position[0]};
   for (const Vec3& node : surface.position) {
@@ -19,6 +24,9 @@ bed::Box box_around(const Surface& surface) {
 }  // namespace
 
 // Sleepers stand in rising order of x.
+// A box per gap, from the end of one sleeper to the begin of the next, over the whole width; in
+// space two more beside the ends of each sleeper. The first and the last reach to the ends of the
+// bed. Empty boxes (sleepers that touch, or as long as the bed is wide) are dropped.
 std::vector<bed::Box> cribs(World& world, double top) {
   const dem::Domain& all = world.particles.domain();
   std::vector<bed::Box> boxes;
@@ -39,6 +47,9 @@ std::vector<bed::Box> cribs(World& world, double top) {
   return boxes;
 }
 
+// A stone goes if the ball around any of its pieces overlaps: exact for pebbles, wide for
+// polyhedra. The room this leaves beside a sleeper is what the stage `sleepers` presses shut. Each
+// rank decides on its own stones; ghosts follow.
 void dig_out_sleepers(World& world) {
   std::vector<Id> doomed;  // `remove` shows each stone by id: look the ids up first
   for (std::size_t i = 0; i < world.particles.size(); ++i) {
@@ -54,6 +65,7 @@ void dig_out_sleepers(World& world) {
   });
 }
 
+// By centres: what sticks out of the profile with half its body stays, as on a track.
 void cut_at(World& world, double top) {
   world.particles.remove([&](const dem::ParticleView& s) { return s.position.z() > top; });
 }

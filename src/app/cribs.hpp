@@ -9,6 +9,7 @@ namespace trackbed::app {
 
 // What is left of the bed between the sleepers (space: and beside their ends), from their lower
 // faces up to z = `top`. The sleepers are placed.
+// Same on all ranks: sleepers are.
 std::vector<bed::Box> cribs(World& world, double top);
 // Takes away stones that a sleeper overlaps. Collective.
 void dig_out_sleepers(World& world);

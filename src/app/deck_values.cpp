@@ -1,5 +1,7 @@
 // Not parsed as TOML again: a stored deck need not be valid any more, e.g. because a table beside
 // it is gone, and its text is of the plainest kind: no comments, no line breaks within values.
+//
+// Tables of the same name are numbered in the order they stand in, as the deck numbers them.
 #include "app/deck_values.hpp"
 
 #include <fmt/format.h>
@@ -14,6 +16,7 @@ Values values_of(const std::string& effective) {
   std::istringstream lines(effective);
   std::string line, section;
   while (std::getline(lines, line)) {
+    // Three kinds of line; anything else (blank lines) holds no value.
     if (line.starts_with("[[")) {
       const std::string name = line.substr(2, line.find(']') - 2);
       section = fmt::format("{}[{}].", name, elements[name]++);

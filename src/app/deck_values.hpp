@@ -10,6 +10,7 @@ using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 
 
 // `effective`: as `input::effective` writes it. "ground.layer" becomes "ground.layer[1]" if it is
 // the second such table. Equal values have equal texts (numbers have 17 digits).
+// Local, on a text that all ranks have.
 Values values_of(const std::string& effective);
 
 }  // namespace trackbed::app

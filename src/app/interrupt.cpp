@@ -1,4 +1,7 @@
 // A handler only notes that a signal came; the run looks at the note once per window.
+//
+// Anything more in a handler (a message, a file, an MPI call) may meet the program in the middle of
+// the same thing and is undefined.
 #include "app/interrupt.hpp"
 
 #include <csignal>

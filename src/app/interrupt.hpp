@@ -5,6 +5,7 @@
 namespace trackbed::app {
 
 void catch_interrupts();
+// Local: agreeing on it is the caller's.
 bool interrupted();  // on this rank
 
 }  // namespace trackbed::app

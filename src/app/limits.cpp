@@ -2,6 +2,10 @@
 // ground's elements (its own steps within a window) and the staggered coupling (window). The first
 // two are asked of the rooms; the third is ours. Nothing here depends on ranks or on the machine,
 // so a run has the same windows everywhere.
+//
+// Two kinds of function: estimates from the deck alone, which run while problems are still being
+// collected and so must stand any value, and exact ones, which ask the model. An estimate may only
+// refuse what is grossly wrong; the exact limit decides.
 #include "app/limits.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +29,7 @@ constexpr double rounding = 1e-9;  // relative, so that a given step equal to th
 // Sensible also for decks with problems: these functions run while problems are being collected.
 double positive(double value, double instead) { return value > 0 ? value : instead; }
 
+// Sieve sizes of a deck are in mm and rise.
 double sieve_low(const Model& model) {
   const auto& sieve = model.bed.sieve;
   return sieve.empty() ? 0.02 : positive(sieve.front(), 20) * 1e-3;
@@ -35,6 +40,7 @@ double sieve_high(const Model& model) {
   return sieve.empty() ? 0.06 : positive(sieve.back(), 60) * 1e-3;
 }
 
+// 2600 kg/m^3, as of rock, for decks whose material is not there.
 double density_of_stones(const Model& model) {
   const int number = model.material(model.bed.material);
   return positive(
@@ -42,6 +48,8 @@ double density_of_stones(const Model& model) {
 }
 
 // Stones of one size that lie side by side on a face of these extents, m.
+// Rounded up, at least one: more contacts mean a stiffer support and a shorter window, the safe
+// side.
 double contacts_on(const Model& model, double along, double across) {
   const auto row = [&](double extent) {
     return std::max(1.0, std::ceil(extent / sieve_low(model)));
@@ -54,6 +62,9 @@ double stiffest_contact(const Model& model, double size) {
   return positive(dem::stiffest_contact(model.physics, size / 2, model.dem.largest_overlap), 1e6);
 }
 
+//   window = 0.5 sqrt(m/(n k)) = 0.5/w,   w = sqrt(n k/m) rad/s
+// so that the load is late by half a radian of the fastest oscillation at most. (On delays in
+// staggered schemes: Felippa, Park, Farhat 2001, doi:10.1016/S0045-7825(00)00391-1.)
 CouplingLimit limit_of(const Model& model, const std::string& body, double mass, double contacts) {
   const double k = stiffest_contact(model, sieve_high(model));
   return {.window = 0.5 * std::sqrt(mass / (contacts * k)),
@@ -62,6 +73,9 @@ CouplingLimit limit_of(const Model& model, const std::string& body, double mass,
           .stiffness = k};
 }
 
+// A node in the middle of the top has an eighth of each of the four zones below it (a quarter of
+// two in a plane): half a zone's mass. The mean height of a zone and the lightest layer count: an
+// estimate, blocks left out.
 CouplingLimit limit_of_top(const Model& model) {
   const auto& ground = model.ground;
   double density = infinite;
@@ -87,6 +101,8 @@ CouplingLimit limit_of_top(const Model& model) {
 
 }  // namespace
 
+// The volume of a stone from its sieve size d: a disk or ball of diameter d, longer by 1/elongation
+// in the directions that a sieve does not feel.
 double rough_step_limit(const Model& model) {
   const double d = sieve_low(model);
   const double shape = 1 / std::clamp(model.bed.elongation, 0.1, 1.0);
@@ -97,6 +113,7 @@ double rough_step_limit(const Model& model) {
   return positive(model.dem.safety, 0.2) * std::sqrt(mass / stiffest_contact(model, d));
 }
 
+// The ground counts only when it moves: a ground held still has no motion to be late with.
 CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   CouplingLimit limit{.window = infinite};
   if (model.ground.present && ground_moves) limit = limit_of_top(model);
@@ -110,6 +127,7 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   return sleeper.window < limit.window ? sleeper : limit;
 }
 
+// For the log: a user must be able to check the limit by hand.
 std::string CouplingLimit::words() const {
   return fmt::format("{} on {:.0f} contact{} of {:.3g} N/m", body, contacts,
                      contacts > 1 ? "s" : "", stiffness);
@@ -117,6 +135,7 @@ std::string CouplingLimit::words() const {
 
 namespace {
 
+// A step that is asked for and is too long is refused, never shortened in silence.
 void require_stable(const Model& model, const input::Deck& deck, double limit,
                     const std::string& words) {
   if (model.time.step > limit * (1 + rounding))
@@ -126,6 +145,8 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
 
 }  // namespace
 
+// Stones that are there already (a start from a checkpoint) are not known from the deck; their
+// limit is met in `choose_steps`.
 void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
   const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
   if (!fills && !model.has_stage(StageKind::cribs)) return;
@@ -140,6 +161,9 @@ void require_stones(const par::Comm& comm, const Model& model, const input::Deck
   require_stable(model, deck, limit, words);
 }
 
+// The chain: sub-step from the stones (or given), window from the sub-steps wanted, cut by the
+// coupling (or given), then as many sub-steps as fill the window. The last rounding shortens the
+// sub-step and never lengthens it.
 Steps choose_steps(const World& world, const Model& model, const Stage& stage,
                    const input::Deck& deck) {
   std::string dem_words, ground_words;

@@ -12,6 +12,8 @@ struct World;
 
 // Estimate of the stable sub-step, s: safety * sqrt(m/k) of a stone of the smallest sieve. Without
 // the stones' shapes known to within a factor of 1.5.
+// A contact of mass m and stiffness k is an oscillator that central differences follow up to 2
+// sqrt(m/k); several contacts at once and rotation take most of the 2, the safety factor the rest.
 double rough_step_limit(const Model& model);
 
 // What the largest window of the staggered coupling follows from: 0.5 sqrt(m/(n k)) of the body for
@@ -29,6 +31,7 @@ struct CouplingLimit {
 };
 CouplingLimit coupling_limit(const Model& model, bool ground_moves);
 
+// A window is `substeps` sub-steps of equal length, each at most the stable one.
 struct Steps {
   double window = 0;  // s
   int substeps = 1;

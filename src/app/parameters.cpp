@@ -1,5 +1,9 @@
 // All parameters of a deck that no single room owns, and which steps are grossly unstable. Rooms
 // declare their own sections; the order here is the order of docs/input.md.
+//
+// A parameter stands here once: variable, unit, bounds and sentence; reader, reference, schema and
+// effective input all follow from it. Bounds are what the program can compute; `usually` is what a
+// railway has, and beyond it a unit has most likely been mistaken.
 #include "app/parameters.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +15,8 @@
 
 namespace trackbed::app {
 
+// One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
+// end say what a kind cannot do without.
 void Stage::declare(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
   s.choice("kind", kind,
@@ -56,6 +62,7 @@ void Stage::declare(input::Section& s) {
   s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
 }
 
+// Zeros mean "chosen": most decks should say nothing here.
 void TimeParameters::declare(input::Section& s) {
   s.number("window", window, {.unit = "s", .at_least = 0},
            "Length of a time window of the coupling; 0: as many sub-steps as `substeps` says, or "
@@ -91,6 +98,7 @@ void Output::declare(input::Section& s) {
             "checkpoint is written and the run stops; 0: no limit.");
 }
 
+// The rough limits follow when all they depend on has been read, so `time` is declared last.
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
@@ -117,6 +125,7 @@ void Model::declare(input::Section& s) {
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
+  // Sleepers have their density from their material; the coupling limit below needs their mass.
   if (const int number = material(sleepers.material); number >= 0)
     sleepers.density = physics.materials[static_cast<std::size_t>(number)].density;
   time.rough_step = rough_step_limit(*this);
@@ -135,6 +144,8 @@ bool Model::has_stage(StageKind kind) const {
 
 // The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is room for
 // the ground to sink.
+// A stone that leaves the box in z is lost and stops the run: so the box is generous. In a plane
+// model y has just the thickness.
 dem::Domain Model::domain() const {
   dem::Domain domain;
   domain.dimension = dimension;

@@ -35,6 +35,7 @@ struct Stage {
   void declare(input::Section& s);
 };
 
+// None of these changes the motion: a run may be resumed with others.
 struct Output {
   double history_interval = 5e-4;    // s of simulated time between history rows
   bool fields = false;               // write fields for ParaView at the end of each stage
@@ -56,6 +57,7 @@ struct TimeParameters {
   void declare(input::Section& s);
 };
 
+// Read once, then constant: what a run changes lives in World and Course.
 struct Model {
   std::string title;
   Dimension dimension = Dimension::plane;

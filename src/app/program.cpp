@@ -26,6 +26,8 @@ namespace {
 using Command = std::function<int(const par::Comm&, const Arguments&)>;
 
 // What follows `--` is for PETSc and is hidden from CLI11.
+// Before CLI11 sees the words: PETSc's options have one dash and would be taken for bundled
+// letters.
 std::vector<std::string> split_off_petsc(int& argc, char** argv) {
   std::vector<std::string> petsc;
   for (int i = 1; i < argc; ++i)
@@ -36,6 +38,7 @@ std::vector<std::string> split_off_petsc(int& argc, char** argv) {
   return petsc;
 }
 
+// Ranges are those the geometry can make; beyond them it would throw with less helpful words.
 void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("file", shapes.files, "Decks (.toml), libraries (.h5), meshes (.stl .ply .obj)");
   sub->add_option("--stones", shapes.stones, "So many parametric stones, extent 1 m")
@@ -107,12 +110,14 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
 }
 
 // Prints on rank 0 alone what all ranks know.
+// The same text on all ranks is one text.
 int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
   if (comm.root()) fmt::print(stderr, "{}\n", text);
   return static_cast<int>(code);
 }
 
 // --help and --version are errors to CLI11, with exit code 0.
+// CLI11 prints in `exit`: on rank 0 only.
 int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
   if (!comm.root()) return error.get_exit_code() == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
   return line.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
@@ -120,6 +125,8 @@ int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseErr
 
 }  // namespace
 
+// The catches are in the order of who knows most: an InputError is the user's to mend, a RunError
+// the run's, all else is unexpected. An exit code of its own for each lets scripts tell them apart.
 int program(const par::Comm& comm, int argc, char** argv) {
   const std::vector<std::string> petsc_options = split_off_petsc(argc, argv);
   CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");

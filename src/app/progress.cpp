@@ -13,6 +13,7 @@ namespace {
 // A line costs sums over all contacts: by wall time they stay negligible however fast windows are.
 constexpr double seconds_between_lines = 5;
 
+// To be called on all ranks, though only rank 0 prints: the arguments may be sums over ranks.
 template <class... Args>
 void say(const par::Comm& comm, fmt::format_string<Args...> text, Args&&... args) {
   if (!comm.root()) return;
@@ -30,6 +31,7 @@ std::string clock_words(double seconds) {
 
 // Simulated time still to come, as far as durations are given.
 // Stages may end early, passages without a duration count 0: a guess, for a person.
+// Good enough to decide whether to wait or to go home.
 double remaining(const Course& course, const Model& model) {
   double time =
       static_cast<double>(course.clock.windows() - course.clock.window()) * course.clock.dt();
@@ -56,6 +58,7 @@ double Progress::wall_time() const {
 
 bool Progress::due() const { return wall_time() - last_line_ > seconds_between_lines; }
 
+// What a user checks first: is this the model that was meant?
 void Progress::start(World& world, const Model& model, const std::string& name) {
   say(comm_, "trackbed: {} on {} rank{}{}{}\n", name, comm_.size(), comm_.size() > 1 ? "s" : "",
       model.title.empty() ? "" : ": ", model.title);
@@ -73,6 +76,7 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
         model.load.speed * 3.6, model.load.axles.size());
 }
 
+// Memory of the fullest rank, since that one fails first.
 void Progress::stage_begins(const Stage& stage, const Course& course, World& world) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm_.max(megabytes(world.memory()));
@@ -104,6 +108,8 @@ void Progress::line(const Course& course, const Model& model, const World& world
   last_line_ = wall, last_time_ = course.clock.time();
 }
 
+// A stage that ran out of time goes on to the next, with a warning: whether the bed is good enough
+// is the user's to judge, and the checkpoint of the stage is there.
 void Progress::stage_ends(const StageRecord& record, const std::string& shortfall) {
   say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3{}, {:.1f} s of wall time\n",
       record.name, record.time, record.bulk_density,

@@ -1,5 +1,8 @@
 // Results are known by their names (docs/running.md lists them): a damaged or half-written file is
 // one too, and a reader must never meet files of two runs in one folder.
+//
+// Removing is asked for (--force), never guessed. Only files that trackbed writes are ever removed,
+// by name, and only in the folder itself and its `fields`; notes and scripts of a user stay.
 #include "app/result_folder.hpp"
 
 #include <fmt/format.h>
@@ -58,6 +61,7 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return found;
 }
 
+// Compared element by element of whole paths, so that "run1" is no part of "run10".
 bool lies_in(const fs::path& path, const fs::path& folder) {
   const fs::path home = fs::canonical(folder), place = fs::weakly_canonical(path);
   return std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first == home.end();
@@ -70,6 +74,8 @@ bool start_lies_in(const fs::path& start, const fs::path& folder) {
 }
 
 // Why the run must not go on, or nothing. On rank 0.
+// In this order: a folder that is none, a start that would be removed, results in the way. Each
+// sentence says what to do instead.
 std::string objection(const std::string& folder, const std::vector<fs::path>& old,
                       OldResults old_results, const std::string& start) {
   if (fs::exists(folder) && !fs::is_directory(folder))
@@ -100,6 +106,7 @@ std::string removed(const std::vector<fs::path>& files) {
 
 }  // namespace
 
+// An error is input, not trouble: another -o mends it.
 void make_folder(const par::Comm& comm, const std::string& folder) {
   std::error_code error;
   if (comm.root()) fs::create_directories(folder, error);

@@ -1,6 +1,10 @@
 // Rules that tie rooms together: which stages need which, which materials exist and meet, and
 // whether bed, ground, sleepers and train lie where they can act on each other. Errors are what
 // cannot be meant; what is legitimate but odd is a warning.
+//
+// Each rule names the parameters it reads: it is judged only if all of them were read without a
+// problem, so that one slip gives one sentence. Bounds of a single parameter stand where it is
+// declared.
 #include "app/rules.hpp"
 
 #include <fmt/format.h>
@@ -22,6 +26,7 @@ bool names_are_unique(const std::vector<Stage>& stages) {
 }
 
 // What stages build on each other; a start from a checkpoint may have done the earlier ones.
+// Checkpoints, overrides and a start find stages by name.
 void declare_stages(const Model& model, input::Section& s) {
   const auto& stages = model.stages;
   const input::About about{.reads = {"stage", "start"}};
@@ -47,6 +52,7 @@ void declare_stages(const Model& model, input::Section& s) {
 }
 
 // Walls at sides that are not periodic, a floor without ground, the platen: one material.
+// A platen and a floor are walls too: they take their material from the same parameter.
 bool uses_walls(const Model& model) {
   const bool open =
       !model.periodic_in("x") || (model.dimension == Dimension::space && !model.periodic_in("y"));
@@ -54,6 +60,8 @@ bool uses_walls(const Model& model) {
 }
 
 // Materials that the parts of the model are made of exist, and those that meet have a law.
+// Parts count only if the model has them: a deck without ground need not say what its surface is
+// made of.
 void declare_materials(const Model& model, input::Section& s) {
   std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
   if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
@@ -84,6 +92,7 @@ void declare_materials(const Model& model, input::Section& s) {
            {.weight = input::Weight::warning, .reads = {"material", "bed", "sleepers"}});
 }
 
+// Ranges that are not pairs are another rule's sentence.
 bool is_within(const std::vector<double>& inner, const std::vector<double>& outer) {
   return inner.size() != 2 || outer.size() != 2 ||
          (inner[0] >= outer[0] - rounding && inner[1] <= outer[1] + rounding);
@@ -104,6 +113,7 @@ void declare_ground_below(const Model& model, input::Section& s) {
   if (model.dimension == Dimension::space) below("y", model.bed.y, model.ground.y);
 }
 
+// m, centre of the sleeper furthest along x.
 double last_sleeper(const track::SleeperParameters& p) {
   return p.first + static_cast<double>(p.count - 1) * p.spacing;
 }
@@ -142,6 +152,8 @@ void declare_sleepers(const Model& model, input::Section& s) {
 
 // Where the axles are at the ends of a passage, against the sleepers. A table of loads has its own
 // times and no axles.
+// Axles move along +x: axle k is at start - behind_k + speed t. It loads a sleeper when it stands
+// above it; a passage in which none does would compute the bed at rest for a whole train's time.
 void declare_passage(const Model& model, std::size_t number, input::Section& s) {
   const auto& load = model.load;
   const auto& sleepers = model.sleepers;
@@ -165,6 +177,7 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
   const std::vector<std::string> reads = {"load", "sleepers", duration};
   const std::string where =
       fmt::format("sleepers stand from x = {:g} to {:g} m", sleepers.first, last);
+  // Which parameter is to blame: a start beyond the track cannot be mended by more time.
   const bool too_late = load.start - rear > last;
   s.rule(too_late ? "load.start" : duration, passes,
          too_late
@@ -186,6 +199,7 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
          {.weight = input::Weight::warning, .reads = reads});
 }
 
+// Decks whose axles or sleepers are missing have been told so elsewhere.
 void declare_passages(const Model& model, input::Section& s) {
   const auto& load = model.load;
   if (load.kind == track::SeatLoadKind::table || load.axles.empty() || model.sleepers.count < 1)

@@ -1,4 +1,8 @@
 // Cycles are counted in whole windows with integers, so that a resumed run finds the same ends.
+//
+// The measure is a loss of height over whole cycles, so that what springs back within a cycle does
+// not count. It is the worst sleeper's: a mean would hide a single one that hangs. Tilting about
+// the centre does not count.
 #include "app/settlement.hpp"
 
 #include <algorithm>
@@ -26,6 +30,8 @@ void Settlement::end() {
   last_ = -1;
 }
 
+// After w of n windows floor(w cycles/n) cycles are over: exact in integers, also where a cycle is
+// no whole number of windows.
 void Settlement::watch(std::int64_t cycles, const Clock& clock, const track::Sleepers& sleepers) {
   const auto cycle = [&](std::int64_t window) { return window * cycles / clock.windows(); };
   if (cycle(clock.window()) == cycle(clock.window() - 1)) return;
@@ -45,6 +51,7 @@ void Settlement::save(io::File& file, const par::Comm& comm) const {
                       "of each when the present cycle began"});
 }
 
+// A stage without cycles has written nothing: then there is nothing to go on with.
 void Settlement::load(const io::File& file) {
   end();
   if (!file.has("run/settlement")) return;

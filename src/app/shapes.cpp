@@ -1,3 +1,5 @@
+// A shape is looked at before it is used: measures that go into papers, notes on how near a scan
+// was met, and a picture of what contacts see, rounding included.
 #include "app/shapes.hpp"
 
 #include <fmt/format.h>
@@ -18,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using bed::NamedShape;
 
+// The templates a bed of this deck would be made of, drawn from the same seed. The deck's dimension
+// decides how the table reads; of several decks the last.
 std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string& file,
                                        Dimension& dimension) {
   const input::Deck deck = input::Deck::read(comm, file, {});
@@ -36,6 +40,8 @@ void append(std::vector<NamedShape>& shapes, std::vector<NamedShape> more) {
 }
 
 // Surface of what the pieces cover, and the box around it in principal axes.
+// Corners and faces are those of the cores. Overlapping pieces have no closed form of their common
+// surface: it is then counted by lines, to about a per cent.
 struct Measures {
   double area = 0;
   Vec3 extents = Vec3::Zero();
@@ -59,6 +65,7 @@ Measures measures_of(const dem::Template& shape) {
   return m;
 }
 
+// Units a person reads: cm^3 (cm^2 for a plane stone), mm.
 std::string row(const NamedShape& named, Dimension dimension) {
   const dem::Template& shape = named.shape;
   const Measures m = measures_of(shape);
@@ -90,6 +97,8 @@ std::string table(const std::vector<NamedShape>& shapes, Dimension dimension) {
 }
 
 // Side by side along x, in rows along y; an object per shape, a group per piece (OBJ).
+// Numbers of vertices run through the whole file and begin at 1, as the format has it. The pitch is
+// that of the largest shape.
 void write_picture(const std::string& file, const std::vector<NamedShape>& shapes) {
   std::ofstream picture(file);
   double pitch = 0;
@@ -118,6 +127,8 @@ void write_picture(const std::string& file, const std::vector<NamedShape>& shape
 
 }  // namespace
 
+// Collective. Input is checked before anything is written; a picture that cannot be written is a
+// RunError on all ranks.
 int shapes(const par::Comm& comm, const ShapeArguments& arguments) {
   std::vector<NamedShape> all;
   Dimension dimension = Dimension::space;

@@ -10,6 +10,7 @@
 
 namespace trackbed::app {
 
+// Defaults are those of parametric stones in decks.
 struct ShapeArguments {
   std::vector<std::string> files;  // decks, libraries, meshes
   std::int64_t stones = 0;         // parametric ones

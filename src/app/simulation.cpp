@@ -2,6 +2,9 @@
 // what is around it in `run_stages`; both are to stay as short as they are. One agreement per
 // window covers trouble on any rank, signals, the wall-time limit and reports, and costs one
 // reduction.
+//
+// Errors known on one rank only wait for this agreement: until then the rank goes on with what it
+// has, so that no rank ever waits in a collective call for one that has left.
 #include "app/simulation.hpp"
 
 #include <fmt/format.h>
@@ -19,9 +22,11 @@ namespace trackbed::app {
 
 namespace {
 
+// The check is a reduction, and work moves between ranks only as stones do.
 constexpr std::int64_t windows_between_balance_checks = 100;
 
 // Rounded up, so that a stage is never shorter than asked; the margin keeps 0.3/0.1 at 3.
+// At least one: a stage of no windows would never be begun and ended in order.
 std::int64_t whole_windows(double duration, double window) {
   return std::max<std::int64_t>(1, std::llround(std::ceil(duration / window * (1 - 1e-9))));
 }
@@ -46,6 +51,9 @@ Simulation::Simulation(const par::Comm& comm, const Model& model, const input::D
 // stones' mean forces of the last window, then the stones follow their linear motion.
 // Not iterated: each iteration would cost a whole window of stones; what the delay of the load does
 // instead is bounded by coupling_limit.
+// (Serial staggered scheme: Felippa, Park, Farhat 2001, doi:10.1016/S0045-7825(00)00391-1.) The
+// order is track, ground, stones; within a window neither of the first two sees the other, only the
+// stones' mean forces, so their order does not matter.
 void Simulation::window() {
   const double dt = course_.clock.dt();
   move_sleepers(dt);
@@ -56,6 +64,8 @@ void Simulation::window() {
 }
 
 // Loads are taken at mid-window: second order in the window for a load that varies smoothly.
+// The stones' reaction is the mean of the last window, N: first order in the window, and what the
+// coupling limit is about. Local: every rank moves all sleepers alike.
 void Simulation::move_sleepers(double dt) {
   if (!world_.sleepers || !world_.sleepers->placed()) return;
   const auto timing = timers_.scope(Verb::track);
@@ -65,6 +75,8 @@ void Simulation::move_sleepers(double dt) {
 }
 
 // In the compact stage the servo decides, in the release stage the deck.
+// Release: the speed is given, so the reaction of the bed does nothing. In the first window there
+// is no last motion yet to carry out.
 void Simulation::press_platen(double dt) {
   if (!world_.platen) return;
   if (stage().kind == StageKind::release)
@@ -74,6 +86,8 @@ void Simulation::press_platen(double dt) {
 }
 
 // A ground that is held still keeps its shape but still collects the load of the bed.
+// The position at the begin of the window plus the motion in it is where the nodes are: the first
+// window of rest has to take over the last motion.
 void Simulation::move_ground(double dt) {
   if (!world_.ground) return;
   const auto timing = timers_.scope(Verb::ground);
@@ -90,6 +104,8 @@ void Simulation::move_ground(double dt) {
 }
 
 // Scopes are narrow so that waiting for surfaces is booked under coupling, not under dem.
+// The stones' own account of what they gave to surfaces goes along: force, moment and work of both
+// sides are compared (docs/glossary.md, balance).
 void Simulation::move_stones(double dt) {
   {
     const auto timing = timers_.scope(Verb::coupling);
@@ -105,6 +121,9 @@ void Simulation::move_stones(double dt) {
 }
 
 // Exponential mean, so that it costs one number per node and needs no history.
+//   s += (dt/T) (f - s),   T = settle_average, s
+// with f the force of this window, N. A window longer than T takes the last force as it is. Own
+// nodes only: forces are valid there.
 void Simulation::average_support(double dt) {
   if (!world_.ground || world_.ground_settled) return;
   const auto timing = timers_.scope(Verb::coupling);
@@ -117,6 +136,7 @@ void Simulation::average_support(double dt) {
 }
 
 // Errors leave with the words a user needs to go on: when, where, and from which checkpoint.
+// Without a checkpoint the sentence says so: a user then need not look for one.
 Outcome Simulation::run() {
   try {
     const Outcome outcome = run_stages();
@@ -131,9 +151,13 @@ Outcome Simulation::run() {
 }
 
 // A resumed run enters a stage that has begun, and so skips `begin_stage`; nothing else differs.
+// Everything a stage does besides windows is in `begin_stage` and `end_stage`. The row of a window,
+// its line and its checkpoint come after the agreement: they are collective, and in a run in
+// trouble ranks must not part there.
 Outcome Simulation::run_stages() {
   catch_interrupts();
   progress_.start(world_, model_, name_);
+  // Where sleepers stand or are going to stand: their number is the width of their histories.
   std::vector<double> sleeper_x;
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
     sleeper_x.push_back(world_.sleepers->x(i));
@@ -157,12 +181,14 @@ Outcome Simulation::run_stages() {
     }
     end_stage();
   }
+  // The loop left it one beyond the end, where there is no stage to name.
   course_.stage = model_.stages.size() - 1;
   write_summary(true);
   return Outcome::finished;
 }
 
 // Asked again for the same window by a run that resumes there: must depend on state alone.
+// Collective, since `settled` is.
 bool Simulation::runs() const {
   return course_.clock.runs() && !actions_.settled(stage(), course_.clock);
 }
@@ -177,6 +203,7 @@ bool Simulation::is_last_passage() const {
 
 // The clock of a stage counts its windows from 0, so that stages of different windows follow each
 // other without rounding.
+// Steps are chosen after the stage's own stones and bodies are there: they are what limits them.
 void Simulation::begin_stage() {
   const double time = course_.clock.time();
   actions_.begin(stage());
@@ -189,10 +216,13 @@ void Simulation::begin_stage() {
   measured_ = measure_from(stage().name, timers_, world_);
   stage_begin_ = progress_.wall_time();
   progress_.stage_begins(stage(), course_, world_);
+  // A row at the very begin, to which envelopes and figures are relative.
   sample();
 }
 
 // The checkpoint comes last: it holds the state after the end of the stage.
+// A run that is resumed from it begins with the next stage. `actions_.end` may take stones away
+// (cribs), so what describes the stage itself is written before it.
 void Simulation::end_stage() {
   {
     const auto timing = timers_.scope(Verb::output);
@@ -218,6 +248,7 @@ void Simulation::end_stage() {
 }
 
 // The one agreement of a window: trouble anywhere, a wish to stop, a report due.
+// Signals may reach any rank; time is asked on rank 0 alone, since clocks of nodes differ.
 Simulation::Verdict Simulation::agree() {
   std::string problem = world_.particles.trouble();
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
@@ -237,6 +268,7 @@ Simulation::Verdict Simulation::agree() {
   return verdict;
 }
 
+// Collective.
 void Simulation::write_summary(bool finished) {
   app::write_summary({.deck = name_,
                       .folder = folder_,
@@ -249,6 +281,7 @@ void Simulation::write_summary(bool finished) {
 }
 
 // Counted in whole windows of the stage, so that it needs no state and does not drift.
+// A resumed run therefore writes in the same windows.
 bool Simulation::every(double interval) const {
   if (interval <= 0) return false;
   const auto windows = std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
@@ -256,6 +289,7 @@ bool Simulation::every(double interval) const {
 }
 
 // Rows, pictures, and the balance of work over ranks; none of them changes a result.
+// Collective. A new split of the stones changes who computes what, not a bit of it.
 void Simulation::observe() {
   if (every(model_.output.history_interval)) sample();
   if (model_.output.fields && every(model_.output.fields_interval)) {
@@ -267,6 +301,7 @@ void Simulation::observe() {
   if (course_.windows % windows_between_balance_checks == 0) world_.rebalance();
 }
 
+// The seat force of a row is the one that moved the sleepers in the window before it. Collective.
 void Simulation::sample() {
   const auto timing = timers_.scope(Verb::observe);
   results_.sample(world_.scene(), {.time = course_.clock.time(),
@@ -274,6 +309,8 @@ void Simulation::sample() {
                                    .seat_force = seat_force_});
 }
 
+// At most two of a run's own are kept. Those of a run that was stopped and resumed are not known
+// here and stay.
 void Simulation::checkpoint_if_due() {
   if (!every(model_.output.checkpoint_interval)) return;
   const std::string name = fmt::format("checkpoint_{:010d}.h5", course_.windows);

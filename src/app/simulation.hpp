@@ -22,6 +22,7 @@ std::string folder_of_checkpoint(const std::string& checkpoint);
 class Simulation {
  public:
   // `name`: of the deck, for reports. Results go into `folder`. Collective, as all below.
+  // Builds the model, which may take most of the memory of the run.
   Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
              const std::string& name, const std::string& folder);
 
@@ -32,6 +33,7 @@ class Simulation {
   Outcome run();
 
  private:
+  // In rising weight: the largest over all ranks is what happens.
   enum class Verdict : std::int64_t { go_on, report, stop, trouble };
 
   void window();

@@ -1,3 +1,7 @@
+// Each parameter acts at some time: when stones are made, when a stage begins, in every window. The
+// rules below say until when, for the few that have a last time; all others are never spent. A
+// sentence is better than silence: a user who changes the grading of a bed that stands already
+// would find the new one in the results' deck.
 #include "app/spent.hpp"
 
 #include <fmt/format.h>
@@ -29,6 +33,8 @@ bool is_to_come(const Model& model, std::size_t from, std::initializer_list<Stag
 }
 
 // What a stage looks at only when it begins.
+// Loads, damping and friction are not among them: they act in every window, and `resume` sets them
+// again.
 bool acts_at_begin(std::string_view name, StageKind kind) {
   static constexpr std::array names = {"name",   "kind",   "duration",
                                        "cycles", "height", "ground_moves"};
@@ -37,6 +43,8 @@ bool acts_at_begin(std::string_view name, StageKind kind) {
 }
 
 // Why another value of `key` does not act any more, or nothing.
+// Stages of another run are matched by name and not by number, so nothing can be said about them by
+// number.
 std::string why_spent(std::string_view key, const Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key.starts_with("bed."))
@@ -56,6 +64,7 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
              : "";
 }
 
+// A ground is in the checkpoint once it has moved.
 Position position_of(const io::File& checkpoint, const std::string& path, const Model& model,
                      const input::Deck& deck, GoesOn goes_on) {
   const bool begun = checkpoint.integer_attribute("/", "stage_finished") == 0;

@@ -1,5 +1,8 @@
 // The kinds of stages. What a stage does in a window follows from the deck, the clock and the
 // model; the settlement of sleepers from cycle to cycle is all the state it has of its own.
+//
+// Kinds are told apart by `if` on the few things that differ. A class per kind would spread begin,
+// watch and end of nine kinds over nine files, of which most would be empty.
 #include "app/stages.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +22,7 @@ constexpr std::int64_t windows_between_checks = 250;
 
 // Of the load stage, between 0 and 1: ramp, hold, ramp; or (1 - cos)/2 cycles.
 // A cycle begins and ends at zero with zero slope; a ramp never takes more than half the stage.
+// (1 - cos)/2 is a haversine, a usual pulse of laboratory tests.
 double load_shape(const Stage& stage, double time) {
   if (stage.cycles > 0) {
     const double turns = static_cast<double>(stage.cycles) * time / stage.duration;
@@ -34,6 +38,7 @@ bool has_cycles(const Stage& stage) {
   return loaded && stage.cycles > 0;
 }
 
+// Under load the criterion would stop a stage in a moment of rest between axles or cycles.
 bool looks_for_rest(const Stage& stage) {
   const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
   return stage.until_ratio > 0 && !loaded;
@@ -41,6 +46,8 @@ bool looks_for_rest(const Stage& stage) {
 
 // Stones at rest above the sub-level: enough contacts and forces in balance. The share of contacts
 // keeps stones that still fall freely (no forces at all) from counting as balanced.
+// More contacts than stones: a pile in equilibrium has on average more than two contacts each, so
+// at least as many contacts as stones.
 bool at_rest(const dem::Totals& totals, double ratio) {
   return totals.contacts > totals.particles && totals.unbalanced < ratio;
 }
@@ -52,6 +59,8 @@ StageActions::StageActions(World& world, const Model& model)
 
 // The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
 // it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
+// Collective. Order: damping and friction, then bodies that go, bodies that come, then the ground,
+// and `meet` last.
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
@@ -84,6 +93,8 @@ void StageActions::place_sleepers(const Stage& stage) {
 }
 
 // More than fits, since loose stones need more room than the porosity says: `end` cuts the heaps.
+// Stones fall from above all that is there, also from above the sleepers, so that none begins
+// within another.
 void StageActions::fill_cribs(const Stage& stage) {
   // Not where their last window began: a run that starts from a checkpoint knows no window before.
   world_.sleepers->show_at_rest();
@@ -93,6 +104,7 @@ void StageActions::fill_cribs(const Stage& stage) {
   if (1.1 * height > world_.wall_height) world_.raise_walls(1.1 * height);
 }
 
+// Heights are looked at when a cycle ends: the rest of the windows cost nothing.
 void StageActions::watch(const Stage& stage, const Clock& clock) {
   if (has_cycles(stage)) settlement_.watch(stage.cycles, clock, *world_.sleepers);
 }
@@ -105,6 +117,9 @@ double StageActions::duration(const Stage& stage) const {
   return once * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
 }
 
+// Constant force, then what the kind adds. Trains of a passage are the same train again and again:
+// time starts anew with each. The sleepers' own x counts, not the deck's, so that a sleeper that
+// was placed elsewhere is loaded where it is.
 std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
   if (stage.kind == StageKind::passage && stage.cycles > 1)
     time = std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));
@@ -116,6 +131,8 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   return forces;
 }
 
+// In order: pressure reached, settlement small enough, stones at rest. The last is looked for at
+// windows counted from the stage's begin, so that a resumed run looks at the same ones.
 bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
   if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
@@ -125,6 +142,7 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   return at_rest(world_.particles.totals(), stage.until_ratio);
 }
 
+// Three answers: nothing (the kind has no aim), an empty sentence (reached), what is missing.
 std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (stage.kind == StageKind::compact) return world_.platen->shortfall();
   if (has_cycles(stage) && stage.settlement > 0) {
@@ -141,6 +159,8 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
 
 // What is left when a packing stage is over: stones at rest, the platen only where the next stage
 // wants it, the materials' own damping.
+// Stones are stopped, so that the next stage begins at rest whatever this one left. Damping and
+// friction below 0: those of the materials again.
 void StageActions::end(const Stage& stage) {
   if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();

@@ -12,6 +12,7 @@
 
 namespace trackbed::app {
 
+// Holds references: world and model must outlive it.
 class StageActions {
  public:
   // Throws InputError for a bad seat load table.

@@ -1,5 +1,8 @@
 // The names of these figures are a contract (docs/running.md). Speeds are particles (elements)
 // times steps over the largest wall time of any rank, per rank, of the last stage.
+//
+// All sums are collective, so every rank computes the figures and rank 0 writes them. Names carry
+// their unit; a figure that has no meaning in a run is 0 or left out, never a word.
 #include "app/summary.hpp"
 
 #include <fmt/format.h>
@@ -33,6 +36,7 @@ double cpu_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
   const par::Comm& comm = run.world.comm;
+  // The slowest rank: the others wait for it.
   const double seconds = comm.max(run.timers.seconds(Verb::dem) - run.measured.dem_seconds);
   const double own = run.timers.seconds(Verb::dem) - run.measured.dem_seconds;
   const double neighbours = run.timers.seconds(Verb::neighbours) - run.measured.neighbour_seconds;
@@ -45,6 +49,7 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
   const std::int64_t steps = run.world.particles.steps() - run.measured.dem_steps;
   // From the begin of the last stage: packing at the start would hide the speed of what matters.
   const double done = particles * static_cast<double>(steps);
+  // A contact is counted once and belongs to two stones: hence the 2.
   return {{"particles", totals.particles},
           {"pieces", totals.pieces},
           {"steps", run.world.particles.steps()},
@@ -119,6 +124,7 @@ Json stage_list(const Course& course) {
 }
 
 // Largest over mean of the ranks' work on stones (waiting for neighbours not counted).
+// 1 is even. The halo is left out: who waits there has less work, not more.
 double imbalance(const SummaryOf& run) {
   const par::Comm& comm = run.world.comm;
   const double work = run.timers.seconds(Verb::dem) - run.timers.seconds(Verb::halo);
@@ -127,6 +133,7 @@ double imbalance(const SummaryOf& run) {
 
 }  // namespace
 
+// Local: differences are summed over ranks when the figures are made.
 Measured measure_from(const std::string& stage, const Timers& timers, const World& world) {
   Measured measured{.stage = stage,
                     .dem_seconds = timers.seconds(Verb::dem),
@@ -142,6 +149,10 @@ Measured measure_from(const std::string& stage, const Timers& timers, const Worl
   return measured;
 }
 
+// Bulk density, kg/m^3: mass over the volume of an even layer with the same mean height, m,
+//   rho = m/(L B 2 (z_mean - z_ground)),
+// with L and B of the domain. Exact for an even layer alone: a measure to compare stages by.
+// Collective.
 StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
                       const World& world) {
   const dem::Totals totals = world.particles.totals();
@@ -165,6 +176,7 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
           .platen_pressure = pressed ? world.platen->pressure() : -1};
 }
 
+// Written whole at the end, also of a run that was stopped: `finished` tells them apart.
 void write_summary(const SummaryOf& run) {
   const par::Comm& comm = run.world.comm;
   const dem::Totals totals = run.world.particles.totals();
@@ -194,6 +206,7 @@ void write_summary(const SummaryOf& run) {
   if (comm.root()) {
     std::ofstream file(run.folder + "/summary.json");
     file << json.dump(2) << "\n";
+    // A full disk may show only when the file is closed.
     file.close();
     if (!file) problem = "cannot write " + run.folder + "/summary.json";
   }

@@ -10,11 +10,13 @@
 
 namespace trackbed::app {
 
+// Where the speed figures begin to count. Local.
 Measured measure_from(const std::string& stage, const Timers& timers, const World& world);
 // Collective.
 StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
                       const World& world);
 
+// References: for the moment of writing only.
 struct SummaryOf {
   const std::string& deck;
   const std::string& folder;

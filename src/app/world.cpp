@@ -35,6 +35,9 @@ World::World(const par::Comm& world, const Model& deck)
                      model.material(model.sleepers.material));
 }
 
+// Whatever changes surfaces ends here, so that stones, coupler and numbers never disagree. Costs a
+// new split of the stones and a new connection of the coupler, so it is for stages, not for
+// windows.
 void World::meet() {
   // By name, since numbers change: the ground goes on under the load it had, and a new surface
   // begins without one.
@@ -72,6 +75,7 @@ void World::connect() {
   coupler.connect([&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
 }
 
+// Higher walls replace lower ones in place: surfaces are known by address.
 void World::raise_walls(double height) {
   wall_height = height;
   std::vector<Surface> higher =
@@ -80,6 +84,7 @@ void World::raise_walls(double height) {
   std::move(higher.begin(), higher.end(), walls.begin());
 }
 
+// At rest, its lower face at height z, m.
 void World::place_platen(double z) {
   platen.emplace(model.platen, model.domain(), model.material(model.wall_material));
   platen->place(z);
@@ -97,6 +102,7 @@ void World::take_platen_away() {
   meet();
 }
 
+// Minus infinity without stones. Of polyhedra the balls around pieces count: never too low.
 double World::top_of_stones() const {
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < particles.size(); ++i)
@@ -106,6 +112,8 @@ double World::top_of_stones() const {
 }
 
 // Of the nodes' motion, so that it is exactly 0 on a ground that never moved.
+// The sum over ranks depends on their number in its last bits: for figures only, no result goes
+// back into the motion.
 double World::mean_ground_level() const {
   if (!ground) return 0;
   double sum = 0;
@@ -151,6 +159,7 @@ std::vector<World::Means> World::means() const {
   return all;
 }
 
+// A surface that is new, or has another number of nodes, begins without load.
 void World::set_means(const std::vector<Means>& means) {
   for (const Touched& touched : touched_)
     for (const Means& kept : means)

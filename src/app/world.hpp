@@ -14,6 +14,8 @@
 
 namespace trackbed::app {
 
+// Owns all parts. Ranks: stones and ground are spread, sleepers, platen and walls are the same on
+// all.
 struct World {
   World(const par::Comm& comm, const Model& model);
   World(const World&) = delete;  // surfaces are known by address
@@ -41,6 +43,7 @@ struct World {
   std::size_t memory() const;  // bytes of this rank's state
 
   // Mean force on every node of every surface, by surface name: for the checkpoint.
+  // By name, since numbers of surfaces change with stages.
   struct Means {
     std::string surface;
     std::vector<Vec3> force;  // N, all nodes on all ranks
