@@ -2,6 +2,9 @@
 // both meet the same checks.
 // Rank 0 reads the file, all parse the same text: every rank finds the same problems and throws
 // alike, without a second agreement.
+//
+// A tree, then overrides, then one visit: order of files and words does not matter any more once
+// the reader sees it. There is no second way in: whatever reaches a parameter has been checked.
 #include "trackbed/input/deck.hpp"
 
 #include <fmt/format.h>
@@ -16,6 +19,7 @@
 
 namespace trackbed::input {
 
+// Behind a pointer, so that the door of the room shows neither tree nor problems.
 struct Deck::Text {
   std::string origin;
   Node root;
@@ -24,6 +28,7 @@ struct Deck::Text {
 
 namespace {
 
+// For a message: what a user may have meant, by name where elements have names.
 std::string elements_in_words(const Node& list) {
   std::string words;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
@@ -37,6 +42,9 @@ std::string elements_in_words(const Node& list) {
 // Puts one value into the tree, making sections on the way. Returns what is wrong, or nothing.
 // A name that no parameter has is not found here but by the reader, with its suggestion: this only
 // walks. Elements of lists must exist, since an override cannot give a whole new one.
+// Cost: a walk along the path per override.
+// An override of a section that is not in the deck makes it: what it may hold is again the reader's
+// to say.
 std::string put(Node& root, const std::string& path, Node value) {
   Node* node = &root;
   for (const std::string& word : words_of(path)) {
@@ -75,6 +83,8 @@ std::string stripped(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+// Split at the first sign: a value may hold others. Problems are kept, not thrown: they come with
+// those of the deck.
 void apply(const std::string& override_text, Node& root, Problems& problems) {
   static const Node on_command_line = [] {
     Node node;
@@ -90,6 +100,7 @@ void apply(const std::string& override_text, Node& root, Problems& problems) {
   if (!wrong.empty()) problems.add(&on_command_line, wrong);
 }
 
+// As bytes: line ends are the parser's.
 std::string text_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
@@ -100,10 +111,13 @@ std::string text_of(const std::string& path) {
 }  // namespace
 
 Deck::Deck(std::unique_ptr<Text> text) : text_(std::move(text)) {}
+// Here, where Text is complete: the header only declares it.
 Deck::~Deck() = default;
 Deck::Deck(Deck&&) noexcept = default;
 Deck& Deck::operator=(Deck&&) noexcept = default;
 
+// Collective. What rank 0 cannot read is told to all before anyone parses: all throw the same
+// sentence. Other ranks never look at the file, which need not be there for them.
 Deck Deck::read(const par::Comm& comm, const std::string& path,
                 const std::vector<std::string>& overrides) {
   std::string problem, text;
@@ -116,11 +130,13 @@ Deck Deck::read(const par::Comm& comm, const std::string& path,
     else
       text = text_of(path);
   }
+  // The text travels whole: a deck has a few kilobytes.
   problem = comm.broadcast(problem);
   if (!problem.empty()) throw InputError({problem});
   return parse(comm.broadcast(text), path, overrides);
 }
 
+// Local, but to be called with the same text on all ranks.
 Deck Deck::parse(const std::string& text, const std::string& origin,
                  const std::vector<std::string>& overrides) {
   auto deck = std::make_unique<Text>(origin, parse_toml(text, origin), Problems(origin));
@@ -128,8 +144,12 @@ Deck Deck::parse(const std::string& text, const std::string& origin,
   return Deck(std::move(deck));
 }
 
+// The declaration is visited twice: once by the collector for all names (suggestions), once by the
+// reader. It fills the variables that the declaration names; if it throws, they are half filled and
+// of no use.
 std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   Problems problems = text_->problems;
+  // Names of files in a deck count from the deck, not from where the program was called.
   const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
   // Three acts: values with their problems, what is left over, and all sentences at once.
   Reader reader(text_->root, folder, all_parameters(declaration), problems);
@@ -139,6 +159,7 @@ std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   return problems.warnings();
 }
 
+// "file:line: key" if the deck gives the key, else the file alone: its default is meant.
 std::string Deck::where(const std::string& key) const {
   const Place place = follow(text_->root, key);
   return text_->problems.start(place.reached ? place.node : nullptr) + key;

@@ -1,6 +1,9 @@
 // The reference of all parameters: Markdown for docs/input.md, plain lines for a terminal.
 // Both are printed from the declarations, with a copy of the defaults: the page cannot say other
 // than the program does, and a test compares the two.
+//
+// Two layouts of one tree. A list is shown by an element of it, which the collector makes if the
+// program's own list is empty.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,11 +16,13 @@ namespace trackbed::input {
 
 namespace {
 
+// As the section has to be written in a deck.
 std::string header_of(const Spec& section, bool in_list) {
   if (section.path.empty()) return "Top of the deck";
   return in_list ? fmt::format("[[{}]]", section.path) : fmt::format("[{}]", section.path);
 }
 
+// What has parts of its own, and so a heading of its own.
 bool is_group(const Spec& spec) { return spec.is_section() || spec.is_list(); }
 
 std::string kind_in_words(const Spec& spec) {
@@ -30,10 +35,12 @@ std::string kind_in_words(const Spec& spec) {
   return fmt::format("one of {}", fmt::join(spec.choices, ", "));
 }
 
+// As the value would be written in a deck, to be copied from the page.
 std::string default_in_words(const Spec& spec) {
   return spec.limits.required ? "must be given" : shown(spec.value);
 }
 
+// Limits refuse, `usually` warns: one column for both.
 std::string range_of(const Spec& spec) {
   Limits limits = spec.limits;
   limits.unit = "-";  // has its own column
@@ -52,6 +59,7 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
+// In the order of the declarations, each section followed by those within it.
 void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
   const bool has_scalars =
       std::any_of(parts.begin(), parts.end(), [](const Spec& part) { return !is_group(part); });
@@ -70,6 +78,7 @@ void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list,
       markdown(part, part.is_list() ? part.element() : part.parts, part.is_list(), out);
 }
 
+// The same facts, one parameter per paragraph: a terminal has no tables.
 void plain(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
   out += fmt::format("{}\n  {}\n", header_of(section, in_list), section.meaning);
   for (const Spec& part : parts) {
@@ -93,6 +102,7 @@ std::string without_brackets(std::string path) {
 }
 
 // Collects all names on its way, for the suggestion if there is none.
+// First match in the order of declaration; paths are unique, so there is no other.
 const Spec* find(const Spec& spec, const std::string& path, std::vector<std::string>& known) {
   for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
     known.push_back(without_brackets(part.path));
@@ -105,6 +115,7 @@ const Spec* find(const Spec& spec, const std::string& path, std::vector<std::str
 
 }  // namespace
 
+// A whole page, a section or a single parameter, by the same path that overrides use.
 std::string describe(const Declaration& declaration, const std::string& section) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   std::string out;
@@ -115,6 +126,7 @@ std::string describe(const Declaration& declaration, const std::string& section)
   std::vector<std::string> known;
   const Spec* found = find(root, without_brackets(section), known);
   if (found == nullptr) {
+    // Known paths rather than words: the user typed a path.
     const std::string near = nearest(section, known);
     throw InputError({fmt::format("{} is not a section or parameter{}", section,
                                   near.empty() ? "" : fmt::format("; did you mean {}?", near))});

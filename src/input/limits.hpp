@@ -10,11 +10,13 @@
 
 namespace trackbed::input {
 
+// False for NaN too: it compares with nothing.
 inline bool within(const Limits& limits, double value) {
   return value > limits.above && value >= limits.at_least && value <= limits.at_most;
 }
 
 // Zero is left alone: it mostly means "none" or "chosen".
+// Both ends belong to what is usual.
 inline bool usual(const Limits& limits, double value) {
   return value == 0 || (value >= limits.usually_from && value <= limits.usually_to);
 }
@@ -28,6 +30,8 @@ inline std::string usual_in_words(const Limits& limits) {
 }
 
 // "above 0 and at most 1 m", or nothing.
+// `unit` "-" is a number without unit.
+// All bounds in one sentence, joined by "and"; the unit once, at the end.
 inline std::string range_in_words(const Limits& limits) {
   std::string words;
   const auto say = [&](const char* relation, double bound) {

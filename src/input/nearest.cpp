@@ -1,5 +1,7 @@
 // "Did you mean": the declared name with the fewest typing errors in between.
 // O(letters^2) per known name; asked only when something is wrong.
+//
+// Case counts for nothing: names of parameters are lower case, and who writes Young means young.
 #include <algorithm>
 #include <cctype>
 #include <numeric>
@@ -10,13 +12,15 @@ namespace trackbed::input {
 
 namespace {
 
+// Letters of names are ASCII.
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
 
 // Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`
-// (Damerau 1964, doi:10.1145/363958.363994; restricted form, no letter is edited twice).
+// (Damerau 1964, doi:10.1145/363958.363994; restricted form, no letter is edited twice):
+//   d(i,j) = min(d(i-1,j) + 1, d(i,j-1) + 1, d(i-1,j-1) + [a_i != b_j], d(i-2,j-2) + 1 at a swap).
 std::size_t distance(const std::string& a, const std::string& b) {
   // Three rows of the table of distances are enough: a swap looks back two letters.
   std::vector<std::size_t> before, last(b.size() + 1), now(b.size() + 1);
@@ -36,8 +40,11 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+// The first of equals: the order of declaration decides. None is better than one that nobody meant,
+// hence the bound.
 std::string nearest(const std::string& wrong, const std::vector<std::string>& known) {
   // A third of the letters may be wrong, and always one.
+  // Long names hold more slips; short ones are all alike.
   std::size_t best = std::max<std::size_t>(1, wrong.size() / 3) + 1;
   std::string found;
   for (const std::string& word : known) {

@@ -9,6 +9,7 @@
 namespace trackbed::input {
 
 // Points and brackets separate alike. Empty words are kept: `put` refuses them.
+// "ground.layer[1].young" and "ground.layer.1.young" give the same words.
 std::vector<std::string> words_of(std::string_view path) {
   std::vector<std::string> words(1);
   for (const char c : path) {
@@ -21,6 +22,7 @@ std::vector<std::string> words_of(std::string_view path) {
   return words;
 }
 
+// By name first: a name that is a number wins over the place it counts.
 const Node* element(const Node& list, const std::string& word) {
   for (const Node& item : list.items) {
     const Node* name = item.is_table() ? item.member("name") : nullptr;
@@ -28,14 +30,17 @@ const Node* element(const Node& list, const std::string& word) {
   }
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+  // All letters must be digits: "2x" is a name.
   const bool number = error == std::errc() && end == word.data() + word.size();
   return number && index < list.items.size() ? &list.items[index] : nullptr;
 }
 
+// One search for both; casting const away is sound, since the list is not const here.
 Node* element(Node& list, const std::string& word) {
   return const_cast<Node*>(element(std::as_const(list), word));
 }
 
+// How far the way goes: a rule about a parameter that is not in the deck points at its section.
 Place follow(const Node& root, std::string_view path) {
   const Node* node = &root;
   for (const std::string& word : words_of(path)) {

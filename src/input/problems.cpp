@@ -11,6 +11,7 @@
 
 namespace trackbed::input {
 
+// Editors and terminals jump to "file:line:".
 std::string Problems::start(const Node* place) const {
   if (place != nullptr && place->commanded) return "command line: ";
   if (place != nullptr && place->line > 0) return fmt::format("{}:{}: ", origin_, place->line);
@@ -29,6 +30,7 @@ void Problems::add(const Node* place, const std::string& sentence) {
   list_.push_back(located(place, sentence));
 }
 
+// Warnings have places and order like problems, and stop nothing.
 void Problems::warn(const Node* place, const std::string& sentence) {
   warnings_.push_back(located(place, sentence));
 }
@@ -41,6 +43,7 @@ std::vector<std::string> Problems::sorted(std::vector<Problem> list) {
   return sentences;
 }
 
+// One exception with all sentences: a user mends a deck once.
 void Problems::throw_if_any() const {
   if (!list_.empty()) throw InputError(sorted(list_));
 }

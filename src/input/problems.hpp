@@ -13,6 +13,7 @@ inline std::string did_you_mean(const std::string& word) {
   return word.empty() ? "" : "; did you mean " + word + "?";
 }
 
+// Copied with the deck's own problems for each reading, so that a deck can be read twice.
 class Problems {
  public:
   explicit Problems(std::string origin) : origin_(std::move(origin)) {}

@@ -1,5 +1,8 @@
 // Reading never stops at a problem: a refused value keeps its default and the visit goes on. All
 // sentences have one form, "place: path = value must be ...", so that a user can search for them.
+//
+// The order of checks on a value is type, finiteness, limits: each sentence is about the first
+// thing that is wrong. A warning is given only for a value that is taken.
 #include "input/reader.hpp"
 
 #include <fmt/format.h>
@@ -24,12 +27,14 @@ bool starts_like_a_number(const std::string& text) {
 }
 
 // The commonest slip after a wrong name: a unit in the value, or quotes around it.
+// The sentence then says the unit, which is what the user wanted to be sure of.
 std::string number_hint(const Node& node, const Limits& limits) {
   if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
   return limits.unit == "-" ? "; give a number without quotes"
                             : fmt::format("; give a number in {}", limits.unit);
 }
 
+// "a, b or c", as people write lists.
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -41,12 +46,14 @@ std::string listed(const std::vector<std::string_view>& words) {
 
 }  // namespace
 
+// The root is the first open section: names at the top of a deck are looked up like any others.
 Reader::Reader(const Node& root, std::string folder, std::vector<ParameterInfo> paths,
                Problems& problems)
     : folder_(std::move(folder)), paths_(std::move(paths)), problems_(problems) {
   open({"", &root, {}, 0});
 }
 
+// An absent value leaves the variable as it is: its default is whatever the struct was made with.
 void Reader::number(std::string_view name, double& value, const Limits& limits, std::string_view) {
   if (const Node* node = find(name))
     take_number(*node, path_of(name), limits, value);
@@ -54,6 +61,8 @@ void Reader::number(std::string_view name, double& value, const Limits& limits, 
     missing(name, std::string(limits.unit));
 }
 
+// TOML tells 5 from 5.0; people do not. A number without a fraction counts as whole as long as a
+// double holds it exactly.
 void Reader::integer(std::string_view name, std::int64_t& value, const Limits& limits,
                      std::string_view) {
   const Node* node = find(name);
@@ -68,6 +77,7 @@ void Reader::integer(std::string_view name, std::int64_t& value, const Limits& l
     whole = static_cast<std::int64_t>(node->number);
   else if (node->kind != Kind::integer)
     return refuse(*node, path_of(name), "must be a whole number" + number_hint(*node, limits));
+  // Limits are numbers: bounds of integers in use are far below 2^53.
   if (!within(limits, static_cast<double>(whole)))
     return refuse(*node, path_of(name), "must be " + range_in_words(limits));
   value = whole;
@@ -80,6 +90,7 @@ void Reader::flag(std::string_view name, bool& value, std::string_view) {
   value = node->flag;
 }
 
+// With choices the sentence lists them all, also to who gave a number.
 void Reader::text(std::string_view name, std::string& value, std::string_view,
                   const std::vector<std::string_view>& choices, bool required) {
   const Node* node = find(name);
@@ -96,11 +107,14 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
   value = node->text;
 }
 
+// That a file is there is checked now, at the deck's line, and not minutes later by who opens it.
+// The default goes the same way: it may name a file too.
 void Reader::file(std::string_view name, std::string& value, std::string_view, Named named) {
   namespace fs = std::filesystem;
   const Node* node = find(name);
   if (node != nullptr && node->kind != Kind::text)
     return refuse(*node, path_of(name), "must be the name of a file (in quotes)");
+  // An empty name means none: so a deck can take a default file away.
   const std::string given = node != nullptr ? node->text : value;
   if (given.empty()) {
     value = given;
@@ -118,6 +132,7 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, N
     value = path.string();
 }
 
+// Each item is checked and named by its place, so that a list may give several sentences.
 void Reader::numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
                      std::string_view, std::size_t length) {
   const Node* node = find(name);
@@ -151,6 +166,7 @@ void Reader::texts(std::string_view name, std::vector<std::string>& values, std:
   values = std::move(found);
 }
 
+// Left out while in doubt: one slip, one sentence.
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
   if (holds || in_doubt(about)) return;
@@ -167,6 +183,8 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
 }
 
 // A value that was refused keeps its default: rules that read it would only confuse.
+// A path that is read covers all below it: "ground" stands for ground.x and for
+// ground.layer[0].young. The next letter must end the word, or "load" would cover "load_case".
 bool Reader::in_doubt(const About& about) const {
   if (about.reads.empty()) return problems_.count() > open_.back().problems_before;
   return std::any_of(about.reads.begin(), about.reads.end(), [&](const std::string& read) {
@@ -178,6 +196,7 @@ bool Reader::in_doubt(const About& about) const {
   });
 }
 
+// Whole numbers are taken for numbers, as everybody writes 5 for 5.0.
 bool Reader::take_number(const Node& node, const std::string& path, const Limits& limits,
                          double& value) {
   if (node.kind != Kind::number && node.kind != Kind::integer) {

@@ -1,4 +1,9 @@
 // The Section that fills variables from a deck's tree and notes every problem. Private to the room.
+//
+// How it works: a declaration calls number(), table(), rule() ... in its own order; each call looks
+// its name up in the open section, checks what it finds, and writes the variable or notes a
+// problem. What a section holds beyond the names asked for is unknown and is reported when it is
+// left.
 #pragma once
 
 #include <string>
@@ -9,6 +14,7 @@
 
 namespace trackbed::input {
 
+// One visit per object. Refers to the tree and to `problems`, which must outlive it.
 class Reader : public Section {
  public:
   // `folder`: where relative file names start. `paths`: all parameters, for suggestions.
@@ -41,6 +47,7 @@ class Reader : public Section {
   void leave() override;
 
  private:
+  // An open section. Sections nest as the calls do, so a stack of them is where the visit is.
   struct Frame {
     std::string path;                // "ground.layer[1]"
     const Node* node = nullptr;      // null: not in the file
@@ -65,6 +72,7 @@ class Reader : public Section {
   std::vector<ParameterInfo> paths_;
   Problems& problems_;
   std::vector<Frame> open_;
+  // A rule asks this list whether what it reads can be trusted.
   std::vector<std::string> refused_;  // paths of values that were not taken
 };
 

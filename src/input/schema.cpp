@@ -1,6 +1,9 @@
 // JSON schema (draft 2020-12): editors complete and check a deck while it is typed.
 // Rules that tie parameters together are not in it: JSON schema has no sums and products. The
 // program checks them all the same.
+//
+// Written by the same visit as everything else; tests compare the file in docs/ with what the
+// program prints.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Defaults, in JSON's own kinds.
 Json value_of(const Node& node) {
   switch (node.kind) {
     case Node::Kind::number:
@@ -31,12 +35,14 @@ Json value_of(const Node& node) {
   }
 }
 
+// `usually` is left out: JSON schema knows no warnings.
 void add_limits(Json& json, const Limits& limits) {
   if (limits.above != -unbounded) json["exclusiveMinimum"] = limits.above;
   if (limits.at_least != -unbounded) json["minimum"] = limits.at_least;
   if (limits.at_most != unbounded) json["maximum"] = limits.at_most;
 }
 
+// The unit stands in the description, the only text that editors show.
 Json scalar_schema(const Spec& spec) {
   Json json;
   // An integer like 1e6 is a whole number for JSON schema too.
@@ -57,6 +63,7 @@ Json scalar_schema(const Spec& spec) {
     json["type"] = "string";
     if (!spec.choices.empty()) json["enum"] = spec.choices;
   }
+  // A unit "-" says nothing and is left out.
   json["description"] =
       spec.unit == "-" ? spec.meaning : fmt::format("{} ({})", spec.meaning, spec.unit);
   if (!spec.limits.required) json["default"] = value_of(spec.value);
@@ -65,6 +72,7 @@ Json scalar_schema(const Spec& spec) {
 
 Json object_schema(const std::vector<Spec>& parts);
 
+// Sections are objects, lists of sections arrays of objects.
 Json schema_of(const Spec& spec) {
   if (!spec.is_section() && !spec.is_list()) return scalar_schema(spec);
   Json json;
@@ -93,6 +101,7 @@ Json object_schema(const std::vector<Spec>& parts) {
 
 }  // namespace
 
+// The order of keys is that of the declarations: the file's history then shows only what changed.
 std::string schema(const Declaration& declaration) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   Json json;

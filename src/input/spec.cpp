@@ -11,6 +11,7 @@ namespace trackbed::input {
 namespace {
 
 // Visits a declaration without changing a variable.
+// References of variables are only read: the same declaration that fills a model can describe it.
 class Collector : public Section {
  public:
   Collector(Spec& root, Lists lists) : lists_(lists) { open_.push_back(&root); }
@@ -48,6 +49,7 @@ class Collector : public Section {
     spec.value = make_list({});
     for (const std::string& value : values) spec.value.items.push_back(make_text(value));
   }
+  // Rules are for the reader to judge: here nobody gave a value.
   void rule(std::string_view, bool, std::string_view, const About&) override {}
 
  protected:
@@ -86,6 +88,7 @@ class Collector : public Section {
   std::vector<Spec*> open_;
 };
 
+// Leaves of the tree, with paths as the reference names them.
 void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
   if (spec.is_section())
     for (const Spec& part : spec.parts) list_scalars(part, found);
@@ -96,12 +99,14 @@ void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
 }
 
 // The effective deck: every value the program went by, defaults included.
+// In the order of the declarations, so that equal models give equal texts whatever their decks.
 Node values_of(const Spec& spec) {
   if (spec.is_list()) {
     Node list = make_list({});
     for (const Spec& element : spec.parts) list.items.push_back(values_of(element));
     return list;
   }
+  // Leaves have their value already.
   if (!spec.is_section()) return spec.value;
   Node table;
   for (const Spec& part : spec.parts) table.members.emplace_back(part.name, values_of(part));
@@ -110,6 +115,7 @@ Node values_of(const Spec& spec) {
 
 }  // namespace
 
+// A `const` visit in all but type: a declaration takes the model by reference.
 Spec collect(const Declaration& declaration, Lists lists) {
   Spec root;
   Collector collector(root, lists);
@@ -117,12 +123,14 @@ Spec collect(const Declaration& declaration, Lists lists) {
   return root;
 }
 
+// For suggestions: a name in the wrong section is found by its last word.
 std::vector<ParameterInfo> all_parameters(const Declaration& declaration) {
   std::vector<ParameterInfo> found;
   list_scalars(collect(declaration, Lists::at_least_one_element), found);
   return found;
 }
 
+// Of the variables as they are now: called after reading, it shows overrides and defaults alike.
 std::string effective(const Declaration& declaration) {
   return deck_text(values_of(collect(declaration, Lists::as_they_are)));
 }

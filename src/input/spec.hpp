@@ -10,6 +10,7 @@
 
 namespace trackbed::input {
 
+// Owns all its text: declarations hand in views that end with the visit.
 struct Spec {
   // Words of ParameterInfo::kind; `section` and `list` (of sections) have parts.
   std::string name, path, kind = "section", unit = "-", meaning;
@@ -22,9 +23,11 @@ struct Spec {
   bool is_section() const { return kind == "section"; }
   bool is_list() const { return kind == "list"; }
   // What an element of a list may hold.
+  // Only after `collect` with at_least_one_element: the list is else perhaps empty.
   const std::vector<Spec>& element() const { return parts.front().parts; }
 };
 
+// The effective deck shows lists as they are; the reference must show an element of an empty one.
 enum class Lists { as_they_are, at_least_one_element };
 Spec collect(const Declaration& declaration, Lists lists);
 

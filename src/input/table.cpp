@@ -1,5 +1,8 @@
 // A small CSV reader: numbers only, so cells hold no commas and need no escaping. A bad row is
 // noted and reading goes on, so that a user repairs a table once.
+//
+// A library for CSV would bring quoting, dialects and types that no table of ours has. Cost: one
+// pass over the text.
 #include "trackbed/input/table.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +26,7 @@ std::string stripped(const std::string& text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
+// An empty last cell counts: a row that ends with a comma has one column more.
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
@@ -35,6 +39,7 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 // from_chars, not strtod: the decimal point must not hang on the user's locale. It refuses a
 // leading plus, which spreadsheets write.
+// NaN and infinity, which from_chars takes, are no numbers of a table.
 bool is_number(const std::string& cell, double& value) {
   const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
   const char* end = cell.data() + cell.size();
@@ -42,6 +47,7 @@ bool is_number(const std::string& cell, double& value) {
   return error == std::errc() && stop == end && std::isfinite(value);
 }
 
+// Columns are found by name: tables of others have columns in their own order, and more of them.
 struct Table {
   std::string path;
   std::vector<std::string> names;  // of the columns asked for
@@ -50,6 +56,7 @@ struct Table {
   std::vector<std::vector<double>> columns{};
   std::vector<std::string> problems{};
 
+  // Names are compared letter by letter; a near one is suggested.
   void header(int line, const std::string& text) {
     const std::vector<std::string> found = cells_of(text);
     width = found.size();
@@ -64,8 +71,10 @@ struct Table {
     }
   }
 
+  // After a problem columns may differ in length: they are then thrown away with the exception.
   void row(int line, const std::string& text) {
     const std::vector<std::string> cells = cells_of(text);
+    // A cell too few would shift all that follow it: the row is not read at all.
     if (cells.size() != width) {
       problems.push_back(fmt::format("{}:{}: has {} columns, the first line has {}", path, line,
                                      cells.size(), width));
@@ -85,6 +94,8 @@ struct Table {
 
 }  // namespace
 
+// Local: each rank reads the file. Empty lines and lines that begin with '#' are passed over; the
+// first other line names the columns.
 std::vector<std::vector<double>> read_table(const std::string& path,
                                             const std::vector<std::string>& columns) {
   std::ifstream in(path);

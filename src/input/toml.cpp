@@ -1,5 +1,8 @@
 // The only place that sees toml++ (https://marzer.github.io/tomlplusplus): a large header, compiled
 // once.
+//
+// The parser's tree is converted as a whole and dropped: nodes of ours outlive it, can be changed
+// by overrides and know whether they came from the command line.
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -25,6 +28,7 @@ Node converted_table(const toml::table& source) {
   return node;
 }
 
+// Items may be of any kind each; what a parameter takes is the reader's to say.
 Node converted_list(const toml::array& source) {
   Node node;
   node.kind = Node::Kind::list;
@@ -32,6 +36,7 @@ Node converted_list(const toml::array& source) {
   return node;
 }
 
+// TOML's integers have 64 bits and its numbers are doubles: nothing is rounded here.
 Node converted_scalar(const toml::node& source) {
   if (const auto* value = source.as_floating_point()) return make_number(value->get());
   if (const auto* value = source.as_integer()) return make_integer(value->get());
@@ -48,6 +53,7 @@ Node converted_scalar(const toml::node& source) {
   return date;
 }
 
+// Lines come along, since every sentence about a value begins with its line.
 Node converted(const toml::node& source) {
   Node node;
   if (const auto* table = source.as_table())
@@ -66,6 +72,7 @@ Node converted(const toml::node& source) {
 
 }  // namespace
 
+// The parser stops at the first error: of a text that is not TOML there is just one sentence.
 Node parse_toml(const std::string& text, const std::string& origin) {
   try {
     return converted_table(toml::parse(std::string_view(text)));

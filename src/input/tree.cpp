@@ -12,6 +12,7 @@ namespace trackbed::input {
 namespace {
 
 // TOML basic strings: what may not stand in them is escaped.
+// Other bytes, UTF-8 among them, stand as they are.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -31,6 +32,7 @@ std::string quoted(const std::string& text) {
 }
 
 // Shortest digits that read back to the same bits; a point keeps -0.0 from reading as integer 0.
+// Of a number like 1e30 the digits have an exponent already, and no point is needed.
 std::string exact(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -46,6 +48,8 @@ std::string shown_list(const Node& node) {
 }
 
 // Values before sections: in TOML a value after a header would belong to that section.
+// Lists of sections repeat their header before each element. A list without elements is printed as
+// a value, `[]`, or it would be gone when read back.
 void print_table(const Node& table, const std::string& path, std::string& out) {
   for (const auto& [name, value] : table.members)
     if (value.is_value()) out += fmt::format("{} = {}\n", name, shown(value));
@@ -75,8 +79,10 @@ Node* Node::member(std::string_view name) {
   return const_cast<Node*>(static_cast<const Node*>(this)->member(name));
 }
 
+// Not exact in kind: 5.0 is shown as 5.
 std::string shown(double value) { return fmt::format("{}", value); }
 
+// One line, whatever the node: for messages and for values of the effective deck.
 std::string shown(const Node& node) {
   switch (node.kind) {
     case Node::Kind::number:
@@ -89,6 +95,7 @@ std::string shown(const Node& node) {
       return quoted(node.text);
     case Node::Kind::list:
       return shown_list(node);
+    // Nobody wants to read a whole section in a message.
     case Node::Kind::table:
       return "{...}";
     case Node::Kind::other:
@@ -97,12 +104,14 @@ std::string shown(const Node& node) {
   return node.text;
 }
 
+// Local and pure: equal trees give equal texts.
 std::string deck_text(const Node& root) {
   std::string out;
   print_table(root, "", out);
   return out;
 }
 
+// Made by the program and not read: without a line.
 Node make_number(double value) {
   Node node;
   node.kind = Node::Kind::number, node.number = value;

@@ -9,6 +9,8 @@
 
 namespace trackbed::input {
 
+// One struct for all kinds: only the member that `kind` names means anything. A variant would be
+// smaller, but a deck has a few hundred values.
 struct Node {
   enum class Kind { table, list, number, integer, flag, text, other };
 
@@ -33,11 +35,13 @@ struct Node {
 };
 
 // "stage.passage.duration", "layer[1].young" -> the words between the points; an index is a word.
+// Bracket or point: both lead into a list.
 std::vector<std::string> words_of(std::string_view path);
 // The element of a list that `word` means: by its `name`, else by its number. Null if none.
 Node* element(Node& list, const std::string& word);
 const Node* element(const Node& list, const std::string& word);
 // What `path` leads to from `root`, or the innermost section on the way that exists.
+// Never null: the root, if nothing on the way exists.
 struct Place {
   const Node* node;
   bool reached;
@@ -47,6 +51,7 @@ Place follow(const Node& root, std::string_view path);
 // Throws InputError with `origin:line:` for text that is not TOML. `origin` names it in messages.
 Node parse_toml(const std::string& text, const std::string& origin);
 // The value of an override: TOML, else the words themselves as text.
+// Never throws: what is no TOML value is text.
 Node parse_value(const std::string& text);
 
 // As it would be written in a deck: `"x"`, `[1, 2]`; numbers keep all their bits.
