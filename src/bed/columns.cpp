@@ -1,5 +1,9 @@
 // Columns of loose stones. Each stone depends only on its number and the seed, each column only on
 // its own stones: any rank can build any part, in time proportional to that part.
+//
+// Cost: in a plane O(1) per stone; in space `tries` places, each against all stones of the column
+// below, which is O(n^2) in the stones of one column and does not grow with the bed's area.
+// Rejected forms are in docs/decisions/packing.md.
 #include "columns.hpp"
 
 #include <fmt/format.h>
@@ -24,6 +28,7 @@ constexpr std::int64_t widest = 4;
 constexpr std::uint64_t tries = 24;
 
 // Random numbers of stone i, by what they are for.
+// A hash of seed, stone and use: no state, so no order in which numbers have to be drawn.
 enum class Use : std::uint64_t { x, y, turn, axis, twist, count };
 double random(std::uint64_t seed, std::int64_t stone, Use use) {
   const auto key = static_cast<std::uint64_t>(stone) * static_cast<std::uint64_t>(Use::count);
@@ -31,6 +36,7 @@ double random(std::uint64_t seed, std::int64_t stone, Use use) {
 }
 
 // Even over all rotations (Shoemake 1992, Graphics Gems III, III.6), or about y alone.
+// In a plane a stone may only turn about y.
 Quat attitude(Dimension dimension, std::uint64_t seed, std::int64_t stone) {
   const double turn = 2 * std::numbers::pi * random(seed, stone, Use::turn);
   if (dimension == Dimension::plane) return Quat(Eigen::AngleAxisd(turn, Vec3::UnitY()));
@@ -40,6 +46,7 @@ Quat attitude(Dimension dimension, std::uint64_t seed, std::int64_t stone) {
   return {b * std::cos(twist), a * std::sin(turn), a * std::cos(turn), b * std::sin(twist)};
 }
 
+// Whole columns only, each at least as wide as the largest stone with its room.
 std::int64_t fitting(double length, double width, const char* what) {
   const auto columns = static_cast<std::int64_t>(length / width);
   if (columns < 1)
@@ -49,9 +56,12 @@ std::int64_t fitting(double length, double width, const char* what) {
   return columns;
 }
 
+// Bundles `widest` narrow columns into one; a bed too narrow for that is one column.
 std::int64_t wider(std::int64_t columns) { return std::max<std::int64_t>(1, columns / widest); }
 
 // Where a ball of radius r over (x, y) comes to rest on those below it.
+// The floor is z = 0. Of two balls that touch, the distance of centres is r + R:
+//   (z - Z)^2 = (r + R)^2 - dx^2 - dy^2;   a ball beside the line of fall gives no real root.
 double rest_on(const std::vector<geom::Sphere>& balls, double x, double y, double r) {
   double z = r;
   for (const geom::Sphere& ball : balls) {
@@ -66,6 +76,9 @@ double rest_on(const std::vector<geom::Sphere>& balls, double x, double y, doubl
 
 // A Feistel network permutes the numbers of 2 h bits; numbers beyond `count` are sent on until they
 // fall below (Black, Rogaway 2002, doi:10.1007/3-540-45760-7_9). At most 4 rounds trips on average.
+// Each round is invertible whatever its function is, so the whole is a permutation; `mix` makes it
+// look random. The domain has at most four times as many numbers as wanted: it is the smallest
+// power of 4 that holds them.
 std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed) {
   constexpr std::uint64_t rounds = 4;
   unsigned half = 1;
@@ -82,6 +95,9 @@ std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed)
   return i;
 }
 
+// The number of stones follows from the solid volume wanted,
+//   N = L B h (1 - porosity)/mean volume,
+// in a plane with areas per unit of thickness.
 Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix)
     : mix_(mix), dimension_(domain.dimension), seed_(static_cast<std::uint64_t>(parameters.seed)) {
   const bool plane = dimension_ == Dimension::plane;
@@ -98,6 +114,8 @@ Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, con
            0};
 }
 
+// Column c has the stones from c N/n to (c + 1) N/n, rounded down: each stone in exactly one
+// column, and columns alike to one stone.
 double Columns::build(std::int64_t c, std::vector<dem::NewParticle>& to) const {
   const Vec3 foot = low_ + Vec3(static_cast<double>(c / across_) * size_.x(),
                                 static_cast<double>(c % across_) * size_.y(), 0);
@@ -129,11 +147,14 @@ dem::NewParticle Columns::make(std::int64_t i) const {
 }
 
 // Above all stones of the column, anywhere across it.
+// Anywhere where its circle stays within the column, so that neighbouring columns cannot meet.
 Vec3 Columns::on_top(std::int64_t i, double room, double top) const {
   return {room + random(seed_, i, Use::x) * (size_.x() - 2 * room), 0, top + room};
 }
 
 // The lowest of several places on the stones of the column.
+// A seed per try. Balls of the bound stand for the stones: far looser than a packing, but nothing
+// has to be known of shapes, and the fall packs them.
 Vec3 Columns::lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const {
   Vec3 best = Vec3::Constant(std::numeric_limits<double>::infinity());
   for (std::uint64_t k = 0; k < tries; ++k) {

@@ -10,6 +10,7 @@
 
 namespace trackbed::bed {
 
+// Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.
 class Columns {
  public:
   // Throws InputError if the bed is narrower than a stone.

@@ -9,6 +9,7 @@ namespace trackbed::bed {
 
 // Each number is drawn once, whatever the order: one look at all of them finds the lightest stone
 // to the bit.
+// Cost: a draw per stone, no placing. Every rank looks at all.
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
                  const dem::Domain& domain) {
   const Mix mix(parameters, domain.dimension, library_of(comm, parameters));

@@ -1,6 +1,9 @@
 // Stones for the particles, each rank its share.
 // Columns need no neighbours to be built, so a rank's cost is that of its own stones and one
 // exchange to their owners; docs/decisions/packing.md has the lattice of cells they replaced.
+//
+// The order of ids, and so every contact's order of summation, follows from the numbers of stones
+// and columns alone: a bed has the same bits on any number of ranks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,6 +27,7 @@ struct Batch {
 };
 
 // Stones of columns [begin, begin + count) of all batches; raises `top` to what they reach.
+// Local.
 std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size_t begin,
                                     std::size_t count, double& top) {
   std::vector<dem::NewParticle> stones;
@@ -43,6 +47,8 @@ std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size
 
 // Every rank builds an even share of the columns; the particles then go to their owners. Templates
 // are added anew each time: a run that goes on from a checkpoint may make other stones than before.
+// Collective. The height is checked before anything is added: a bed that does not fit leaves no
+// stones behind.
 double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, int material,
             const std::vector<Batch>& batches) {
   // Numbered through all batches: small boxes share the ranks as one large bed does.
@@ -69,6 +75,8 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
   return top;
 }
 
+// Own stones of each rank, then the largest of all: ids are never used twice while their stones
+// live. Collective.
 Id first_free_id(const dem::Particles& particles, const par::Comm& comm) {
   Id highest = -1;
   for (std::size_t i = 0; i < particles.size(); ++i) highest = std::max(highest, particles[i].id);
@@ -76,6 +84,8 @@ Id first_free_id(const dem::Particles& particles, const par::Comm& comm) {
 }
 
 // Parameters of a bed that is `box`. The first id makes its stones others than those of the bed.
+// Seed plus first id: cribs filled one after the other get different stones, and the same again in
+// a repeated run.
 BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) {
   BedParameters bed = parameters;
   bed.x = {box.low.x(), box.high.x()};
@@ -94,6 +104,7 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
               {{.columns = Columns(parameters, particles.domain(), mix)}});
 }
 
+// All ranks go through all boxes, so that ids agree; only the stones are shared out.
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot) {
   const dem::Domain& domain = particles.domain();

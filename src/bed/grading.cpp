@@ -1,4 +1,6 @@
 // See grading.hpp for the two distributions; both are tables of cumulative shares per sieve.
+//
+// Cost: a search in a table of a few sieves per draw.
 #include "grading.hpp"
 
 #include <algorithm>
@@ -17,6 +19,9 @@ std::size_t class_of(const std::vector<double>& table, double value) {
 
 }  // namespace
 
+//   N_k = p_k (a^-D - b^-D)/(D log(b/a)),   p_k = P(b) - P(a)
+// per unit of mass of s^D; sieves in m, P from 0 to 1. From dN = dP/s^D with dP = p_k
+// dlog(s)/log(b/a).
 Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& passing,
                  int dimension)
     : sieve_(sieve), mass_(passing), stones_(sieve.size(), 0.0), power_(dimension) {
@@ -29,6 +34,7 @@ Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& pa
   }
 }
 
+//   s = a (b/a)^part, since P rises evenly in log(s).
 double Grading::by_mass(double share) const {
   const std::size_t k = class_of(mass_, share);
   // Clamped, since rounding of the shares may lead a little beyond the class.

@@ -1,3 +1,6 @@
+// Shapes come from three places (meshes, parameters, files) and leave as templates with a name.
+// Whatever goes wrong with them is a user's input: geometry throws std::invalid_argument without a
+// name, which is added here.
 #include "trackbed/bed/library.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +26,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t library_format = 1;
 constexpr double smallest_stone = 1e-3, largest_stone = 1;  // m, of what a track is made of
 
+// By the ending, whatever its case; the bytes themselves are checked by who reads them.
 geom::MeshFormat format_of(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -33,6 +37,7 @@ geom::MeshFormat format_of(const std::string& file) {
 }
 
 // The root reads, all get it.
+// Collective. Every rank makes the same shape from the same bytes, without a further exchange.
 std::string bytes_of(const par::Comm& comm, const std::string& file) {
   std::ostringstream bytes;
   bool good = true;
@@ -45,8 +50,10 @@ std::string bytes_of(const par::Comm& comm, const std::string& file) {
   return comm.broadcast(bytes.str());
 }
 
+// m, of the ball of this volume: the size that rounding is relative to, whatever the shape.
 double diameter(double volume) { return std::cbrt(6 * volume / std::numbers::pi); }
 
+// All pieces with one radius: between them the rounded stone has no steps.
 std::vector<geom::Piece> rounded_pieces(const geom::Mesh& mesh, const MeshShape& wanted,
                                         double radius, std::vector<std::string>& notes) {
   std::vector<geom::Piece> pieces;
@@ -86,6 +93,8 @@ std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters
   return shapes;
 }
 
+// Mass properties are those of the mesh, not of the pieces, which only stand for its surface. The
+// sieve size is that of the pieces: they are what touches.
 NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const MeshShape& wanted) {
   const geom::MeshFormat format = format_of(file);
   const geom::Import import = geom::import_mesh(bytes_of(comm, file), format, wanted.unit, file);
@@ -108,6 +117,7 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
   return named;
 }
 
+// Local: drawn from the seed alone.
 NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std::uint64_t seed) {
   try {
     const geom::Convex hull = geom::stone(stone, seed);
@@ -118,6 +128,7 @@ NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std:
   }
 }
 
+// Names are letters in a dataset: HDF5 attributes are limited to 64 kB. Rank 0 brings them.
 void save_library(const par::Comm& comm, const std::string& file,
                   const std::vector<NamedShape>& shapes) {
   std::vector<dem::Template> templates;
@@ -136,6 +147,7 @@ void save_library(const par::Comm& comm, const std::string& file,
   library.close();
 }
 
+// Any failure means the same to a user: the file is none of ours.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
   std::vector<NamedShape> shapes;
   try {

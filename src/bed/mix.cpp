@@ -21,6 +21,7 @@ std::vector<double> in_metres(std::vector<double> sieve) {
 
 }  // namespace
 
+// Bounds at unit scale are found once: draws then cost no geometry.
 Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::Template> library)
     : grading_(in_metres(parameters.sieve), parameters.passing,
                dimension == Dimension::plane ? 2 : 3),
@@ -39,6 +40,7 @@ Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::
 
 // Each outline has a size of its own, so that all pebbles have the same radius. It stands for an
 // equal share of the mass, in the middle of its share of the grading.
+// Number shares follow from equal masses: a share of 1/volume each.
 void Mix::add_outlines(const BedParameters& parameters) {
   const auto seed = static_cast<std::uint64_t>(parameters.seed);
   double stones = 0;
@@ -52,6 +54,7 @@ void Mix::add_outlines(const BedParameters& parameters) {
   for (double& share : frequency_) share /= stones;
 }
 
+// Kind and dimension must go together; what cannot is said with what can.
 void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
   const bool given = parameters.stone == StoneKind::clump && !parameters.clump.empty();
   if (parameters.stone == StoneKind::disk)
@@ -68,6 +71,8 @@ void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
 }
 
 // Neighbours in size have different shapes, so that each shape comes in all sizes.
+// u = (k + 1/2)/count lies in the middle of the k-th share, so that no draw is at the very ends of
+// the grading.
 Draw Mix::draw(std::uint64_t k, std::uint64_t count) const {
   const double u = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
   if (frequency_.empty()) {
@@ -82,6 +87,8 @@ double Mix::bound(const Draw& draw) const {
   return bounds_[static_cast<std::size_t>(draw.shape)] * draw.scale;
 }
 
+// By the largest stone of each shape, not by the largest sieve: long shapes reach further than they
+// sieve.
 double Mix::largest_bound() const {
   double largest = 0;
   for (std::size_t k = 0; k < templates_.size(); ++k) {
@@ -91,6 +98,8 @@ double Mix::largest_bound() const {
   return largest;
 }
 
+// Scaled shapes: volume at sieve size 1, mean over shapes, times the number mean of s^D. Outlines:
+// equal masses, so the harmonic mean.
 double Mix::mean_volume() const {
   const auto shapes = static_cast<double>(templates_.size());
   double volume = 0, stones = 0;

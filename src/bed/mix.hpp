@@ -17,6 +17,7 @@ struct Draw {
 // it is no library. Collective.
 std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters& parameters);
 
+// Local and constant once made: a draw depends on its number alone.
 class Mix {
  public:
   // `library`: the stones of kind library, else not used. Throws InputError if the stones cannot be

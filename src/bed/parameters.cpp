@@ -1,4 +1,6 @@
 // Parameters of the bed and of the platen, each declared once.
+//
+// Bounds are those of the geometry; the rules say which of them go together.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +22,7 @@ bool is_range(const std::vector<double>& values) {
   return values.size() == 2 && values[0] < values[1];
 }
 
+// As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(BedParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0},
             "Openings of the sieves, rising: square holes in space, slots in a plane.");
@@ -38,6 +41,7 @@ void declare_grading(BedParameters& bed, input::Section& s) {
          "must be as many as the sieves, never fall, begin with 0 and end with 100");
 }
 
+// Parameters of all kinds of stones side by side; each says in brackets which kind uses it.
 void declare_shape(BedParameters& bed, input::Section& s) {
   s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0, .usually_to = 0.1},
            "Radius of the disks of a plane stone (pebbles).");
@@ -61,6 +65,7 @@ void declare_shape(BedParameters& bed, input::Section& s) {
          "must name a file of shapes, as `trackbed shapes scan.stl --library FILE` makes them",
          {.reads = {"stone", "library"}});
   const bool pebbles = bed.stone == StoneKind::pebbles;
+  // Set in by a radius on both sides, the smallest outline keeps a third of its width.
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
          "must be at most a third of the smallest sieve");

@@ -1,5 +1,10 @@
 // The servo, and why it is built so: docs/decisions/packing.md has the overshoot on springs of
 // several stiffnesses for this form and simpler ones.
+//
+// With F the force of the stones on the plate, N, and F_t = pressure x area,
+//   speed = gain v_max (F_t - F_recent)/F_t,  cut at v_max, m/s, downwards positive.
+// Only what pushes up counts as force. No model of the bed's stiffness is in it: the same servo
+// must do on loose stones and on a compacted bed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,15 +20,19 @@ namespace trackbed::bed {
 namespace {
 
 constexpr double lead = 0.1;  // time constant of the servo over that of the mean
+// Low enough for beds of 1 GPa/m; lower makes the plate too slow where stones give way.
 constexpr double lowest_gain = 1.0 / 16;
 
 // First-order low pass, exact for a force that is constant in the window.
+//   mean += (value - mean)(1 - exp(-dt/T));  `windows` is dt/T. expm1 keeps the digits of small dt.
 void follow(double& mean, double value, double windows) {
   mean += (value - mean) * -std::expm1(-windows);
 }
 
 }  // namespace
 
+// Larger than the bed, so that no stone finds its edge; the pressure counts the bed's area alone.
+// The order of the edges makes the normal point down, to the stones.
 Platen::Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material)
     : parameters_(parameters), area_(footprint(domain).area()) {
   const Footprint outside = footprint(domain).grown(beyond);
@@ -36,6 +45,7 @@ double Platen::pressure() const { return state_.mean / area_; }
 double Platen::z() const { return state_.z; }
 bool Platen::steady() const { return state_.steady_for >= parameters_.hold; }
 
+// With numbers: whether to wait longer or to change the bed is the user's to judge.
 std::string Platen::shortfall() const {
   if (steady()) return {};
   return fmt::format(
@@ -45,17 +55,20 @@ std::string Platen::shortfall() const {
       parameters_.hold);
 }
 
+// All nodes alike: the plate stays level.
 void Platen::show(double motion) {
   for (Vec3& node : surface_.position) node.z() = state_.z;
   for (Vec3& node : surface_.motion) node = Vec3(0, 0, motion);
 }
 
+// A new state: what the servo knew of another bed means nothing.
 void Platen::place(double z) {
   state_ = {};
   state_.z = z;
   show(0);
 }
 
+// Local; every rank has the same force and so the same motion.
 void Platen::advance(double dt, double force_up) {
   State& s = state_;
   const double target = parameters_.pressure * area_;
@@ -89,6 +102,7 @@ void Platen::advance(double dt, double force_up) {
 
 // The state, listed once: columns z (m), speed (m/s), recent, mean (N), gain, steady_for (s),
 // low_for (s).
+// `save`, `load` and State name the same seven in the same order.
 void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   const std::array row{state_.z,    state_.speed,      state_.recent, state_.mean,
                        state_.gain, state_.steady_for, state_.low_for};

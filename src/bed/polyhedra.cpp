@@ -1,4 +1,7 @@
 // Irregular stones in space: rounded polyhedra, whole, in convex pieces, or filled with spheres.
+//
+// All three kinds are made of the same polyhedra, so that what the kind of contact does to a bed
+// can be told from what the shape does.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,6 +28,7 @@ dem::Template compound(const geom::Piece& whole, int parts) {
   return geom::template_of(pieces, geom::piece_solid(whole), geom::smallest_hole({whole}));
 }
 
+// Of the rounded surface, as spheres inside the core alone would be too small.
 dem::Template filled(const geom::Piece& whole, int spheres) {
   const auto made = geom::clump(geom::surface_of(whole), spheres).spheres;
   return geom::template_of(balls(made), geom::union_solid(made, cells), geom::smallest_hole(made));
@@ -58,6 +62,8 @@ void PolyhedronParameters::declare(input::Section& s) {
   s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1], "must not fall");
 }
 
+// The seed of template k is a hash of both, so that more shapes leave the polyhedra there are as
+// they were.
 dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) {
   const PolyhedronParameters& p = parameters.polyhedron;
   const std::uint64_t seed =

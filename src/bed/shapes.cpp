@@ -1,4 +1,7 @@
 // Stones as templates: round ones, outlines filled with disks, clumps of given spheres.
+//
+// Templates have about unit size; the grading scales them. Outlines are the exception: they are
+// made at their size, since pebbles have one radius in all stones.
 #include "shapes.hpp"
 
 #include <fmt/format.h>
@@ -16,6 +19,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+// m, from surface to surface; all pairs, of a few dozen.
 double largest_extent(const std::vector<geom::Sphere>& spheres) {
   double largest = 0;
   for (const auto& a : spheres)
@@ -39,6 +43,9 @@ std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres) {
 
 // Disks touch the outline from within and so cut its corners; the outline is enlarged until the
 // disks, which are what passes a sieve, have the wanted size.
+// Each pass adds the missing width to the outline. The slot of the disks has small jumps, as disks
+// come and go along an edge: what is not met after `passes` is taken as it is, with its true sieve
+// size.
 dem::Template outline_stone(const BedParameters& parameters, double size, std::uint64_t seed) {
   constexpr int passes = 30;
   constexpr double close = 1e-6;
@@ -61,6 +68,7 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
   }
 }
 
+// Disk: area pi d^2/4, polar inertia over mass d^2/8. Ball: pi d^3/6 and d^2/10. d = 1 m.
 dem::Template round_stone(Dimension dimension) {
   const bool plane = dimension == Dimension::plane;
   dem::Template shape;
@@ -70,6 +78,7 @@ dem::Template round_stone(Dimension dimension) {
   return shape;
 }
 
+// Any unit goes: the stone is scaled to an extent of 1 m. In a plane y is dropped.
 dem::Template clump_stone(const BedParameters& parameters, Dimension dimension) {
   const bool plane = dimension == Dimension::plane;
   std::vector<geom::Sphere> spheres;

@@ -13,6 +13,7 @@ dem::Template clump_stone(const BedParameters& parameters, Dimension dimension);
 // none.
 dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k);
 
+// Each sphere as a piece: a core of one corner.
 std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres);
 
 }  // namespace trackbed::bed

@@ -9,6 +9,7 @@
 
 namespace trackbed::bed {
 
+// Counter-clockwise seen from the side of the stones, which is where normals point.
 Surface plate(const std::string& name, int material, const Vec3& corner, const Vec3& first,
               const Vec3& second) {
   Surface surface;
@@ -22,6 +23,7 @@ Surface plate(const std::string& name, int material, const Vec3& corner, const V
 }
 
 // A plane model lies around y = 0.
+// z is 0 in both corners.
 Footprint footprint(const dem::Domain& domain) {
   const bool plane = domain.dimension == Dimension::plane;
   const double half = domain.thickness / 2;
@@ -29,6 +31,8 @@ Footprint footprint(const dem::Domain& domain) {
           Vec3(domain.high.x(), plane ? half : domain.high.y(), 0)};
 }
 
+// Up to `height` m, foot below the ground; the floor lies at z = 0. Names are found again in
+// checkpoints.
 std::vector<Surface> walls(const dem::Domain& domain, double height, int material, bool floor) {
   const Footprint inside = footprint(domain), outside = inside.grown(beyond);
   const Vec3 size = outside.high - outside.low;
