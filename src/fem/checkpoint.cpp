@@ -1,5 +1,8 @@
 // The state of the ground in a checkpoint: one row per node, named by its number in the lattice, so
 // that any number of ranks reads what any number wrote.
+//
+// What is in the file is State and the count of steps: mesh, operators and borders follow from the
+// deck. Collective.
 #include <algorithm>
 
 #include "room.hpp"
@@ -12,6 +15,7 @@ namespace {
 constexpr std::size_t rows_at_once = 1u << 20;
 }  // namespace
 
+// The order of the datasets; who reads goes by names.
 void State::list(const Visit& visit) {
   visit("displacement", "m", "deviation from the state of rest", displacement);
   visit("velocity", "m/s", "at the time of the checkpoint", velocity);

@@ -4,6 +4,9 @@
 // matrices at eight points. Rejected: one-point quadrature with hourglass control (a parameter to
 // tune and to defend), selective reduced integration (locks in bending), nodal pressure (couples
 // elements, no lumped explicit step).
+//
+// Symbols: u corner displacements, m; alpha enhanced parameters; B and E strain matrices; D
+// elasticity, Pa. Integrals are sums over 2x2x2 Gauss points with weight 1.
 #include "element.hpp"
 
 #include <cmath>
@@ -16,6 +19,7 @@ namespace {
 double sign_of(int corner, int axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; }
 
 // Gradient of the shape function of a corner on the unit cube.
+//   N_k = (1 + x_k xi)(1 + y_k eta)(1 + z_k zeta)/8,  x_k, y_k, z_k = -1 or +1.
 Vec3 shape_gradient(int corner, const Vec3& xi) {
   Vec3 gradient;
   for (int a = 0; a < 3; ++a) {
@@ -41,6 +45,7 @@ Vec3 gauss_point(int index) {
 
 }  // namespace
 
+// Plane stress here is sigma_y = 0 alone: shear in y has no part, as nothing moves along y.
 Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
   // Lame's constants: sigma = lame tr(e) I + 2 shear e.
   const double nu = solid.poisson, shear = solid.young / (2 * (1 + nu));
@@ -55,6 +60,7 @@ Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
   return d - y * y.transpose() / d(1, 1);
 }
 
+//   K_uu = int B^T D B dV,  Gamma = int E^T D B dV,  H = int E^T D E dV
 Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
     : corners_(corners), elasticity_(elasticity) {
   const Mat3 centre = jacobian(Vec3::Zero());
@@ -80,6 +86,7 @@ Hexahedron::Hexahedron(const Corners& corners, const Voigt& elasticity)
   stiffness_ = (0.5 * (stiffness_ + stiffness_.transpose())).eval();
 }
 
+// Constant for a box; the element is written for any shape, so that patch tests can distort it.
 Mat3 Hexahedron::jacobian(const Vec3& xi) const {
   Mat3 j = Mat3::Zero();  // d x_i / d xi_a
   for (int k = 0; k < 8; ++k)
@@ -101,6 +108,8 @@ Eigen::Matrix<double, 6, 24> Hexahedron::compatible(const Vec3& xi) const {
   return b;
 }
 
+// Transformed with the Jacobian of the centre, not of the point: only so a constant stress does no
+// work on them (Taylor, Beresford, Wilson 1976).
 Eigen::Matrix<double, 6, 12> Hexahedron::enhanced(const Vec3& xi) const {
   Eigen::Matrix<double, 6, 12> e;
   // This factor makes the integral of E over the element that of an odd function: zero.
@@ -121,10 +130,13 @@ Eigen::Matrix<double, 6, 12> Hexahedron::enhanced(const Vec3& xi) const {
   return e;
 }
 
+// Pa per m of displacement.
 Eigen::Matrix<double, 6, 24> Hexahedron::stress(const Vec3& xi) const {
   return elasticity_ * (compatible(xi) + enhanced(xi) * alpha_);
 }
 
+// Plane strain and plane stress differ in D alone; that both faces move together and not along y is
+// in `motion`.
 ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
                          PlaneState plane) {
   const bool flat = dimension == Dimension::plane;

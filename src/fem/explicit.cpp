@@ -4,6 +4,9 @@
 // node by node: over a whole step it sees the mean of both half-step velocities. beta is the
 // stiffness-proportional damping. Written for half-step velocities it is the leapfrog scheme.
 // Cost per step: one sweep over zones, one over nodes, one message per neighbour.
+//
+// Symbols: u m, v m/s, a m/s^2, F load from outside N, M kg, C N s/m, K N/m, beta s, h s. Second
+// order in h. The step is that of terms.hpp with the deck's safety.
 #include <chrono>
 #include <cmath>
 
@@ -11,6 +14,7 @@
 
 namespace trackbed::fem {
 
+// Derived numbers, three per freedom: divisions are done here and not in the sweeps.
 void Ground::Room::prepare_step(double h) {
   if (h == prepared_step_) return;
   prepared_step_ = h;  // windows usually repeat: computed once per run
@@ -29,7 +33,10 @@ void Ground::Room::prepare_step(double h) {
 }
 
 // One sweep over the nodes. The end of a step and the begin of the next are one sweep, so that the
-// arrays pass through the caches once per step.
+// arrays pass through the caches once per step: drift is the first half of a step, kick the second,
+// kick_and_drift the second and the next one's first. In kick the new v stands on both sides,
+//   v = v_h + h/2 (push - rate v),
+// hence the factor 1/(1 + h/2 rate).
 //
 // Ghosts and held freedoms have no inverse mass and stay where they are.
 void Ground::Room::move(Part part, double h) {
@@ -79,6 +86,8 @@ void Ground::Room::internal_force(const Nodal& w) {
       state.internal[c][spring.node] += spring.stiffness * state.displacement[c][spring.node];
 }
 
+// As many equal steps as fill the window, each at most the stable one. The load is constant in the
+// window: it is the mean of the last one.
 void Ground::Room::explicit_window(double dt) {
   // A step that is larger than allowed by rounding alone must not be halved.
   constexpr double rounding = 1e-9;
@@ -89,6 +98,7 @@ void Ground::Room::explicit_window(double dt) {
   prepare_step(h);
   // Without stiffness damping the zones see the displacement itself: one array less to move.
   Nodal& w = parameters.rayleigh_stiffness > 0 ? blend_ : state.displacement;
+  // Move, tell the ghosts, pull back: three calls a step.
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     mesh.exchange(w);

@@ -24,6 +24,8 @@ std::vector<ZoneElement> elements_of(const Mesh& mesh, const GroundParameters& p
 }
 
 // Largest sum of forces on a node the exact sums of the surface must hold, N.
+// A tenth of a million tons on one node: far beyond any track, and the quantum is still far below
+// the force of a grain. Loads are summed as integers of this quantum.
 constexpr double largest_node_force = 1e9;
 
 }  // namespace
@@ -101,6 +103,7 @@ void Ground::Room::set_load(std::span<const Vec3> top_force) {
 }
 
 // The surface of the window that just ended: where its nodes were and how far they went.
+// Collective. The stones follow this motion linearly while the ground already stands at its end.
 void Ground::Room::publish() {
   mesh.exchange(state.displacement);
   const Lattice& lattice = mesh.lattice;
@@ -125,6 +128,7 @@ void Ground::Room::refresh_surface() {
 }
 
 // What diverges anywhere reaches the top within as many steps as there are zones in between.
+// Local: the window's agreement tells the others.
 void Ground::Room::check_finite() {
   for (std::size_t t = 0; t < own_top.size(); ++t)
     if (!window_start_[t].allFinite()) {
@@ -140,6 +144,7 @@ Ground::Ground(const par::Comm& comm, const GroundParameters& parameters, Dimens
 Ground::~Ground() = default;
 Ground::Ground(Ground&&) noexcept = default;
 
+// s. The words name what limits it, for the log.
 double Ground::stable_step(std::string* limit) const {
   const bool implicit = room_->parameters.integrator == Integrator::newmark;
   if (limit != nullptr) *limit = implicit ? "nothing: Newmark" : room_->limit;
@@ -154,6 +159,8 @@ std::string Ground::trouble() const { return room_->trouble; }
 
 void Ground::settle(std::span<const Vec3> top_force) { room_->settle(top_force); }
 
+// Collective. The load of the whole window is the stones' mean of the last one; see app's
+// simulation for the scheme.
 void Ground::advance(double dt, std::span<const Vec3> top_force) {
   const auto begin = std::chrono::steady_clock::now();
   room_->set_load(top_force);

@@ -5,6 +5,10 @@
 //   (M + gamma dt C + beta dt^2 K) a' = F - C v* - K u*,   u = u* + beta dt^2 a', v = v* + ...
 // The load acts as varying linearly from window to window, the matrix is constant and set up once
 // per dt, the last acceleration is the first guess. Mass is lumped as in the explicit scheme.
+//
+// Symbols as in explicit.cpp, but beta is Newmark's; dt the window. Unconditionally stable for 2
+// beta >= gamma >= 1/2; second order for gamma = 1/2, above it waves are damped. One solve per
+// window: accuracy, not stability, says how long it may be.
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -13,6 +17,7 @@ namespace trackbed::fem {
 namespace {
 
 // Springs below the base as part of a diagonal.
+// Springs are diagonal: they cost the matrix nothing.
 void add_springs(const std::vector<Spring>& springs, double factor, int components, Nodal& to) {
   for (const Spring& spring : springs)
     for (int c = 0; c < components; ++c) to[c][spring.node] += factor * spring.stiffness;
@@ -65,6 +70,8 @@ void Ground::Room::newmark_window(double dt) {
     }
 }
 
+// Collective. Solves K r = F_0 + weight with the borders of rest. r only enters stresses at rest:
+// the motion counts from it and never sees it.
 void Ground::Room::settle(std::span<const Vec3> top_force) {
   // The present shape stays the shape shown, as the reference from now on.
   for (int c = 0; c < components(); ++c)

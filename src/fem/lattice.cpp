@@ -13,6 +13,7 @@ namespace trackbed::fem {
 namespace {
 
 // Even-odd rule along a ray in +x. Corners on the ray count for one of their two edges only.
+// Pure arithmetic on the same numbers: every rank gives a zone the same solid.
 bool inside(std::span<const double> outline, double x, double z) {
   const std::size_t corners = outline.size() / 2;
   bool in = false;
@@ -54,6 +55,7 @@ Vec3 Lattice::centre(Id zone) const {
   return x;
 }
 
+// Eight in the middle of a solid, fewer at its borders; four in a plane.
 int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
   // Loops in the order of zone numbers, so the result is ascending.
   const Index3 p = node_index(node);
@@ -67,6 +69,7 @@ int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
   return count;
 }
 
+// Zones are boxes of one size, m; a plane model is one zone thick and lies about y = 0.
 Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness) {
   Lattice lattice;
   lattice.plane = dimension == Dimension::plane;

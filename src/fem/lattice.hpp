@@ -15,6 +15,7 @@ namespace trackbed::fem {
 
 using Index3 = std::array<std::int64_t, 3>;
 
+// Cost: a few integer divisions per question; nothing is stored per zone or node.
 struct Lattice {
   bool plane = false;
   Index3 zones{};  // in x, y, z
@@ -22,6 +23,7 @@ struct Lattice {
 
   int components() const { return plane ? 2 : 3; }
   int corners() const { return plane ? 4 : 8; }
+  // Axis in space of a component: a plane model has x and z alone.
   int axis(int component) const { return plane ? 2 * component : component; }
   // Nodes per direction.
   Index3 points() const { return {zones[0] + 1, plane ? 1 : zones[1] + 1, zones[2] + 1}; }

@@ -1,5 +1,8 @@
 // Assembly and solution with PETSc. Each rank adds the rows of its own nodes from the zones it
 // holds anyway, so assembly sends nothing.
+//
+// (Conjugate gradients: Hestenes, Stiefel 1952, doi:10.6028/jres.049.044; BoomerAMG: Henson, Yang
+// 2002, doi:10.1016/S0168-9274(01)00115-5.) All calls are collective.
 #include "linear_system.hpp"
 
 #include <petscksp.h>
@@ -48,6 +51,7 @@ struct LinearSystem::Handles {
   Handles(const Handles&) = delete;
   Handles& operator=(const Handles&) = delete;
 
+  // In this order: sizes, numbers, rigid motions, solver.
   void create();
   void assemble(const Stiffness& stiffness, const Spec& spec);
   void add_zone(std::size_t zone, const Eigen::MatrixXd& stiffness, const Spec& spec);
@@ -159,6 +163,7 @@ void LinearSystem::Handles::tell_rigid_motions() {
 }
 
 // The unpreconditioned residual is a force, which is what the tolerance in the deck means.
+// A thousand iterations are a bound for what has gone wrong; a good solve takes some ten.
 void LinearSystem::Handles::make_solver(double tolerance) {
   if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
   if (suggest("pc_type", "hypre")) {
@@ -191,6 +196,7 @@ LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& s
 
 LinearSystem::~LinearSystem() = default;
 
+// Held unknowns have a row of their own with 0 on the right: they come out as 0.
 int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
   Handles& h = *handles_;
   PetscScalar *b = nullptr, *guess = nullptr;

@@ -15,6 +15,7 @@
 
 namespace trackbed::fem {
 
+// Owns PETSc's objects; refers to the mesh, which must outlive it.
 class LinearSystem {
  public:
   struct Spec {

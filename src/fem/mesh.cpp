@@ -61,6 +61,7 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
   first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));
 }
 
+// Local: every rank knows all owners.
 void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameters) {
   for (Id z = 0; z < lattice.zone_count(); ++z) {
     const Index3 at = lattice.zone_index(z);
@@ -110,6 +111,7 @@ void Mesh::connect(const std::vector<int>& owner) {
   received_.resize(3 * ghost_.size());
 }
 
+// Halving in a sorted list; asked while building and for output, never in a step.
 std::int32_t Mesh::local_node(Id id) const {
   const auto found = std::lower_bound(node.begin(), node.end(), id);
   if (found == node.end() || *found != id) return -1;
@@ -140,6 +142,7 @@ void Mesh::exchange(Nodal& values) {
   lattice.plane ? exchange_packed<2>(values) : exchange_packed<3>(values);
 }
 
+// For numbers of unknowns: rare, so it may allocate.
 std::vector<std::int64_t> Mesh::exchange(const std::vector<std::int64_t>& values) {
   std::vector<std::int64_t> sent(shared_.size()), received(ghost_.size()), result = values;
   for (std::size_t s = 0; s < shared_.size(); ++s)

@@ -39,6 +39,7 @@ struct Nodal {
   }
 };
 
+// Building is collective; afterwards only `exchange` is.
 struct Mesh {
   Mesh(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
        double thickness);

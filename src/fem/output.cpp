@@ -1,4 +1,7 @@
 // What leaves the ground as numbers: sensors of the top face, fields, totals, checkpoint.
+//
+// Stresses are those of the deviation, since settling; the fields give the stress at rest beside
+// them, so that a reader may add both. Nothing here changes the state.
 #include <algorithm>
 
 #include "room.hpp"
@@ -28,6 +31,7 @@ constexpr std::array<int, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
 }  // namespace
 
 // Mean over the zones below the node, each amid its top face, where the recovered stress is best.
+// Pa, sigma_z, tension positive. The owner holds all these zones.
 double Ground::Room::surface_stress(std::int32_t node) const {
   std::array<Id, 8> zones{};
   const int count = mesh.lattice.zones_at(mesh.node[static_cast<std::size_t>(node)], zones);
@@ -40,6 +44,7 @@ double Ground::Room::surface_stress(std::int32_t node) const {
   return sum / count;
 }
 
+// Ascending, as the surface counts.
 std::vector<std::int32_t> Ground::own_top() const {
   std::vector<std::int32_t> numbers;
   for (const TopNode& top : room_->own_top) numbers.push_back(top.number);
@@ -137,6 +142,7 @@ GroundTotals Ground::totals() const {
   return totals;
 }
 
+// Bytes on this rank; PETSc's matrices are not known here.
 std::size_t Ground::memory() const {
   const Room& room = *room_;
   const std::size_t per_nodal = room.state.displacement.bytes();

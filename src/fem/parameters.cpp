@@ -46,6 +46,7 @@ Range range_of(const std::vector<double>& outline, std::size_t first) {
 }
 
 // Where a block lies. Judged by the box around its outline.
+// An error if it changes no zone: the ground would be the bare layers, and nobody would know.
 void declare_place(const GroundParameters& ground, std::size_t number, Section& s) {
   const Block& block = ground.blocks[number];
   if (!ground.present || !block.present || block.outline.size() < 2 || ground.x.size() != 2) return;

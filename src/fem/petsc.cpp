@@ -1,4 +1,6 @@
 // Start and end of PETSc, and its error codes.
+//
+// PETSc is started once per process, by the program or, in tests, by whoever needs it first.
 #include "trackbed/fem/petsc.hpp"
 
 #include <petscsys.h>

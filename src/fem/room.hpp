@@ -49,6 +49,7 @@ struct State {
   void list(const Visit& visit);
 };
 
+// Owns all of it. Order of members is order of building.
 struct Ground::Room {
   Room(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
        double thickness);
@@ -58,6 +59,7 @@ struct Ground::Room {
   void explicit_window(double dt);
   void newmark_window(double dt);
   void settle(std::span<const Vec3> top_force);
+  // Collective.
   void publish();          // ghosts of u current, surface motion of this window
   void refresh_surface();  // positions from the state, no motion
   Vec3 vector(const Nodal& values, std::int32_t node) const;

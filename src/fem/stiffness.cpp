@@ -55,6 +55,7 @@ inline void to_corners(Lane (&value)[1 << D]) {
 }
 
 // Corner forces of a run, kept apart for the left and right corners of its zones.
+// Space for a run of 64 zones and the lanes of a vector beyond it.
 template <int D>
 struct RunForces {
   static constexpr int lines = 1 << (D - 1);
@@ -175,6 +176,7 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements)
   runs_.shrink_to_fit();
 }
 
+// Forces of ghosts are sums over the zones held here alone, and not complete.
 void Stiffness::apply(const Nodal& w, Nodal& f) const {
   for (int c = 0; c < components_; ++c) std::fill_n(f[c], nodes_, 0.0);
   if (components_ == 2)

@@ -15,6 +15,7 @@
 
 namespace trackbed::fem {
 
+// Constant once made; local. Cost: 288 flops per zone and the forces' assembly.
 class Stiffness {
  public:
   Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements);

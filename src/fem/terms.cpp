@@ -18,6 +18,9 @@ namespace {
 // Impedances of a half space, Pa s/m (Lysmer, Kuhlemeyer 1969, doi:10.1061/JMCEA3.0001144):
 // rho c_p for motion along the normal, rho c_s across it. In plane stress waves run with the plate
 // modulus E / (1 - nu^2).
+//   rho c_p = sqrt(rho M),  rho c_s = sqrt(rho G),  G = E/(2 (1 + nu)),
+//   M = E (1 - nu)/((1 + nu)(1 - 2 nu)), in plane stress E/(1 - nu^2).
+// Exact for waves along the normal; waves at an angle are swallowed in part.
 struct Impedance {
   double normal, tangential;
 };
@@ -40,6 +43,7 @@ struct Builder {
   Terms& terms;
 
   // Share of one corner in the face normal to `component`, m^2.
+  // Faces are rectangles: each corner has an equal share.
   double face_share(int component) const {
     const Lattice& lattice = mesh.lattice;
     const double face = lattice.size.prod() / lattice.size[lattice.axis(component)];
@@ -56,6 +60,8 @@ struct Builder {
   }
 
   // Held, or quiet with or without springs.
+  // Four cases: held; quiet on dashpots alone; the same with springs; at rest held unless springs
+  // carry.
   void base(std::size_t z, std::int32_t node) const {
     const auto n = static_cast<std::size_t>(node);
     const auto all = static_cast<std::uint8_t>((1 << mesh.lattice.components()) - 1);
@@ -120,6 +126,8 @@ double largest_eigenvalue(const Eigen::MatrixXd& k) {
 
 }  // namespace
 
+// Pa/m. A layer of depth H below the base, held at its foot, would resist a shear with G/H; the
+// ground's own depth is taken for H, for want of a better one.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth) {
   const double shear = solid.young / (2 * (1 + solid.poisson));
   return parameters.base_stiffness < 0 ? shear / depth : parameters.base_stiffness;
@@ -144,6 +152,7 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
   merge(springs);
 }
 
+// Collective; the same step on all ranks.
 double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit) {
   const Lattice& lattice = mesh.lattice;
@@ -173,6 +182,8 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                         at % 2 == 1 ? " on base springs" : "", lattice.size.x(), lattice.size.y(),
                         lattice.size.z());
   }
+  //   h = 2/w (sqrt(1 + z^2) - z),  z = beta w/2,  w^2 = largest eigenvalue of K over the corner
+  //   mass.
   const double omega = std::sqrt(highest), z = 0.5 * parameters.rayleigh_stiffness * omega;
   if (z > 0.1) limit += ", lowered by rayleigh_stiffness";
   return 2 / omega * (std::sqrt(1 + z * z) - z);

@@ -16,6 +16,7 @@ struct Spring {
   double stiffness;  // N/m, the same along every axis
 };
 
+// Local; computed anew in each run, not in checkpoints.
 struct Terms {
   Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness);
 
