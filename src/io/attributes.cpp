@@ -13,6 +13,7 @@ std::string subject_of(const std::string& path, const std::string& name) {
 }
 
 // The object named by `path`; a missing group is made when the file is open for writing.
+// Datasets and groups alike: HDF5 hangs attributes on either.
 Hid open_object(const File& file, const std::string& path) {
   const hid_t id = file.handle().file.get();
   if (file.handle().mode == Mode::read || file.has(path))
@@ -22,6 +23,7 @@ Hid open_object(const File& file, const std::string& path) {
   return Hid(H5Gcreate2(id, path.c_str(), links.get(), H5P_DEFAULT, H5P_DEFAULT));
 }
 
+// Never left out on a rank: changes to metadata are collective in HDF5.
 void write_attribute(const File& file, const std::string& path, const std::string& name,
                      const Hid& type, const Hid& space, const void* value) {
   const Hid object = open_object(file, path);
@@ -37,6 +39,7 @@ void write_attribute(const File& file, const std::string& path, const std::strin
   file.handle().agree(ok, subject_of(path, name), "cannot be written");
 }
 
+// Two agreements: whether it is there, then whether it is of the kind asked for.
 Hid open_attribute(const File& file, const std::string& path, const std::string& name,
                    H5T_class_t expected) {
   const Hid object(H5Oopen(file.handle().file.get(), path.c_str(), H5P_DEFAULT));
@@ -70,6 +73,8 @@ bool is_ascii(const std::string& text) {
 
 }  // namespace
 
+// Of fixed length, stored with the attribute itself; text of variable length would need a heap in
+// the file.
 void File::attribute(const std::string& path, const std::string& name, const std::string& value) {
   const Hid type(H5Tcopy(H5T_C_S1)), space(H5Screate(H5S_SCALAR));
   // The closing zero is stored as well, so that empty text has a size HDF5 accepts.
@@ -95,6 +100,7 @@ void File::attribute(const std::string& path, const std::string& name,
   write_attribute(*this, path, name, type, space, value.data());
 }
 
+// Of fixed length; text of other writers may be padded or closed with zeros, which both end here.
 std::string File::text_attribute(const std::string& path, const std::string& name) const {
   const Hid attribute = open_attribute(*this, path, name, H5T_STRING);
   const Hid type(H5Aget_type(attribute.get()));

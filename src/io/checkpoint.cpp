@@ -50,6 +50,7 @@ std::string put_in_place(const fs::path& from, const fs::path& to) {
   return synced(to.parent_path());
 }
 
+// Last of all: `latest` never names a file that is not whole. On rank 0.
 std::string write_latest(const fs::path& folder, const std::string& name) {
   const fs::path part = folder / "latest.part";
   std::ofstream out(part);
@@ -60,6 +61,7 @@ std::string write_latest(const fs::path& folder, const std::string& name) {
 }
 
 // Throws the sentence about a damaged or foreign file on all ranks.
+// Collective. Cost: each rank reads its share of the file once.
 void verify(const File& file, const std::string& path) {
   // Ranks must take the same way through collective calls: whether there is a kind is agreed first.
   if (file.handle().comm.max(std::int64_t{has_attribute(file, "/", "kind") ? 0 : 1}) != 0 ||
@@ -119,6 +121,7 @@ std::vector<std::string> newest_first(const fs::path& folder) {
 }
 
 // What `path` may mean, best first; on rank 0. Paths, one per line.
+// The one `latest` names comes first, whatever the times of the files say: copies change those.
 std::string candidates(const std::string& path, IfDamaged if_damaged) {
   std::error_code ignored;
   // The text file `latest` stands for the folder whose newest checkpoint it names.
@@ -134,6 +137,7 @@ std::string candidates(const std::string& path, IfDamaged if_damaged) {
 }
 
 // `fill` may have failed half way: the file is closed by its destructor before it is removed.
+// Collective. The seal is written by rank 0 once HDF5 has let go of the file.
 void write_part(const par::Comm& comm, const std::string& part,
                 const std::function<void(File&)>& fill) {
   File file(comm, part, Mode::create);
@@ -148,6 +152,7 @@ void write_part(const par::Comm& comm, const std::string& part,
 
 // A write that reported success is not taken for the data. Wrong bits are found before the old
 // checkpoint is given up.
+// Collective.
 void read_back(const par::Comm& comm, const std::string& part) {
   const std::string damage = comm.root() ? why_not_whole(part) : "";
   comm.agree(damage.empty() ? "" : part + ": " + damage + " right after it was written");
@@ -160,6 +165,7 @@ void read_back(const par::Comm& comm, const std::string& part) {
 
 }  // namespace
 
+// Until the rename nothing that was there before is touched.
 void write_checkpoint(const par::Comm& comm, const std::string& folder, const std::string& name,
                       const std::function<void(File&)>& fill) {
   std::error_code error;
@@ -184,6 +190,7 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
   comm.agree(problem);
 }
 
+// RunError becomes InputError here: a file that cannot be read is what the user named.
 File open_checkpoint(const par::Comm& comm, const std::string& file_name) {
   const std::string problem = comm.broadcast(comm.root() ? why_not_there(file_name) : "");
   if (!problem.empty()) refuse(problem);
@@ -199,6 +206,7 @@ File open_checkpoint(const par::Comm& comm, const std::string& file_name) {
   }
 }
 
+// Collective: rank 0 lists, all open each in turn, so that they pass over the same ones.
 Chosen choose_checkpoint(const par::Comm& comm, const std::string& path, IfDamaged if_damaged) {
   Chosen chosen;
   const std::string lines = comm.broadcast(comm.root() ? candidates(path, if_damaged) : "");

@@ -1,5 +1,9 @@
 // Rows of numbers in and out. A rank's place among the rows is the scan over lower ranks; transfers
 // are collective: ranks without rows take part.
+//
+// Cost of a write: a scan, a reduction, one request per rank and a hash of the bytes. Values are
+// stored in the machine's own byte order, which HDF5 notes in the file and turns round for other
+// readers.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,8 +20,11 @@ namespace trackbed::io {
 
 namespace {
 
+// Large enough that a chunk's entry in the index is small beside it, small enough that a short
+// history wastes little.
 constexpr std::size_t chunk_bytes = 32768;  // of growing datasets: 4096 doubles
 
+// Rows [begin, begin + count) of a table, all columns.
 Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
   const hsize_t extent[2] = {all_rows, columns};
   Hid space(H5Screate_simple(flat ? 1 : 2, extent, nullptr));
@@ -41,12 +48,15 @@ Hid transfer_by_each_rank() {
 }
 
 // Memory holds this rank's rows one after another.
+// One row at least, also where nothing is selected.
 Hid memory_space(std::size_t rows, std::size_t columns) {
   return selected(std::max<std::size_t>(rows, 1), columns, false, {0, rows});
 }
 
 // Reserves disk space before HDF5 is asked to write: a full disk found here is one clean sentence,
 // found in the middle of a collective transfer it would leave the library's own tables unwritten.
+// On rank 0: the file is one for all. File systems without fallocate answer with another error,
+// which is no reason to refuse.
 std::string why_no_space(const std::string& path, std::size_t bytes) {
   constexpr std::size_t headers = 1 << 16;
   const int descriptor = ::open(path.c_str(), O_RDWR);
@@ -62,6 +72,7 @@ std::string why_no_space(const std::string& path, std::size_t bytes) {
   return reason;
 }
 
+// Collective.
 void reserve(const File::Handle& file, const std::string& path, std::size_t bytes) {
   const std::string reason = file.comm.root() && bytes > 0 ? why_no_space(file.path, bytes) : "";
   file.comm.agree(reason.empty()
@@ -69,6 +80,7 @@ void reserve(const File::Handle& file, const std::string& path, std::size_t byte
                       : file.path + ": dataset " + path + " cannot be written (" + reason + ")");
 }
 
+// Collective. One column makes a dataset of one dimension, which readers know as a plain list.
 Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t type,
                        std::size_t rows, std::size_t columns, bool grows) {
   const Hid links(H5Pcreate(H5P_LINK_CREATE)), creation(H5Pcreate(H5P_DATASET_CREATE));
@@ -92,6 +104,7 @@ Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t 
   return dataset;
 }
 
+// Collective; `source` holds this rank's rows only.
 void write_rows(const File::Handle& file, const std::string& path, const Dataset& dataset,
                 Share rows, const void* source) {
   if (dataset.rows == 0) return;
@@ -104,6 +117,7 @@ void write_rows(const File::Handle& file, const std::string& path, const Dataset
   file.agree(ok, "dataset " + path, "cannot be written");
 }
 
+// HDF5 would convert in silence, and so lose digits in silence.
 void expect_type(const File::Handle& file, const std::string& path, const Dataset& dataset,
                  hid_t type) {
   file.agree(H5Tequal(dataset.type.get(), type) > 0, "dataset " + path,
@@ -119,11 +133,13 @@ std::vector<T> read_typed(const File::Handle& file, const std::string& path, con
   return values;
 }
 
+// A mistake of the program, not of a file: it ends the run.
 std::size_t rows_of(std::size_t values, std::size_t columns) {
   require(columns > 0 && values % columns == 0, "a dataset's values do not fill whole rows");
   return values / columns;
 }
 
+// First row of this rank and, in `total`, the rows of all ranks. Collective.
 Share place_of(const par::Comm& comm, std::size_t rows, std::size_t& total) {
   const auto mine = static_cast<std::int64_t>(rows);
   total = static_cast<std::size_t>(comm.sum(mine));
@@ -164,6 +180,7 @@ void read_rows_into(const File::Handle& file, const std::string& path, const Dat
   file.agree(ok, "dataset " + path, "cannot be read");
 }
 
+// The row's number is part of it, so that rows that changed places do not go unseen.
 std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t row_bytes,
                         std::size_t first) {
   // Wraps around on overflow, as unsigned integers do: addition modulo 2^64 is still free of order.
@@ -173,6 +190,7 @@ std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t ro
   return sum;
 }
 
+// Sums wrap around alike on all ranks, so the split does not matter.
 std::uint64_t stored_hash(const File::Handle& file, const std::string& path) {
   const Dataset dataset = open_dataset(file, path);
   const Share mine = share(dataset.rows, file.comm.rank(), file.comm.size());
@@ -224,6 +242,8 @@ std::vector<T> File::read_rows(const std::string& path, std::size_t begin,
 }
 
 template <class T>
+// Columns of a history grow together, one dataset each: a reader may meet them of different lengths
+// after a kill, so results are appended to a copy (see observe).
 void File::append(const std::string& path, std::span<const T> mine, std::size_t columns,
                   const Label& label) {
   std::size_t added = 0;
@@ -250,6 +270,7 @@ void File::append(const std::string& path, std::span<const T> mine, std::size_t 
   handle_->agree(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written");
 }
 
+// The space behind is lost to the file until it is written anew.
 void File::truncate(const std::string& path, std::size_t rows) {
   const Dataset dataset = open_dataset(*handle_, path);
   const hsize_t extent[2] = {rows, dataset.columns};

@@ -14,6 +14,7 @@ namespace trackbed::io {
 
 namespace {
 
+// Name and place are the format's.
 constexpr const char* root = "/VTKHDF";
 
 std::string at(const std::string& name) { return std::string(root) + "/" + name; }
@@ -36,11 +37,13 @@ std::size_t nodes_per_cell(CellKind kind) {
 }
 
 // One number per rank.
+// Rank r's number is row r, since rows follow ranks.
 void write_count(File& file, const std::string& name, std::size_t count, const char* meaning) {
   const auto value = static_cast<std::int64_t>(count);
   file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
 }
 
+// Units are part of the name: VTK has no place for them.
 void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
                 std::size_t rows) {
   for (const FieldData& field : fields) {
@@ -67,6 +70,7 @@ void write_cells(File& file, const Grid& grid, std::size_t cells) {
 
 }  // namespace
 
+// Collective. Rejoining points at rank borders is the reader's: each piece has its own.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
   // Rows of a piece are found by the counts of the pieces before it: a cell that is cut would shift

@@ -26,6 +26,7 @@ namespace trackbed::io {
 namespace {
 
 // Asks the operating system first: its reasons ("Permission denied") are better than MPI's.
+// Creates the file if that is wanted, so that the later open by all ranks finds it. On rank 0.
 std::string why_not_open(const std::string& path, Mode mode) {
   const int flags = mode == Mode::read     ? O_RDONLY
                     : mode == Mode::create ? O_RDWR | O_CREAT
@@ -38,6 +39,7 @@ std::string why_not_open(const std::string& path, Mode mode) {
   return S_ISREG(status.st_mode) ? "" : "not a regular file";
 }
 
+// Collective.
 Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
   const Hid access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_fapl_mpio(access.get(), par::mpi(comm), MPI_INFO_NULL);
@@ -51,6 +53,7 @@ Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
 }
 
 // Gives back disk space reserved beyond the file's end (see reserve in dataset.cpp).
+// On rank 0, once the file is closed.
 void trim(const File::Handle& file) {
   if (!file.comm.root() || file.mode == Mode::read) return;
   struct stat status {};
@@ -102,6 +105,8 @@ File::~File() {
 File::File(File&&) noexcept = default;
 File& File::operator=(File&&) noexcept = default;
 
+// Collective; throws where the destructor may not. Whoever wants to know that data are on the disk
+// calls it.
 void File::close() {
   if (!handle_->file) return;
   Hid file = std::move(handle_->file);
@@ -112,6 +117,7 @@ void File::close() {
   handle_->agree(flushed && closed, "", "cannot be completed");
 }
 
+// Local answer, the same on all ranks, as metadata is.
 bool File::has(const std::string& path) const {
   // HDF5 wants every group on the way checked before the last name.
   for (std::size_t end = 0; end != std::string::npos;) {
@@ -123,11 +129,13 @@ bool File::has(const std::string& path) const {
   return true;
 }
 
+// Rows and columns; one column also for a plain list. Collective.
 std::vector<std::size_t> File::extent(const std::string& path) const {
   const Dataset dataset = open_dataset(*handle_, path);
   return {dataset.rows, dataset.columns};
 }
 
+// Sorted, so that what follows from the order does not hang on HDF5. Collective.
 std::vector<std::string> File::names(const std::string& group) const {
   const Hid opened(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT));
   std::vector<std::string> found;

@@ -11,6 +11,7 @@
 
 namespace trackbed::io {
 
+// Owned by the File, which may move: the handle stays where it is.
 struct File::Handle {
   par::Comm comm;
   std::string path;
@@ -31,6 +32,7 @@ struct Dataset {
 };
 
 // Collective: agreed on all ranks.
+// Throws RunError on all if the dataset is not there or no table of numbers.
 Dataset open_dataset(const File::Handle& file, const std::string& path);
 // Rows [begin, begin + count) of this rank into `target`; `type` describes the memory.
 void read_rows_into(const File::Handle& file, const std::string& path, const Dataset& dataset,
@@ -43,6 +45,7 @@ std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t ro
 // The same for a stored dataset, read by all ranks together.
 std::uint64_t stored_hash(const File::Handle& file, const std::string& path);
 
+// An attribute of every dataset that `write` makes.
 inline constexpr const char* checksum_name = "checksum";
 
 }  // namespace trackbed::io

@@ -17,6 +17,7 @@ herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
 
 }  // namespace
 
+// For good; the errors themselves stay on HDF5's stack, for `hdf5_reason`.
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 std::string hdf5_reason() {
@@ -35,6 +36,7 @@ template <> hid_t native_type<std::int8_t>() { return H5T_NATIVE_INT8; }
 template <> hid_t native_type<std::uint8_t>() { return H5T_NATIVE_UINT8; }
 // clang-format on
 
+// For sentences: what a file holds against what was asked for.
 std::string type_name(hid_t type) {
   const std::string bits = std::to_string(8 * H5Tget_size(type)) + "-bit ";
   switch (H5Tget_class(type)) {

@@ -11,6 +11,7 @@
 namespace trackbed::io {
 
 // Owns one HDF5 identifier of any kind; the reference count decides, so one function closes all.
+// Moved, never copied: two owners would close it twice.
 class Hid {
  public:
   Hid() = default;

@@ -19,6 +19,7 @@ namespace trackbed::io {
 namespace {
 
 // Written after the list of extents, as it stands in memory.
+// The magic is last in the file, where a reader looks first.
 struct Foot {
   std::uint64_t extents = 0;     // how many
   std::uint64_t file_bytes = 0;  // before the seal
@@ -33,6 +34,7 @@ herr_t collect_dataset(hid_t, const char* name, const H5O_info_t* info, void* pa
 }
 
 // Hash of all bytes outside of the extents, and of the extents themselves.
+// Cost: one pass over the structure; the numbers are jumped over.
 std::uint64_t structure_hash(std::ifstream& in, std::uint64_t file_bytes,
                              std::vector<Extent> extents) {
   std::uint64_t hash = hash_bytes(extents.data(), extents.size() * sizeof(Extent));
@@ -87,6 +89,7 @@ bool has_attribute(const File& file, const std::string& path, const std::string&
   return H5Aexists_by_name(file.handle().file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
+// Needs contiguous datasets; see create_dataset.
 std::vector<Extent> extents_of(const File& file) {
   std::vector<Extent> extents;
   for (const std::string& path : datasets_of(file)) {
@@ -117,6 +120,8 @@ std::string seal(const std::string& path, const std::vector<Extent>& extents) {
   return out ? "" : path + ": cannot be completed (" + std::strerror(errno) + ")";
 }
 
+// From the outside in: is there a file, is it HDF5, is there a foot, do foot and length agree, do
+// the extents, does the hash. The first "no" is the sentence.
 std::string why_not_whole(const std::string& path) {
   constexpr char hdf5_magic[] = "\211HDF\r\n\032\n";
   std::ifstream in(path, std::ios::binary | std::ios::ate);

@@ -14,6 +14,7 @@
 
 namespace trackbed::io {
 
+// On disk as it stands here: two numbers of 64 bits.
 struct Extent {
   std::uint64_t offset, bytes;  // in the file
 };

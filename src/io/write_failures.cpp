@@ -19,10 +19,12 @@ std::string& noted() {
   return text;
 }
 
+// The first counts: later ones follow from it.
 void note(const std::string& text) {
   if (noted().empty()) noted() = text;
 }
 
+// What MPI says of an error, where the system left no reason.
 std::string words_of(int error) {
   char text[MPI_MAX_ERROR_STRING] = {};
   int length = 0;
@@ -32,6 +34,7 @@ std::string words_of(int error) {
 
 // After a write of `count` items: a short one counts as failed (Open MPI reports a full disk so).
 // HDF5 looks at the number of items written, so that is set to all of them.
+// Bytes are compared: `size` is that of one item.
 void check_written(int result, int system_error, int count, MPI_Datatype type, MPI_Status* status) {
   MPI_Count size = 0, written = 0;
   MPI_Type_size_x(type, &size);
@@ -60,6 +63,7 @@ int written_at(decltype(&PMPI_File_write_at) write, MPI_File file, MPI_Offset of
   return MPI_SUCCESS;
 }
 
+// For calls that write no data but may fail for want of space.
 int noted_result(int result) {
   if (result != MPI_SUCCESS) note(words_of(result));
   return MPI_SUCCESS;
