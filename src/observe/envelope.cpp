@@ -16,6 +16,8 @@ enum class Extreme { least, most };
 // its own weight before), or nothing, for quantities that rest at zero.
 enum class From { first_row, zero };
 
+// One line of the table below is one dataset of the results: sources and targets stand side by
+// side.
 struct Wanted {
   const char* source;
   const char* target;
@@ -24,6 +26,9 @@ struct Wanted {
   io::Label label;
 };
 
+// Displacements and stresses from the begin of the passage, since they hold what earlier stages
+// left; accelerations from zero, since a track at rest has none. No filter: what is drawn is what
+// was computed, and the history is there for who wants one.
 const std::vector<Wanted>& envelopes() {
   static const std::vector<Wanted> list{
       {"history/sleeper/displacement",
@@ -55,6 +60,8 @@ const std::vector<Wanted>& envelopes() {
 }
 
 // Rows [begin, end) of the stage.
+// Collective; every rank reads the column of stages, 8 bytes a row. Both equal if the stage has no
+// rows.
 std::pair<std::size_t, std::size_t> rows_of_stage(const io::File& file, std::int64_t stage) {
   const auto stages = file.read_all<std::int64_t>("history/stage");
   // The rows of a stage are contiguous: the number of the stage only rises along a run.
@@ -65,6 +72,7 @@ std::pair<std::size_t, std::size_t> rows_of_stage(const io::File& file, std::int
 }
 
 // Every rank reads its share of the rows; minimum and maximum do not depend on the split.
+// Collective. Values of a row lie side by side, so k % columns is the column.
 std::vector<double> extremes(const par::Comm& comm, const io::File& file, const Wanted& wanted,
                              std::pair<std::size_t, std::size_t> rows) {
   const std::size_t columns = file.extent(wanted.source).at(1);
@@ -75,6 +83,7 @@ std::vector<double> extremes(const par::Comm& comm, const io::File& file, const 
   // One maximum serves all: lowest is the largest of the negated, turned back at the end.
   const double sign = wanted.extreme == Extreme::most ? 1 : -1;
   std::vector<double> found(columns, 0.0);  // the first row itself is at most zero away
+  // Magnitude from zero, or the way from the origin in the direction asked for.
   for (std::size_t k = 0; k < values.size(); ++k) {
     const double away = values[k] - origin[k % columns];
     const double size = wanted.from == From::zero ? std::abs(away) : sign * away;
@@ -87,6 +96,7 @@ std::vector<double> extremes(const par::Comm& comm, const io::File& file, const 
 
 }  // namespace
 
+// Collective. Reads first and closes, then changes a copy: a file must not be open twice.
 void Results::envelope(std::int64_t stage) {
   flush();
   Room& room = *room_;

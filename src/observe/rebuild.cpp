@@ -13,11 +13,13 @@ namespace trackbed::observe {
 
 namespace {
 
+// Unit and meaning go along: the copy is as readable as the file.
 io::Label label_of(const io::File& file, const std::string& path) {
   return {file.text_attribute(path, "unit"), file.text_attribute(path, "meaning")};
 }
 
 // A dataset's share of this rank, out of the first `rows` rows.
+// Collective; the copy grows by one append, of any number of ranks.
 template <class T>
 void copy_history(const par::Comm& comm, const io::File& from, io::File& to,
                   const std::string& path, std::size_t rows) {
@@ -26,11 +28,14 @@ void copy_history(const par::Comm& comm, const io::File& from, io::File& to,
   to.append<T>(path, from.read_rows<T>(path, begin, count), columns, label_of(from, path));
 }
 
+// Tables have no end to cut: they belong to a place or a finished stage as a whole.
 void copy_table(const io::File& from, io::File& to, const std::string& path) {
   const std::size_t columns = from.extent(path).at(1);
   to.write<double>(path, from.read_share<double>(path), columns, label_of(from, path));
 }
 
+// Names are asked, not known: a file of another version may hold columns that this one does not
+// make, and keeps them.
 std::vector<std::string> members(const io::File& file, const std::string& group) {
   std::vector<std::string> paths;
   if (file.has(group))
@@ -56,6 +61,7 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
 }
 
+// As it is: which rows it knows is compared by who calls.
 void copy_envelope(const io::File& from, io::File& to) {
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
     for (const std::string& path : members(from, group)) copy_table(from, to, path);
@@ -63,6 +69,8 @@ void copy_envelope(const io::File& from, io::File& to) {
 
 }  // namespace
 
+// Collective. Rows of the checkpoint that the file does not have mean that it is not the file of
+// that run.
 void Results::resume(const std::string& old_path, std::int64_t rows,
                      const std::vector<std::string>& finished) {
   Room& room = *room_;
@@ -72,6 +80,7 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
   // A checkpoint alone is enough to go on: rank 0 decides for all whether there is a file, because
   // other ranks may see another state of a network file system.
   if (room.comm.max(there) == 0) return;  // histories begin anew
+  // Under another name until it is whole.
   const std::string part = room.path + ".part";
   {
     const io::File old(room.comm, old_path, io::Mode::read);

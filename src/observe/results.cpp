@@ -19,9 +19,11 @@ namespace fs = std::filesystem;
 namespace {
 
 // About 1 MB with 30 columns, so that copying the file at a flush stays rare.
+// Memory is the same on all ranks; a flush in between costs nothing but the copy.
 constexpr std::size_t rows_in_memory = 4000;
 constexpr double same_place = 1e-6;  // m, two nodes on one line along the track
 
+// Names and units of the histories are what postproc/ and users' scripts read.
 std::vector<Column> sleeper_columns() {
   return {
       {"history/sleeper/displacement", {"m", "vertical, of the centre, from where it was placed"}},
@@ -31,6 +33,7 @@ std::vector<Column> sleeper_columns() {
       {"history/sleeper/reaction", {"N", "vertical, from stones, mean of the last window"}}};
 }
 
+// From the state of rest: displacement and stress of the deviation.
 std::vector<Column> ground_columns() {
   return {{"history/ground/displacement", {"m", "vertical, from the state when it was let go"}},
           {"history/ground/sigma_z", {"Pa", "vertical stress, tension positive, since then"}}};
@@ -47,6 +50,7 @@ std::vector<Column> energy_columns() {
 // One line of top nodes along the track: the front face of a slice (its lowest y), or in space the
 // line nearest to the middle, y = 0. Ties go to the line met last. Ascending x, so that figures
 // need no sorting.
+// The same on all ranks: each holds the whole top.
 std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension) {
   const auto& nodes = ground.top().position;
   const auto distance = [&](const Vec3& x) {
@@ -73,6 +77,8 @@ Results::Results(Results&&) noexcept = default;
 
 std::int64_t Results::rows() const { return room_->rows; }
 
+// Collective. Places are written before the first row, so that a file without rows can be drawn,
+// too.
 void Results::watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x) {
   Room& room = *room_;
   room.energy = energy_columns();
@@ -111,15 +117,18 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   if (room.times.size() >= rows_in_memory) flush();
 }
 
+// Collective. After it the rows in the file are those that a checkpoint counts.
 void Results::flush() {
   Room& room = *room_;
   if (room.times.empty()) return;
   room.replace([&](io::File& file) { room.append_to(file); });
 }
 
+// Makes no file: `watch` or `resume` does.
 Results::Room::Room(const par::Comm& world, std::string file, About what)
     : comm(world), path(std::move(file)), about(std::move(what)) {}
 
+// What a reader needs to know what made the file; the deck is the effective one.
 void Results::Room::put_head(io::File& file) {
   file.attribute("/", "kind", std::string("trackbed results"));
   file.attribute("/", "version", about.version);
@@ -127,6 +136,7 @@ void Results::Room::put_head(io::File& file) {
   file.attribute("/", "deck", about.deck);
 }
 
+// Replaces what is there: prepare_folder has asked before. Collective.
 void Results::Room::begin_file() {
   io::File file(comm, path, io::Mode::create);
   put_head(file);
@@ -152,6 +162,7 @@ void Results::Room::replace(const std::function<void(io::File&)>& change) {
   take_name(part);
 }
 
+// Groups that were never sampled have width 0 and no dataset. Collective.
 void Results::Room::append_to(io::File& file) {
   const bool root = comm.root();  // all ranks have all rows; one writes them
   const auto own = [&](const auto& values) {

@@ -16,6 +16,7 @@ struct Column {
   std::vector<double> values{};
 };
 
+// All ranks hold the same columns; rank 0 writes them.
 struct Results::Room {
   Room(const par::Comm& comm, std::string path, About about);
   void begin_file();

@@ -17,6 +17,7 @@ struct Network {
   std::vector<double> segments, force;  // x0 z0 x1 z1 of the two centres; |F|
 };
 
+// N and m, on this rank. Each contact once: a contact between two ranks is shown by one of them.
 Network network_of(const dem::Particles& particles) {
   Network network;
   particles.contacts([&](const dem::ContactView& contact) {
@@ -27,6 +28,7 @@ Network network_of(const dem::Particles& particles) {
   return network;
 }
 
+// Pebbles, not stones: what a figure draws is disks, m. Of polyhedra the balls around their pieces.
 struct Stones {
   std::vector<double> centre, radius;
 };
@@ -41,6 +43,8 @@ Stones stones_of(const dem::Particles& particles) {
   return stones;
 }
 
+// Points with a radius, which a viewer turns into balls: of polyhedra the balls around their
+// pieces.
 io::Grid stone_points(const dem::Particles& particles) {
   io::Grid grid;
   io::FieldData radius{"radius (m)", 1, {}}, velocity{"velocity (m/s)", 3, {}}, id{"stone", 1, {}};
@@ -79,6 +83,7 @@ io::Grid contact_lines(const dem::Particles& particles) {
 
 }  // namespace
 
+// Collective.
 void Results::snapshot(const std::string& stage, const Scene& scene) {
   const Network network = network_of(scene.particles);
   const Stones stones = stones_of(scene.particles);
@@ -93,6 +98,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene) {
   });
 }
 
+// Collective. Files are written one by one under their own names: a kill may leave one cut off.
 void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
                     const Scene& scene) {
   std::error_code error;
