@@ -38,9 +38,11 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
 
 }  // namespace
 
+// No threads are asked for: each rank is one thread.
 Environment::Environment(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
 Environment::~Environment() { MPI_Finalize(); }
 
+// Rank and size are asked once: they never change.
 Comm::Comm(std::shared_ptr<void> handle) : handle_(std::move(handle)) {
   MPI_Comm_rank(mpi(*this), &rank_);
   MPI_Comm_size(mpi(*this), &size_);
@@ -53,6 +55,8 @@ Comm Comm::world() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_WORLD)); }
 Comm Comm::self() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_SELF)); }
 
 void Comm::barrier() const { MPI_Barrier(mpi(*this)); }
+// Order of a sum of doubles is MPI's and may change with the number of ranks: for figures, or where
+// all ranks but one add zero; what feeds back into the motion takes exact sums.
 double Comm::sum(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_SUM); }
 double Comm::max(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MAX); }
 double Comm::min(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MIN); }
@@ -93,6 +97,7 @@ std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) c
   return all;
 }
 
+// Any rank may send to any. In the order of ranks on arrival, whatever came first.
 std::vector<std::vector<std::byte>> Comm::exchange_bytes(
     const std::vector<std::span<const std::byte>>& out) const {
   const auto ranks = static_cast<std::size_t>(size_);
@@ -105,6 +110,7 @@ std::vector<std::vector<std::byte>> Comm::exchange_bytes(
   MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, mpi(*this));
   std::vector<std::vector<std::byte>> in(ranks);
   std::vector<MPI_Request> requests;
+  // Halo uses another: its messages may be under way at the same time.
   constexpr int tag = 71;
   // Receives are posted before any send, so that no message has to wait in a buffer of MPI.
   for (std::size_t r = 0; r < ranks; ++r) {
@@ -121,6 +127,7 @@ std::vector<std::vector<std::byte>> Comm::exchange_bytes(
   return in;
 }
 
+// Length first, as only rank 0 knows it.
 std::string Comm::broadcast(const std::string& text) const {
   std::int64_t length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, 0, mpi(*this));

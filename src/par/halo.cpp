@@ -9,6 +9,7 @@
 
 namespace trackbed::par {
 
+// Collective. O(ranks) once; the transfers after it know their neighbours only.
 void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>>& send_items) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   std::vector<std::vector<std::int64_t>> counts(ranks);
@@ -22,6 +23,7 @@ void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>
   received_ = 0;
   for (std::size_t r = 0; r < ranks; ++r) {
     const std::size_t sends = send_items[r].size();
+    // A rank that sends nothing says nothing: no count means none.
     const std::size_t receives = incoming[r].empty() ? 0 : static_cast<std::size_t>(incoming[r][0]);
     // Neighbours are kept in the order of their ranks: items and ghosts lie in that order too,
     // whatever message arrives first, and so ghosts have the same places in every run.
@@ -35,6 +37,7 @@ void Halo::connect(const Comm& comm, const std::vector<std::vector<std::int32_t>
 // `target` is contiguous per neighbour either way: forward fills the ghosts, backward the list of
 // items sent. Callers copy (pack) before, so MPI never sees a derived datatype.
 void Halo::transfer(std::size_t item_bytes, std::byte* target, Way way) {
+  // Not that of Comm's exchange.
   constexpr int tag = 72;
   const MPI_Comm mpi_comm = mpi(comm_.front());
   thread_local std::vector<MPI_Request> requests;  // keeps its capacity: no allocation per step

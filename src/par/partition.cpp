@@ -1,3 +1,10 @@
+// Three ways to split work over ranks. Points by coordinates: recursive bisection across the
+// longest side (Berger, Bokhari 1987, doi:10.1109/TC.1987.1676942), a sort per halving, compact
+// boxes, no neighbours needed. Graphs and meshes by METIS (Karypis, Kumar 1998,
+// doi:10.1137/S1064827595287997), which cuts fewer neighbours but needs to know them.
+//
+// All are local: ranks that run them on the same input find the same split, without a message. That
+// makes ties and seeds part of the result.
 #include "trackbed/par/partition.hpp"
 
 #include <metis.h>
@@ -13,6 +20,7 @@ namespace trackbed::par {
 namespace {
 
 // Gives `parts` consecutive part numbers from `first` to the points named in `names`.
+// Sorted by coordinate, equal ones by name, so that the split is the same wherever it is computed.
 void bisect_range(std::span<const Vec3> points, std::span<const double> weights,
                   std::span<std::int32_t> names, int first, int parts, std::vector<int>& part_of) {
   if (parts == 1 || names.empty()) {
@@ -33,6 +41,8 @@ void bisect_range(std::span<const Vec3> points, std::span<const double> weights,
     const double xb = points[static_cast<std::size_t>(b)][axis];
     return xa != xb ? xa < xb : a < b;
   });
+  // Odd numbers of parts: the lower side gets its share of the weight, not half of it. A point goes
+  // to the side where most of its weight falls.
   const int lower_parts = parts / 2;
   const double wanted = total * lower_parts / parts;
   std::size_t cut = 0;
@@ -60,6 +70,7 @@ std::vector<int> bisect(std::span<const Vec3> points, std::span<const double> we
 namespace {
 
 // METIS counts in 32 bits: a share of the sum that leaves room for its own sums.
+// At least 1: METIS leaves vertices of no weight anywhere.
 std::vector<idx_t> whole(std::span<const double> weights) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double unit = sum > 0 ? (1 << 28) / sum : 0;
@@ -71,6 +82,8 @@ std::vector<idx_t> whole(std::span<const double> weights) {
 
 }  // namespace
 
+// Empty if it cannot be split: fewer vertices than parts, or METIS failed; the caller then keeps
+// its bisection.
 std::vector<int> partition_graph(const Graph& graph, int parts) {
   std::vector<int> part_of(graph.size(), 0);
   if (graph.size() < static_cast<std::size_t>(parts)) return {};
@@ -83,6 +96,7 @@ std::vector<int> partition_graph(const Graph& graph, int parts) {
   edges.resize(neighbours.size());
   std::array<idx_t, METIS_NOPTIONS> options;
   METIS_SetDefaultOptions(options.data());
+  // METIS begins from random vertices.
   options[METIS_OPTION_SEED] = 1;  // the same split on every rank and in every run
   // Recursive bisection balances few parts better, k-way is quicker for many.
   const auto split = parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
@@ -95,6 +109,8 @@ std::vector<int> partition_graph(const Graph& graph, int parts) {
   return part_of;
 }
 
+// Cost of a part: its own weights and, for each edge that is cut, its weight on both sides, as both
+// ranks compute what lies between them. Largest over mean of the weights: 1 is ideal.
 double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
   std::vector<double> cost(static_cast<std::size_t>(parts), 0);
   double sum = 0;
@@ -109,8 +125,11 @@ double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
   return sum > 0 ? *std::max_element(cost.begin(), cost.end()) * parts / sum : 1;
 }
 
+// By the dual graph: elements are neighbours if they share `common` nodes. Fewer elements than
+// parts: all on part 0.
 std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int nodes_per_element,
                                 int common, int parts) {
+  // Offsets of equal length: all elements have the same number of nodes.
   idx_t elements = static_cast<idx_t>(element_nodes.size()) / nodes_per_element;
   std::vector<int> part_of(static_cast<std::size_t>(elements), 0);
   if (parts == 1 || elements < parts) return part_of;
