@@ -22,6 +22,7 @@ bool are_degrees_of_freedom(const std::vector<std::string>& names) {
 
 }  // namespace
 
+// Sleepers are alike and evenly spaced; the density comes with the material.
 void SleeperParameters::declare(input::Section& s) {
   s.integer("count", count, {.at_least = 0}, "Number of sleepers.");
   s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
@@ -44,6 +45,7 @@ void SleeperParameters::declare(input::Section& s) {
   s.rule("spacing", count < 2 || spacing > width, "must be larger than the width");
 }
 
+// Each kind of load uses some of these; brackets say which.
 void SeatLoadParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"winkler", "power", "table"},
            "Shape of the load of one axle along the track: deflection of a beam on a Winkler bed, "

@@ -57,6 +57,7 @@ Prism bevelled_box(double width, double height, double length, double bevel) {
 
 // Nodes: profile at y = -length/2, then at +length/2. A profile that is counter-clockwise with z up
 // is counter-clockwise as seen from -y, so the face at -y keeps its order.
+// Numbers of nodes stay those of `shape`: loads are kept by them.
 Surface surface_of(const Prism& prism) {
   Surface surface;
   const auto n = static_cast<std::int32_t>(prism.profile.size());

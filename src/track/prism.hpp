@@ -8,6 +8,7 @@
 
 namespace trackbed::track {
 
+// About its centre of mass; principal axes are x, y, z.
 struct Prism {
   std::vector<Eigen::Vector2d> profile;  // m, x and z about the centre of mass, counter-clockwise
                                          // as seen with x to the right and z up

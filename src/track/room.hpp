@@ -19,6 +19,7 @@ struct Body {
   Vec3 spin = Vec3::Zero(), reaction = Vec3::Zero();
 };
 
+// The same on every rank to the last bit.
 struct Sleepers::Room {
   struct Kick {
     double time, gravity;  // s, from mid-window to mid-window; m/s^2
@@ -29,6 +30,7 @@ struct Sleepers::Room {
   Mat3 inertia(const Body& body) const;
   Vec3 torque(std::size_t i, std::span<const Vec3> node_force) const;
   Vec3 angular_acceleration(const Body& body, const Vec3& torque) const;
+  // From the pose alone, m.
   Vec3 node(std::size_t i, std::size_t n) const {
     return centre(i) + bodies[i].attitude * shape.position[n];
   }

@@ -16,6 +16,9 @@ namespace {
 
 // Deflection of an infinite Euler-Bernoulli beam on a Winkler bed (Winkler 1867; Zimmermann 1888),
 // 1 below the load. s in m, b in 1/m.
+//   f(s) = exp(-b|s|)(cos b|s| + sin b|s|),  b = (k/(4 E I))^(1/4),  1/m
+// with k the stiffness of the bed per length of rail, Pa, and E I of the rail, N m^2. The seat load
+// is the bed's reaction over one spacing, hence the same shape; it lifts beyond b|s| = 3 pi/4.
 double winkler(double s, double b) {
   const double u = b * std::abs(s);
   return std::exp(-u) * (std::cos(u) + std::sin(u));
@@ -37,11 +40,13 @@ SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
     throw InputError({fmt::format("{}: needs at least two rows", parameters.file)});
 }
 
+// Local and without state: any time may be asked in any order.
 double SeatLoad::at(double x, double time) const {
   if (parameters_.kind == SeatLoadKind::table) {
     // The wave of loads travels unchanged: sleeper at x feels at time t what x = 0 felt x/speed
     // earlier.
     const double t = time - x / parameters_.speed;
+    // Outside of what was measured nothing is known: no load.
     if (t < times_.front() || t > times_.back()) return 0;
     const auto after = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
     const auto hi = std::min(static_cast<std::size_t>(after), times_.size() - 1), lo = hi - 1;

@@ -25,6 +25,8 @@ Quat rotation_by(const Vec3& vector) {
 }
 
 // log of a rotation: the inverse, for angles below pi.
+// By atan2 of both parts: acos of the real part loses its digits at small angles, which are the
+// rule here.
 Vec3 rotation_of(const Quat& attitude) {
   const double half_sine = attitude.vec().norm();
   if (half_sine == 0) return Vec3::Zero();
@@ -92,6 +94,8 @@ Vec3 Sleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) 
 // v += a (dt + last dt)/2: from mid-window to mid-window, also if windows change their length.
 // `reaction` is kept as an observable; the seat force acts at the centre and gives no moment, for
 // the rail's two feet are not modelled apart.
+//   a = free (R - m g e_z - Q e_z)/m,  v += a t
+// R the stones' reaction, N, mean of the last window; Q the seat force, N, downwards; t s.
 void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
                           const Kick& by) {
   Body& body = bodies[i];
@@ -151,6 +155,7 @@ std::vector<Surface>& Sleepers::surfaces() { return room_->surfaces; }
 void Sleepers::show_at_rest() { room_->show_at_rest(); }
 Vec3 Sleepers::reaction(std::size_t i) const { return room_->bodies.at(i).reaction; }
 
+// The last window counts as 0: the first kick is then half a window, as leapfrog begins from rest.
 void Sleepers::place(double z) {
   room_->bottom = z;
   room_->placed = true;
@@ -174,6 +179,7 @@ bool Sleepers::overlaps(const Vec3& centre, double radius) const {
   return false;
 }
 
+// All sleepers are kicked before any moves: the order among them does not matter. Local.
 void Sleepers::advance(double dt, std::span<const double> seat_force,
                        const std::vector<std::span<const Vec3>>& node_force, double gravity) {
   Room& room = *room_;
@@ -187,6 +193,7 @@ void Sleepers::advance(double dt, std::span<const double> seat_force,
   room.last_step = dt;
 }
 
+// Centre and rotation from where the sleeper was placed; velocities of mid-window.
 SleeperState Sleepers::state(std::size_t i) const {
   const Body& body = room_->bodies.at(i);
   return {body.displacement, body.velocity, body.acceleration, rotation_of(body.attitude),
@@ -202,6 +209,7 @@ double Sleepers::kinetic() const {
   return sum;
 }
 
+// Local and the same on all ranks.
 std::string Sleepers::trouble() const {
   for (std::size_t i = 0; i < count(); ++i) {
     const Body& body = room_->bodies[i];

@@ -33,6 +33,7 @@ constexpr std::array state_items{
 
 }  // namespace
 
+// Collective, as is `load`.
 void Sleepers::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   std::vector<Body> written;
   if (comm.root()) written = room_->bodies;
