@@ -5,8 +5,8 @@ LAMMPS.
     bench_stones.py TRACKBED FOLDER [RUNS]
 
 TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
-results go. `contacts` counts those of pieces,
-`touched` the stones (and the floor) that a stone touches. All cases take turns, RUNS times (3), and of each the best run counts: other work on the
+results go. `contacts` counts those of pieces, `touched` the stones (and the floor) that a stone
+touches. All cases take turns, RUNS times (3), and of each the best run counts: other work on the
 machine only slows down. Two ranks have twice the box along x, so as many stones each. The
 processor time shows what a busy machine hides from the wall time. LAMMPS (Debian's) moves the same
 clumps with fix rigid/small and the same law between spheres; it is left out where there is no

@@ -145,7 +145,9 @@ observe::Scene World::scene() {
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr};
 }
 
-std::size_t World::memory() const { return particles.memory().total() + (ground ? ground->memory() : 0); }
+std::size_t World::memory() const {
+  return particles.memory().total() + (ground ? ground->memory() : 0);
+}
 
 // Every node's mean is known to its owner alone, all others add zero: the sum is exact.
 std::vector<World::Means> World::means() const {
