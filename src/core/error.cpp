@@ -9,6 +9,8 @@ namespace trackbed {
 
 namespace {
 
+// All problems in one text: a deck is mended in one go, not one problem per run. No line feed at
+// the end; whoever prints adds what follows.
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) {
@@ -20,6 +22,7 @@ std::string joined(const std::vector<std::string>& lines) {
 
 }  // namespace
 
+// The base class comes first: it reads the list before the list is moved away.
 InputError::InputError(std::vector<std::string> problems)
     : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 

@@ -4,6 +4,7 @@
 
 namespace trackbed {
 
+// The words are those of the loop itself, so that a table of times is read without the source.
 std::string_view name_of(Verb verb) {
   // No default: the compiler warns about a verb without a name.
   switch (verb) {
@@ -26,6 +27,7 @@ std::string_view name_of(Verb verb) {
     case Verb::count:
       break;
   }
+  // `count` is how many verbs there are, not one of them.
   return "?";
 }
 
