@@ -10,6 +10,7 @@ namespace trackbed::dem {
 
 namespace {
 
+// Where a triangle may be at any time of the window, m.
 struct Box {
   Vec3 low, high;
   bool meets(const Vec3& centre, double reach) const {
@@ -18,6 +19,7 @@ struct Box {
   }
 };
 
+// Nodes move linearly, so the box around both ends of the window holds all that lies between.
 Box box_of(const Surface& surface, std::size_t triangle) {
   Box box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
   for (const std::int32_t node : surface.triangles[triangle])
@@ -29,6 +31,8 @@ Box box_of(const Surface& surface, std::size_t triangle) {
 }
 
 // Triangles of one surface sorted into the columns (in x) of the grid they may reach.
+// Columns and not cells: a bed is long and low, and the few triangles of a column are soon tested
+// by their boxes.
 class Columns {
  public:
   Columns(const Surface& surface, double width, double reach) : width_(width) {
@@ -36,6 +40,8 @@ class Columns {
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       boxes_.push_back(box_of(surface, t));
       const Box& box = boxes_.back();
+      // Nodes far from the rank's stones may be unknown here (core/surface.hpp); no stone reaches
+      // them.
       if (!box.low.allFinite() || !box.high.allFinite()) continue;
       const std::int64_t first = column(box.low.x() - reach), last = column(box.high.x() + reach);
       if (last - first > long_triangle) {
@@ -52,6 +58,8 @@ class Columns {
       for (const int t : triangles)
         if (boxes_[static_cast<std::size_t>(t)].meets(centre, reach)) found.push_back(t);
     };
+    // Ascending: the order in which triangles are looked at decides which of two equal ones is
+    // taken, and must not depend on how they were found.
     take(everywhere_);
     const auto here = members_.find(column(centre.x()));
     if (here != members_.end()) take(here->second);
@@ -68,8 +76,10 @@ class Columns {
 };
 
 // Patches of (piece, surface) that were touching before.
+// The history of a piece with one surface, one record for each patch.
 void take_history(const std::vector<History>& history, std::int64_t key, int name,
                   std::vector<Approach::Patch>& patches) {
+  // `patch_key` falls as the patch rises: the range of a surface begins with its highest patch.
   const History lowest{key, patch_key(name, 0x7fffffff)};
   for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
@@ -86,12 +96,22 @@ void take_history(const std::vector<History>& history, std::int64_t key, int nam
 
 }  // namespace
 
+// All pieces of own particles that may touch a surface before the next rebuild. Local; ghosts are
+// left out: their owners feel the surface for them, and it gets each load once.
+//
+// Cost: one look-up per particle and surface by the ball around the particle; its pieces are looked
+// at only if that finds something.
+//
+// A surface is not repeated across periodic sides. A particle is brought into the domain and meets
+// what is there, so whoever makes a surface lets it reach beyond a periodic side. The shift is
+// added to the particle's place and never kept in it: positions stay unwrapped.
 void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
                      const std::vector<int>& names, const std::vector<History>& history,
                      std::vector<Approach>& approaches) {
   approaches.clear();
   const State& s = scene.state;
   std::vector<int> found;
+  // A corner may be behind the surface by `deepest` of the radius and must still find its triangle.
   const double beyond = scene.shapes.any_stones() ? 1 + deepest : 1;
   const auto reach = [&](double radius) { return beyond * radius + scene.skin; };
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
@@ -108,6 +128,7 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
         const Vec4& x = scene.pieces.x[p];
         columns.near(x.vec3() + shift, reach(x.w), found);
         if (found.empty()) continue;
+        // Patches bring their history; overlap and normal follow when they are felt.
         Approach a{
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(k), shift, found, law, {}, {}};
         take_history(history, piece_key(s.id[b], p - scene.pieces.begin[b]), names[k], a.patches);

@@ -44,6 +44,9 @@ int bin_of(double bound) {
 
 }  // namespace
 
+// The skin where the deck gives none, m. A wider one makes longer lists in each sub-step, a
+// narrower one more rebuilds. It is a share of the smallest radius, whose list a wide skin would
+// fill first. Without particles any will do. Collective.
 double Particles::Room::default_skin() const {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < state.own; ++b) smallest = std::min(smallest, radius(b));
@@ -53,6 +56,8 @@ double Particles::Room::default_skin() const {
 
 // Largest radius of each level: up to twice the median, then twice as large ones each; levels that
 // nobody is in are left out.
+// The median is found in a histogram of whole numbers: a bin of a quarter octave is near enough,
+// and the same levels come out on any number of ranks. Collective.
 std::vector<double> Particles::Room::level_bounds() const {
   std::vector<std::int64_t> count(bins, 0);
   for (std::size_t b = 0; b < state.own; ++b) ++count[static_cast<std::size_t>(bin_of(radius(b)))];
@@ -63,9 +68,11 @@ std::vector<double> Particles::Room::level_bounds() const {
   while (median + 1 < bins && 2 * (below += count[static_cast<std::size_t>(median)]) < all)
     ++median;
   const double first = 2 * std::exp2(static_cast<double>(median + 1 - bins / 2) / bins_per_octave);
+  // Level n ends at 2^n times the first one's end.
   const auto level = [&](double bound) {
     return bound > first ? static_cast<std::size_t>(std::ceil(std::log2(bound / first))) : 0;
   };
+  // A level's bound is what is in it, not where it ends: its cells become no larger than they must.
   std::vector<double> largest(bins, 0);
   for (std::size_t b = 0; b < state.own; ++b) {
     double& known = largest[std::min<std::size_t>(level(radius(b)), bins - 1)];
@@ -76,6 +83,8 @@ std::vector<double> Particles::Room::level_bounds() const {
   return largest.empty() ? std::vector<double>{0} : largest;
 }
 
+// Collective. The bound comes first, since quantum, levels and reach follow from it. Lists refer to
+// the old owners from here on: the next `advance` makes new ones.
 void Particles::Room::choose_grid(const std::vector<double>& work) {
   const std::vector<double> bounds = level_bounds();
   bound = bounds.back();
@@ -97,6 +106,7 @@ void Particles::Room::visit_work(See&& see) const {
       for (std::uint32_t e = row.begin; e < row.end; ++e)
         see(body(row.piece), body(list.entries[e].piece), cost(e));
   };
+  // An entry costs its look whether it touches or not; a contact pays for the law on top.
   visit(pairs, [&](std::uint32_t e) {
     return pairs.entries[e].touching ? entry_cost + contact_cost : entry_cost;
   });
@@ -118,6 +128,7 @@ void Particles::Room::visit_work(See&& see) const {
 // ns per sub-step of a particle by itself.
 double Particles::Room::upkeep(std::size_t b) const {
   const bool spheres = shapes.only_spheres();
+  // A ghost is sent, received and placed, but neither kicked nor moved.
   double cost = b >= state.own ? ghost_cost : spheres ? sphere_cost : body_cost;
   if (spheres) return cost;
   for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k) {
@@ -127,18 +138,21 @@ double Particles::Room::upkeep(std::size_t b) const {
   return cost;
 }
 
+// The work of each own particle as the rank's lists tell it, ns per sub-step. Local.
 // Half of each contact belongs to either particle. Contacts that wait for the next lists are known
 // by their history alone.
 std::vector<double> Particles::Room::work() const {
   std::vector<double> work(state.own);
   for (std::size_t b = 0; b < state.own; ++b) work[b] = upkeep(b);
   visit_work([&](std::size_t i, std::size_t j, double ns) {
+    // The half of a ghost is left to its owner, who has the same contact in its own list.
     for (const std::size_t b : {i, j})
       if (b < state.own) work[b] += 0.5 * ns;
   });
   std::unordered_map<Id, std::size_t> known;
   if (!waiting.empty())
     for (std::size_t b = 0; b < state.own; ++b) known[state.id[b]] = b;
+  // A mean contact, with the entries that come along with it.
   const double contact = shapes.any_stones()
                              ? stone_contact_cost + features_per_contact * feature_cost +
                                    stone_entries_per_contact * stone_entry_cost
@@ -150,6 +164,7 @@ std::vector<double> Particles::Room::work() const {
   return work;
 }
 
+// The work in each cell of level 0, which is what is shared out. Collective.
 // Rounded up to whole numbers, so that ranks may add them in any order and no particle is nothing.
 std::vector<double> Particles::Room::by_cell(const std::vector<double>& work) const {
   std::vector<double> cells(grid.cells(), 0);
@@ -160,6 +175,8 @@ std::vector<double> Particles::Room::by_cell(const std::vector<double>& work) co
   return cells;
 }
 
+// Not the sum of `work`: a contact across ranks is computed on both, ghosts cost as well, and that
+// is what makes a rank late.
 double Particles::Room::load() const {
   double ns = 0;
   for (std::size_t b = 0; b < state.size(); ++b) ns += upkeep(b);
@@ -174,16 +191,21 @@ double Particles::imbalance() const {
 }
 
 // A split that is uneven because it cannot be better is left alone.
+// Collective: every rank sees the same numbers and decides alike. Nothing is asked before the lists
+// exist, since they tell the work.
 bool Particles::rebalance() {
   Room& r = *room_;
   if (r.comm.size() == 1 || r.parameters.rebalance == 0 || !r.ready) return false;
   const double now = imbalance();
   if (now <= r.parameters.rebalance) return false;
   const std::vector<double> work = r.by_cell(r.work());
+  // The present split and the new one are measured alike, by `par::worst_part`, which knows ghosts
+  // only from cuts between cells. `now` is what the lists say; the two must not be compared.
   Grid trial = r.grid;
   const double worst = r.grid.worst(work, r.comm.size());
   if (trial.share_out(work, r.comm.size()) * least_gain > worst) return false;
   r.balance.before = now, ++r.balance.rebalances;
+  // It counts the work once more and comes to the same split: `by_cell` is exact.
   repartition();
   return true;
 }

@@ -1,3 +1,6 @@
+// Counting sort into cells: two passes over the particles and one over the cells of the box they
+// fill. Alternatives: a hash of cells needs no box but a look-up per cell and leaves the order to
+// chance; linked lists through the cells need no sort but jump through memory when they are read.
 #include "cells.hpp"
 
 namespace trackbed::dem {
@@ -9,6 +12,7 @@ Cells::Cells(const State& state, const Grid& grid, std::size_t count)
   wraps_.reserve(count);
   for (std::size_t b = 0; b < count; ++b) {
     const std::size_t level = grid.level_of(state.x[b].w);
+    // A place that is not a number lies in the first cell; the rebuild has reported it by then.
     const Lattice::Image image = grid.levels()[level].lattice.locate(state.x[b].vec3());
     wraps_.push_back(image.wrap);
     cells[level].push_back(image.cell);
@@ -25,11 +29,14 @@ void Cells::Table::fill(const std::vector<Cell>& cells,
   for (const Cell& c : cells)
     for (std::size_t a = 0; a < 3; ++a)
       low[a] = std::min(low[a], c[a]), high[a] = std::max(high[a], c[a]);
+  // Counts stand one place later than their cell, so that the partial sum is where each cell
+  // begins.
   begin.assign(index(high) + 2, 0);
   for (const Cell& c : cells) ++begin[index(c) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   members.resize(cells.size());
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  // In the order they came: within a cell particles ascend.
   for (std::size_t k = 0; k < cells.size(); ++k) members[next[index(cells[k])]++] = particles[k];
 }
 

@@ -11,6 +11,8 @@
 
 namespace trackbed::dem {
 
+// A picture of one moment: made for a rebuild and dropped after it. Level by level, since a
+// particle is looked for only among those of its size.
 class Cells {
  public:
   // The first `count` particles.
@@ -29,9 +31,12 @@ class Cells {
         see(static_cast<std::size_t>(table.members[m]), across);
     });
   }
+  // Periods that bring the particle into the domain; the same for all levels, whose lattices cover
+  // the same box.
   const Cell& wrap(std::size_t particle) const { return wraps_[particle]; }
 
  private:
+  // The cells of one level in compressed rows: members of cell k lie in [begin[k], begin[k + 1]).
   struct Table {
     Cell low, high;  // box of the cells in use
     std::vector<std::uint32_t> begin;

@@ -1,5 +1,9 @@
 // Particles in a checkpoint: the listed state, the templates and the contact history, each row
 // once.
+// Every rank writes its rows and reads a share of them, in parallel; templates and histories are
+// read by all. Rows have no order that matters: particles find their owners and histories their
+// particles at the next rebuild. Quantities that follow from others (mass, inertia, spin, radius)
+// are not stored, so they cannot disagree. Lists are not stored either: they change no bit.
 #include <algorithm>
 
 #include "room.hpp"
@@ -11,6 +15,8 @@ namespace trackbed::dem {
 namespace {
 
 // Rows of `columns` numbers from an array of numbers or Vec4.
+// `rows` are the own particles; ghosts behind them belong to others. Of a Vec4 only the first
+// numbers are the quantity: w of position and velocity holds radius and mass, which are derived.
 template <class T>
 std::vector<T> flat(const std::vector<T>& array, std::size_t rows, int) {
   return {array.begin(), array.begin() + static_cast<std::ptrdiff_t>(rows)};
@@ -36,6 +42,7 @@ void unflatten(const std::vector<double>& numbers, std::vector<Vec4>& array, int
   }
 }
 
+// What an array of T becomes in a file.
 template <class T>
 struct Number {
   using type = T;
@@ -47,6 +54,8 @@ struct Number<Vec4> {
 
 }  // namespace
 
+// Collective. May be called at any time between windows, also before new lists exist: histories
+// that wait for them are written like those in the lists.
 void Particles::save(io::File& file, const std::string& group) const {
   const Room& r = *room_;
   visit_state(r.state, [&](auto quantity, const auto& array) {
@@ -61,6 +70,8 @@ void Particles::save(io::File& file, const std::string& group) const {
   const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& h : records)
+      // Both ranks of a contact know its history; who owns the first particle writes it. Own
+      // particles are in the order of ids.
       if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
         keys.insert(keys.end(), {h.first, h.second});
         xi.insert(xi.end(), {h.xi[0], h.xi[1], h.xi[2], h.turn});
@@ -85,6 +96,8 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "load_quantum", r.load_quantum);
 }
 
+// Collective; any number of ranks. Replaces particles, templates and names of surfaces, so surfaces
+// are to be set again afterwards: their histories refer to these names by number.
 void Particles::load(const io::File& file, const std::string& group) {
   Room& r = *room_;
   r.shapes = {};
@@ -93,6 +106,7 @@ void Particles::load(const io::File& file, const std::string& group) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
     unflatten(file.read_share<T>(group + "/" + quantity.name), array, quantity.columns);
   });
+  // A share by number of rows, not by place; the rebuild sends each to its owner.
   r.state.own = r.state.id.size();
   r.sort_own();
   r.derive(0);
@@ -101,6 +115,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   const auto xi = file.read_all<double>(group + "/history/xi");
   const std::string rolling = group + "/history/roll";
   auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
+  // A run without resistance to rolling wrote none: it begins at rest.
   roll.resize(3 * keys.size() / 2, 0.0);
   r.forget_contacts(), r.waiting.clear();
   for (std::size_t k = 0; 2 * k < keys.size(); ++k)
@@ -116,6 +131,7 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");
   r.load_quantum = file.number_attribute(group, "load_quantum");
+  // Last: the work of the first split is told by the histories that wait.
   r.choose_grid(r.work());
 }
 

@@ -1,3 +1,6 @@
+// From the shape's geometry to what the kernels read: flat arrays of small numbers, no normals and
+// no neighbours. Both follow from the corners, and turning them in each sub-step would cost more
+// than they save.
 #include "core.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +11,7 @@ namespace trackbed::dem {
 
 namespace {
 
+// The caller has seen to it that there are no more than `most_corners`.
 std::uint8_t byte(int corner) { return static_cast<std::uint8_t>(corner); }
 
 // Faces may be given in parts that lie in one plane: what is between those is no edge, and felt as
@@ -30,6 +34,7 @@ Core core_of(const geom::Piece& piece) {
   if (!(piece.radius > 0)) throw std::invalid_argument("a piece without a rounding radius");
   Core core;
   core.radius = piece.radius;
+  // Back to back: the two sides are as far from any point, and one of them is enough.
   core.flat = hull.faces.size() == 2;
   for (const Vec3& v : hull.vertices) core.corners.push_back(vec4(v));
   for (const geom::Edge& e : hull.edges)
@@ -37,6 +42,8 @@ Core core_of(const geom::Piece& piece) {
   const std::size_t faces = core.flat ? 1 : hull.faces.size();
   for (std::size_t f = 0; f < faces; ++f) {
     const std::vector<int>& v = hull.faces[f].vertices;
+    // A fan from the first corner, sound for a convex face. The cuts are no edges: nothing is felt
+    // of them.
     for (std::size_t k = 2; k < v.size(); ++k)
       core.triangles.push_back({byte(v[0]), byte(v[k - 1]), byte(v[k])});
   }
@@ -55,6 +62,8 @@ Vec4 ball_around(const Core& core) {
       if ((c.vec3() - centre).squaredNorm() > (at - centre).squaredNorm()) at = c.vec3();
     return at;
   };
+  // A ball somewhat too large costs entries in a list, a missed contact cannot come of it: the
+  // radius is measured at the end. Cost: steps times corners, once for each template.
   for (int k = 1; k <= steps && core.corners.size() > 1; ++k)
     centre += (farthest() - centre) / (k + 1);
   Vec4 ball = vec4(centre);

@@ -15,6 +15,8 @@ namespace trackbed::dem {
 // Corner numbers fit in a byte, so that a pair of features is one word of four.
 inline constexpr std::size_t most_corners = 255;
 
+// What of a piece has to do with contact. Made once for each template and never changed; a particle
+// scales and turns it.
 struct Core {
   using Edge = std::array<std::uint8_t, 2>;
   using Triangle = std::array<std::uint8_t, 3>;  // counter-clockwise seen from outside

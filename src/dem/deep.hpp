@@ -22,7 +22,9 @@ class DeepBlend {
   static constexpr double longest = 1.5;
   explicit DeepBlend(double touching) : R_(touching) {}
   // `moved`: what is felt when the second is moved out by `length` m; `shortest` m of all ways.
+  // Cores are apart there, so all its normals are known.
   void add(const WayOut& way, double length, double shortest, const Wrench& moved);
+  // M = 0 if no way weighed anything.
   Wrench result() const;
 
  private:

@@ -1,3 +1,6 @@
+// The arithmetic of features.hpp, eight features in a go and without branches: which case a feature
+// is in changes from lane to lane, so all cases are computed and one is selected. Distances are
+// never negative here; what is behind a face is found elsewhere (stone_surface.cpp, deep.hpp).
 #include "features.hpp"
 
 #include <cmath>
@@ -19,8 +22,11 @@ namespace {
 // of j and what the distance is taken as.
 [[gnu::always_inline]] inline void finish(FeatureGroup& g, const Lanes3& on_i, const Lanes3& w,
                                           Lanes d) {
+  // The point of contact lies in the middle of the overlap, r_i - delta/2 from the core of i:
+  //   half + d/2 = (r_i - r_j + d)/2 = r_i - (r_i + r_j - d)/2.
   g.d = d;
   g.n = over(d) * w, g.x = on_i + (g.half + 0.5 * d) * g.n;
+  // Without overlap all weights are zero, and so is what is added.
   const Lanes delta = larger(g.reach - d, all(0));
   const Lanes p2 = delta * delta, p4 = p2 * p2;
   g.power = p4 * p2;
@@ -37,13 +43,16 @@ namespace {
   const Lanes3 ap = g.p[0] - g.p[1], ab = g.p[2] - g.p[1], ac = g.p[3] - g.p[1], bc = ac - ab;
   const Lanes d1 = dot(ab, ap), d2 = dot(ac, ap);
   const Lanes b2 = dot(ab, ab), c2 = dot(ac, ac), mixed = dot(ab, ac), bc2 = dot(bc, bc);
+  // 4 area^2 of the triangle (Gram's determinant); v and u are its weights of p2 and p3 times that.
   const Lanes area = b2 * c2 - mixed * mixed;
   const Lanes v = c2 * d1 - mixed * d2, u = b2 * d2 - mixed * d1;
+  // A triangle without area (segment, spare lane) has no inside: its sides decide.
   const Mask inside = (v > all(0)) & (u > all(0)) & (v + u < area);
   const Lanes t_ab = clamped(d1 * over(b2)), t_ac = clamped(d2 * over(c2));
   const Lanes t_bc = clamped(dot(bc, ap - ab) * over(bc2));
   const Lanes3 e_ab = ap - t_ab * ab, e_ac = ap - t_ac * ac, e_bc = ap - ab - t_bc * bc;
   const Lanes l_ab = dot(e_ab, e_ab), l_ac = dot(e_ac, e_ac), l_bc = dot(e_bc, e_bc);
+  // Of equal sides the first.
   const Mask first = (l_ab <= l_ac) & (l_ab <= l_bc), second = l_ac <= l_bc;
   // The closest point is p1 + x ab + y ac.
   const Lanes x_side = select(first, t_ab, select(second, all(0), all(1) - t_bc));
@@ -77,6 +86,10 @@ namespace {
     return smaller(shortened * g.reach * over(root(dot(edge, edge))), all(0.5));
   };
   const Lanes s_end = short_by(d1), t_end = short_by(d2);
+  // The minimum of D^2 without bounds solves
+  //   a s - b t = c,  e t - b s = f;
+  // s is clamped, t follows and is clamped, then s follows from t once more. With h > 0 the
+  // determinant a e - b^2 is positive for parallel edges too.
   const Lanes s0 = clamped((c * e + b * f) * over(a * e - b * b), s_end);
   const Lanes t = clamped((b * s0 + f) * over(e), t_end);
   const Lanes s = clamped((b * t + c) * over(a), s_end);
@@ -95,6 +108,7 @@ void FeatureRow::compute_edges() {
   for (std::size_t n = 0; n * lanes < size_; ++n) edge_and_edge(groups_[n]);
 }
 
+// The sums of `finish` for one feature, for contacts that come singly (surfaces).
 void Overlaps::add(double delta, const Vec3& n, const Vec3& x) {
   if (!(delta > 0)) return;
   const double p2 = delta * delta, p4 = p2 * p2, p5 = p4 * delta;
@@ -103,24 +117,30 @@ void Overlaps::add(double delta, const Vec3& n, const Vec3& x) {
   normal_ += normal, moment_ += x.cross(normal), point_ += point;
 }
 
+// M = (sum delta^6)^(1/6), s_k = (delta_k / M)^5: N and T are the gradient of M.
 Wrench Overlaps::result() const {
   Wrench w;
+  // No overlap, or one below 1e-50 m, whose powers are lost.
   if (!(power_ > 1e-300)) return w;
   w.M = std::cbrt(std::sqrt(power_));
   const double share = w.M / power_;  // 1 / M^5
   w.N = share * normal_, w.T = share * moment_;
   w.x = point_ / weight_;
+  // Mean square less square of the mean: rounding may leave less than nothing at a single point.
   const double spread = square_ / weight_ - w.x.squaredNorm();
   w.spread = spread > 0 ? spread : 0;
   return w;
 }
 
+// Cost: the sums only, distances are computed. In the order of the set, so that the bits are the
+// same on every rank.
 Wrench smooth_maximum(const FeatureRow& corners, const FeatureRow& edges, const FeatureSet& set,
                       const FeatureWord* words, double reach) {
   Overlaps overlaps;
   double closest = 1e300;
   const auto add = [&](const FeatureRow& row, std::size_t slot) {
     const double d = row.distance(slot);
+    // Of all features, touching or not: it tells how long the pair may be left alone.
     closest = d < closest ? d : closest;
     if (d < reach) overlaps.add(row, slot);
   };
@@ -141,6 +161,8 @@ Wrench smooth_maximum(const FeatureRow& corners, const FeatureRow& edges, const 
   return wrench;
 }
 
+// For the rare work; feature rows have the same without branches. Triangles without area are
+// allowed: b = c is a segment, a = b = c a point.
 Vec3 closest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);

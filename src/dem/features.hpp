@@ -41,6 +41,8 @@ struct FeatureGroup {
 };
 
 // A row of features of one kind, filled and computed together.
+// Groups are kept when the row is cleared: no allocation once a row has been as long as it gets.
+// Spare lanes of the last group hold old numbers; they are computed and never read.
 class FeatureRow {
  public:
   void clear() { size_ = 0; }
@@ -98,6 +100,7 @@ class Overlaps {
 };
 
 // The features of one pair within two computed rows. Triangles of one corner follow each other.
+// Where the features of one pair stand: corners of i against j, corners of j against i, edges.
 struct FeatureSet {
   std::size_t corners, corners_end, edges, edges_end;  // slots
   std::size_t word;                                    // number of the first corner feature's

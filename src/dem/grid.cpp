@@ -1,3 +1,6 @@
+// Cells, their images across periodic sides, and the split of cells over ranks. Everything here is
+// a pure function of numbers that are the same on every rank: nothing is sent, and no rank can come
+// to another map than its neighbours.
 #include "grid.hpp"
 
 #include <fmt/format.h>
@@ -16,12 +19,15 @@ constexpr double most_cells = 1 << 22;  // bounds the map when stones are tiny b
 
 }  // namespace
 
+// A whole number of cells along each axis, none shorter than `edge`: what is within `edge` of a
+// place lies in its cell or the ones around it. Larger cells are slower, never wrong.
 Lattice::Lattice(const Domain& domain, double edge)
     : domain_(domain), extent_(domain.high - domain.low) {
   const auto cells_of = [&](double length) {
     return (extent_ / length).array().floor().max(1).prod();
   };
   double length = edge;
+  // Counted in doubles: the product may not fit in an int before it is bounded.
   while (cells_of(length) > most_cells) length *= 1.1;
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
@@ -45,6 +51,8 @@ Vec3 Lattice::centre(std::size_t index) const {
   return domain_.low + Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5).cwiseProduct(edge_);
 }
 
+// The cell a place lies in. Across periodic sides floor(x / L) whole periods are taken off; beyond
+// other sides the last cell is taken.
 // What is not a number goes to the first cell; the rebuild reports it.
 Lattice::Image Lattice::locate(const Vec3& position) const {
   Image image{};
@@ -53,12 +61,15 @@ Lattice::Image Lattice::locate(const Vec3& position) const {
     const double along = (position[a] - domain_.low[a]) / extent_[a];  // 0..1 inside
     const double turns = domain_.periodic[axis] && std::isfinite(along) ? std::floor(along) : 0.0;
     image.wrap[axis] = -static_cast<int>(turns);
+    // along - turns may round up to 1: held below the last cell's end.
     const double inside = (along - turns) * count_[axis];
     image.cell[axis] = inside > 0 ? static_cast<int>(std::min(inside, count_[axis] - 0.5)) : 0;
   }
   return image;
 }
 
+// Cells a box covers, first and last along each axis; not clipped at periodic sides, where numbers
+// below 0 and beyond the last are those of images (`any`).
 // Boxes longer than three periods see every image there can be.
 Cell Lattice::lowest(const Vec3& low, const Vec3& high) const {
   Cell first;
@@ -88,11 +99,16 @@ Cell Lattice::highest(const Vec3& low, const Vec3& high) const {
   return last;
 }
 
+// Cells as long as the largest particle of their level and the skin: two of one level that may
+// touch lie in neighbouring cells.
 Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin)
     : domain_(domain), skin_(skin) {
   levels_.clear();
+  // All levels cover the same box, each with its own cells.
   for (const double bound : bounds) levels_.push_back({bound, Lattice(domain, 2 * bound + skin)});
   owner_.assign(levels_[0].lattice.size(), 0);
+  // With fewer than three a particle could meet a partner and the partner's image, and one entry
+  // per pair would not do.
   const double least = 3 * (2 * bounds.back() + skin);
   std::vector<std::string> problems;
   for (int a = 0; a < 3; ++a)
@@ -104,12 +120,14 @@ Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin)
   if (!problems.empty()) throw InputError(problems);
 }
 
+// The first level with room for this bounding radius, m; beyond the last: the last.
 std::size_t Grid::level_of(double bound) const {
   std::size_t level = 0;
   while (level + 1 < levels_.size() && bound > levels_[level].bound) ++level;
   return level;
 }
 
+// Periodic sides have no beyond. What is not a number is lost as well.
 bool Grid::outside(const Vec3& position) const {
   if (!position.allFinite()) return true;
   for (int a = 0; a < 3; ++a)
@@ -141,6 +159,8 @@ void for_sides(const Lattice& lattice, std::size_t cell, See&& see) {
 
 // What is cut between two cells is done twice: the contacts between them, of which a cell with six
 // neighbours has a sixth with each, and the upkeep of the ghosts.
+// Only occupied cells are vertices: empty ones cost nothing and would tie heaps together that have
+// nothing to do with each other.
 par::Graph graph_of(const Lattice& lattice, const std::vector<std::size_t>& occupied,
                     const std::vector<double>& work) {
   std::vector<std::int32_t> number(lattice.size(), -1);
@@ -163,6 +183,7 @@ par::Graph graph_of(const Lattice& lattice, const std::vector<std::size_t>& occu
 
 // Both splits are tried. METIS finds short cuts through heaps of any form; bisection gives slabs
 // along the longest side, which nothing beats in a long thin bed, and always an answer.
+// Cost: METIS on the occupied cells, on each rank alone; only at new splits.
 double Grid::share_out(const std::vector<double>& work, int ranks) {
   const Lattice& lattice = levels_[0].lattice;
   std::vector<std::size_t> occupied;
@@ -170,6 +191,8 @@ double Grid::share_out(const std::vector<double>& work, int ranks) {
   for (std::size_t c = 0; c < cells(); ++c)
     if (work[c] > 0) occupied.push_back(c), centres.push_back(lattice.centre(c));
   const par::Graph graph = graph_of(lattice, occupied, work);
+  // Bisection counts the weights only, METIS the cut edges too; which is better is decided by what
+  // the worst rank has to do in all.
   std::vector<int> best = par::bisect(centres, graph.weights, ranks);
   double worst = par::worst_part(graph, best, ranks);
   const std::vector<int> other = ranks > 1 ? par::partition_graph(graph, ranks) : best;
@@ -190,6 +213,7 @@ double Grid::worst(const std::vector<double>& work, int ranks) const {
 }
 
 // Empty cells go with the nearest that is not: whatever moves there stays with its neighbours.
+// Breadth first from all occupied cells at once, in the order of cells: the same on every rank.
 void Grid::fill_empty_cells(const std::vector<std::size_t>& occupied) {
   std::vector<std::size_t> queue = occupied;
   for (std::size_t k = 0; k < queue.size(); ++k)
@@ -198,6 +222,7 @@ void Grid::fill_empty_cells(const std::vector<std::size_t>& occupied) {
       owner_[other] = owner_[queue[k]];
       queue.push_back(other);
     });
+  // No particles yet: rank 0 has all, so that every cell has an owner.
   if (occupied.empty()) std::fill(owner_.begin(), owner_.end(), 0);
 }
 

@@ -21,6 +21,7 @@ namespace trackbed::dem {
 using Cell = std::array<int, 3>;
 
 // Equal boxes that fill the domain.
+// Knows places and periods, but no particles and no ranks.
 class Lattice {
  public:
   struct Image {  // a position brought into the domain
@@ -33,6 +34,7 @@ class Lattice {
 
   Image locate(const Vec3& position) const;
   std::size_t size() const;
+  // z runs fastest: neighbours in a low bed are mostly neighbours in memory.
   std::size_t index(const Cell& cell) const {
     return (static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(count_[1]) +
             static_cast<std::size_t>(cell[1])) *
@@ -127,6 +129,7 @@ class Grid {
   Domain domain_;
   double skin_ = 0;
   std::vector<Level> levels_{1};
+  // Of each cell of level 0; the map is whole on every rank.
   std::vector<int> owner_;
 };
 

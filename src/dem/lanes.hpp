@@ -1,5 +1,9 @@
 // Eight doubles that are computed together. Comparisons give a mask for `select`; there are no
 // branches, so every lane does the same arithmetic and its bits do not depend on its place.
+// The compilers' own vector type and not the intrinsics of one machine: the same source is eight
+// doubles wide everywhere, and every operation is rounded as its scalar is, which intrinsics for
+// estimates of 1/x or 1/sqrt(x) would not be. Functions are inlined by force: vectors as arguments
+// of real calls would go through memory.
 #pragma once
 
 #include <cmath>
@@ -21,6 +25,7 @@ using Mask = decltype(Lanes{} < Lanes{});
 }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+// A loop, for the extension has no root; compilers can make it one instruction.
 [[gnu::always_inline]] inline Lanes root(Lanes a) {
   Lanes result;
   for (std::size_t k = 0; k < lanes; ++k) result[k] = std::sqrt(a[k]);
@@ -51,6 +56,8 @@ struct Lanes3 {
 }
 
 // Eight vectors as plain arrays, for loops that the compiler vectorises.
+// Two forms of the same, since some loops are written lane by lane and vectorised by the compiler
+// (laws) and some are written in whole lanes (features).
 struct alignas(64) Lane3 {
   double x[lanes], y[lanes], z[lanes];
   void put(std::size_t k, const Vec4& v) { x[k] = v.x, y[k] = v.y, z[k] = v.z; }

@@ -1,3 +1,5 @@
+// From what a deck declares to what the kernels read, and the time step that follows. Run once per
+// model and not per sub-step: clear formulas, no tuning. Symbols and sources: laws.hpp.
 #include "laws.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +23,14 @@ int material_named(const Physics& physics, const std::string& name) {
   throw InputError({fmt::format("contact: \"{}\" is not the name of a material", name)});
 }
 
+// Without a coefficient none at all: the kernels then leave rolling out altogether.
 Rolling rolling_of(const ContactLaw& c) {
   if (!(c.rolling_friction > 0)) return {};
   return {c.rolling_friction, c.rolling_stiffness, c.zeta_r};
 }
 
+// c = 2 zeta sqrt(m_eff k); the masses are those of the pair and follow later, so c is kept over
+// sqrt(m_eff).
 Law linear_law(const ContactLaw& c) {
   return {.rooted = false,
           .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
@@ -44,6 +49,10 @@ struct HertzStiffness {
   double shear() const { return 8 * g_star; }
 };
 
+//   1/E* = (1 - nu_a^2)/E_a + (1 - nu_b^2)/E_b,
+//   1/G* = 2 (2 - nu_a)(1 + nu_a)/E_a + 2 (2 - nu_b)(1 + nu_b)/E_b,
+// E Young's modulus, Pa, nu Poisson's ratio. Mindlin's tangential stiffness is that without slip;
+// partial slip is not followed, the whole contact sticks or slides.
 HertzStiffness hertz_stiffness(const Material& a, const Material& b) {
   const auto softness = [](const Material& m) { return (1 - m.poisson * m.poisson) / m.young; };
   const auto shear_softness = [](const Material& m) {
@@ -52,8 +61,11 @@ HertzStiffness hertz_stiffness(const Material& a, const Material& b) {
   return {1 / (softness(a) + softness(b)), 1 / (shear_softness(a) + shear_softness(b))};
 }
 
+// With a = sqrt(R delta), m: c_n = 2 sqrt(5/6) beta sqrt(2 E* a m_eff), and c_s with 8 G* in place
+// of 2 E*. The kernels multiply by sqrt(a m_eff).
 Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
   if (a.young <= 0 || b.young <= 0)
+    // A deck is checked before (parameters.cpp); this is for callers without one.
     throw InputError(
         {fmt::format("contact {}-{}: the hertz law needs young above 0 in both "
                      "materials",
@@ -71,6 +83,7 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
           .rolling = rolling_of(c)};
 }
 
+// The only place where kinds of laws become numbers.
 Law law_of(const ContactLaw& c, const Material& a, const Material& b) {
   Law law;
   switch (c.kind) {
@@ -107,6 +120,8 @@ Stiffness stiffness_of(const ContactLaw& c, const Material& a, const Material& b
 
 // Restitution of m x'' = -(x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x') from x' = 1: the Hertz
 // collision in units of its mass and stiffness. Fourth-order Runge-Kutta.
+// In these units the collision has no parameter but beta: restitution does not depend on speed,
+// size or stiffness, which is what this form of damping is for.
 double restitution_of(double beta, bool cut) {
   const double damping = 2 * std::sqrt(5.0 / 6.0) * beta * std::sqrt(1.5);
   const auto force = [&](double x, double v) {
@@ -124,6 +139,8 @@ double restitution_of(double beta, bool cut) {
     const double a4 = -force(x + h * v3, v4);
     x += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
     v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    // Over when the bodies part, or, without attraction, when the force has come to nothing: from
+    // there on the speed stays.
     if (v < 0 && (x <= 0 || (cut && force(x, v) <= 0))) break;
   }
   return std::max(-v, 0.0);
@@ -143,6 +160,8 @@ bool needs_young(LawKind kind) {
   return needs;
 }
 
+// The more damping the slower the return, so bisection finds the one beta. 45 halvings leave 6e-13.
+// The closed form ln e / sqrt(ln^2 e + pi^2) holds with attraction only.
 double hertz_damping(double restitution, bool cut) {
   if (restitution >= 1) return 0;
   double low = 0, high = 20;
@@ -153,6 +172,8 @@ double hertz_damping(double restitution, bool cut) {
   return 0.5 * (low + high);
 }
 
+// Hertz: k = F/delta; the slope of F is 1.5 times that, which the safety of the step covers. A
+// spring against rolling has its own frequency and counts too.
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap) {
   double stiffest = 0;
   for (const ContactLaw& c : physics.laws) {
@@ -169,6 +190,9 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
   return stiffest;
 }
 
+// A mass on a spring, central difference: dt < 2 sqrt(m/k). A particle has many contacts at once
+// and turns more easily than it moves, hence the safety factor well below 2. Lightest and stiffest
+// need not belong together: on the safe side, and cheap.
 double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
                    double largest, std::string* limit) {
   const double stiffest = stiffest_contact(physics, largest, parameters.largest_overlap);
@@ -178,6 +202,8 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
   return parameters.safety * std::sqrt(lightest / stiffest);
 }
 
+// All problems at once. A pair that is not given stays at -1; whether it is needed is known only
+// when particles and surfaces are there (`check_laws`).
 LawTable::LawTable(const Physics& physics)
     : materials_(physics.materials.size()), pair_(materials_ * materials_, -1) {
   std::vector<std::string> problems;
@@ -193,6 +219,7 @@ LawTable::LawTable(const Physics& physics)
   for (const Law& law : laws_) friction_.push_back(law.mu), rolls_ |= law.rolling.mu > 0;
 }
 
+// For stages that pack with less friction. The limit of rolling is not touched.
 void LawTable::override_friction(double mu) {
   for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].mu = mu < 0 ? friction_[k] : mu;
 }

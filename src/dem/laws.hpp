@@ -37,6 +37,7 @@ struct Law {
 };
 
 // Stiffnesses and damping at one overlap.
+// m_eff = m_i m_j / (m_i + m_j), kg; against a surface m_i, since what is behind it is heavy.
 struct Coefficients {
   double k_n, k_s, c_n, c_s, mu, least;
 };
@@ -55,6 +56,9 @@ template <bool any_rooted>
 }
 
 // Elastic energy stored in a contact, J.
+// The integral of F over delta, plus the tangential spring. With hertz k_s depends on delta while
+// xi is kept: the tangential part is then what the spring would give back at this overlap, not what
+// was put in.
 inline double stored_energy(const Law& law, double delta, double radius, const Vec4& xi) {
   const Coefficients c = coefficients<true>(law, delta, 0, radius);
   const double share = law.rooted ? 0.4 : 0.5;  // of F delta: F grows with delta^1.5 or delta
@@ -88,6 +92,8 @@ struct Sliding {
 // Its force against v; moves the displacement xi (m) by dt. Selects instead of branches, so that
 // the pair loop runs it on eight contacts at a time.
 [[gnu::always_inline]] inline Vec4 slide(const Slider& s, const Sliding& t, double dt, Vec4& xi) {
+  // First the part along the new normal is taken off (the tangent plane has turned), then the rest
+  // is turned with the contact, then moved with the surfaces.
   const double along = xi.x * t.nx + xi.y * t.ny + xi.z * t.nz;
   const double px = xi.x - along * t.nx, py = xi.y - along * t.ny, pz = xi.z - along * t.nz;
   const double turn = t.twist * dt;
@@ -112,10 +118,13 @@ struct Sliding {
 // cut at Coulomb's limit.
 [[gnu::always_inline]] inline Vec4 contact_force(const Coefficients& c, const Touch& t, double dt,
                                                  Vec4& xi) {
+  // Spring and dashpot in parallel. Their sum is cut, not the dashpot alone: damping may take away
+  // all of the spring's force but, without attraction, no more.
   const double v_n = t.vx * t.nx + t.vy * t.ny + t.vz * t.nz;  // > 0: approaching
   const double free_n = c.k_n * t.delta + c.c_n * v_n;
   const double f_n = free_n > c.least ? free_n : c.least;
   const double vtx = t.vx - v_n * t.nx, vty = t.vy - v_n * t.ny, vtz = t.vz - v_n * t.nz;
+  // No friction from a contact that pulls.
   const double limit = c.mu * (f_n > 0 ? f_n : 0.0);
   const Vec4 s = slide({c.k_s, c.c_s, limit}, {t.nx, t.ny, t.nz, vtx, vty, vtz, t.twist}, dt, xi);
   return {s.x - f_n * t.nx, s.y - f_n * t.ny, s.z - f_n * t.nz, f_n};
@@ -157,6 +166,7 @@ struct alignas(64) LawLanes {
     mu[k] = law.mu, least[k] = law.least;
     rooted[k] = law.rooted;
   }
+  // Without rolling, which has lanes of its own.
   [[gnu::always_inline]] Law at(std::size_t k) const {
     return {rooted[k] > 0, least[k], k_n[k], k_s[k], c_n[k], c_s[k], mu[k], {}};
   }
@@ -186,6 +196,7 @@ struct alignas(64) RollingLanes {
 class LawTable {
  public:
   explicit LawTable(const Physics& physics);
+  // Symmetric: a law holds between two materials, whichever is named first.
   int index(int material_i, int material_j) const {
     return pair_[static_cast<std::size_t>(material_i) * materials_ +
                  static_cast<std::size_t>(material_j)];  // -1: not declared

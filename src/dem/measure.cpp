@@ -1,4 +1,7 @@
 // What is read off the particles; nothing here changes them.
+// Sums over ranks are exact (core/exact_sum.hpp): the same bits on any number of ranks. All of it
+// costs like a sub-step or more, so it is asked at the rows of the results and not in each
+// sub-step.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +13,8 @@
 
 namespace trackbed::dem {
 
+// Spin from the angular momentum and not from `w`, which in the force loop is that of half a
+// sub-step earlier: what is shown is at one time level.
 ParticleView Particles::operator[](std::size_t b) const {
   const State& s = room_->state;
   const Quat q = quat(s.q[b]);
@@ -39,6 +44,7 @@ void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, doub
 namespace {
 
 // Elastic part of a contact's force on the first piece.
+// Dampers are left out: they belong to velocities of half a sub-step earlier, which are gone.
 Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
   const Coefficients c = coefficients<true>(law, delta, 0, radius);
   return -c.k_n * delta * n - c.k_s * xi.vec3();
@@ -47,6 +53,8 @@ Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, 
 }  // namespace
 
 // Every contact that this rank counts, with its elastic energy.
+// Local. A contact across ranks is known on both; who owns the lower id counts it. Order: balls,
+// stones, surfaces, each in the order of the lists.
 struct Particles::ContactLoop {
   const State& state;
   const Shapes& shapes;
@@ -82,6 +90,7 @@ struct Particles::ContactLoop {
         if (pairs.entries[e].touching) pair(i, bi, e, see);
     }
     for (const Overlap& o : overlaps)
+      // The first piece has the lower id here as well.
       if (body(o.piece) < state.own) stone_pair(o, see);
     for (const Approach& a : approaches)
       for (const Approach::Patch& p : a.patches) surface(a, p, see);
@@ -92,6 +101,8 @@ struct Particles::ContactLoop {
     return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
   }
 
+  // Normal spring along the generalised normal, tangential spring, and the ring that resists
+  // torsion: 1/2 k_s spread turn^2, J (stone_law.hpp).
   template <class See>
   void stone_pair(const Overlap& o, See& see) const {
     const Entry& entry = stones.entries[o.entry];
@@ -108,6 +119,7 @@ struct Particles::ContactLoop {
             rolling(stones, o.entry, o.wrench.M, radius));
   }
 
+  // From the positions now: for balls the overlap is soon made again.
   template <class See>
   void pair(std::size_t i, std::size_t bi, std::uint32_t e, See& see) const {
     const Entry& entry = pairs.entries[e];
@@ -129,6 +141,7 @@ struct Particles::ContactLoop {
                : rolling_energy(laws[list.entries[e].law], delta, radius, list.roll[e]);
   }
 
+  // As felt last: where a stone touches is costly to find again.
   template <class See>
   void surface(const Approach& a, const Approach::Patch& p, See& see) const {
     if (!(p.radius > 0)) return;  // loaded, not yet felt
@@ -152,6 +165,7 @@ namespace {
 
 // Sum of a list over ranks with bits that do not depend on the split: the range comes from the
 // largest term and the number of terms, both exact, the sum from integers.
+// Collective. Cost: two reductions more than a plain sum, and all terms are kept for a moment.
 double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
   double largest = 0;
   for (const double term : terms) largest = std::max(largest, std::abs(term));
@@ -165,6 +179,8 @@ double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
 }
 
 // One list of terms for every sum that Totals holds.
+// Lists and not running sums: the range of an exact sum must be known before the first term is
+// added.
 struct Terms {
   using Axes = std::array<std::vector<double>, 3>;
   std::vector<double> mass, kinetic, potential, elastic;
@@ -176,8 +192,10 @@ struct Terms {
   }
   void add(const ParticleView& p, const Vec3& angular_momentum, double g) {
     mass.push_back(p.mass);
+    // Rotation: 1/2 L . w, the same in any axes.
     kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * angular_momentum.dot(p.spin));
     potential.push_back(p.mass * g * p.position.z());
+    // Gravity is not in the stored force.
     net.push_back((p.force - Vec3(0, 0, p.mass * g)).norm());
     add(momentum, p.mass * p.velocity);
   }
@@ -210,6 +228,7 @@ std::int64_t neighbours(std::vector<std::pair<Id, Id>>& touching) {
 
 }  // namespace
 
+// `unbalanced` is 1 where nothing touches: free fall is not rest.
 Totals Particles::totals() const {
   const Room& r = *room_;
   Totals total;
@@ -244,6 +263,9 @@ Totals Particles::totals() const {
   return total;
 }
 
+// All that the future depends on: poses, motion and histories, with the names of what they belong
+// to. Forces are left out: what they are made of is in it. Sums of hashes wrap around, so order
+// does not matter.
 std::uint64_t Particles::state_hash() const {
   const Room& r = *room_;
   std::uint64_t sum = 0;
@@ -257,6 +279,7 @@ std::uint64_t Particles::state_hash() const {
     sum += mix(h);
   }
   // Without resistance to rolling, the hash of what there is without it.
+  // `roll` is the last member of History for this reason.
   const std::size_t bytes = r.laws.any_rolls() ? sizeof(History) : offsetof(History, roll);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& record : records) {
@@ -268,6 +291,7 @@ std::uint64_t Particles::state_hash() const {
   return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
 }
 
+// Room that is reserved, used or not. Local.
 Memory Particles::memory() const {
   const Room& r = *room_;
   Memory memory;

@@ -1,3 +1,5 @@
+// Closest points of triangles and the choice among them (mesh.hpp). Every candidate is tried in
+// every sub-step: they are few, and the closest may be another one each time.
 #include "mesh.hpp"
 
 #include <algorithm>
@@ -7,6 +9,9 @@
 
 namespace trackbed::dem {
 
+// Triangles that meet in an edge are equally far from a point beside it, to rounding: `equal`, m^2.
+// By distance, then faces before edges, then the one the point stands out of most; only among
+// coplanar ones does the order of triangles decide.
 bool Closest::replaces(const Closest& old, double equal) const {
   if (squared < old.squared - equal) return true;
   if (squared > old.squared + equal) return false;
@@ -15,6 +20,7 @@ bool Closest::replaces(const Closest& old, double equal) const {
   return std::abs(height) > clearly * std::abs(old.height);
 }
 
+// Height is over the plane, distance to the triangle. The two agree inside the face only.
 Closest Mesh::closest(const Vec3& p, int triangle, const Surface& surface, double s,
                       const Vec3& origin) const {
   const auto& nodes = triangles_[static_cast<std::size_t>(triangle)];
@@ -37,6 +43,7 @@ Closest Mesh::closest(const Vec3& p, int triangle, const Surface& surface, doubl
   return result;
 }
 
+// A point beside an edge or a corner of the closest triangle: on which side of the surface is it?
 bool Mesh::settle(Closest& c, const Vec3& p, const Surface& surface, double s,
                   const Vec3& origin) const {
   MeshContact& hit = c.contact;
@@ -49,6 +56,9 @@ bool Mesh::settle(Closest& c, const Vec3& p, const Surface& surface, double s,
     if (behind) hit.distance = -hit.distance, hit.normal = -hit.normal;
     return border == Border::inner;
   }
+  // A concave edge: the patch goes on as a plane. Weights of the foot outside of the triangle lie
+  // beyond 0 and 1; they still sum to 1 and still give the foot, so force and moment on the nodes
+  // stay exact.
   hit.distance = c.height, hit.normal = -c.out, hit.point = p - c.height * c.out;
   const auto& nodes = triangles_[t];
   const Vec3 a = node_at(surface, nodes[0], s) - origin;
@@ -61,6 +71,7 @@ bool Mesh::settle(Closest& c, const Vec3& p, const Surface& surface, double s,
   return true;
 }
 
+// Places are absolute here; stones take theirs from their own centre (stone_surface.hpp).
 void Mesh::touch(const Ball& ball, const std::vector<int>& candidates, const Surface& surface,
                  double s, std::vector<MeshContact>& found) const {
   const auto& [centre, radius] = ball;
@@ -70,6 +81,8 @@ void Mesh::touch(const Ball& ball, const std::vector<int>& candidates, const Sur
   const double equal = 1e-12 * radius * radius;  // distances to the same edge differ by rounding
   for (const int t : candidates) {
     const Closest c = closest(centre, t, surface, s, origin);
+    // Up to a radius behind a face as well: the ball is pushed back, with up to twice its radius of
+    // overlap.
     if (std::abs(c.contact.distance) >= radius) continue;
     const auto same = std::find_if(near.begin(), near.end(), [&](const Closest& other) {
       return other.contact.patch == c.contact.patch;

@@ -25,6 +25,7 @@ struct Ball {
   double radius;
 };
 
+// Where a point touches, and how its force is shared out to nodes.
 struct MeshContact {
   int triangle = -1;
   int patch = -1;
@@ -59,6 +60,8 @@ struct SharpCorner {
 };
 
 // Topology of one surface, worked out once from the positions it has then.
+// Bends are not measured again: a surface that is pressed by stones bends by far less than
+// `smooth_angle`.
 class Mesh {
  public:
   explicit Mesh(const Surface& surface);
@@ -86,6 +89,7 @@ class Mesh {
  private:
   friend class MeshBuilder;
   // What lies behind a side or a node of a triangle.
+  // Ascending: the more open one decides at a node.
   enum class Border : std::uint8_t { inner, crease, open };
   struct Numbers {  // lists of numbers, one for each triangle
     std::vector<int> begin, numbers;

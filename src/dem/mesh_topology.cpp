@@ -1,4 +1,7 @@
 // Patches, borders, sharp edges and corners of a surface.
+// Made once for each surface that is set, by every rank alone and alike; n log n in the triangles.
+// What is not manifold (an edge of three triangles, or of one) is an open edge: nothing is assumed
+// of it.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +14,8 @@ namespace trackbed::dem {
 
 namespace {
 
+// Union by lowest name with halved paths (Tarjan 1975, doi:10.1145/321879.321884): the names do not
+// depend on the order of joining, so patches get the same numbers on every rank.
 class Sets {  // disjoint sets, each named by its lowest member
  public:
   explicit Sets(std::size_t size) : root_(size) {
@@ -39,6 +44,7 @@ struct Side {  // an edge of the mesh
 
 }  // namespace
 
+// The steps of `Mesh::Mesh`, with what only they need.
 class MeshBuilder {
  public:
   MeshBuilder(Mesh& mesh, const Surface& surface)
@@ -61,6 +67,7 @@ class MeshBuilder {
     return (at(n[1]) - at(n[0])).cross(at(n[2]) - at(n[0])).normalized();
   }
 
+  // An ordered map: sides come in the order of their nodes, never of memory.
   void find_sides() {
     std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::size_t>> sharing;
     for (std::size_t t = 0; t < mesh_.triangles_.size(); ++t)
@@ -72,9 +79,11 @@ class MeshBuilder {
     }
   }
 
+  // Convex if the second triangle's own node lies below the plane of the first.
   Bend bend_of(const Side& side) const {
     if (side.triangles.size() != 2) return Bend::open;
     const Vec3 n = normal(side.triangles[0]);
+    // A bend below `smooth_angle` is the mesh's way to follow a curved or a slightly uneven face.
     if (n.dot(normal(side.triangles[1])) > std::cos(smooth_angle)) return Bend::smooth;
     for (const std::int32_t node : mesh_.triangles_[side.triangles[1]])
       if (node != side.nodes[0] && node != side.nodes[1])
@@ -84,6 +93,7 @@ class MeshBuilder {
 
   // Over smooth edges, then over convex ones unless that joined the two sides of a concave one.
   void join_patches() {
+    // Which patches may not become one; follows the joins.
     std::map<std::size_t, std::set<std::size_t>> apart;
     const auto ends = [&](const Side& s) {
       return std::pair(patches_.find(s.triangles[0]), patches_.find(s.triangles[1]));
@@ -103,11 +113,13 @@ class MeshBuilder {
         apart[other].erase(gone), apart[other].insert(kept), apart[kept].insert(other);
       apart.erase(gone);
     }
+    // Numbered by the lowest triangle, which is the root and comes first.
     mesh_.patch_.resize(mesh_.triangles_.size());
     for (std::size_t t = 0; t < mesh_.triangles_.size(); ++t)
       mesh_.patch_[t] = patches_.find(t) == t ? mesh_.patches_++ : mesh_.patch_[patches_.find(t)];
   }
 
+  // Within the patch a side is no border, whatever its bend.
   Mesh::Border border_of(const Side& s) {
     const bool within =
         s.triangles.size() == 2 && patches_.find(s.triangles[0]) == patches_.find(s.triangles[1]);
@@ -118,6 +130,7 @@ class MeshBuilder {
   void mark_borders() {
     std::map<std::pair<int, std::int32_t>, Mesh::Border> nodes;  // the most open side decides
     mesh_.border_.assign(mesh_.triangles_.size(), {});
+    // `part` has a bit for each of the triangle's nodes on the side, as Closest::part.
     for (const Side& s : sides_)
       for (const std::size_t t : s.triangles) {
         unsigned part = 0;
@@ -131,11 +144,14 @@ class MeshBuilder {
           node = std::max(node, border);
         }
       }
+    // A node belongs to several sides and, in one patch, to several triangles: one answer for all
+    // of these.
     for (std::size_t t = 0; t < mesh_.triangles_.size(); ++t)
       for (unsigned k = 0; k < 3; ++k)
         mesh_.border_[t][1u << k] = nodes[{mesh_.patch_[t], mesh_.triangles_[t][k]}];
   }
 
+  // Concave edges are none: a convex stone cannot meet one with an edge of its own.
   void find_sharp_edges() {
     for (const Side& s : sides_) {
       if (s.bend != Bend::convex && s.bend != Bend::open) continue;
@@ -153,6 +169,7 @@ class MeshBuilder {
     for (std::size_t e = 0; e < mesh_.edges_.size(); ++e)
       for (const std::int32_t n : mesh_.edges_[e].nodes) meeting[n].push_back(e);
     Sets chains(mesh_.edges_.size());
+    // Three edges in a node, or two that bend, make a corner; it is felt as a feature of its own.
     for (const auto& [node, edges] : meeting) {
       const auto away = [&, here = node](std::size_t e) {
         const auto& n = mesh_.edges_[e].nodes;
@@ -167,6 +184,7 @@ class MeshBuilder {
       mesh_.edges_[e].chain = static_cast<int>(chains.find(e));
   }
 
+  // Counting sort into one list for each triangle.
   template <class Item, class Triangle>
   Mesh::Numbers sorted(const std::vector<Item>& items, Triangle&& triangle) const {
     Mesh::Numbers lists;

@@ -16,6 +16,8 @@ namespace trackbed::dem {
 namespace {
 
 // Eight contacts: what the law reads and what it gives.
+// Filled from scattered particles, worked on in lanes, written back: the copy pays because the law
+// has two roots and three divisions, which cost the same for eight as for one.
 struct alignas(64) Group {
   Lane3 d, vi, vj, wi, wj, ai, aj;  // a: piece centre from the particle's, clumps only
   Lane3 xi, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
@@ -36,6 +38,8 @@ struct Arrays {
 };
 
 // Marks entries that touch; those that do no more lose their history.
+// A contact that opens gives its springs back at once: a stone that comes again meets it without
+// history, on whatever rank and after whatever rebuild.
 void find_touching(const Vec4* piece_x, PairList& list) {
   list.touching.clear();
   for (const Row& row : list.rows) {
@@ -46,6 +50,7 @@ void find_touching(const Vec4* piece_x, PairList& list) {
       const Vec4& h = list.shifts[entry.shift];
       const double dx = pj.x - pi.x + h.x, dy = pj.y - pi.y + h.y, dz = pj.z - pi.z + h.z;
       const double reach = pi.w + pj.w;
+      // Squares: most entries do not touch and need no root. What is not a number does not touch.
       if (dx * dx + dy * dy + dz * dz < reach * reach) {
         entry.touching = 1;
         list.touching.push_back({e, row.piece});
@@ -56,11 +61,14 @@ void find_touching(const Vec4* piece_x, PairList& list) {
   }
 }
 
+// Piece and particle have one number if each particle is one sphere.
 template <bool spheres>
 std::size_t particle(const Arrays& a, std::int32_t piece) {
   return static_cast<std::size_t>(spheres ? piece : a.body[piece]);
 }
 
+// Gathers eight contacts. The partner is brought to the image beside i by its shift; raw positions
+// are subtracted first and the shift is added to the difference, in this order on every rank.
 template <bool spheres, bool rolls>
 void load(const Arrays& a, const LawTable& laws, const PairList& list, const Contact* contacts,
           std::size_t count, Group& g) {
@@ -87,6 +95,12 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
 }
 
 // The law on all lanes. Everything is inlined into one loop without branches.
+//   n = d/|d| from i to j,  delta = r_i + r_j - |d|,
+//   arms from piece centres to the middle of the overlap: (r_i - delta/2) n, -(r_j - delta/2) n,
+//   v = v_i + w_i x arm_i - v_j - w_j x arm_j,  torques arm x force.
+// Both arms end in the same point, so angular momentum is kept to rounding. The contact plane turns
+// about n with the mean of both spins: nobody's history is preferred. Centres in one place have no
+// normal; none is invented, and the overlap ends the run.
 template <bool spheres, bool rooted, bool rolls>
 void respond(Group& g, double dt) {
 #pragma omp simd
@@ -119,6 +133,7 @@ void respond(Group& g, double dt) {
     g.turn_i.x[k] = riy * f.z - riz * f.y, g.turn_j.x[k] = rjy * f.z - rjz * f.y;
     g.turn_i.y[k] = riz * f.x - rix * f.z, g.turn_j.y[k] = rjz * f.x - rjx * f.z;
     g.turn_i.z[k] = rix * f.y - riy * f.x, g.turn_j.z[k] = rjx * f.y - rjy * f.x;
+    // A moment of a pair: opposite on j, which `add` sees to as with all torques.
     if constexpr (rolls) {
       const Rolls t{nx, ny, nz, twist, wix - wjx, wiy - wjy, wiz - wjz, f.w, 0, g.root_mass[k]};
       const Vec4 m = g.rolling.moment(k, c.k_n, t, dt);
@@ -130,6 +145,8 @@ void respond(Group& g, double dt) {
 }
 
 // Adds forces in the order of the list; returns the largest overlap over the smaller radius.
+// One contact after the other: neighbours in the list share particles, so lanes may not add at
+// once.
 template <bool spheres, bool rolls>
 double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t count,
            const Group& g) {
@@ -139,6 +156,7 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
     Vec4& xi = list.xi[e];
     xi.x = g.xi.x[k], xi.y = g.xi.y[k], xi.z = g.xi.z[k];
     if constexpr (rolls) list.roll[e].set(g.rolling.roll.at(k));
+    // Ghosts collect what their owners compute as well; it is dropped with them.
     const std::size_t i = particle<spheres>(a, contacts[k].piece);
     const std::size_t j = particle<spheres>(a, list.entries[e].piece);
     Vec4 &fi = a.f[i], &ti = a.t[i], &fj = a.f[j], &tj = a.t[j];
@@ -151,6 +169,7 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
   return worst;
 }
 
+// Returns the largest overlap over the smaller radius.
 template <bool spheres, bool rooted, bool rolls>
 double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
   double worst = 0;
@@ -166,6 +185,8 @@ double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double d
 }
 
 // The loop compiled for what these shapes and laws need.
+// A flag of the laws or shapes as a whole, not of a contact: one exception among many contacts
+// makes all take the general loop.
 auto loop_for(bool spheres, bool rooted, bool rolls) {
   constexpr decltype(&pair_loop<false, false, false>) loops[] = {
       pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,
@@ -176,6 +197,8 @@ auto loop_for(bool spheres, bool rooted, bool rolls) {
 
 }  // namespace
 
+// Local. Forces are made anew from nothing: balls first, then stones, each in the order of its
+// list, so that every particle adds up alike on any rank; surfaces follow (`feel_surfaces`).
 void Particles::Room::feel_pairs(double dt) {
   std::fill(state.f.begin(), state.f.end(), Vec4{});
   std::fill(state.t.begin(), state.t.end(), Vec4{});

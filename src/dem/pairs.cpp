@@ -1,3 +1,7 @@
+// Cells give the partners of each particle; a sort by id makes the one order on which all bits rest
+// (docs/decisions/particles.md). Cost: about linear in the particles; run at rebuilds only.
+// Rejected: rows for each particle with all its partners, which computes each contact twice on
+// every rank.
 #include "pairs.hpp"
 
 #include <algorithm>
@@ -18,6 +22,7 @@ struct Partner {
 };
 
 // Builds the rows of one list; holds what does not change from row to row.
+// Two lists in one go: pairs of balls and pairs with corners come from the same partners.
 class PairFinder {
  public:
   PairFinder(const Scene& scene, const std::vector<History>& history, PairList& pairs,
@@ -28,6 +33,7 @@ class PairFinder {
         stones_(stones),
         cells_(scene.state, scene.grid, scene.state.size()) {}
 
+  // Rows of ghosts too: a contact of a ghost with a higher own id stands in the ghost's row.
   void run() {
     const State& s = scene_.state;
     std::vector<std::int32_t> order(s.size());
@@ -42,11 +48,14 @@ class PairFinder {
            p < scene_.pieces.begin[static_cast<std::size_t>(body) + 1]; ++p)
         make_row(p);
     }
+    // One numbering for both lists.
     stones_.shifts = pairs_.shifts;
     pairs_.xi.shrink_to_fit(), pairs_.roll.shrink_to_fit();
   }
 
  private:
+  // All levels of sizes, each as far as its largest particle reaches. A pair is taken from the side
+  // of the lower id; two ghosts are none of this rank's business.
   void find_partners(std::size_t i) {
     const State& s = scene_.state;
     const Vec3 home = scene_.grid.wrapped(s.x[i].vec3(), cells_.wrap(i));
@@ -60,10 +69,12 @@ class PairFinder {
           partners_.push_back({s.id[j], static_cast<std::int32_t>(j), shift});
       });
     }
+    // Cells come in an order of places and of ranks; ids do not.
     std::sort(partners_.begin(), partners_.end(),
               [](const Partner& a, const Partner& b) { return a.id < b.id; });
   }
 
+  // Balls with skin; whatever is nearer than that at the rebuild is in the list until the next.
   bool near(const Vec4& a, const Vec4& b, std::uint16_t shift) const {
     const Vec4& h = pairs_.shifts[shift];
     const double dx = b.x - a.x + h.x, dy = b.y - a.y + h.y, dz = b.z - a.z + h.z;
@@ -72,6 +83,8 @@ class PairFinder {
   }
 
   // Raw positions are unwrapped; the shift brings j to the image that neighbours i.
+  // x_j + wrap_j L + across L lies beside x_i + wrap_i L, so x_j gets (wrap_j - wrap_i + across) L,
+  // L the period, m.
   std::uint16_t shift_number(const std::array<int, 3>& wrap_i, const std::array<int, 3>& wrap_j,
                              const std::array<int, 3>& across) {
     std::array<int, 3> turns{};
@@ -87,6 +100,8 @@ class PairFinder {
     return known->second;
   }
 
+  // The row of piece p with all pieces of all partners. A partner's ball as a whole is tried first,
+  // if it can save something.
   void make_row(std::size_t p) {
     const State& s = scene_.state;
     const auto i = static_cast<std::size_t>(scene_.pieces.body[p]);
@@ -117,6 +132,8 @@ class PairFinder {
     return !pieces.first_corner.empty() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
   }
 
+  // The law is looked up here and not in each sub-step; that there is one has been checked
+  // (`check_laws`).
   void add_entry(std::size_t p, std::size_t r, std::uint16_t shift, std::int64_t key) {
     const State& s = scene_.state;
     const auto i = static_cast<std::size_t>(scene_.pieces.body[p]);
@@ -124,6 +141,7 @@ class PairFinder {
     const int law =
         scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
     require(law >= 0, "particles meet whose materials have no contact law");
+    // Masses do not change between rebuilds, so neither does the root of m_eff.
     const double m_i = s.v[i].w, m_j = s.v[j].w;
     Vec4 xi{0, 0, 0, std::sqrt(m_i * m_j / (m_i + m_j))}, roll{};
     // Rows and entries ascend like the sorted history, so one pass over it serves all.
@@ -131,6 +149,8 @@ class PairFinder {
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;
     std::uint8_t touching = 0;
     double turn = 0;
+    // Touching from the start: what does not touch any more forgets its history in the next
+    // sub-step.
     if (next_ < history_.size() && !(wanted < history_[next_])) {
       touching = 1;
       xi.set(Eigen::Map<const Vec3>(history_[next_].xi));
@@ -164,6 +184,8 @@ void find_pairs(const Scene& scene, const std::vector<History>& history, PairLis
   PairFinder(scene, history, pairs, stones).run();
 }
 
+// The way back: every touching contact of this rank's lists as a record, sorted. Both ranks of a
+// contact come to the same record. Local.
 std::vector<History> collect_history(const State& state, const Pieces& pieces,
                                      const PairList& pairs, const StoneList& stones,
                                      const std::vector<Approach>& approaches,

@@ -32,6 +32,8 @@ struct Pieces {
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
 void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step
 
+// Eight bytes: the list is read in full in each sub-step. The shift is a number and not a vector,
+// since there are few different ones.
 struct Entry {
   std::int32_t piece;   // j
   std::uint16_t shift;  // number of the periodic shift added to x_j - x_i
@@ -45,6 +47,7 @@ struct Row {
 };
 
 // An entry that touches, with its row's piece.
+// Kept so that the passes after the first need not find the row again.
 struct Contact {
   std::uint32_t entry;
   std::int32_t piece;  // i
@@ -69,6 +72,7 @@ struct PairList {
 };
 
 // Pairs with a piece of several corners (stones.hpp).
+// Lists of their own: their contacts are found otherwise and cost many times as much.
 struct StoneList : PairList {
   std::vector<Vec4> turn;  // x: rad, relative rotation about the normal, cut by friction
   void clear() { PairList::clear(), turn.clear(); }
@@ -76,6 +80,7 @@ struct StoneList : PairList {
 };
 
 // A piece near a surface.
+// Belongs to own particles only.
 struct Approach {
   std::int32_t piece;
   std::int32_t surface;
@@ -83,6 +88,7 @@ struct Approach {
   std::vector<int> triangles;  // candidates, ascending
   int law;
   struct Patch {
+    // Number within its surface; the history goes by the surface's name and this.
     int patch;
     bool touching;
     Vec4 xi{};
@@ -116,6 +122,7 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
                      std::vector<Approach>& approaches);
 
 // Key of a patch of a surface in a History; `name` stands for the surface's name.
+// Negative, to be told from keys of pieces; falls as name or patch rise.
 inline std::int64_t patch_key(int name, int patch) {
   return -1 - ((static_cast<std::int64_t>(name) << 32) | patch);
 }

@@ -10,6 +10,7 @@ namespace trackbed::dem {
 
 namespace {
 
+// A law holds between two materials in either order.
 bool is_of(const ContactLaw& law, const std::string& one, const std::string& other) {
   return (law.first == one && law.second == other) || (law.first == other && law.second == one);
 }
@@ -20,6 +21,8 @@ std::string listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
+// Densities are those of the solid, not of the bed with its voids. What only some laws need may
+// stay 0.
 void Material::declare(input::Section& s) {
   s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
   s.number("density", density,
@@ -33,6 +36,8 @@ void Material::declare(input::Section& s) {
            "Poisson's ratio, for hertz contacts.");
 }
 
+// Every law's parameters stand in one list: a deck may change its law and keep the rest. What the
+// chosen law does not read has no effect, as the texts say.
 void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
@@ -60,6 +65,8 @@ void ContactLaw::declare(input::Section& s) {
            "Viscous damping of rolling over critical.");
 }
 
+// Rules name the keys they read, so that a message points to the line that is wrong. Whether every
+// pair that meets has a law is known only when particles and surfaces exist (`check_laws`).
 void Physics::declare(input::Section& s) {
   s.tables("material", materials, "A material of particles, sleepers, ground or walls.");
   s.tables("contact", laws, "The contact law of a pair of materials.");
@@ -99,6 +106,7 @@ bool Physics::has_law(const std::string& one, const std::string& other) const {
                      [&](const ContactLaw& law) { return is_of(law, one, other); });
 }
 
+// For all tables that name a material, in this room and in others.
 void Physics::rule_of_name(input::Section& s, const std::string& key,
                            const std::string& name) const {
   std::vector<std::string> names;

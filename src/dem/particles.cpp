@@ -41,6 +41,8 @@ Particles::Particles(Particles&&) noexcept = default;
 
 int Particles::add_template(const Template& shape) { return room_->shapes.add(shape); }
 
+// Collective. The rank that made a particle keeps it until the next rebuild sends it to its owner,
+// so who makes what does not matter. Attitudes are normalised here; every step keeps them so.
 void Particles::add(std::span<const NewParticle> mine) {
   Room& r = *room_;
   const std::vector<History> kept = r.history();
@@ -57,17 +59,22 @@ void Particles::add(std::span<const NewParticle> mine) {
   r.derive(begin);
   for (std::size_t k = 0; k < mine.size(); ++k) {
     const std::size_t b = begin + k;
+    // L = I w in principal axes, turned to space axes; `w` is what was given, without the way there
+    // and back.
     const Quat q = quat(r.state.q[b]);
     const Vec3 body = q.conjugate() * mine[k].spin;
     r.state.l[b].set(q * Vec3(body.cwiseProduct(r.state.inertia[b].vec3())));
     r.state.w[b].set(mine[k].spin);
   }
+  // Histories wait as records: lists are of the particles that were.
   r.forget_contacts();
   r.waiting.insert(r.waiting.end(), kept.begin(), kept.end());
   r.check_laws();
   r.choose_grid(r.work());
 }
 
+// Collective: everyone learns all ids that are gone, for a neighbour may hold the history of a
+// contact with one. What touched it is free from the next sub-step on.
 std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& doomed) {
   Room& r = *room_;
   std::vector<History> kept = r.history();
@@ -86,6 +93,7 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& d
   std::erase_if(r.waiting, is_stale);
   visit_state(r.state, [&](auto, auto& array) {
     array.resize(r.state.own);
+    // From the back, so that the numbers of the others hold.
     for (std::size_t k = dead.size(); k-- > 0;)
       array.erase(array.begin() + static_cast<std::ptrdiff_t>(dead[k]));
   });
@@ -97,6 +105,7 @@ std::int64_t Particles::remove(const std::function<bool(const ParticleView&)>& d
   return static_cast<std::int64_t>(gone.size());
 }
 
+// The state is not changed: the next rebuild sends particles and histories to their new owners.
 void Particles::repartition(const std::function<double(const ParticleView&)>& weight) {
   Room& r = *room_;
   std::vector<double> work = r.work();  // while the lists tell it
@@ -108,6 +117,9 @@ void Particles::repartition(const std::function<double(const ParticleView&)>& we
   r.choose_grid(work);
 }
 
+// Materials of all ranks' particles, each with each and with every surface: a missing law is said
+// before the first step and not when two stones meet after an hour. Some of these pairs may never
+// meet.
 void Particles::Room::check_laws() const {
   std::vector<std::int64_t> used(laws.materials(), 0);
   for (std::size_t b = 0; b < state.own; ++b) used[static_cast<std::size_t>(state.material[b])] = 1;
@@ -128,12 +140,15 @@ void Particles::Room::check_laws() const {
   if (!problems.empty()) throw InputError(problems);
 }
 
+// Numbers are given once and kept, also of surfaces that are gone, so that no history is taken for
+// that of another surface. The same on every rank, since surfaces are set in the same order.
 int Particles::Room::name_number(const std::string& name) {
   const auto known = std::find(names.begin(), names.end(), name);
   if (known == names.end()) names.push_back(name);
   return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+// Owned by the caller. Meshes are made here; nodes may move afterwards, triangles may not change.
 void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   Room& r = *room_;
   const std::vector<History> kept = r.history();
@@ -148,6 +163,7 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   for (Surface* surface : r.surfaces) {
     r.surface_names.push_back(r.name_number(surface->name));
     r.meshes.emplace_back(*surface);
+    // What was collected in another quantum would be misread.
     surface->load_quantum = r.load_quantum;
     surface->clear_load();
   }
@@ -155,12 +171,16 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   r.ready = false;
 }
 
+// The margin: a stone's ball around a centre in the rank's cells, how far it feels behind a
+// surface, and twice the skin, since stones leave their cells before the next rebuild and surfaces
+// move too.
 bool Particles::reaches(const Vec3& low, const Vec3& high) const {
   const double deep = room_->shapes.any_stones() ? 1 + deepest : 1;
   const Vec3 margin = Vec3::Constant(deep * room_->bound + 2 * room_->skin);
   return room_->grid.owns_part_of(low - margin, high + margin, room_->comm.rank());
 }
 
+// Collective: the lightest particle and the largest one may be on different ranks.
 double Particles::stable_step(std::string* limit) const {
   const Room& r = *room_;
   double lightest = std::numeric_limits<double>::infinity(), largest = 0;
@@ -172,14 +192,19 @@ double Particles::stable_step(std::string* limit) const {
   return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
 }
 
+// One window. Surfaces must have their new motion on every rank before. Collective.
 void Particles::advance(double dt_window, int steps) {
   Room& r = *room_;
   r.action = {};
   if (!r.ready) r.rebuild();
+  // Nodes move along lines, so the way from a fixed place is largest at one end of the window; the
+  // begin was the end of the window before.
   r.surface_motion = r.surface_motion_since_rebuild();
   r.follow_surfaces();
   for (int k = 1; k <= steps; ++k)
     r.substep({dt_window / steps, static_cast<double>(k) / steps, steps});
+  // One reduction for all seven. A plain sum: it is compared with a tolerance and nothing follows
+  // from it.
   double sums[7];
   Eigen::Map<Vec3>(sums, 3) = r.action.force;
   Eigen::Map<Vec3>(sums + 3, 3) = r.action.moment;
@@ -192,6 +217,7 @@ std::string Particles::trouble() { return std::exchange(room_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { room_->local_damping = alpha; }
 void Particles::set_friction(double mu) { room_->laws.override_friction(mu); }
 
+// Positions and histories stay: springs are as loaded as they were.
 void Particles::stop() {
   for (auto* motion : {&room_->state.v, &room_->state.l, &room_->state.w})
     for (Vec4& value : *motion) value.x = value.y = value.z = 0;

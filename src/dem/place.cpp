@@ -5,6 +5,8 @@
 
 namespace trackbed::dem {
 
+// Once for each rebuild, own particles and ghosts alike. `begin` and `first_corner` have one more
+// at the end, so that every range is two neighbours.
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
   pieces = {};
   pieces.begin.assign(1, 0);
@@ -36,6 +38,8 @@ namespace {
 
 // How far a surface point can have come since the last pose: the centre's way and the arc of the
 // farthest point, |q - q0| = 2 sin(angle/4); 2.1 covers angles up to 1 rad.
+// m. An upper bound, whichever point it is: what is kept from the last look holds until such paths
+// have used up its margin.
 double way(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0) {
   const double dx = x.x - x0.x, dy = x.y - x0.y, dz = x.z - x0.z;
   const double a = q.x - q0.x, b = q.y - q0.y, c = q.z - q0.z, d = q.w - q0.w;
@@ -45,6 +49,9 @@ double way(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0) {
 
 }  // namespace
 
+// From the pose alone and not from the last place, so that no error grows and ghosts come to the
+// same bits as their owners. Corners are relative to the centre of mass: their digits do not depend
+// on how far along the track the stone lies.
 void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   const bool stones = shapes.any_stones();
   for (std::size_t b = 0; b < state.size(); ++b) {
@@ -61,6 +68,8 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
       for (const Vec4& c : shapes.core(k).corners) *corner++ = turned(turn, c);
     }
     if (!stones) continue;
+    // Lengths of paths are added up, not the distance from the begin: the sum of two of them bounds
+    // how much a pair may have closed, without a look at directions.
     pieces.pace[b] = way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
     pieces.path[b] += pieces.pace[b];
     pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];

@@ -18,6 +18,7 @@ namespace trackbed::dem {
 namespace {
 
 // Applies `permutation` to the first entries of every listed array.
+// What it does not name is dropped; derived quantities are made anew afterwards.
 void permute_own(State& state, const std::vector<std::size_t>& permutation) {
   visit_state(state, [&](auto, auto& array) {
     auto moved = array;
@@ -28,6 +29,7 @@ void permute_own(State& state, const std::vector<std::size_t>& permutation) {
 }
 
 // Bytes of the stored quantities of one particle that are `wanted` (of a quantity).
+// As they lie in memory: ranks of one run have one kind of numbers.
 template <class Wanted>
 void pack(const State& state, std::size_t b, Wanted wanted, std::vector<std::byte>& out) {
   visit_state(state, [&](auto quantity, const auto& array) {
@@ -54,6 +56,8 @@ constexpr auto once = [](auto quantity) { return quantity.ghost == Ghost::once; 
 
 }  // namespace
 
+// One formula on owners and on ghosts, so that mass and radius need not travel and have the same
+// bits.
 void Particles::Room::derive(std::size_t begin) {
   state.w.resize(state.size());
   state.inertia.resize(state.size());
@@ -69,6 +73,7 @@ void Particles::Room::derive(std::size_t begin) {
   }
 }
 
+// By id: rows of the lists, histories and look-ups by bisection rest on it.
 void Particles::Room::sort_own() {
   std::vector<std::size_t> order(state.own);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -78,6 +83,8 @@ void Particles::Room::sort_own() {
 }
 
 // Sends particles that left the rank's cells, each with the history of all its contacts.
+// Collective. A particle that is lost is reported and kept until the ranks stop together at the end
+// of the window; without a place it stays on its rank.
 void Particles::Room::migrate(std::vector<History>& history) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   std::vector<std::vector<std::byte>> leaving(ranks);
@@ -97,12 +104,14 @@ void Particles::Room::migrate(std::vector<History>& history) {
     pack(state, b, all_stored, leaving[static_cast<std::size_t>(owner)]);
     goes_to[state.id[b]] = static_cast<std::size_t>(owner);
   }
+  // A copy: the partner may stay here and its rank goes on needing the record.
   if (!goes_to.empty())
     for (const History& h : history)
       for (const std::int64_t key : {h.first, h.second}) {
         const auto to = key >= 0 ? goes_to.find(particle_of(key)) : goes_to.end();
         if (to != goes_to.end()) leaving_history[to->second].push_back(h);
       }
+  // Those that stay, then the newcomers; the order is mended by `sort_own`.
   permute_own(state, staying);
   for (const auto& bytes : comm.exchange(leaving))
     for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
@@ -167,6 +176,7 @@ void add_small_beside_large(const State& state, const Grid& grid, const par::Com
 
 }  // namespace
 
+// Collective. What does not change between rebuilds is sent once here, what does in each sub-step.
 void Particles::Room::find_ghosts() {
   Needs items = needed_around(state, grid, comm);
   if (grid.levels().size() > 1) add_small_beside_large(state, grid, comm, items);
@@ -184,6 +194,7 @@ void Particles::Room::find_ghosts() {
 
 namespace {
 
+// Attitudes of spheres are not followed and their ghosts get none: a third less to send.
 template <bool turning>
 constexpr bool in_each_step(Ghost ghost) {
   return ghost == Ghost::each_step || (turning && ghost == Ghost::turning);
@@ -201,6 +212,7 @@ consteval std::size_t numbers_in_each_step() {
 }
 
 // What a contact needs of a ghost; radius and mass follow from what it got once.
+// No padding and no pointers: it goes out as it is.
 template <bool turning>
 struct Motion {
   double number[numbers_in_each_step<turning>()];
@@ -220,6 +232,7 @@ template <bool turning, class S, class Copy>
   });
 }
 
+// The one exchange of a sub-step. Collective among neighbours.
 template <bool turning>
 void forward(par::Halo& halo, State& state) {
   thread_local std::vector<Motion<turning>> mine, ghosts;
@@ -265,6 +278,8 @@ void Particles::Room::choose_quantum() {
   }
 }
 
+// From where motion is measured that makes the lists old. Surfaces from the end of the window:
+// lists were made for all of it.
 void Particles::Room::remember_reference() {
   reference_x.assign(state.x.begin(), state.x.begin() + static_cast<std::ptrdiff_t>(state.own));
   reference_q.assign(state.q.begin(), state.q.begin() + static_cast<std::ptrdiff_t>(state.own));
@@ -276,6 +291,8 @@ void Particles::Room::remember_reference() {
   }
 }
 
+// Collective. In this order: histories are read from the old lists before these go; owners before
+// ghosts, ghosts before pieces, pieces before lists.
 void Particles::Room::rebuild() {
   const auto timing = (timers ? *timers : own_timers).scope(Verb::neighbours);
   std::vector<History> carried = history();

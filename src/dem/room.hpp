@@ -31,6 +31,9 @@ struct Pressed {
   double k_n, f_n;  // N/m; N, along the normal
 };
 
+// The rank's particles with all that is derived from them. What a checkpoint holds of it: the
+// state, the templates, histories, names of surfaces, counts, damping and quantum; the rest is made
+// again.
 struct Particles::Room {
   Room(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
        const Domain& domain);
@@ -43,6 +46,7 @@ struct Particles::Room {
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
   // pair_contacts.cpp, surface_contacts.cpp
   Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
+  // Forces and torques on own particles, at the present poses; histories move by one sub-step.
   void feel_pairs(double dt);
   void feel_surfaces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
@@ -59,6 +63,7 @@ struct Particles::Room {
                    const SubStep& step);
   void follow_surfaces();  // their paths, at the begin of a window
   // rebuild.cpp: new owners, ghosts and lists, from the state alone.
+  // `rebuild`, `migrate` and `find_ghosts` are collective, `update_ghosts` among neighbours.
   void rebuild();
   void migrate(std::vector<History>& history);
   void find_ghosts();
@@ -87,6 +92,8 @@ struct Particles::Room {
   }
   double mass(std::size_t b) const { return state.v[b].w; }
   double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
+  // The first problem of a window is the cause, later ones mostly its effects. Ranks agree on it at
+  // the window's end.
   void report(std::string problem) {
     if (trouble.empty()) trouble = std::move(problem);
   }
@@ -116,6 +123,7 @@ struct Particles::Room {
 
   par::Halo halo;
   Pieces pieces;
+  // Lists of this rank's pieces, ghosts included; made by `rebuild`, valid while `ready`.
   PairList pairs;
   StoneList stones;
   StoneContacts stone_contacts;
@@ -123,6 +131,7 @@ struct Particles::Room {
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double largest_motion = 0;  // m, of a surface point of an own particle since then
 
+  // Not owned.
   std::vector<Surface*> surfaces;
   std::vector<int> surface_names;
   std::vector<std::string> names;  // of all surfaces met so far; history refers to their numbers
@@ -135,10 +144,12 @@ struct Particles::Room {
   std::vector<std::vector<Vec3>> surface_last;  // m, nodes at the end of this window
   std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
 
+  // Of all particles; below 0: each material's own.
   double local_damping = -1;
   SurfaceAction action;
   std::string trouble;
   std::int64_t steps = 0, rebuilds = 0;
+  // Not owned; without them times go nowhere.
   Timers* timers = nullptr;
   Timers own_timers;
 };

@@ -1,3 +1,10 @@
+// Distance from above and below at once: GJK's simplex gives a distance that is too large, each
+// direction the width of a slab that is too small or right. So it is known how near the answer is.
+// Cores that overlap have no closest points; there the widest (least negative) slab is searched
+// over all axes that can be it.
+//
+// Rejected for overlapping cores: EPA (expanding polytope), which gives the shortest way only,
+// while the blend of deep.hpp needs all ways that are nearly as short.
 #include "separation.hpp"
 
 #include <algorithm>
@@ -17,6 +24,8 @@ struct Support {
 };
 
 // The corner furthest along a direction; the first of several.
+// The first: the choice must not change with rounding from rank to rank. All corners are looked at:
+// climbing along edges would need the neighbours of each and pays only for many corners.
 Support support(const Placed& core, const Vec3& direction) {
   Support best{0, -std::numeric_limits<double>::infinity()};
   for (std::size_t k = 0; k < core.corners.size(); ++k) {
@@ -29,8 +38,10 @@ Support support(const Placed& core, const Vec3& direction) {
 }
 
 // Points of the difference second - first; the closest of their hull to the origin.
+// Up to four points; fewer are looked at as a triangle with points repeated (`closest_weights`).
 class Simplex {
  public:
+  // False if it is known: the search has come back to where it was and ends.
   bool add(const Vec3& point) {
     for (std::size_t k = 0; k < size_; ++k)
       if (points_[k] == point) return false;
@@ -58,6 +69,8 @@ class Simplex {
   }
 
  private:
+  // Seen from each face the origin lies on the side of the fourth corner. A tetrahedron without
+  // volume encloses nothing.
   bool encloses() const {
     static constexpr int order[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     for (const auto& o : order) {
@@ -86,6 +99,7 @@ double slab_width(const Placed& first, const Placed& second, const Vec3& normal)
   return -support(second, -normal).along - support(first, normal).along;
 }
 
+// The best slab so far is kept, since widths need not grow from round to round.
 Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, double tolerance) {
   constexpr int most_rounds = 40;  // 4 to 8 are usual
   Slab best{start, slab_width(first, second, start)};
@@ -96,10 +110,12 @@ Slab widest_slab(const Placed& first, const Placed& second, const Vec3& start, d
     if (!simplex.add(second.corner(b.corner) - first.corner(a.corner))) break;
     const Vec3 v = simplex.closest();
     const double distance = v.norm();
+    // The cores touch or overlap: no direction is left to follow.
     if (!(distance > 0)) break;
     n = v / distance;
     const double width = slab_width(first, second, n);
     if (width > best.width) best = {n, width};
+    // The true distance lies between the two.
     if (distance - best.width < tolerance) break;
   }
   return best;
@@ -117,6 +133,8 @@ struct Axis {
 
 // Shows all axes, both ways. Across an axis on which both cores have no extent and the same place
 // there is no way out: they lie in one plane, and ways within it are looked at as well.
+// Separating axis theorem (Gottschalk, Lin, Manocha 1996, doi:10.1145/237170.237244): convex
+// polyhedra are apart if and only if they are so along a face's normal or across an edge of each.
 template <class See>
 class Axes {
  public:
@@ -133,6 +151,7 @@ class Axes {
       }
     }
     if (plane_.isZero()) return;
+    // In a plane the normals are those of sides, and they turn with their body like a face.
     each_side(first_, Source::face_of_first), each_side(second_, Source::face_of_second);
   }
 
@@ -148,8 +167,10 @@ class Axes {
       look({source, plane_.cross(p.corner(e[1]) - p.corner(e[0]))});
   }
   void look(const Axis& axis) {
+    // Far above the rounding of corners, far below any overlap that is felt.
     const double flat = 1e-12 * (first_.radius + second_.radius);  // rounding
     const double length = axis.along.norm();
+    // Parallel edges or a triangle without area: no axis.
     if (!(length > 1e-300)) return;
     const Vec3 n = axis.along / length;
     const double ahead = slab_width(first_, second_, n), behind = slab_width(first_, second_, -n);
@@ -169,6 +190,11 @@ Mat3 cross_matrix(const Vec3& n) {
   return Mat3{{0, -n.z(), n.y()}, {n.z(), 0, -n.x()}, {-n.y(), n.x(), 0}};
 }
 
+// With x_i, x_j the corners that bound the slab, width = n . (x_j - x_i). While i turns by a, x_i
+// moves by a x x_i and n by dn = swing a:
+//   d width = -n . (a x x_i) + dn . (x_j - x_i) = (n x x_i + swing^T (x_j - x_i)) . a.
+// A face of i carries n along, dn = a x n; a face of j keeps it; of crossed edges u of i turns and
+// v of j stays.
 WayOut way_out(const Placed& first, const Placed& second, const Slab& slab, const Axis& axis) {
   const Vec3& n = slab.normal;
   WayOut way{slab, Vec3::Zero(), Mat3::Zero(), 1, Vec3::Zero()};
@@ -179,6 +205,7 @@ WayOut way_out(const Placed& first, const Placed& second, const Slab& slab, cons
     const double sign = n.dot(axis.along) > 0 ? 1 : -1, length2 = axis.along.squaredNorm();
     way.swing = sign / std::sqrt(length2) * (Mat3::Identity() - n * n.transpose()) * change;
     const double over = 1 / (axis.u.squaredNorm() * axis.v.squaredNorm());
+    // sin^2 of the angle between u and v: |u x v|^2 / (|u|^2 |v|^2).
     way.sine2 = over * length2;
     way.sharpens = 2 * over * (change.transpose() * axis.along);
   }
@@ -190,6 +217,7 @@ WayOut way_out(const Placed& first, const Placed& second, const Slab& slab, cons
 
 }  // namespace
 
+// Both ways along each axis: which body is ahead is not known.
 Slab separating_axis(const Placed& first, const Placed& second) {
   Slab best{Vec3::UnitX(), -std::numeric_limits<double>::infinity()};
   const auto see = [&](const Slab& slab, const Axis&) {

@@ -11,6 +11,7 @@
 namespace trackbed::dem {
 
 // One core in space, corners from a common origin when `offset` is added.
+// Holds no corners of its own: what it shows must outlive it.
 struct Placed {
   const Core* core;
   std::span<const Vec4> corners;  // m
@@ -51,6 +52,7 @@ struct WayOut {
 };
 
 // All axes of `separating_axis` with a slab of this width (m) or wider.
+// Replaces what `ways` held.
 void ways_out(const Placed& first, const Placed& second, double least, std::vector<WayOut>& ways);
 
 }  // namespace trackbed::dem

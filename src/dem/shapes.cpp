@@ -1,3 +1,5 @@
+// Templates come in once and stay: particles name them by number, and a number never changes its
+// meaning.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -7,6 +9,9 @@
 
 namespace trackbed::dem {
 
+// Checked as a whole before anything is kept: after an InputError all is as it was. What the
+// kernels may leave out (attitudes, corners) is decided by all templates together, so one stone
+// among spheres makes all particles follow their attitudes.
 int Shapes::add(const Template& shape) {
   std::vector<std::string> problems;
   const auto number = templates_.size();
@@ -26,6 +31,7 @@ int Shapes::add(const Template& shape) {
     pieces_.push_back(ball_around(core));
     cores_.push_back(std::move(core));
   }
+  // Centred: only then does nothing depend on the attitude.
   only_spheres_ = only_spheres_ && shape.pieces.size() == 1 &&
                   shape.pieces[0].core.vertices.size() == 1 &&
                   shape.pieces[0].core.vertices[0].isZero();
@@ -35,6 +41,7 @@ int Shapes::add(const Template& shape) {
   return static_cast<int>(number);
 }
 
+// Volume grows with scale^3; in a plane model the template has an area, which grows with scale^2.
 double mass_of(const Template& shape, double scale, double density, const Domain& domain) {
   const double size = domain.dimension == Dimension::plane ? scale * scale * domain.thickness
                                                            : scale * scale * scale;

@@ -12,6 +12,8 @@
 namespace trackbed::dem {
 
 // Own particles first, [0, own), in the order of their ids; then ghosts.
+// One array for each quantity. Vectors have four numbers, the fourth of which is lent to what is
+// read along with them (radius, mass): one load brings both.
 struct State {
   std::size_t own = 0;
   std::vector<Id> id;
@@ -70,6 +72,7 @@ constexpr void visit_all(S& s, Visit&& visit) {
 }
 
 // What is stored of it.
+// Position and velocity travel with their fourth number in `pack`; it is derived again on arrival.
 template <class S, class Visit>
 void visit_state(S& s, Visit&& visit) {
   visit_all(s, [&](auto quantity, auto& array) {
@@ -78,6 +81,7 @@ void visit_state(S& s, Visit&& visit) {
 }
 
 // Templates flattened for the kernels.
+// All pieces of all templates in turn; those of a template lie in [begin, end).
 class Shapes {
  public:
   int add(const Template& shape);
@@ -109,6 +113,7 @@ double mass_of(const Template& shape, double scale, double density, const Domain
 
 // Contact history between two pieces, or a piece and a patch of a surface, on its way from one
 // neighbour list to the next, to another rank or into a checkpoint.
+// Only what a contact cannot know from the poses. Sorted by its two keys.
 struct History {
   std::int64_t first = 0;      // key of the piece with the lower id
   std::int64_t second = 0;     // key of the other piece, or -1 - (surface * 2^32 + patch)
@@ -122,6 +127,7 @@ struct History {
 };
 
 // Names a piece the same on every rank; sorts by particle, then piece.
+// 47 bits are left for the id: far more than can be simulated.
 inline constexpr int piece_bits = 16;
 inline std::int64_t piece_key(Id id, std::size_t piece) {
   return (id << piece_bits) | static_cast<std::int64_t>(piece);

@@ -11,6 +11,10 @@ namespace trackbed::dem {
 namespace {
 
 // Cundall's local damping: a share of the net force resists the motion.
+// F = F - alpha |F| sign(v), for each component (Cundall 1987). It knows no frequency and takes
+// nothing from steady motion without net force. It depends on the axes; for rotation the sign is
+// that of the angular momentum, not of the spin: the same for spheres, and for stones it needs no
+// attitude.
 double damped(double force, double velocity, double alpha) {
   return force - alpha * std::copysign(std::abs(force), velocity) * (velocity != 0);
 }
@@ -18,6 +22,7 @@ double damped(double force, double velocity, double alpha) {
 // Cosine and sine of half an angle from t = tan(angle/4), so that c^2 + s^2 = 1 to rounding
 // whatever t is; t by its series, right to 1e-10 of the angle at the 0.1 rad that a sub-step never
 // reaches, and much cheaper than the library's functions.
+// c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2).
 struct HalfAngle {
   double c, s;
   explicit HalfAngle(double angle) {
@@ -30,6 +35,8 @@ struct HalfAngle {
 };
 
 // Turns the body frame by `angle` about its axis `a` and the angular momentum in it back.
+// Rotation about one principal axis alone is free of error: its momentum is constant meanwhile, the
+// others turn about it.
 [[gnu::always_inline]] inline void turn(Quat& q, Vec3& body_momentum, int a, double angle) {
   const auto [c, s] = HalfAngle(angle);
   const int b = (a + 1) % 3, d = (a + 2) % 3;
@@ -43,6 +50,9 @@ struct HalfAngle {
   body_momentum[d] = cos * ld - sin * lb;
 }
 
+// Free rotation for dt: the kinetic energy is split in its three parts L_a^2 / (2 I_a), each moved
+// exactly, in the order x y z y x, which is symmetric and so of second order. Momentum in space
+// axes is not touched. Rejected: Runge-Kutta on q and w, which drifts in |q| and in energy.
 void rotate_in_space(Vec4& attitude, const Vec4& momentum, const Vec4& inertia, double dt) {
   Quat q = quat(attitude);
   Vec3 body = q.conjugate() * momentum.vec3();
@@ -51,12 +61,14 @@ void rotate_in_space(Vec4& attitude, const Vec4& momentum, const Vec4& inertia, 
   turn(q, body, 2, dt * body[2] / inertia.z);
   turn(q, body, 1, 0.5 * dt * body[1] / inertia.y);
   turn(q, body, 0, 0.5 * dt * body[0] / inertia.x);
+  // Takes away rounding only: every part keeps |q|.
   q.normalize();
   attitude = vec4(q);
 }
 
 }  // namespace
 
+// w = I^-1 L in space axes. Ghosts get the bits of their owner afterwards: L is not sent.
 void Particles::Room::update_spin(std::size_t b) {
   Vec4& w = state.w[b];
   const Vec4 &l = state.l[b], &inertia = state.inertia[b];
@@ -72,6 +84,7 @@ void Particles::Room::update_spin(std::size_t b) {
   }
 }
 
+// Half a kick: v += dt/2 F/m, L += dt/2 T. Local damping sees the velocity before the kick.
 void Particles::Room::kick(double dt) {
   const double half = 0.5 * dt, weight = -parameters.gravity;
   const bool plane = domain.dimension == Dimension::plane;
@@ -87,6 +100,7 @@ void Particles::Room::kick(double dt) {
       f.x = damped(f.x, v.x, alpha), f.y = damped(f.y, v.y, alpha), f.z = damped(f.z, v.z, alpha);
       t.x = damped(t.x, l.x, alpha), t.y = damped(t.y, l.y, alpha), t.z = damped(t.z, l.z, alpha);
     }
+    // Frozen freedoms of a plane model: what pulls there is carried by the plane.
     if (plane) f.y = t.x = t.z = 0;
     const double over_mass = half / v.w;
     v.x += over_mass * f.x, v.y += over_mass * f.y, v.z += over_mass * f.z;
@@ -94,6 +108,8 @@ void Particles::Room::kick(double dt) {
   }
 }
 
+// v at half time, then x and attitude for the whole sub-step. Contacts read these velocities of
+// half a sub-step: elastic forces do not notice, dampers are half a sub-step late.
 void Particles::Room::kick_and_drift(double dt) {
   kick(dt);
   const bool spheres = shapes.only_spheres(), plane = domain.dimension == Dimension::plane;
@@ -126,6 +142,7 @@ void Particles::Room::kick_and_drift(double dt) {
   largest_motion = motion;
 }
 
+// Nodes that are not known here are not a number and do not count.
 double Particles::Room::surface_motion_since_rebuild() const {
   double motion = 0;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
@@ -138,12 +155,16 @@ double Particles::Room::surface_motion_since_rebuild() const {
 }
 
 bool Particles::Room::lists_are_old() const {
+  // Two particles may close twice the largest way, a particle and a surface the sum of both ways.
   const double closer = std::max(2 * largest_motion, largest_motion + surface_motion);
   // Written so that a position that is not a number asks for a rebuild, which reports it.
   const bool old = !(closer <= skin);
   return comm.max(static_cast<std::int64_t>(old)) > 0;
 }
 
+// At its end positions, velocities and forces are of one time. One exchange: ghosts, or all of a
+// rebuild. The question whether lists are old is a reduction over all ranks, the other message of a
+// sub-step.
 void Particles::Room::substep(const SubStep& step) {
   kick_and_drift(step.dt);
   if (lists_are_old())

@@ -1,4 +1,6 @@
 // The law (stone_law.hpp) on overlapping pairs.
+// Gather, respond, add: as the loop of pair_contacts.cpp, for what `StoneContacts` found. Here a
+// lane's law is far cheaper than finding its overlap, so rooted and linear laws share one loop.
 #include "stone_law.hpp"
 
 #include "stones.hpp"
@@ -11,6 +13,7 @@ std::size_t body(const Scene& scene, std::int32_t piece) {
   return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
 }
 
+// Places from the centre of i, the periodic shift in the difference, as in the loop over balls.
 void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size_t k,
           StoneGroup& g) {
   const State& s = scene.state;
@@ -24,6 +27,7 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   g.wi.put(k, s.w[i]), g.wj.put(k, s.w[j]);
   g.xi.put(k, list.xi[o.entry]);
   g.root_mass[k] = list.xi[o.entry].w, g.turn[k] = list.turn[o.entry].x;
+  // The curvature of a contact is that of the roundings; rolling takes the balls around the pieces.
   const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
   const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
   g.law.set(k, scene.laws[entry.law]), g.radius[k] = ri * rj / (ri + rj);
@@ -33,6 +37,7 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   g.rolling.set(k, scene.laws[entry.law].rolling, bi * bj / (bi + bj), list.roll[o.entry]);
 }
 
+// In the order of the list, ghosts too; those are dropped.
 void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
          State& state) {
   list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry].x = g.turn[k];
@@ -45,6 +50,7 @@ void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t 
   tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
 }
 
+// Rounding, not size: beyond it the cores overlap.
 double overlap_over_radius(const Overlap& o, const Scene& scene, const StoneList& list) {
   const auto other = static_cast<std::size_t>(list.entries[o.entry].piece);
   return o.wrench.M / std::min(scene.pieces.rounding[static_cast<std::size_t>(o.piece)],

@@ -27,6 +27,9 @@ namespace trackbed::dem {
   return M < way ? 0.5 * M * (1 + M / way) : M;
 }
 
+// One contact per lane. Places are relative to the centre of i. The surface's case
+// (surface_contacts.cpp) uses lane 0 alone, with d and spin of j zero and `drift` for how its
+// features move.
 struct alignas(64) StoneGroup {
   Lane3 d, N, T, x, vi, vj, wi, wj, xi;  // in; d: centre of j from that of i
   double M[lanes], spread[lanes], turn[lanes], root_mass[lanes];
@@ -40,6 +43,9 @@ struct alignas(64) StoneGroup {
 
 // Moment about the normal, on i, from a torsion spring of stiffness k_s spread, cut at the moment
 // that friction can carry at this spread.
+// As `slide` in one dimension, with lengths times sqrt(spread): a ring of that radius, twisted, has
+// the stiffness k_s spread (Nm/rad) and slips at mu F_n sqrt(spread). Corners have no spread and no
+// torsion.
 [[gnu::always_inline]] inline double torsion(const Coefficients& c, double spread, double rate,
                                              double limit, double dt, double& turn) {
   const double stiffness = c.k_s * spread, damping = c.c_s * spread;
@@ -52,6 +58,10 @@ struct alignas(64) StoneGroup {
   return slips ? cut : moment;
 }
 
+// Force on i: friction - f_n N, and torque x cross friction - f_n T + moment n; on j the opposite
+// force, and the torque about its own centre. f_n is the spring's force on M, N; the normal force
+// is f_n |N|, since |N| may exceed 1 (several features) or fall short of it (features that face
+// each other); it limits friction and torsion.
 template <bool rolls>
 [[gnu::always_inline]] inline void respond(StoneGroup& g, std::size_t k, double dt) {
   const double Nx = g.N.x[k], Ny = g.N.y[k], Nz = g.N.z[k];

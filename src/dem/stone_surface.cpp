@@ -1,3 +1,6 @@
+// Two halves: `Finder` chooses, now and then, what may come within contact before the margin is
+// used up; `touch_surface` takes distances of the chosen ones in each sub-step. Both go through the
+// same functions for a distance, so what was chosen by one is what the other finds.
 #include "stone_surface.hpp"
 
 #include <algorithm>
@@ -9,12 +12,15 @@ namespace trackbed::dem {
 
 namespace {
 
+// A wide margin keeps more features for each sub-step, a narrow one has them found more often.
 constexpr double margin = 0.5;  // of the rounding: way that found features last
 
+// Has an inside: only then is a point or an edge in it, and distances have a sign.
 bool solid(const Core& core) { return !core.flat && core.corners.size() > 3; }
 
 // Closest points of an edge of the piece and a sharp edge, or of a triangle of the piece and a
 // sharp corner, computed in rows.
+// Radii are given as 0: the rows' own overlaps are not used, only distance, normal and place.
 class Rows {
  public:
   void clear() { edges_.clear(), corners_.clear(); }
@@ -41,6 +47,7 @@ class Rows {
 };
 
 // Whether n lies between the normals p and q of the two faces of an edge (all across the edge).
+// p, q and n need no unit length: signs are asked, not angles.
 bool between(const Vec3& n, const Vec3& p, const Vec3& q) {
   const Vec3 turn = p.cross(q);
   return p.cross(n).dot(turn) > 0 && n.cross(q).dot(turn) > 0;
@@ -60,11 +67,15 @@ Vec3 normal_of(const StoneSight& s, int triangle) {
 // Two edges that have passed through each other: the way from one to the other points into both
 // bodies, as the normals of their faces tell (arcs on the Gauss sphere, as in the separating axis
 // test of edges).
+// Without it a stone pressed into the edge of a sleeper would be pulled further in once the edges
+// have passed. At the moment of passing the distance is zero, so its sign may change without a
+// jump.
 bool crossed(const StoneSight& s, const Core::Edge& e, const SharpEdge& f, const Vec3& n) {
   if (!solid(*s.stone.core) || f.triangles[1] < 0) return false;
   constexpr double across = 1e-6;  // the closest points lie within both edges
   const Vec3 u = s.stone.corner(e[1]) - s.stone.corner(e[0]),
              w = s.node(f.nodes[1]) - s.node(f.nodes[0]);
+  // Beside an end the corner decides, not the edge.
   if (std::abs(n.dot(u)) > across * u.norm() || std::abs(n.dot(w)) > across * w.norm())
     return false;
   if (!between(n, normal_of(s, f.triangles[0]), normal_of(s, f.triangles[1]))) return false;
@@ -79,6 +90,8 @@ bool crossed(const StoneSight& s, const Core::Edge& e, const SharpEdge& f, const
 
 // The plane of the piece that a point inside lies the least below: normal and height (negative), or
 // a positive height if the point is outside.
+// Minus the height is the way out through the nearest face: what a sharp corner of the surface has
+// still to go.
 Slab below_faces(const Placed& stone, const Vec3& p) {
   Slab nearest{Vec3::Zero(), -1e300};
   for (const Core::Triangle& t : stone.core->triangles) {
@@ -102,6 +115,8 @@ Vec3 weight_at(const StoneSight& s, int triangle, const SharpEdge& edge, const V
   return weight;
 }
 
+// `row.contact` lies half the distance from i's edge along the normal: another half leads to the
+// surface.
 MeshContact edge_contact(const StoneSight& s, const SurfaceFeature& f, const FeatureRow& row,
                          std::size_t slot) {
   const SharpEdge& edge = s.mesh.edge(f.part);
@@ -109,6 +124,7 @@ MeshContact edge_contact(const StoneSight& s, const SurfaceFeature& f, const Fea
   c.triangle = edge.triangles[0], c.patch = f.patch;
   c.distance = row.distance(slot), c.normal = row.normal(slot);
   c.point = row.contact(slot) + 0.5 * c.distance * c.normal;
+  // The first triangle of the edge takes the force, on the two nodes both triangles share.
   c.weight = weight_at(s, c.triangle, edge, c.point);
   if (crossed(s, s.stone.core->edges[f.own], edge, c.normal))
     c.distance = -c.distance, c.normal = -c.normal;
@@ -126,6 +142,7 @@ MeshContact corner_contact(const StoneSight& s, const SurfaceFeature& f, const F
   for (std::size_t k = 0; k < 3; ++k) c.weight[static_cast<int>(k)] = nodes[k] == corner.node;
   if (!solid(*s.stone.core)) return c;
   const Slab inside = below_faces(s.stone, c.point);
+  // Continuous: on the piece's face both distances are zero.
   if (inside.width <= 0) c.distance = inside.width, c.normal = inside.normal;
   return c;
 }
@@ -139,6 +156,7 @@ class Finder {
   void run(double path) {
     near_.features.clear();
     for (std::size_t c = 0; c < s_.stone.corners.size(); ++c) corner(static_cast<std::uint16_t>(c));
+    // Rows are computed together, so candidates of all edges and corners are listed first.
     rows_.clear(), candidates_.clear();
     for (const int t : triangles_) {
       for (const int e : s_.mesh.edges_of(t)) sharp_edge(t, e);
@@ -147,18 +165,23 @@ class Finder {
     rows_.compute();
     keep_rows();
     std::sort(near_.features.begin(), near_.features.end());
+    // At least the slack; further if even the nearest feature that is left out is further away. A
+    // kept one that is near ends this at once (least_ = 0).
     near_.until = path + std::max(slack_, least_);
   }
 
  private:
   // Gap of a feature that is not kept: it needs not be looked at before it has closed.
+  // Gaps shrink no faster than paths grow.
   void left_out(double gap) { least_ = std::min(least_, gap); }
   bool keeps(double gap) const { return gap < slack_; }
 
   // Triangles that may hold the closest point of a patch while that is near.
+  // Within twice the slack of the closest: both distances change by no more than the paths do.
   void corner(std::uint16_t c) {
     const double radius = s_.stone.radius;
     const Vec3 p = s_.stone.corner(c);
+    // The closest triangle of each patch, as `touch_surface` will choose it.
     all_.clear(), best_.clear();
     for (const int t : triangles_) {
       all_.push_back(s_.mesh.closest(p, t, s_.surface, s_.share, s_.origin));
@@ -187,6 +210,7 @@ class Finder {
     }
   }
 
+  // The ball around the piece is tried first; a stone seldom lies near an edge at all.
   void sharp_edge(int triangle, int e) {
     const auto& nodes = s_.mesh.edge(e).nodes;
     const Vec3 a = s_.node(nodes[0]), b = s_.node(nodes[1]);
@@ -214,6 +238,7 @@ class Finder {
   void keep_rows() {
     const double radius = s_.stone.radius;
     std::array<std::size_t, 3> slot{};
+    // Where each candidate stands in the row of its kind.
     std::vector<std::size_t> slots;
     for (const SurfaceFeature& f : candidates_)
       slots.push_back(slot[static_cast<std::size_t>(f.kind)]++);
@@ -261,6 +286,9 @@ void find_features(const StoneSight& sight, const std::vector<int>& triangles, d
   Finder(sight, triangles, near).run(path);
 }
 
+// One contact for each run of features with the same name: the closest of them. Order is that of
+// the features, which is the same on every rank and for every margin. A corner that is too deep to
+// be sure that its closest triangle is a candidate is left out.
 int touch_surface(const StoneSight& s, const std::vector<SurfaceFeature>& features,
                   std::vector<MeshContact>& found) {
   thread_local Rows rows;

@@ -28,6 +28,7 @@ namespace trackbed::dem {
 // Approaches reach so much further than the ball that the closest triangle is always among them.
 inline constexpr double deepest = 0.5;
 
+// In this order within a patch.
 enum class FeatureKind : std::uint8_t { corner, edge, sharp_corner };
 
 // Sorts by contact: features that differ in `own` and `part` only are one, and the closest counts.
@@ -44,6 +45,7 @@ struct SurfaceFeature {
   }
 };
 
+// Dropped at each rebuild; a checkpoint has none.
 struct NearFeatures {
   std::vector<SurfaceFeature> features;  // ascending
   double until = -1;                     // m, sum of both paths up to which they hold

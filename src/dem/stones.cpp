@@ -1,3 +1,6 @@
+// From neighbour list to overlaps: which pairs are looked at (`find`), which features of them
+// (`refresh`, `keep_features`), their smooth maximum (`flush`), and the rare overlap of cores
+// (`wrench`, `deep_wrench`). Why a smooth maximum: docs/decisions/stone-contact.md.
 #include "stones.hpp"
 
 #include <algorithm>
@@ -39,6 +42,7 @@ struct StoneContacts::Sight {
   static std::size_t body(const Scene& scene, std::int32_t piece) {
     return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
   }
+  // Corners are a view into `pieces`, good until these are laid out anew.
   static Placed placed(const Scene& scene, std::int32_t piece, std::size_t b, const Vec3& offset) {
     const auto p = static_cast<std::size_t>(piece);
     const Pieces& all = scene.pieces;
@@ -54,6 +58,7 @@ namespace {
 
 // Corners of a core that reach further along `direction` than `least` m, and the edges and
 // triangles they belong to.
+// An edge or a triangle may reach into the slab only if one of its corners does.
 struct Near {
   std::vector<std::uint8_t> corners;
   std::vector<std::uint16_t> edges, triangles;
@@ -100,6 +105,7 @@ double furthest_along(const Placed& core, const Vec3& direction) {
 
 }  // namespace
 
+// Every pair is found anew: numbers of entries and pieces have changed.
 void StoneContacts::reset(const StoneList& list) {
   reaches_.assign(list.entries.size(), {});
   words_.clear(), live_ = 0;
@@ -107,6 +113,7 @@ void StoneContacts::reset(const StoneList& list) {
 }
 
 // Drops the words of pairs that have found new ones.
+// Words are appended and never overwritten, as pairs find more or fewer features each time.
 void StoneContacts::compact() {
   std::vector<FeatureWord> kept;
   kept.reserve(words_.size());
@@ -121,10 +128,13 @@ void StoneContacts::compact() {
 // Every feature whose distance can become smaller than `within` passes the slab test; of those the
 // ones that are that near now are kept. Order: corners of i, of j, edges, each ascending.
 void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth, double within) {
+  // Kept for their memory only.
   thread_local Near of_i, of_j;
   thread_local FeatureRow corners, edges;
   thread_local std::vector<FeatureWord> words;
   const Vec3 n = reach.normal;
+  // What lies deeper than `depth` behind the foremost corner is further from the other core than
+  // `within`, for the empty slab lies between.
   of_i.find(sight.i, n, furthest_along(sight.i, n) - depth);
   of_j.find(sight.j, -n, furthest_along(sight.j, -n) - depth);
   corners.clear(), edges.clear(), words.clear();
@@ -136,6 +146,7 @@ void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth
         add_corner(corners, sight.i, sight.j, words.back(), first);
       }
   };
+  // All triangles of one corner follow each other: `smooth_maximum` counts on it.
   corner_words(of_i, of_j, *sight.j.core, true);
   const std::size_t first_of_j = words.size();
   corner_words(of_j, of_i, *sight.i.core, false);
@@ -157,6 +168,8 @@ void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth
   }
 }
 
+// The margin follows the pace: a stone that flies is looked at often whatever is kept, one that
+// rests should keep little. The last normal starts GJK, since it has hardly turned.
 void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, double pace) {
   const double slack =
       std::clamp(margin_steps * pace, least_margin * sight.reach, most_margin * sight.reach);
@@ -165,6 +178,7 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
     start = sight.j.offset + sight.j.corners[0].vec3() - sight.i.corners[0].vec3();
     start = start.norm() > 0 ? Vec3(start.normalized()) : Vec3(Vec3::UnitZ());
   }
+  // To a tenth of the margin: a slab somewhat too narrow keeps a few features more.
   const Slab slab = widest_slab(sight.i, sight.j, start, 0.1 * slack);
   const bool apart = slab.width > sight.reach + slack;
   reach.normal = slab.normal;
@@ -172,6 +186,7 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
   reach.of_i = reach.of_j = reach.edges = 0;
   reach.begin = static_cast<std::uint32_t>(words_.size());
   reach.watch = slab.width < close * sight.reach;
+  // Apart: nothing is kept, and nothing is to be looked at before the gap has closed.
   reach.until = path + (apart ? slab.width - sight.reach : slack);
   if (!apart) keep_features(sight, reach, sight.reach + slack - slab.width, sight.reach + slack);
   live_ += reach.count();
@@ -189,6 +204,7 @@ FeatureSet StoneContacts::gather(const Sight& sight, const Reach& reach, Feature
 }
 
 // What is felt when j is moved out along a way, its cores then apart.
+// Words are borrowed at the end of the list and given back.
 Wrench StoneContacts::moved_wrench(const Sight& sight, const Vec3& n, double length) {
   thread_local FeatureRow corners, edges;
   corners.clear(), edges.clear();
@@ -205,6 +221,9 @@ Wrench StoneContacts::moved_wrench(const Sight& sight, const Vec3& n, double len
   return w;
 }
 
+// Ways up to `longest` times the shortest: apart - width is the length of a way, so their slabs
+// have at least the width apart - longest * shortest. What touches there has the overlap reach -
+// apart.
 Wrench StoneContacts::deep_wrench(const Sight& sight, const Slab& widest) {
   thread_local std::vector<WayOut> ways;
   const double apart = apart_by * sight.reach, shortest = apart - widest.width;
@@ -224,16 +243,19 @@ Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pe
   if (!reach.watch) return w;
   const Sight sight(scene, list, p.piece, p.entry);
   // Any direction with an empty slab shows that the cores are apart; seldom all must be tried.
+  // The normal of what is felt is nearly always one.
   const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
   const Slab slab = apart ? Slab{} : separating_axis(sight.i, sight.j);
   if (apart || slab.width > 0) {
     reach.watch = w.closest < close * sight.reach;
     return w;
   }
+  // Counted: the run goes on, but roundings are too small or contacts too soft for what is asked.
   ++deep_;
   return deep_wrench(sight, slab);
 }
 
+// In the order of the list, on which the bits of sums rest.
 void StoneContacts::flush(const Scene& scene, StoneList& list) {
   corners_.compute_corners(), edges_.compute_edges();
   for (const Pending& p : pending_) {
@@ -252,8 +274,11 @@ void StoneContacts::flush(const Scene& scene, StoneList& list) {
   pending_.clear(), corners_.clear(), edges_.clear();
 }
 
+// Local. In a bed at rest most pairs end at the first question: their paths have not used up what
+// separates them.
 const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& list) {
   found_.clear();
+  // Half of it rubbish at most, beside a floor that spares short lists the trouble.
   if (words_.size() > 2 * live_ + 65536) compact();
   for (const Row& row : list.rows) {
     const Pieces& pieces = scene.pieces;

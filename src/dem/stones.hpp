@@ -9,6 +9,8 @@
 //
 // Cost per kept feature: about 100 flops of 8 lanes and 12 scalar loads; per touching pair 300
 // flops. Finding features anew costs many times that and is rare in a bed at rest.
+// Distances are always fresh; only the choice is kept. Margins are lengths of paths and not times,
+// so a stone that is shaken and comes to rest is looked at as often as it has moved, no more.
 #pragma once
 
 #include <vector>
@@ -26,6 +28,7 @@ struct Overlap {
   Wrench wrench;
 };
 
+// Belongs to one list and one lay-out of pieces; entries and `reaches_` have the same numbers.
 class StoneContacts {
  public:
   // Forgets all features; to be called when the list or the pieces are made anew.
@@ -48,6 +51,7 @@ class StoneContacts {
     Vec3 normal = Vec3::Zero();  // of the last slab
     std::size_t count() const { return static_cast<std::size_t>(of_i) + of_j + edges; }
   };
+  // A pair whose features wait in the rows until these are full.
   struct Pending {
     std::uint32_t entry;
     std::int32_t piece;

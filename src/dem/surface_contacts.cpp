@@ -13,6 +13,9 @@ namespace trackbed::dem {
 
 namespace {
 
+// Rounded once for each force and added as an integer (core/exact_sum.hpp): stones of several ranks
+// load one node, in any order. `first` weighs with the share s of the window; with both sums the
+// moment about any point is known although the node moves.
 void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s) {
   const double over = 1.0 / surface.load_quantum;
   NodeLoad& load = surface.load[static_cast<std::size_t>(node)];
@@ -24,6 +27,7 @@ void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s)
 }
 
 // Adds the force to the nodes of the touched triangle by its shape functions (weights).
+// F_k = phi_k F, sum phi_k = 1: force and moment about any point stay what they were.
 void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, double s) {
   const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
   for (int k = 0; k < 3; ++k)
@@ -31,6 +35,8 @@ void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, doubl
 }
 
 // m, of the surface at the contact, over one sub-step.
+// The point of the surface that is touched: its nodes' motion by the same shape functions as its
+// load, so the work on both sides is one number.
 Vec3 motion_at(const Surface& surface, const MeshContact& c, const SubStep& step) {
   const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
   Vec3 motion = Vec3::Zero();
@@ -52,6 +58,7 @@ Approach::Patch& patch_record(Approach& a, int patch) {
 }  // namespace
 
 // `force` on the particle; the opposite goes to the nodes and into the window's action.
+// The moment is summed by whoever knows the arm.
 void Particles::Room::add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
                                      const SubStep& step) {
   Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
@@ -73,6 +80,8 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   const auto b = static_cast<std::size_t>(pieces.body[p]);
   const Vec4& piece = shapes.only_spheres() ? state.x[b] : pieces.x[p];
   const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
+  // Overlap, normal and point are for those who look (`measure.cpp`); history is what the law
+  // moves.
   Approach::Patch& patch = patch_record(a, c.patch);
   patch.overlap = piece.w - c.distance, patch.radius = piece.w;
   patch.N = c.normal, patch.point = c.point - a.shift;
@@ -114,6 +123,8 @@ double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
   return worst;
 }
 
+// Relative to the particle's centre, which is in `origin` with the shift: corners keep their
+// digits, and the surface is moved to the stone.
 StoneSight Particles::Room::sight(const Approach& a, double share) const {
   const auto p = static_cast<std::size_t>(a.piece), k = static_cast<std::size_t>(a.surface);
   const auto b = static_cast<std::size_t>(pieces.body[p]);
@@ -136,6 +147,7 @@ double Particles::Room::touch_with_corners(Approach& a, const SubStep& step) {
   const double path =
       pieces.path[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)])] +
       surface_path[k] + step.share * surface_way[k];
+  // Both paths together bound how much a gap may have closed.
   const bool old = !(path < a.near.until);
   if (!old && a.near.features.empty()) return 0;
   const StoneSight s = sight(a, step.share);
@@ -161,6 +173,15 @@ double Particles::Room::touch_with_corners(Approach& a, const SubStep& step) {
 
 // All contacts of a piece with one patch act as one; each gives its share of the force to its own
 // triangle, so that the surface gets the opposite of the stone's force and moment to rounding.
+// The same law as between stones (stone_law.hpp), i the stone and j the surface, which has no
+// rotation of its own: its motion at the mean point is that of its nodes, and `drift` is what its
+// features do along N beyond that.
+//
+// Force on feature k, with s_k = (delta_k / M)^5 as in features.hpp and S = sum s_k:
+//   s_k/S (friction + ring x (x_k - x)) - f_n s_k n_k,  ring = moment/spread along N.
+// The normal part is not shared but given back, each along its own normal. The ring forces have no
+// sum; about N they are the moment wanted if the points lie in a plane across N, for spread is the
+// mean square of the arms.
 double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts, double rounding,
                               const SubStep& step) {
   Overlaps overlaps;
@@ -217,6 +238,9 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   return w.M / rounding;
 }
 
+// Paths of surfaces by their fastest node, m: an upper bound for any place of them. Called once in
+// each window; within it the way grows with the share. What a surface is moved between windows
+// counts too.
 void Particles::Room::follow_surfaces() {
   const auto farthest = [](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     double most = 0;  // nodes far from all stones may be unknown (not a number)
@@ -245,11 +269,13 @@ void Particles::Room::feel_surfaces(const SubStep& step) {
         has_corners(a.piece) ? touch_with_corners(a, step) : touch_with_ball(a, step);
     if (overlap > worst) worst = overlap, deepest = &a;
     // What does not touch any more loses its history.
+    // As between particles: the springs are gone at once.
     std::erase_if(a.patches, [](const Approach::Patch& patch) { return !patch.touching; });
   }
   if (worst <= parameters.largest_overlap) return;
   const Vec4& x =
       state.x[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(deepest->piece)])];
+  // Of the worst only: a slow surface that is pressed through a bed touches many.
   report(
       fmt::format("a particle at ({:.3f}, {:.3f}, {:.3f}) m overlaps the surface \"{}\" by {:.3g} "
                   "of its radius (limit dem.largest_overlap = {:.3g}); a slower surface, a smaller "

@@ -1,4 +1,6 @@
 // Resistance to rolling on surfaces.
+// In couples on the touched triangles: a surface has no rotation of its own to put a moment on.
+// What the law is: laws.hpp, `rolling_force`; what a couple is: couple.hpp.
 #include <cmath>
 
 #include "couple.hpp"
@@ -6,6 +8,10 @@
 
 namespace trackbed::dem {
 
+// Gradients of linear shape functions: grad phi_k = n x e_k / (2 A), e_k the side across from node
+// k in the triangle's sense of turning, A its area. Spin: the slope of the motion along n gives the
+// part in the face, omega = grad(u . n) x n; the part along n is the mean turning of the arms about
+// the centre, sum (r_k x u_k) . n / sum r_k^2.
 Couple::Couple(const Surface& surface, int triangle, double s) {
   const auto& nodes = surface.triangles[static_cast<std::size_t>(triangle)];
   std::array<Vec3, 3> x;
@@ -14,6 +20,7 @@ Couple::Couple(const Surface& surface, int triangle, double s) {
   const double size = area.norm();
   const Vec3 centre = (x[0] + x[1] + x[2]) / 3;
   normal_ = area / size;
+  // Motion over a window, so the spin is an angle, rad.
   Vec3 slope = Vec3::Zero(), around = Vec3::Zero();  // of the motion along the normal; in the face
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& u = surface.motion[static_cast<std::size_t>(nodes[k])];
@@ -36,6 +43,7 @@ std::array<Vec3, 3> Couple::forces(const Vec3& moment) const {
 }
 
 // The moment goes to the particle; each contact's triangle takes its share of the opposite.
+// The spin the particle is measured against is the mean of the triangles', weighed as their forces.
 void Particles::Room::resist_rolling(const Approach& a, Approach::Patch& patch,
                                      const Pressed& pressed, const SubStep& step) {
   thread_local std::vector<Couple> couples;
@@ -52,6 +60,7 @@ void Particles::Room::resist_rolling(const Approach& a, Approach::Patch& patch,
   const auto b = static_cast<std::size_t>(pieces.body[p]);
   const double radius = shapes.only_spheres() ? state.x[b].w : pieces.x[p].w;
   const Vec3 n = patch.N.normalized(), w = state.w[b].vec3();
+  // rad/s: a window lasts count * dt.
   const Vec3 against = w - spin / (total * step.count * step.dt);
   const Rolls rolls{n.x(),       n.y(),       n.z(),       0.5 * w.dot(n), against.x(),
                     against.y(), against.z(), pressed.f_n, radius,         std::sqrt(mass(b))};

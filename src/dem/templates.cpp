@@ -1,3 +1,7 @@
+// Shapes in flat arrays: one row for each template, the rest one after the other with counts that
+// say whose they are. Only corners, faces and radius of a piece are kept; edges, normals and
+// triangles are made again by `convex_of`, so a file cannot contradict itself in them. Numbers are
+// doubles as they are in memory: a shape that was read has the bits of the one that was written.
 #include "trackbed/dem/templates.hpp"
 
 #include "trackbed/core/error.hpp"
@@ -8,6 +12,7 @@ void save_templates(io::File& file, const std::string& group,
                     const std::vector<Template>& templates, const par::Comm& comm) {
   std::vector<double> solids, radii, corners;
   std::vector<std::int64_t> counts, sizes, loops;
+  // The other ranks write no rows; the call is theirs as well.
   for (const Template& t : templates) {
     if (!comm.root()) break;
     solids.insert(solids.end(),
@@ -34,6 +39,8 @@ void save_templates(io::File& file, const std::string& group,
                            {"-", "of each face its number of corners and their numbers"});
 }
 
+// Every rank reads all. Throws RunError if counts and lists do not fit, before anything is read
+// beyond its end: libraries of shapes come from other hands.
 std::vector<Template> load_templates(const io::File& file, const std::string& group) {
   const auto solids = file.read_all<double>(group + "/solid");
   const auto counts = file.read_all<std::int64_t>(group + "/pieces");

@@ -13,6 +13,7 @@ struct alignas(32) Vec4 {
   void set(const Vec3& v) { x = v.x(), y = v.y(), z = v.z(); }
 };
 
+// Order x y z w in memory, as Eigen keeps them; Eigen's constructor wants w first.
 inline Quat quat(const Vec4& q) { return Quat(q.w, q.x, q.y, q.z); }
 inline Vec4 vec4(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
 inline Vec4 vec4(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
