@@ -56,6 +56,7 @@ Json dem_figures(const SummaryOf& run, const dem::Totals& totals) {
           {"contacts_per_particle", ratio(2 * static_cast<double>(totals.contacts), particles)},
           {"neighbours_per_particle", ratio(static_cast<double>(totals.neighbours), particles)},
           {"particle_steps_per_second_per_core", ratio(done, seconds) / comm.size()},
+          {"core_overlaps", run.world.particles.core_overlaps()},
           {"state_hash", fmt::format("{:016x}", run.world.particles.state_hash())},
           {"measured_stage", run.measured.stage},
           {"measured_steps", steps},

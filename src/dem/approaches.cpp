@@ -114,8 +114,10 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
   // A corner may be behind the surface by `deepest` of the radius and must still find its triangle.
   const double beyond = scene.shapes.any_stones() ? 1 + deepest : 1;
   const auto reach = [&](double radius) { return beyond * radius + scene.skin; };
+  double furthest = 0;
+  for (std::size_t b = 0; b < s.own; ++b) furthest = std::max(furthest, reach(s.x[b].w));
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    const Columns columns(*surfaces[k], scene.grid.edge().x(), scene.grid.reach());
+    const Columns columns(*surfaces[k], scene.grid.edge().x(), furthest);
     for (std::size_t b = 0; b < s.own; ++b) {
       const Lattice::Image home = scene.grid.locate(s.x[b].vec3());
       const Vec3 shift(home.wrap[0] * scene.grid.period(0), home.wrap[1] * scene.grid.period(1),

@@ -207,6 +207,9 @@ double stable_step(const Physics& physics, const Parameters& parameters, double 
 LawTable::LawTable(const Physics& physics)
     : materials_(physics.materials.size()), pair_(materials_ * materials_, -1) {
   std::vector<std::string> problems;
+  if (physics.laws.size() > most_laws)
+    problems.push_back(fmt::format("contact: {} laws are given, at most {} are possible",
+                                   physics.laws.size(), most_laws));
   for (const ContactLaw& c : physics.laws) {
     const auto a = static_cast<std::size_t>(material_named(physics, c.first));
     const auto b = static_cast<std::size_t>(material_named(physics, c.second));

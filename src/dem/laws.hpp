@@ -191,6 +191,9 @@ struct alignas(64) RollingLanes {
   }
 };
 
+// An entry of the neighbour list has a byte for its law (pairs.hpp).
+inline constexpr std::size_t most_laws = 256;
+
 // Laws of all pairs of materials, from the deck's declarations. Throws InputError for a pair given
 // twice or an unknown material; `index` is -1 for a pair that is not given.
 class LawTable {

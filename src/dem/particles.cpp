@@ -213,6 +213,10 @@ void Particles::advance(double dt_window, int steps) {
   r.action = {Eigen::Map<Vec3>(sums, 3), Eigen::Map<Vec3>(sums + 3, 3), sums[6]};
 }
 
+std::int64_t Particles::core_overlaps() const {
+  return room_->comm.sum(room_->stone_contacts.deep());
+}
+
 std::string Particles::trouble() { return std::exchange(room_->trouble, {}); }
 void Particles::set_local_damping(double alpha) { room_->local_damping = alpha; }
 void Particles::set_friction(double mu) { room_->laws.override_friction(mu); }

@@ -251,7 +251,8 @@ Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pe
     return w;
   }
   // Counted: the run goes on, but roundings are too small or contacts too soft for what is asked.
-  ++deep_;
+  // By the owner of the first, as all sums over pairs.
+  if (Sight::body(scene, p.piece) < scene.state.own) ++deep_;
   return deep_wrench(sight, slab);
 }
 

@@ -36,7 +36,8 @@ class StoneContacts {
   // All pairs that overlap now. Those that do not lose their history.
   const std::vector<Overlap>& find(const Scene& scene, StoneList& list);
   const std::vector<Overlap>& found() const { return found_; }  // by the last `find`
-  std::int64_t deep() const { return deep_; }  // so far: pairs found with one core in another
+  // So far: pairs found with one core in another, in each sub-step anew; of own first particles.
+  std::int64_t deep() const { return deep_; }
   std::size_t features(std::uint32_t entry) const { return reaches_[entry].count(); }  // kept
   std::size_t memory() const;
 
@@ -44,7 +45,7 @@ class StoneContacts {
   // What is kept of a pair.
   struct Reach {
     std::uint32_t begin = 0;                      // in words_
-    std::uint16_t of_i = 0, of_j = 0, edges = 0;  // features: corners of i, corners of j, edges
+    std::uint32_t of_i = 0, of_j = 0, edges = 0;  // features: corners of i, corners of j, edges
     bool watch = false;          // cores so close that each sub-step looks whether they overlap
     double until = -1;           // m, sum of both paths up to which this holds
     double quiet = -1;           // m, and up to which nothing can touch

@@ -149,6 +149,8 @@ class Particles {
   Memory memory() const;                        // of this rank
   std::int64_t steps() const;                   // sub-steps so far
   std::int64_t rebuilds() const;
+  // Pairs of stones felt with one core in another, once for each sub-step, of this run. Collective.
+  std::int64_t core_overlaps() const;
   const Domain& domain() const;
   void time_with(Timers& timers);  // where halo and neighbour times go
 

@@ -180,6 +180,22 @@ TEST(Contact, AMissingLawIsNamed) {
   }
 }
 
+// A law's number has to fit into the byte that an entry of the list has for it.
+TEST(Contact, MoreLawsThanAnEntryCanNameAreRefused) {
+  dem::Physics physics;
+  for (int m = 0; m < 23; ++m) {
+    physics.materials.push_back({.name = std::to_string(m)});
+    for (int other = 0; other <= m; ++other)
+      physics.laws.push_back({.first = std::to_string(m), .second = std::to_string(other)});
+  }
+  const auto build = [&] {
+    dem::Particles(par::Comm::self(), physics, {}, test::box(Vec3::Zero(), Vec3::Ones()));
+  };
+  EXPECT_THROW(build(), InputError);  // 276
+  physics.laws.resize(256);
+  EXPECT_NO_THROW(build());
+}
+
 TEST(Contact, LostAndOverlappingParticlesAreReported) {
   dem::Particles p(par::Comm::self(), test::one_material(elastic()), {},
                    test::box(Vec3::Constant(-1), Vec3::Ones()));

@@ -283,6 +283,7 @@ TEST(StonePair, DeepPenetrationGivesBackWhatWasStored) {
       most = std::max(most, p.totals().kinetic);
     }
     EXPECT_EQ(p.totals().contacts, 0) << key;
+    EXPECT_GT(p.core_overlaps(), 10) << key;      // counted in each sub-step
     EXPECT_GT(felt.energy, 0.5 * k * 9 * r * r);  // deeper than the roundings reach, 2 r
     EXPECT_LT(most, (1 + bound) * felt.energy) << key;
     EXPECT_GT(p.totals().kinetic, (1 - bound) * felt.energy) << key;
