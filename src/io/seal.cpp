@@ -108,10 +108,15 @@ std::vector<Extent> extents_of(const File& file) {
 std::string seal(const std::string& path, const std::vector<Extent>& extents) {
   Foot foot;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
+  const std::string unreadable = path + ": cannot be read back";
+  // Lengths are only computed from a file that is there and holds all that was written: others may
+  // have removed or cut it since.
+  if (!in) return fmt::format("{} ({})", unreadable, std::strerror(errno));
   foot.file_bytes = static_cast<std::uint64_t>(in.tellg());
+  if (!plausible(extents, foot.file_bytes)) return unreadable + " (it is shorter than its data)";
   foot.extents = extents.size();
   foot.hash = structure_hash(in, foot.file_bytes, extents);
-  if (!in) return path + ": cannot be read back";
+  if (!in) return unreadable;
   std::ofstream out(path, std::ios::binary | std::ios::app);
   out.write(reinterpret_cast<const char*>(extents.data()),
             static_cast<std::streamsize>(extents.size() * sizeof(Extent)));

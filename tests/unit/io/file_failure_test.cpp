@@ -4,7 +4,9 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 
+#include "io/seal.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/checkpoint.hpp"
 #include "trackbed/io/file.hpp"
@@ -97,6 +99,25 @@ TEST(FileFailure, SurvivesADiskThatFillsUpWhileAppending) {
   for (int i = 0; i < 100 && text == "no failure"; ++i)
     text = failure_of([&] { file.append<double>("/history", block, 1, label); });
   EXPECT_TRUE(contains(text, scratch / "a.h5: dataset /history cannot be written")) << text;
+}
+
+// Somebody clears the folder while a checkpoint is written: HDF5 holds the file open and notices
+// nothing.
+TEST(FileFailure, SaysThatACheckpointWasRemovedOrCutWhileItWasWritten) {
+  const Scratch scratch("removed");
+  const std::string part = scratch / "a.h5.part";
+  const auto text = failure_of([&] {
+    write_checkpoint(world(), scratch.folder(), "a.h5", [&](File& file) {
+      file.write<double>("/x", std::vector<double>(10, 1.5), 1, label);
+      if (world().root()) std::filesystem::remove(part);
+    });
+  });
+  EXPECT_EQ(text, "rank 0: " + part + ": cannot be read back (No such file or directory)");
+  const Scratch other("cut");
+  std::ofstream(other / std::to_string(world().rank())) << "short";
+  EXPECT_EQ(seal(other / std::to_string(world().rank()), {{2048, 80}}),
+            other / std::to_string(world().rank()) +
+                ": cannot be read back (it is shorter than its data)");
 }
 
 TEST(FileFailure, KeepsTheLastCheckpointWhenTheDiskFillsUp) {
