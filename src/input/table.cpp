@@ -11,6 +11,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <string_view>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"
@@ -18,6 +19,9 @@
 namespace trackbed::input {
 
 namespace {
+
+// Spreadsheets put it in front of a text in UTF-8 (U+FEFF); it would become part of the first name.
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 std::string stripped(const std::string& text) {
   constexpr const char* blank = " \t\r\"";  // quotes around a name or number are allowed
@@ -105,6 +109,7 @@ std::vector<std::vector<double>> read_table(const std::string& path,
   table.columns.resize(columns.size());
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
+    if (line == 1 && text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
     const std::string content = stripped(text);
     if (content.empty() || content.starts_with('#')) continue;
     if (table.width == 0)

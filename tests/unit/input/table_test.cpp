@@ -33,6 +33,15 @@ TEST(Table, ReadsNamedColumnsInTheOrderAskedFor) {
   EXPECT_EQ(csv.read({"load", "time"}), (Columns{{2.5, -4000, 1}, {0, 0.001, 2}}));
 }
 
+// A mark that the text is UTF-8, as spreadsheets put it in front.
+TEST(Table, PassesOverAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(Csv(mark + "time,load\r\n0,1\r\n").read({"time", "load"}), (Columns{{0}, {1}}));
+  EXPECT_EQ(Csv(mark + "\"time\",load\n0,1\n").read({"time"}), Columns{{0}});
+  EXPECT_EQ(Csv(mark + "# loads\ntime\n2\n").read({"time"}), Columns{{2}});
+  EXPECT_EQ(Csv(mark).problems({"time"}), Sentences{"table_test.csv: is empty"});
+}
+
 TEST(Table, SaysAllProblemsAtOnce) {
   const Csv csv("time,laod\n0,1\n1\n2,x\n3,\n4,nan\n5,6,7\n");
   EXPECT_EQ(csv.problems({"time", "load"}),
