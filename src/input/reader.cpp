@@ -44,6 +44,13 @@ std::string listed(const std::vector<std::string_view>& words) {
   return text;
 }
 
+// Whether `below` is the value or section `path` or lies in it.
+// The next letter must end the word, or "load" would cover "load_case".
+bool covers(std::string_view path, std::string_view below) {
+  return below.starts_with(path) &&
+         (below.size() == path.size() || below[path.size()] == '.' || below[path.size()] == '[');
+}
+
 }  // namespace
 
 // The root is the first open section: names at the top of a deck are looked up like any others.
@@ -183,15 +190,14 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
 }
 
 // A value that was refused keeps its default: rules that read it would only confuse.
-// A path that is read covers all below it: "ground" stands for ground.x and for
-// ground.layer[0].young. The next letter must end the word, or "load" would cover "load_case".
+// A path covers all below it, read or refused: "ground" stands for ground.x and for
+// ground.layer[0].young.
 bool Reader::in_doubt(const About& about) const {
   if (about.reads.empty()) return problems_.count() > open_.back().problems_before;
   return std::any_of(about.reads.begin(), about.reads.end(), [&](const std::string& read) {
     const std::string path = path_of(read);
     return std::any_of(refused_.begin(), refused_.end(), [&](const std::string& wrong) {
-      return wrong.starts_with(path) && (wrong.size() == path.size() || wrong[path.size()] == '.' ||
-                                         wrong[path.size()] == '[');
+      return covers(path, wrong) || covers(wrong, path);
     });
   });
 }

@@ -176,6 +176,9 @@ TEST(Deck, ChecksRulesAcrossSections) {
             Sentences{"deck.toml:3: layer[0].depth: is too thin"});
   EXPECT_EQ(said("[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = -4\n"),
             Sentences{"deck.toml:5: layer[0].depth = -4 must be above 0 and at most 100 m"});
+  // A refused section leaves all that is in it in doubt.
+  EXPECT_EQ(said("dem = 5\n[[layer]]\nyoung = 1\ndepth = 0.001\n"),
+            Sentences{"deck.toml:1: dem = 5 must be a section, [dem]"});
   EXPECT_EQ(said("[dem]\nsteps = 1000\n"), Sentences{"deck.toml:2: dem.steps = 1000: are many"});
   EXPECT_EQ(said("[dem]\nsteps = 1000\nskin = -1\n"),
             Sentences{"deck.toml:3: dem.skin = -1 must be above 0 m"});
