@@ -67,7 +67,7 @@ View refined(const std::vector<Sphere>& spheres, View best) {
   constexpr double start = 0.04, end = 1e-7;  // radians
   for (double step = start; step > end;) {
     View next = best;
-    for (int k = 1; k < 27; ++k) {
+    for (int k = 0; k < 27; ++k) {
       const Vec3 about(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
       if (about.isZero()) continue;
       const Mat3 turn = Eigen::AngleAxisd(step, about.normalized()).toRotationMatrix();
