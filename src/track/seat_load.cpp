@@ -65,7 +65,9 @@ double SeatLoad::at(double x, double time) const {
 }
 
 double SeatLoad::duration(double last_x) const {
-  constexpr double run_out = 3;  // m beyond the last sleeper: the load there has faded below 2 %
+  // m beyond the last sleeper. With the default decay or ratio less than 2 % of the peak is left
+  // there; a softer bed (a decay of 1 per m: 4 %) spreads the load further, and its end is cut off.
+  constexpr double run_out = 3;
   if (parameters_.kind == SeatLoadKind::table) return times_.back() + last_x / parameters_.speed;
   const double last = *std::max_element(parameters_.axles.begin(), parameters_.axles.end());
   return (last_x + run_out + last - parameters_.start) / parameters_.speed;
