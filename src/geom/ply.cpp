@@ -72,7 +72,9 @@ Head read_head(Words& words) {
     } else if (key == "property") {
       if (head.elements.empty()) refuse("the head of the file has a property of nothing");
       head.elements.back().properties.push_back(property_of(words));
-    }  // all else is comment
+    } else {
+      words.skip_line();  // a remark, whose words may be those of the format
+    }
   }
   return head;
 }

@@ -56,11 +56,13 @@ void add_corner(Soup& soup, const Vec3& corner) {
   soup.points.push_back(corner);
 }
 
-// Only `vertex` counts: the words around it differ between programs.
+// Only `vertex` counts: the words around it differ between programs. A name, up to the end of its
+// line, may hold any word.
 Soup read_stl_text(std::string_view bytes) {
   Soup soup;
   Words words(bytes);
   for (auto word = words.next(); !word.empty(); word = words.next()) {
+    if (word == "solid" || word == "endsolid") words.skip_line();
     if (word != "vertex") continue;
     const double x = words.number(), y = words.number();
     add_corner(soup, {x, y, words.number()});
@@ -110,6 +112,11 @@ std::string_view Words::next() {
   const std::string_view word = text_.substr(0, text_.find_first_of(blank));
   text_.remove_prefix(word.size());
   return word;
+}
+
+// A return ends a line, too, as some programs write it alone.
+void Words::skip_line() {
+  text_.remove_prefix(std::min(text_.find_first_of("\r\n"), text_.size()));
 }
 
 double Words::number() { return number_of(next()); }

@@ -25,6 +25,7 @@ class Words {
   explicit Words(std::string_view text) : text_(text) {}
   std::string_view next();  // empty at the end
   double number();
+  void skip_line();  // the rest of it
   std::string_view rest() const { return text_; }
 
  private:

@@ -132,6 +132,26 @@ TEST(Import, EveryFormatGivesTheSameBody) {
   EXPECT_NEAR(volume(binary_stl(body), MeshFormat::stl), 5e-9, 1e-20);
 }
 
+// Words of a remark or a name are none of the format, whatever they say.
+TEST(Import, PassesOverRemarksAndNames) {
+  const auto volume = [](std::string bytes, const std::string& after, const std::string& line,
+                         MeshFormat format) {
+    bytes.insert(bytes.find(after) + after.size(), line);
+    return mesh_solid(import_mesh(bytes, format, 1, "body").mesh).volume;
+  };
+  const std::string text = ply(letter());
+  for (const char* line :
+       {"comment one format for all\n", "comment each element 3 rows\n", "comment\n",
+        "comment property of nobody\n", "obj_info before end_header\r\n", "comment comment\r\n"}) {
+    EXPECT_NEAR(volume(text, "ascii 1.0\n", line, MeshFormat::ply), 5, rounding) << line;
+    EXPECT_NEAR(volume(text, "double z\n", line, MeshFormat::ply), 5, rounding) << line;
+  }
+  for (const char* name : {" my vertex model", " vertex"}) {
+    EXPECT_NEAR(volume(stl(letter()), "solid body", name, MeshFormat::stl), 5, rounding) << name;
+    EXPECT_NEAR(volume(stl(letter()), "endsolid body", name, MeshFormat::stl), 5, rounding) << name;
+  }
+}
+
 TEST(Import, MendsWhatItCan) {
   Mesh body = letter();
   for (auto& t : body.triangles) std::swap(t[0], t[1]);  // inside out
