@@ -53,16 +53,21 @@ void scale(std::vector<Vec3>& points, double unit) {
   }
 }
 
-// `repairs` grows by a sentence per kind of repair. Repairing may also split polygons, so that
-// their number can rise; the sentence then says 0 and that something was done.
+// Cleaning leaves facets out, and cuts those that come back to one of their corners. Only the
+// number afterwards is known: the sentence says which of the two did more, and by how many.
+std::string cleaned(std::size_t before, std::size_t after) {
+  return after > before
+             ? fmt::format("facets that touch themselves were cut: {} more", after - before)
+             : fmt::format("{} facets without area or given twice left out", before - after);
+}
+
+// `repairs` grows by a sentence per kind of repair.
 Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   const std::size_t polygons = soup.polygons.size();
   std::vector<Kernel::Point_3> points;
   for (const Vec3& p : soup.points) points.emplace_back(p.x(), p.y(), p.z());
   pmp::repair_polygon_soup(points, soup.polygons);
-  if (soup.polygons.size() != polygons)
-    repairs.push_back(fmt::format("{} facets without area or given twice left out",
-                                  polygons - std::min(polygons, soup.polygons.size())));
+  if (soup.polygons.size() != polygons) repairs.push_back(cleaned(polygons, soup.polygons.size()));
   if (!pmp::orient_polygon_soup(points, soup.polygons))
     repairs.push_back("edges or corners where more than two facets meet were cut");
   if (!pmp::is_polygon_soup_a_polygon_mesh(soup.polygons)) refuse("the facets make no surface");

@@ -178,6 +178,22 @@ TEST(Import, MendsWhatItCan) {
   EXPECT_EQ(clean.repairs.at(0), "1 specks left out");
 }
 
+// Two triangles given as one facet that comes back to a corner they share: cut apart there.
+TEST(Import, SaysThatFacetsWereCut) {
+  Mesh body = letter();
+  const auto [a, b, c] = body.triangles[0];
+  const auto [d, e, f] = body.triangles[4];
+  ASSERT_EQ(a, d);
+  body.triangles.erase(body.triangles.begin() + 4);
+  body.triangles.erase(body.triangles.begin());
+  const std::string text =
+      obj(body) + fmt::format("f {} {} {} {} {} {}\n", a + 1, b + 1, c + 1, d + 1, e + 1, f + 1);
+  const Import cut = import_mesh(text, MeshFormat::obj, 1, "");
+  EXPECT_NEAR(mesh_solid(cut.mesh).volume, 5, rounding);
+  ASSERT_EQ(cut.repairs.size(), 1u);
+  EXPECT_EQ(cut.repairs[0], "facets that touch themselves were cut: 1 more");
+}
+
 TEST(Import, SaysWhyItRefuses) {
   Mesh body = letter();
   body.triangles.resize(body.triangles.size() - 2);  // a side is missing
