@@ -102,11 +102,11 @@ void World::take_platen_away() {
   meet();
 }
 
-// Minus infinity without stones. Of polyhedra the balls around pieces count: never too low.
+// Minus infinity without stones. A hull of balls is as high as the highest of them.
 double World::top_of_stones() const {
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < particles.size(); ++i)
-    particles.pieces(
+    particles.corners(
         i, [&](const Vec3& centre, double radius) { top = std::max(top, centre.z() + radius); });
   return comm.max(top);
 }

@@ -31,7 +31,7 @@ struct World {
   // One window of lifting: it was lifted by `before` in the last window and goes up by `motion`, m.
   void lift_platen(double before, double motion);
   void take_platen_away();
-  double top_of_stones() const;      // m, highest point of any pebble. Collective.
+  double top_of_stones() const;      // m, highest point of any stone. Collective.
   double mean_ground_level() const;  // m above z = 0, where it began. Collective.
 
   // Mean force of the last window, N.

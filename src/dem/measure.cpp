@@ -41,6 +41,16 @@ void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, doub
   }
 }
 
+void Particles::corners(std::size_t b, const std::function<void(const Vec3&, double)>& see) const {
+  const State& s = room_->state;
+  const Quat q = quat(s.q[b]);
+  for (std::size_t k = room_->shapes.begin(s.shape[b]); k < room_->shapes.end(s.shape[b]); ++k) {
+    const Core& core = room_->shapes.core(k);
+    for (const Vec4& corner : core.corners)
+      see(s.x[b].vec3() + s.scale[b] * (q * corner.vec3()), s.scale[b] * core.radius);
+  }
+}
+
 namespace {
 
 // Elastic part of a contact's force on the first piece.

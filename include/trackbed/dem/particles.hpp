@@ -139,9 +139,12 @@ class Particles {
 
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;
-  // World spheres of the pieces of own particle i.
+  // Balls around the pieces of own particle i, in space; of pebbles the pieces themselves.
   void pieces(std::size_t i,
               const std::function<void(const Vec3& centre, double radius)>& see) const;
+  // Balls at the corners of the pieces of own particle i, in space: a piece is the hull of its own.
+  void corners(std::size_t i,
+               const std::function<void(const Vec3& centre, double rounding)>& see) const;
   void contacts(const std::function<void(const ContactView&)>& see) const;  // each once over ranks
   Totals totals() const;                                                    // collective
   const SurfaceAction& surface_action() const;  // collective result of the last advance

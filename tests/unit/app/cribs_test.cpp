@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <set>
+#include <span>
+
+#include "trackbed/geom/stone.hpp"
 
 namespace trackbed::app {
 namespace {
@@ -86,6 +91,27 @@ TEST(Cribs, AreFilledWithNewStonesThatTouchNothingYet) {
   alone.sleepers->place(foot);
   bed::fill_boxes(alone.particles, self, deck.bed, 0, cribs(alone, foot + 0.2), foot);
   EXPECT_EQ(scene.particles.state_hash(), alone.particles.state_hash());
+}
+
+// A slab that lies flat, far wider than high: a ball around it reaches 0.33 m higher.
+TEST(Stones, AreAsHighAsTheirHighestPoint) {
+  const par::Comm world = par::Comm::world();
+  World scene(world, model(Dimension::space));
+  std::vector<Vec3> points;
+  for (int k = 0; k < 8; ++k)
+    points.emplace_back((k & 1) - 0.5, (k >> 1 & 1) - 0.5, 0.1 * ((k >> 2 & 1) - 0.5));
+  const double rounding = 0.02, z = 0.3, scale = 0.5;
+  const int slab =
+      scene.particles.add_template(geom::template_of({{geom::convex_hull(points), rounding}}));
+  dem::NewParticle stone{.shape = slab, .scale = scale, .position = Vec3(1, 0, z)};
+  const auto mine = [&] { return std::span(&stone, world.root() ? 1 : 0); };
+  scene.particles.add(mine());
+  EXPECT_NEAR(scene.top_of_stones(), z + scale * (0.05 + rounding), 1e-12);
+  // Another one on its edge.
+  stone.id = 1, stone.position.z() = 1;
+  stone.attitude = Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitY());
+  scene.particles.add(mine());
+  EXPECT_NEAR(scene.top_of_stones(), 1 + scale * (0.55 / std::sqrt(2.0) + rounding), 1e-12);
 }
 
 TEST(Cribs, AreCutAtTheirTop) {
