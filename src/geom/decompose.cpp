@@ -98,7 +98,11 @@ class Search {
     auto parts = cut(part_, plane, mesh_);
     if (std::min(parts.first.volume, parts.second.volume) < sliver * part_.volume) return false;
     const double hollow = parts.first.hollow() + parts.second.hollow();
-    if (hollow >= (1 - gain) * best_.hollow) return false;
+    // Convex parts are hollow by a rounding error, of either sign: less than `noise` is no gain, or
+    // a refinement would go round for ever.
+    constexpr double noise = 1e-9;  // of the volume
+    const double least = gain > 0 ? gain * best_.hollow + noise * part_.volume : 0;
+    if (hollow >= best_.hollow - least) return false;
     best_ = {plane, std::move(parts), hollow};
     found_ = true;
     return true;
