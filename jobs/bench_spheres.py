@@ -55,7 +55,7 @@ def write_lammps(state, folder):
     with h5py.File(state) as file:
         deck = tomllib.loads(bytes(file.attrs["deck"]).decode())
         bed = file["particles"]
-        x, radius = bed["position"][:], bed["scale"][:] * bed["template/piece"][0, 3]
+        x, radius = bed["position"][:], bed["scale"][:].ravel() * bed["template/radius"][0].item()
     law, density = deck["contact"][0], deck["material"][0]["density"]
     box = (deck["bed"]["x"], deck["bed"]["y"])  # m, the periodic sides
     for axis, (low, high) in enumerate(box):

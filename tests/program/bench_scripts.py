@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""The benchmarks' scripts read checkpoints: what they write for LAMMPS has the stones' number, mass
+and place. LAMMPS itself is not needed.
+
+    bench_scripts.py PROGRAM FOLDER
+"""
+import pathlib
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "jobs"))
+import bench_spheres  # noqa: E402
+import bench_stones  # noqa: E402
+
+SHORT = ["bed.height=0.08", "bed.shapes=6", "stage.fill.duration=0.02",
+         "stage.settle.duration=0.002", "stage.rest.duration=0.002", "--force"]
+
+
+def made(program, name, folder):
+    place = folder / name
+    subprocess.run([program, "run", ROOT / f"inputs/bench/{name}.toml", *SHORT, "-o", place],
+                   check=True, stdout=subprocess.DEVNULL)
+    return place / "stage_settle.h5"
+
+
+def rows(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    first = lines.index("Atoms") + 2
+    return np.array([[float(word) for word in line.split()] for line in lines[first:]])
+
+
+def expect(holds, what):
+    if not holds:
+        raise SystemExit(what)
+
+
+def main():
+    program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    folder.mkdir(parents=True, exist_ok=True)
+    state = made(program, "spheres", folder)
+    bench_spheres.write_lammps(state, folder)
+    spheres = rows(folder / "spheres.data")
+    with h5py.File(state) as file:
+        scale = file["particles/scale"][:].ravel()
+        radius = scale * file["particles/template/radius"][0]
+    expect(np.allclose(spheres[:, 2], 2 * radius), "diameters of the spheres")
+    expect("timestep" in (folder / "spheres.in").read_text(), "input of the spheres")
+
+    state = made(program, "clumps", folder)
+    count = bench_stones.Clumps(state).write(folder)
+    bodies = np.loadtxt(folder / "clumps.bodies", skiprows=1)
+    balls = rows(folder / "clumps.data")
+    expect(len(bodies) == count and np.array_equal(np.unique(balls[:, -4]), bodies[:, 0]),
+           "every clump has its spheres")
+    mass = np.bincount(balls[:, -4].astype(int),
+                       balls[:, -5] * np.pi / 6 * balls[:, 5]**3)[1:]
+    expect(np.allclose(mass, bodies[:, 1]), "the spheres of a clump carry its mass")
+    print(f"{len(spheres)} spheres and {count} clumps of {len(balls)} spheres as LAMMPS reads them")
+
+
+if __name__ == "__main__":
+    main()
