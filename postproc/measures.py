@@ -235,10 +235,12 @@ def warnings(results):
         return []
     sunk = lasting_ground(results)
     lines = []
-    if np.max(np.abs(sunk)) > LASTING:
+    most = sunk[np.argmax(np.abs(sunk))]
+    if abs(most) > LASTING:
         lines.append(
-            f"warning: {results.name}: the ground itself keeps up to {1e3 * np.max(sunk):.2f} mm: "
-            "it had not come to rest at the end, or its base carries no load that stays")
+            f"warning: {results.name}: the ground itself keeps up to {1e3 * abs(most):.2f} mm "
+            f"{'downwards' if most > 0 else 'upwards'}: it had not come to rest at the end, or its "
+            "base carries no load that stays")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m keeps {1e3 * left:.2f} mm of its "
         f"displacement against the ground (more than {1e3 * LASTING:.0f} mm): single stones gave "

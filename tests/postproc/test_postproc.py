@@ -196,13 +196,18 @@ def test_what_sleepers_keep_is_said(runs):
 def test_ground_that_sinks_is_not_blamed_on_stones(runs):
     run = runs[0]
     rows, nodes = len(run.time), len(run.ground_x)
-    down = np.linspace(0, -5e-3, rows)
+    for way, word in ((-5e-3, "downwards"), (5e-3, "upwards")):
+        check_moved_ground(run, np.linspace(0, way, rows), nodes, word)
+
+
+def check_moved_ground(run, down, nodes, word):
     sinking = dataclasses.replace(
         run, ground={"displacement": read.Quantity(np.tile(down[:, None], (1, nodes)), "m", "-")},
         sleeper={**run.sleeper, "displacement": read.Quantity(
             run.sleeper["displacement"].values + down[:, None], "m", "-")})
     lines = measures.warnings(sinking)
-    assert len(lines) == 1 and "the ground itself keeps up to" in lines[0]
+    assert len(lines) == 1 and "the ground itself keeps up to 4." in lines[0] \
+        and word in lines[0]
 
 
 def test_other_stages_are_said(runs):
