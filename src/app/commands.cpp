@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "app/compatible.hpp"
 #include "app/result_folder.hpp"
@@ -149,7 +150,8 @@ int run(const par::Comm& comm, const Arguments& arguments) {
                                  : arguments.folder;
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
-  prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, start);
+  const FolderLock lock = prepare_folder(
+      comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, start);
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
@@ -179,6 +181,14 @@ void require_can_go_on(const io::File& file, const std::string& checkpoint, cons
 // run. A start from a checkpoint refuses instead, since there the user named one state and means
 // it.
 int resume(const par::Comm& comm, const Arguments& arguments) {
+  const std::string own = folder_of_checkpoint(arguments.file);
+  const std::string folder = arguments.folder.empty() ? own : arguments.folder;
+  const bool at_home = same_folder(comm, own, folder);
+  // First of all: a run that still writes here takes checkpoints away. A folder without `latest` is
+  // none of ours, and nothing is left in it.
+  std::optional<FolderLock> lock;
+  if (at_home && !comm.broadcast(fs::exists(fs::path(own) / "latest") ? "there" : "").empty())
+    lock.emplace(comm, folder);
   const std::string checkpoint = checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over);
   std::string text, name;
   {
@@ -191,15 +201,13 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const Model model = read_model(comm, deck);
   require_can_go_on(io::open_checkpoint(comm, checkpoint), checkpoint, model, deck);
   // Closed by now: the file must not stay open while new checkpoints may replace it.
-  const std::string own = folder_of_checkpoint(checkpoint);
-  const std::string folder = arguments.folder.empty() ? own : arguments.folder;
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
   // run.
-  if (same_folder(comm, own, folder))
-    make_folder(comm, folder);
-  else
-    prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
-                   checkpoint);
+  if (!at_home)
+    lock.emplace(prepare_folder(
+        comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, checkpoint));
+  else if (!lock)
+    lock.emplace(comm, folder);
   Simulation simulation(comm, model, deck, name, folder);
   simulation.resume(checkpoint);
   return finish(comm, simulation, folder);

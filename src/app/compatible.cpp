@@ -128,6 +128,9 @@ std::size_t stage_after(const io::File& checkpoint, const std::string& path, con
   while (number < model.stages.size() && model.stages[number].name != name) ++number;
   if (number == model.stages.size())
     refuse(fmt::format("after stage \"{}\", which this deck does not have", name));
+  if (number + 1 == model.stages.size())
+    refuse(
+        fmt::format("after stage \"{}\", the last one of this deck: nothing is left to do", name));
   return number + 1;
 }
 

@@ -117,7 +117,8 @@ double rough_step_limit(const Model& model) {
 CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   CouplingLimit limit{.window = infinite};
   if (model.ground.present && ground_moves) limit = limit_of_top(model);
-  if (!model.has_stage(StageKind::sleepers)) return limit;
+  // Placed by a stage, or there already in the checkpoint it starts from.
+  if (!model.uses_sleepers()) return limit;
   const auto& s = model.sleepers;
   const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
   const double mass = s.density * s.width * s.height * length;

@@ -142,6 +142,11 @@ bool Model::has_stage(StageKind kind) const {
                      [&](const Stage& stage) { return stage.kind == kind; });
 }
 
+bool Model::uses_sleepers() const {
+  return has_stage(StageKind::sleepers) || has_stage(StageKind::cribs) ||
+         has_stage(StageKind::load) || has_stage(StageKind::passage);
+}
+
 // The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is room for
 // the ground to sink.
 // A stone that leaves the box in z is lost and stops the run: so the box is generous. In a plane

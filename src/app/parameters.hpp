@@ -80,6 +80,7 @@ struct Model {
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
+  bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;
 };

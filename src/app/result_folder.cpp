@@ -5,9 +5,14 @@
 // by name, and only in the folder itself and its `fields`; notes and scripts of a user stay.
 #include "app/result_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -123,8 +128,32 @@ bool same_folder(const par::Comm& comm, const std::string& one, const std::strin
   return !comm.broadcast(same ? "same" : "").empty();
 }
 
-void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
-                    const std::string& start) {
+// `flock` goes with the open file: no file that stays behind can block a later run.
+FolderLock::FolderLock(const par::Comm& comm, const std::string& folder) {
+  std::string problem;
+  if (comm.root()) {
+    descriptor_ = ::open((folder + "/.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor_ < 0)
+      problem =
+          fmt::format("{}: nothing can be written into it ({})", folder, std::strerror(errno));
+    else if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      problem = fmt::format(
+          "{}: another run is writing into it; wait for its end, stop it, or choose another folder "
+          "(-o DIR)",
+          folder);
+  }
+  problem = comm.broadcast(problem);
+  if (problem.empty()) return;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  throw InputError({problem});
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
+                          const std::string& start) {
   // Rank 0 looks and all hear: a file system shown to other nodes late must not split the ranks.
   // Nothing is removed until every objection has been heard.
   std::vector<fs::path> old;
@@ -138,7 +167,9 @@ void prepare_folder(const par::Comm& comm, const std::string& folder, OldResults
   problem = comm.broadcast(problem);
   if (!problem.empty()) throw InputError({problem});
   make_folder(comm, folder);
+  FolderLock lock(comm, folder);
   comm.agree(removed(old));
+  return lock;
 }
 
 }  // namespace trackbed::app

@@ -66,9 +66,7 @@ void declare_materials(const Model& model, input::Section& s) {
   std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
   if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
   if (model.ground.present) parts.emplace_back("ground_material", model.ground_material);
-  if (model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::cribs) ||
-      model.has_stage(StageKind::load) || model.has_stage(StageKind::passage))
-    parts.emplace_back("sleepers.material", model.sleepers.material);
+  if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
   const std::string& stones = model.bed.material;
   // A law between misspelt names would make every missing law a second sentence about one slip.
   const bool names_known = std::all_of(

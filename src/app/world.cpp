@@ -8,15 +8,6 @@
 
 namespace trackbed::app {
 
-namespace {
-
-bool uses_sleepers(const Model& model) {
-  return model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::cribs) ||
-         model.has_stage(StageKind::load) || model.has_stage(StageKind::passage);
-}
-
-}  // namespace
-
 // The ground and the sleepers exist from the start, because their sizes are columns of the
 // histories; sleepers take part once they are placed.
 World::World(const par::Comm& world, const Model& deck)
@@ -30,7 +21,7 @@ World::World(const par::Comm& world, const Model& deck)
     ground->top().material = model.material(model.ground_material);
     support.assign(ground->top().nodes(), Vec3::Zero());
   }
-  if (uses_sleepers(model))
+  if (model.uses_sleepers())
     sleepers.emplace(model.sleepers, model.dimension, thickness,
                      model.material(model.sleepers.material));
 }

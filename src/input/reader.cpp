@@ -128,7 +128,10 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, N
     return;
   }
   // Whole paths, so that the effective input means the same file wherever it is read.
-  const fs::path path = fs::absolute(fs::path(folder_) / given).lexically_normal();
+  // On the command line names are meant from where one stands, in a deck from where it lies.
+  const bool commanded = node != nullptr && node->commanded;
+  const fs::path from = commanded ? fs::current_path() : fs::absolute(folder_);
+  const fs::path path = (from / given).lexically_normal();
   std::error_code error;
   if (!fs::exists(path, error))
     problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));

@@ -5,7 +5,9 @@
 """
 import pathlib
 import shutil
+import subprocess
 import sys
+import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
@@ -15,9 +17,9 @@ MINE = ("notes.txt", "old/results.h5", "figures/table.txt", "checkpoint_of_mine.
 
 
 def contents(folder):
-    """Path, size and time of change of each file."""
+    """Path, size and time of change of each file but the lock, which is empty and stays."""
     return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
-            for path in folder.rglob("*") if path.is_file()}
+            for path in folder.rglob("*") if path.is_file() and path.name != ".lock"}
 
 
 def put_mine(folder):
@@ -53,10 +55,11 @@ def check_old_results(program, deck, folder):
         shutil.rmtree(place)
     link = folder / "link"
     link.symlink_to(made / "stage_sleepers.h5")
-    for start in (made / "stage_sleepers.h5", link, made):
+    for start in (made / "stage_sleepers.h5", link):
         refused(program, 2, ["run", deck, f"start={start}", "--force", "-o", made],
-                [made, start.name if start != made else "stage_passage.h5",
-                 "another folder"])
+                [made, start.name, "another folder"])
+    refused(program, 2, ["run", deck, f"start={made}", "-o", folder / "new"],
+            ["command line", "stage_passage.h5", "nothing is left to do"])
     refused(program, 1, ["run", deck, f"start={made / 'stage_fill.h5'}", "stage.fill.name=other",
                          "--force", "-o", made], ["command line", "stage_fill.h5", "does not have"])
     if contents(made) != before:
@@ -102,6 +105,20 @@ def check_resume_elsewhere(program, deck, folder):
         raise SystemExit("the run resumed into its own folder did not finish")
 
 
+def check_two_at_once(program, deck, folder):
+    """A folder is written by one run at a time; nothing of the first is lost by the attempt."""
+    place = folder / "two"
+    with subprocess.Popen([program.path, "run", deck, "output.checkpoint_interval=0.01", "-o",
+                           str(place)], stdout=subprocess.DEVNULL) as first:
+        while not (place / "latest").exists() and first.poll() is None:
+            time.sleep(0.01)
+        for command in (["resume", place], ["run", deck, "--force", "-o", place]):
+            refused(program, 2, command, [place, "another run is writing", "-o DIR"])
+        if first.wait() != 0 or not summary(place)["finished"]:
+            raise SystemExit("the run was disturbed by another")
+    program.done(1, "info", place / "results.h5")
+
+
 def check_damaged(program, deck, folder):
     """`start` and `info` take the latest or nothing; `resume` goes back to the newest good one."""
     made = folder / "made"
@@ -112,7 +129,6 @@ def check_damaged(program, deck, folder):
         raise SystemExit(f"{latest} is not the latest")
     if str(latest) not in program.done(2, "info", made).stdout:
         raise SystemExit(f"info {made} must say which file it is about")
-    program.done(1, "check", deck, f"start={made}")
     with open(latest, "r+b") as file:
         file.truncate(latest.stat().st_size // 2)
     for ranks in (1, 2):
@@ -136,6 +152,7 @@ def main():
     check_start_beside(program, deck, folder)
     check_resume_elsewhere(program, deck, folder)
     check_damaged(program, deck, folder)
+    check_two_at_once(program, deck, folder)
 
 
 if __name__ == "__main__":
