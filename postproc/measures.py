@@ -263,6 +263,7 @@ def effect(first, second):
     """Sentences on what distinguishes the first run, with wedge, from the second, without."""
     lines = []
     far = _change(first.far_displacement, second.far_displacement)
+    differs = np.isfinite(far) and abs(far) > CLEAR
     if np.isfinite(far):
         lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
             "the same, so the runs compare" if abs(far) <= CLEAR else
@@ -271,8 +272,12 @@ def effect(first, second):
                                 ("steepest slope, whole line", "steepest", -1),
                                 ("slope at the edge", "edge_slope", -1)):
         change = _change(getattr(first, field), getattr(second, field))
-        if np.isfinite(change):
-            lines.append(f"{what}: {change:+.0%}: {_verdict(change, wanted)}")
+        if not np.isfinite(change):
+            continue
+        # A width is measured towards the plain track: without a common one it tells nothing.
+        blind = differs and field == "width"
+        lines.append(f"{what}: {change:+.0%}: " + (
+            "no verdict, since the plain tracks differ" if blind else _verdict(change, wanted)))
     # A jump may be near zero: what it changes by is measured by the stress itself.
     if second.stress_level:
         change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)

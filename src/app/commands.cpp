@@ -123,8 +123,8 @@ void print_costs(const par::Comm& comm, const Model& model, World& world,
   print(comm, shared + "  " + numbers + "\n");
   print(comm, fmt::format(
                   "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores, {:.0f} ns per "
-                  "stone and sub-step + {:.0f} ns per piece, stages of full length; ground and "
-                  "output not counted)\n",
+                  "stone and sub-step + {:.0f} ns per piece, stages of full length; ground, "
+                  "coupling and output not counted)\n",
                   comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9,
                   time_per_piece * 1e9));
 }
@@ -224,7 +224,8 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   StageActions actions(world, model);
   Progress progress(comm);
   progress.start(world, model, arguments.deck);
-  if (model.stages.front().kind == StageKind::fill) {
+  // What is left to do after a start hangs on stones that only a run loads.
+  if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
     const dem::Totals totals = world.particles.totals();
     print(comm, fmt::format("  stones: {} of {} pieces, {:.0f} kg\n", totals.particles,

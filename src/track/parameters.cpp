@@ -51,7 +51,9 @@ void SeatLoadParameters::declare(input::Section& s) {
            "Shape of the load of one axle along the track: deflection of a beam on a Winkler bed, "
            "ratio^((s/spacing)^2), or a measured history.");
   s.number("peak", peak, {.unit = "N", .at_least = 0, .usually_from = 1e3, .usually_to = 1e6},
-           "Rail-seat load of one axle right above the sleeper (winkler, power).");
+           "Rail-seat load of one axle right above the sleeper (winkler, power). For a wheel load "
+           "Q on a "
+           "beam on a Winkler bed: Q decay spacing / 2.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 170},
            "Speed of the axles along x.");
   s.numbers("axles", axles, {.unit = "m", .at_least = 0},
@@ -60,7 +62,9 @@ void SeatLoadParameters::declare(input::Section& s) {
            "x of the first axle when the passage begins (winkler, power).");
   s.number(
       "decay", decay, {.unit = "1/m", .above = 0},
-      "b in the load exp(-b|s|) (cos b|s| + sin b|s|) at a distance s from the axle (winkler).");
+      "b in the load exp(-b|s|) (cos b|s| + sin b|s|) at a distance s from the axle (winkler): "
+      "(k / 4 E I)^(1/4) of a rail E I on a bed of k Pa, as much as a seat's stiffness over "
+      "spacing.");
   s.number("ratio", ratio, {.above = 0}, "Load one sleeper away over the peak (power).");
   s.file("file", file,
          "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "

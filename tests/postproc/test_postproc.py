@@ -247,7 +247,10 @@ def test_small_changes_have_no_verdict(runs):
     text = measures.table([near, runs[0]])
     assert text.count("no clear effect (within 10%)") == 4 and "a wedge should" not in text
     far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
-    assert "NOT the same, though no wedge is there" in measures.table([far, runs[0]])
+    text = measures.table([far, runs[0]])
+    assert "NOT the same, though no wedge is there" in text
+    assert "no verdict, since the plain tracks differ" in text
+    assert "no verdict" not in measures.table(runs)
 
 
 def test_absent_wedge_is_not_marked(runs):
