@@ -5,6 +5,7 @@
 """
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -108,13 +109,16 @@ def check_resume_elsewhere(program, deck, folder):
 def check_two_at_once(program, deck, folder):
     """A folder is written by one run at a time; nothing of the first is lost by the attempt."""
     place = folder / "two"
-    with subprocess.Popen([program.path, "run", deck, "output.checkpoint_interval=0.01", "-o",
-                           str(place)], stdout=subprocess.DEVNULL) as first:
+    # So long that it does not end by itself meanwhile; stopped when all is seen.
+    long = ["stage.fill.duration=10000", "output.checkpoint_interval=0.1"]
+    with subprocess.Popen([program.path, "run", deck, *long, "-o", str(place)],
+                          stdout=subprocess.DEVNULL) as first:
         while not (place / "latest").exists() and first.poll() is None:
             time.sleep(0.01)
         for command in (["resume", place], ["run", deck, "--force", "-o", place]):
             refused(program, 2, command, [place, "another run is writing", "-o DIR"])
-        if first.wait() != 0 or not summary(place)["finished"]:
+        first.send_signal(signal.SIGUSR1)
+        if first.wait() != 3:
             raise SystemExit("the run was disturbed by another")
     program.done(1, "info", place / "results.h5")
 
