@@ -110,10 +110,12 @@ class Search {
   // Steps are tilts in radians and shifts in extents, halved from 0.06 to 0.0075; each gain
   // restarts the pass at the same step.
   void refine() {
-    constexpr double gain = 0.02;  // below it a search takes more time than it is worth
+    constexpr int most_passes = 200;  // never needed, but a search must end
+    constexpr double gain = 0.02;     // below it a search takes more time than it is worth
     const double extent = extent_of(part_.corners);
+    int passes = 0;
     for (double step = 0.06; found_ && step > 0.005; step /= 2)
-      for (bool better = true; better;) {
+      for (bool better = true; better && passes < most_passes; ++passes) {
         better = false;
         const Plane from = best_.plane;
         const Vec3 u = from.normal.unitOrthogonal(), v = from.normal.cross(u);
