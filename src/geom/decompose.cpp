@@ -98,10 +98,11 @@ class Search {
     auto parts = cut(part_, plane, mesh_);
     if (std::min(parts.first.volume, parts.second.volume) < sliver * part_.volume) return false;
     const double hollow = parts.first.hollow() + parts.second.hollow();
-    // Convex parts are hollow by a rounding error, of either sign: less than `noise` is no gain, or
-    // a refinement would go round for ever.
+    // Convex parts are hollow by a rounding error, of either sign. Less than `noise` is no gain: a
+    // refinement would go round for ever, and of planes that are equally good another than the
+    // first would win.
     constexpr double noise = 1e-9;  // of the volume
-    const double least = gain > 0 ? gain * best_.hollow + noise * part_.volume : 0;
+    const double least = gain * std::max(best_.hollow, 0.0) + noise * part_.volume;
     if (hollow >= best_.hollow - least) return false;
     best_ = {plane, std::move(parts), hollow};
     found_ = true;
@@ -110,12 +111,10 @@ class Search {
   // Steps are tilts in radians and shifts in extents, halved from 0.06 to 0.0075; each gain
   // restarts the pass at the same step.
   void refine() {
-    constexpr int most_passes = 200;  // never needed, but a search must end
-    constexpr double gain = 0.02;     // below it a search takes more time than it is worth
+    constexpr double gain = 0.02;  // below it a search takes more time than it is worth
     const double extent = extent_of(part_.corners);
-    int passes = 0;
     for (double step = 0.06; found_ && step > 0.005; step /= 2)
-      for (bool better = true; better && passes < most_passes; ++passes) {
+      for (bool better = true; better;) {
         better = false;
         const Plane from = best_.plane;
         const Vec3 u = from.normal.unitOrthogonal(), v = from.normal.cross(u);

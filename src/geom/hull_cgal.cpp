@@ -9,6 +9,7 @@
 #include <CGAL/convex_hull_2.h>
 #include <CGAL/convex_hull_3.h>
 
+#include <algorithm>
 #include <map>
 
 #include "hull.hpp"
@@ -43,8 +44,12 @@ std::vector<Triangle> hull_triangles(const std::vector<Vec3>& points) {
     std::size_t k = 0;
     for (const auto v : hull.vertices_around_face(hull.halfedge(face)))
       triangle[k++] = number.at(hull.point(v));
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()),
+                triangle.end());
     triangles.push_back(triangle);
   }
+  // CGAL's order follows the addresses of its vertices, which differ from run to run.
+  std::sort(triangles.begin(), triangles.end());
   return triangles;
 }
 
