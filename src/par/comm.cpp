@@ -7,6 +7,7 @@
 #include <mpi.h>
 
 #include <climits>
+#include <cstdlib>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/par/mpi.hpp"
@@ -39,7 +40,13 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
 }  // namespace
 
 // No threads are asked for: each rank is one thread.
-Environment::Environment(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
+// Files go through Open MPI's ROMIO unless the environment says otherwise. Its OMPIO (4.1) opens a
+// named semaphore per file name on the node: a run killed just then leaves it locked, and the next
+// run that opens a file of that name, in whatever folder, waits for ever.
+Environment::Environment(int& argc, char**& argv) {
+  setenv("OMPI_MCA_io", "romio321", 0);
+  MPI_Init(&argc, &argv);
+}
 Environment::~Environment() { MPI_Finalize(); }
 
 // Rank and size are asked once: they never change.

@@ -1,7 +1,9 @@
 // What is written comes back to the bit, whatever the number of ranks on either side.
 #include "trackbed/io/file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <semaphore.h>
 #include <sys/stat.h>
 
 #include <numeric>
@@ -161,6 +163,20 @@ TEST(File, KeepsFactsBesideTheNumbers) {
   EXPECT_THROW(file.integer_attribute("/a", "Version"), RunError);
   EXPECT_THROW(file.number_attribute("/a/x", "window"), RunError);
   EXPECT_THROW(file.text_attribute("/a/x", "nothing"), RunError);
+}
+
+// What a run of Open MPI's OMPIO leaves on its node when it is killed while it opens a file.
+TEST(File, OpensBesideWhatAKilledRunLeft) {
+  const std::string name = "left_on_" + std::to_string(world().size()) + ".h5";
+  const Scratch scratch("left");
+  sem_t* locked = sem_open(("/OMPIO_" + name).c_str(), O_CREAT, 0600, 0);
+  world().barrier();
+  File file(world(), scratch / name, Mode::create);  // would wait for ever
+  file.close();
+  world().barrier();
+  if (locked == SEM_FAILED) GTEST_SKIP() << "no semaphores on this system";
+  sem_close(locked);
+  if (world().root()) sem_unlink(("/OMPIO_" + name).c_str());
 }
 
 TEST(File, SharesRowsEvenly) {
