@@ -123,6 +123,8 @@ void Model::declare(input::Section& s) {
   s.table("load", load, "Load on the rail seats while axles pass.");
   s.table("platen", platen, "The plate that compacts the bed.");
   s.table("output", output, "What is written, and when the run stops early.");
+  s.tables("region", regions,
+           "Parts of space in which the stones are measured at each row of the histories.");
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
   // Sleepers have their density from their material; the coupling limit below needs their mass.

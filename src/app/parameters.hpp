@@ -9,6 +9,7 @@
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/section.hpp"
+#include "trackbed/observe/regions.hpp"
 #include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::app {
@@ -74,6 +75,7 @@ struct Model {
   track::SeatLoadParameters load;
   bed::PlatenParameters platen;
   Output output;
+  std::vector<observe::Region> regions;
   TimeParameters time;
   std::vector<Stage> stages;
   void declare(input::Section& s);

@@ -19,10 +19,10 @@ namespace {
 // A border given as 0.1 + 0.2 may touch one given as 0.3.
 constexpr double rounding = 1e-9;  // m
 
-bool names_are_unique(const std::vector<Stage>& stages) {
+bool names_are_unique(const auto& tables) {
   std::set<std::string> names;
-  for (const Stage& stage : stages) names.insert(stage.name);
-  return names.size() == stages.size();
+  for (const auto& table : tables) names.insert(table.name);
+  return names.size() == tables.size();
 }
 
 // What stages build on each other; a start from a checkpoint may have done the earlier ones.
@@ -206,6 +206,26 @@ void declare_passages(const Model& model, input::Section& s) {
     if (model.stages[i].kind == StageKind::passage) declare_passage(model, i, s);
 }
 
+// Regions are groups of the results, by their names. One beside the bed is empty for ever.
+void declare_regions(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"region", "bed.x", "bed.y", "bed.height"}};
+  s.rule("region", names_are_unique(model.regions), "regions need different names", about);
+  for (std::size_t i = 0; i < model.regions.size(); ++i) {
+    const observe::Region& region = model.regions[i];
+    s.rule(fmt::format("region[{}].name", i),
+           !region.name.empty() && region.name.find('/') == std::string::npos &&
+               region.name != "." && region.name != "..",
+           "must be a word without /", about);
+    if (region.kind != observe::RegionKind::box || model.bed.x.size() != 2) continue;
+    // Above the bed is right as well: stones fall through it.
+    s.rule(
+        fmt::format("region[{}].x", i),
+        model.periodic_in("x") || (region.x[0] < model.bed.x[1] && region.x[1] > model.bed.x[0]),
+        fmt::format("lies beside the bed (bed.x: {:g} to {:g} m)", model.bed.x[0], model.bed.x[1]),
+        about);
+  }
+}
+
 // What is valid but moves the track in a way nobody means.
 void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
@@ -239,6 +259,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_ground_below(model, s);
   declare_sleepers(model, s);
   declare_passages(model, s);
+  declare_regions(model, s);
   declare_oddities(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";

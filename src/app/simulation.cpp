@@ -161,7 +161,7 @@ Outcome Simulation::run_stages() {
   std::vector<double> sleeper_x;
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
     sleeper_x.push_back(world_.sleepers->x(i));
-  results_.watch(world_.scene(), model_.dimension, sleeper_x);
+  results_.watch(world_.scene(), model_.dimension, sleeper_x, model_.regions);
   // A checkpoint is written after the window's row and agreement: a resumed run repeats neither.
   while (course_.stage < model_.stages.size()) {
     if (!course_.begun) begin_stage();
@@ -274,6 +274,7 @@ void Simulation::write_summary(bool finished) {
                       .folder = folder_,
                       .world = world_,
                       .course = course_,
+                      .regions = model_.regions,
                       .timers = timers_,
                       .measured = measured_,
                       .wall_time = progress_.wall_time(),

@@ -55,6 +55,8 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
   if (key == "settle_average") return at.ground_moved ? "the ground moves already" : "";
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the last stage has its steps already";
+  if (at.same_run && key.starts_with("region["))
+    return "the histories of this run are measured in the old one";
   if (!at.same_run || !key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";

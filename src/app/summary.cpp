@@ -124,6 +124,25 @@ Json stage_list(const Course& course) {
   return list;
 }
 
+// As they are at the end of the run; a box of several cells as a list of them. Collective.
+Json region_list(const SummaryOf& run) {
+  Json list = Json::array();
+  for (const observe::Region& region : run.regions) {
+    Json cells = Json::array();
+    for (const observe::Measured& m : observe::measure(run.world.comm, run.world.particles, region))
+      cells.push_back({{"porosity", m.porosity},
+                       {"bulk_density_kg_m3", m.bulk_density},
+                       {"stones", m.stones},
+                       {"coordination", m.coordination},
+                       {"contacts", m.contacts},
+                       {"contact_force_n", m.contact_force},
+                       {"stress_pa", m.stress},
+                       {"fabric", m.fabric}});
+    list.push_back({{"name", region.name}, {"cells", cells}});
+  }
+  return list;
+}
+
 // Largest over mean of the ranks' work on stones (waiting for neighbours not counted).
 // 1 is even. The halo is left out: who waits there has less work, not more.
 double imbalance(const SummaryOf& run) {
@@ -203,6 +222,7 @@ void write_summary(const SummaryOf& run) {
                      {"imbalance_before", run.world.particles.balance().before},
                      {"imbalance_now", run.world.particles.imbalance()}};
   json["stages"] = stage_list(run.course);
+  if (!run.regions.empty()) json["regions"] = region_list(run);
   std::string problem;
   if (comm.root()) {
     std::ofstream file(run.folder + "/summary.json");

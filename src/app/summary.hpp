@@ -22,6 +22,7 @@ struct SummaryOf {
   const std::string& folder;
   const World& world;
   const Course& course;
+  const std::vector<observe::Region>& regions;
   const Timers& timers;
   const Measured& measured;
   double wall_time;  // s

@@ -10,6 +10,7 @@
 #include "room.hpp"
 #include "trackbed/core/exact_sum.hpp"
 #include "trackbed/core/hash.hpp"
+#include "trackbed/geom/stone.hpp"
 
 namespace trackbed::dem {
 
@@ -24,6 +25,7 @@ ParticleView Particles::operator[](std::size_t b) const {
           static_cast<int>(s.material[b]),
           s.scale[b],
           s.v[b].w,
+          mass_of(room_->shapes[s.shape[b]], s.scale[b], 1, room_->domain),
           s.x[b].vec3(),
           s.v[b].vec3(),
           q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
@@ -49,6 +51,19 @@ void Particles::corners(std::size_t b, const std::function<void(const Vec3&, dou
     for (const Vec4& corner : core.corners)
       see(s.x[b].vec3() + s.scale[b] * (q * corner.vec3()), s.scale[b] * core.radius);
   }
+}
+
+// Made when first asked for: 12 kB of each template.
+void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& see) const {
+  const State& s = room_->state;
+  const auto shape = static_cast<std::size_t>(s.shape[b]);
+  auto& known = room_->points_of_shape;
+  if (known.size() <= shape) known.resize(shape + 1);
+  if (known[shape].empty())
+    known[shape] = geom::points_within(room_->shapes[s.shape[b]].pieces, points_of_particle,
+                                       room_->domain.dimension == Dimension::plane);
+  const Quat q = quat(s.q[b]);
+  for (const Vec3& point : known[shape]) see(s.x[b].vec3() + s.scale[b] * (q * point));
 }
 
 namespace {
@@ -111,6 +126,8 @@ struct Particles::ContactLoop {
     return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
   }
 
+  Vec3 centre(std::int32_t piece) const { return state.x[body(piece)].vec3(); }
+
   // Normal spring along the generalised normal, tangential spring, and the ring that resists
   // torsion: 1/2 k_s spread turn^2, J (stone_law.hpp).
   template <class See>
@@ -124,7 +141,9 @@ struct Particles::ContactLoop {
     const Vec3 force = -c.k_n * o.wrench.M * o.wrench.N - c.k_s * xi.vec3();
     const double turn = stones.turn[o.entry].x;
     see(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
-                    pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M},
+                    pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M,
+                    centre(o.piece), centre(entry.piece) + stones.shifts[entry.shift].vec3(),
+                    o.wrench.N},
         stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
             rolling(stones, o.entry, o.wrench.M, radius));
   }
@@ -141,7 +160,8 @@ struct Particles::ContactLoop {
     const Law& law = laws[entry.law];
     const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
     const auto bj = static_cast<std::size_t>(pieces.body[j]);
-    see(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta},
+    see(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta, state.x[bi].vec3(),
+                    state.x[bj].vec3() + pairs.shifts[entry.shift].vec3(), d.normalized()},
         stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius));
   }
 
@@ -160,7 +180,7 @@ struct Particles::ContactLoop {
     const Coefficients c = coefficients<true>(law, p.overlap, 0, p.radius);
     const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
     see(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
-                    p.overlap},
+                    p.overlap, centre(a.piece), p.point, p.N},
         stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
             rolling_energy(law, p.overlap, p.radius, p.roll));
   }

@@ -120,6 +120,7 @@ struct Particles::Room {
   bool ready = false;  // lists match the state
 
   Balance balance;
+  std::vector<std::vector<Vec3>> points_of_shape;  // m at unit scale; see Particles::points
 
   par::Halo halo;
   Pieces pieces;

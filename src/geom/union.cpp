@@ -225,4 +225,34 @@ Solid union_lamina(const std::vector<Sphere>& disks, int cells) {
   return lamina_of(sums);
 }
 
+// The lines, laid end to end, are cut into `count` equal parts; a point in the middle of each.
+// About as far apart along the lines as the lines are from each other.
+std::vector<Vec3> points_within(const std::vector<Piece>& pieces, int count, bool lamina) {
+  struct Stretch {
+    Interval x;
+    double y, z;
+  };
+  std::vector<Stretch> stretches;
+  std::vector<Interval> parts;
+  Box box = box_of(pieces);
+  if (lamina) box.low.y() = box.high.y() = 0;
+  const double root = lamina ? std::sqrt(count) : std::cbrt(count);
+  along_lines(box, static_cast<int>(std::ceil(root)), [&](double y, double z, double) {
+    merge(pieces, y, z, parts);
+    for (const Interval& part : parts) stretches.push_back({part, y, z});
+  });
+  double length = 0;
+  for (const Stretch& s : stretches) length += s.x.second - s.x.first;
+  std::vector<Vec3> points;
+  const double step = length / count;
+  double next = step / 2;  // from the begin of the stretch
+  for (const Stretch& s : stretches) {
+    const double end = s.x.second - s.x.first;
+    for (; next < end && points.size() < static_cast<std::size_t>(count); next += step)
+      points.emplace_back(s.x.first + next, s.y, s.z);
+    next -= end;
+  }
+  return points;
+}
+
 }  // namespace trackbed::geom

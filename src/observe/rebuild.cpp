@@ -50,6 +50,9 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
   for (const char* group : {"history/energy", "history/sleeper", "history/ground"})
     for (const std::string& path : members(from, group))
       copy_history<double>(comm, from, to, path, rows);
+  for (const std::string& region : members(from, "history/region"))
+    for (const std::string& path : members(from, region))
+      copy_history<double>(comm, from, to, path, rows);
 }
 
 // By names of stages, not by time: a stage under way at the checkpoint has no snapshot yet.

@@ -45,6 +45,20 @@ std::vector<Column> energy_columns() {
           {"history/energy/elastic", {"J", "of the stones' contacts"}}};
 }
 
+// Of one region; a cell has one number in each, or the six of a tensor (xx yy zz xy xz yz).
+std::vector<Column> region_columns(const std::string& name) {
+  const std::string group = "history/region/" + name + "/";
+  return {
+      {group + "porosity", {"-", "share of voids in each cell, x fastest, then y"}},
+      {group + "bulk_density", {"kg/m3", "mass of stones over volume of the cell"}},
+      {group + "stones", {"-", "number of stones with their centre in the cell"}},
+      {group + "coordination", {"-", "mean number of partners of such a stone"}},
+      {group + "contacts", {"-", "number of contacts with their middle in the cell"}},
+      {group + "contact_force", {"N", "mean size of their forces"}},
+      {group + "stress", {"Pa", "Love-Weber, xx yy zz xy xz yz of each cell, tension positive"}},
+      {group + "fabric", {"-", "mean n n^T of the contacts' normals, components as of stress"}}};
+}
+
 }  // namespace
 
 // One line of top nodes along the track: the front face of a slice (its lowest y), or in space the
@@ -79,9 +93,13 @@ std::int64_t Results::rows() const { return room_->rows; }
 
 // Collective. Places are written before the first row, so that a file without rows can be drawn,
 // too.
-void Results::watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x) {
+void Results::watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x,
+                    const std::vector<Region>& regions) {
   Room& room = *room_;
   room.energy = energy_columns();
+  room.regions = regions;
+  for (const Region& region : regions)
+    for (const Column& column : region_columns(region.name)) room.region.push_back(column);
   if (scene.ground) {
     room.nodes = watched_nodes(*scene.ground, dimension);
     room.ground = ground_columns();
@@ -113,6 +131,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   room.sample_energy(scene.particles.totals());
   if (!instant.seat_force.empty()) room.sample_sleepers(scene.sleepers, instant.seat_force);
   if (scene.ground) room.sample_ground(*scene.ground);
+  room.sample_regions(scene.particles);
   ++room.rows;
   if (room.times.size() >= rows_in_memory) flush();
 }
@@ -170,12 +189,12 @@ void Results::Room::append_to(io::File& file) {
   };
   file.append<double>("history/time", own(times), 1, {"s", "simulated time"});
   file.append<std::int64_t>("history/stage", own(stages), 1, {"-", "number of the stage"});
-  for (const auto* group : {&energy, &sleeper, &ground})
+  for (const auto* group : groups())
     for (const Column& column : *group)
       if (column.width > 0)
         file.append<double>(column.path, own(column.values), column.width, column.label);
   times.clear(), stages.clear();
-  for (auto* group : {&energy, &sleeper, &ground})
+  for (auto* group : groups())
     for (Column& column : *group) column.values.clear();
 }
 
@@ -203,6 +222,28 @@ void Results::Room::sample_sleepers(const track::Sleepers* sleepers,
     const double values[] = {state.displacement.z(), state.velocity.z(), state.acceleration.z(),
                              there ? -seat_force[i] : 0, there ? sleepers->reaction(i).z() : 0};
     for (std::size_t k = 0; k < 5; ++k) sleeper[k].values.push_back(values[k]);
+  }
+}
+
+// In the order of region_columns.
+void Results::Room::sample_regions(const dem::Particles& particles) {
+  auto column = region.begin();
+  for (const Region& one : regions) {
+    const std::vector<Measured> cells = measure(comm, particles, one);
+    const auto put = [&](std::size_t numbers, const auto& of) {
+      column->width = cells.size() * numbers;
+      for (const Measured& cell : cells) {
+        const double* first = of(cell);
+        column->values.insert(column->values.end(), first, first + numbers);
+      }
+      ++column;
+    };
+    for (const auto figure :
+         {&Measured::porosity, &Measured::bulk_density, &Measured::stones, &Measured::coordination,
+          &Measured::contacts, &Measured::contact_force})
+      put(1, [&](const Measured& cell) { return &(cell.*figure); });
+    for (const auto tensor : {&Measured::stress, &Measured::fabric})
+      put(6, [&](const Measured& cell) { return (cell.*tensor).data(); });
   }
 }
 

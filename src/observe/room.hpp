@@ -24,10 +24,12 @@ struct Results::Room {
   void take_name(const std::string& part);  // the file becomes the results. Collective.
   // Changes the file as a whole: on a copy that then takes its name. Collective.
   void replace(const std::function<void(io::File&)>& change);
+  std::vector<std::vector<Column>*> groups() { return {&energy, &sleeper, &ground, &region}; }
   void append_to(io::File& file);
   void sample_energy(const dem::Totals& totals);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
   void sample_ground(const fem::Ground& ground);
+  void sample_regions(const dem::Particles& particles);
 
   par::Comm comm;
   std::string path;
@@ -37,7 +39,9 @@ struct Results::Room {
   std::vector<double> times;  // s, of rows in memory
   std::vector<std::int64_t> stages;
   std::vector<std::int32_t> nodes;  // of the ground's top
+  std::vector<Region> regions;
   std::vector<Column> energy, sleeper, ground;
+  std::vector<Column> region;  // those of the first region, then those of the next
 };
 
 }  // namespace trackbed::observe

@@ -36,6 +36,7 @@ POWER = ["load.kind=power"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
 ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
+BALL = ["region.0.kind=sphere"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
@@ -151,6 +152,14 @@ KNOBS = {
     "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),
     "output.wall_time": ("output.wall_time=1e-3", []),
     "output.stop_after": ("output.stop_after=20", []),
+    "region.[].name": ("region.0.name=other", []),
+    "region.[].kind": ("region.0.kind=sphere", []),
+    "region.[].x": ("region.0.x=[0.1, 0.3]", []),
+    "region.[].y": ("region.0.y=[-0.1, 0.05]", SPACE),
+    "region.[].z": ("region.0.z=[0, 0.05]", []),
+    "region.[].cells": ("region.0.cells=[2, 1, 1]", []),
+    "region.[].centre": ("region.0.centre=[0.2, 0, 0.05]", BALL),
+    "region.[].radius": ("region.0.radius=0.05", BALL),
     "stage.[].name": ("stage.load.name=press", []),
     "stage.[].kind": ("stage.load.kind=run", []),
     "stage.[].duration": ("stage.fill.duration=0.14", []),

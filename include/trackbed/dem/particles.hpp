@@ -57,6 +57,7 @@ struct ParticleView {
   Id id;
   int shape, material;
   double scale, mass;
+  double volume;                                 // m^3
   Vec3 position, velocity, spin, force, torque;  // force without gravity
   Quat attitude;
 };
@@ -65,8 +66,10 @@ struct ParticleView {
 struct ContactView {
   Id first, second;  // second: -1 - surface index for a surface
   Vec3 from, to;     // m, centres of the two pieces (surface: piece centre, contact point)
-  Vec3 force;        // N, on the first
+  Vec3 force;        // N, on the first, of springs alone
   double overlap;    // m
+  Vec3 first_centre, second_centre;  // m, of mass (surface: contact point), the image that touches
+  Vec3 normal;                       // unit length, from the first to the second
 };
 
 // Sums over all ranks' particles and contacts, each counted once; equal bits on any rank count.
@@ -145,6 +148,10 @@ class Particles {
   // Balls at the corners of the pieces of own particle i, in space: a piece is the hull of its own.
   void corners(std::size_t i,
                const std::function<void(const Vec3& centre, double rounding)>& see) const;
+  // Points spread evenly through own particle i, in space, `points_of_particle` of them: each
+  // stands for the same share of its volume.
+  void points(std::size_t i, const std::function<void(const Vec3&)>& see) const;
+  static constexpr int points_of_particle = 512;
   void contacts(const std::function<void(const ContactView&)>& see) const;  // each once over ranks
   Totals totals() const;                                                    // collective
   const SurfaceAction& surface_action() const;  // collective result of the last advance

@@ -111,4 +111,9 @@ double union_area(const std::vector<Piece>& pieces, int directions = 60, int cel
 // Union of disks in the plane y = 0: area, and gyration of the lamina.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells = 4096);
 
+// `count` points spread evenly through what pieces cover together, for shares of it: each stands
+// for 1/count of the volume. Of disks (`lamina`) through the plane y = 0. Made of the lines of
+// `union_solid`.
+std::vector<Vec3> points_within(const std::vector<Piece>& pieces, int count, bool lamina);
+
 }  // namespace trackbed::geom

@@ -10,6 +10,7 @@
 
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
+#include "trackbed/observe/regions.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/sleepers.hpp"
 
@@ -52,7 +53,8 @@ class Results {
 
   // Begins the file (unless it goes on) and fixes the columns of the histories. `sleeper_x`: m,
   // also before the sleepers are placed.
-  void watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x);
+  void watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x,
+             const std::vector<Region>& regions);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
   // Contact network and stones as they are now, under /chains/<stage> and /stones/<stage>.

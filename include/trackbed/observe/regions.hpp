@@ -1,0 +1,56 @@
+// What is measured of the stones in a part of space: how densely they lie, how much they touch, and
+// the stress they carry.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "trackbed/dem/particles.hpp"
+#include "trackbed/input/section.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::observe {
+
+enum class RegionKind { box, sphere };
+
+// A box cut into equal cells, or a sphere; in a plane model y counts for nothing, and the sphere is
+// a cylinder across the model.
+struct Region {
+  std::string name;
+  RegionKind kind = RegionKind::box;
+  std::vector<double> x = {0, 1}, y = {-0.5, 0.5}, z = {0, 0.3};  // m, box
+  std::vector<double> cells = {1, 1, 1};                          // along x, y, z, box
+  std::vector<double> centre = {0, 0, 0.15};                      // m, sphere
+  double radius = 0.1;                                            // m, sphere
+  void declare(input::Section& s);
+};
+
+// Components of symmetric tensors in the order xx yy zz xy xz yz.
+using Tensor = std::array<double, 6>;
+
+// Of one cell; all zero but `porosity` (1) where there are no stones.
+struct Measured {
+  double porosity = 1;       // share of voids; void ratio e = n/(1 - n)
+  double bulk_density = 0;   // kg/m^3, mass of stones over volume of the cell
+  double stones = 0;         // number of centres of mass in it
+  double coordination = 0;   // partners (stones and surfaces) of such a stone, mean
+  double contacts = 0;       // number of contacts whose branch has its middle in it
+  double contact_force = 0;  // N, mean size
+  Tensor stress{};           // Pa, tension positive
+  Tensor fabric{};           // mean n n^T of these contacts (Satake 1982); trace 1
+};
+
+// The cells of the region, x fastest, then y. The same bits on any number of ranks. Volumes of
+// stones that a border cuts by points within them (dem::Particles::points), to about a per cent of
+// the stone. Stress: mean over the cell of the stress on straight lines of force between centres of
+// mass (Love-Weber with the part of each branch that lies in the cell; Irving, Kirkwood 1950,
+// doi:10.1063/1.1747782),
+//   sigma = 1/V sum over contacts of f (x) l,
+// f on the first stone, l the part of the branch from the first to the second (surface: to the
+// contact point). At rest and without weight its mean over a slab is the force through any section
+// of the slab over its area. Springs only; the weight of moving stones is left out. Collective.
+std::vector<Measured> measure(const par::Comm& comm, const dem::Particles& particles,
+                              const Region& region);
+
+}  // namespace trackbed::observe

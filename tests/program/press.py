@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Stress measured in a bed under a platen against the platen's force, on the deck inputs/bed/press
+with fewer and rounder stones.
+
+    press.py PROGRAM DECK FOLDER
+"""
+import sys
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+SMALL = ["bed.height=0.1", "bed.stone=disk", "dem.largest_overlap=0.5", "platen.speed=3",
+         "stage.fill.duration=0.2", "region.slab.z=[0.03, 0.07]", "region.layers.z=[0, 0.08]"]
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+    program.done(2, "run", deck, *SMALL, "--force", "-o", folder)
+    stage = summary(folder)["stages"][-1]
+    regions = {r["name"]: r["cells"] for r in summary(folder)["regions"]}
+    pressed = stage["platen_pressure_pa"]
+    with h5py.File(folder / "results.h5") as file:
+        last = {name: group["stress"][-1].reshape(-1, 6)[:, 2]
+                for name, group in file["history/region"].items()}
+        width = file["history/region/layers/porosity"].shape[1]
+    deck = tomllib.loads(Path(deck).read_text(encoding="utf-8"))
+    wrong = []
+    if not stage["aim_reached"] or abs(pressed / deck["platen"]["pressure"] - 1) > 0.02:
+        wrong.append(f"the platen presses by {pressed} Pa")
+    # Weight of what lies above: below a per cent of the pressure, and known.
+    slab = regions["slab"][0]
+    weight = slab["bulk_density_kg_m3"] * 9.81 * 0.05
+    if abs(-slab["stress_pa"][2] / (pressed + weight) - 1) > 0.02:
+        wrong.append(f"{-slab['stress_pa'][2]} Pa below a platen of {pressed} Pa")
+    layers = -np.array([cell["stress_pa"][2] for cell in regions["layers"]])
+    steps = [layers[k] - layers[k + 1] for k in range(2)]  # the weight of a layer
+    expected = 9.81 * 0.02 * np.mean([c["bulk_density_kg_m3"] for c in regions["layers"][:3]])
+    # Stones still move a little: the difference of two large forces is less sure than each.
+    if max(abs(np.array(steps) - expected)) > 0.005 * pressed:
+        wrong.append(f"layers differ by {steps} Pa, their weight is {expected} Pa")
+    if width != deck["region"][1]["cells"][2]:
+        wrong.append(f"{width} cells in the histories")
+    if abs(last["slab"][0] / slab["stress_pa"][2] - 1) > 0.02:
+        wrong.append("the last row is not the end of the run")
+    if not 0.3 < slab["porosity"] < 0.5 or not 2 < slab["coordination"] < 8:
+        wrong.append(f"porosity {slab['porosity']}, coordination {slab['coordination']}")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"platen {pressed:.0f} Pa, layers {[f'{p:.0f}' for p in layers]} Pa")
+
+
+main()

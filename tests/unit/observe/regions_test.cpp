@@ -1,0 +1,188 @@
+// Packings whose density, stress and fabric are known.
+#include "trackbed/observe/regions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/scene.hpp"
+#include "support/stones.hpp"
+
+namespace trackbed {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double k_n = 1e6, r = 0.05, density = 2500;  // N/m, m, kg/m^3
+constexpr double rounding = 1e-12;
+
+dem::ContactLaw springs() {
+  dem::ContactLaw law;
+  law.k_n = law.k_s = k_n;
+  law.friction = 0.5;
+  return law;
+}
+
+observe::Region box(const std::vector<double>& x, const std::vector<double>& y,
+                    const std::vector<double>& z) {
+  observe::Region region;
+  region.name = "box";
+  region.x = x, region.y = y, region.z = z;
+  return region;
+}
+
+// n^3 balls on a simple cubic lattice with spacing 2 r (1 - squeeze_a) along axis a, periodic in x
+// and y, between a floor and a lid that press as the balls press each other; moved across the
+// periodic sides as a whole.
+struct Cubic {
+  static constexpr int n = 6;
+  Vec3 d;
+  double foot;  // m: the lowest balls press into the floor as into each other
+  Surface floor, lid;
+  dem::Particles particles;
+
+  explicit Cubic(const par::Comm& comm, const Vec3& squeeze = {0.002, 0.003, 0.004},
+                 const Vec3& moved = Vec3::Zero())
+      : d(2 * r * (Vec3::Ones() - squeeze)),
+        foot(r - d.z() / 2),
+        floor(test::floor_of(1, 10, foot, "floor")),
+        lid(test::floor_of(1, 10, n * d.z() - foot, "lid")),
+        particles(comm, test::one_material(springs(), density), {.gravity = 0}, domain(d)) {
+    for (auto& t : lid.triangles) std::swap(t[1], t[2]);  // faces down
+    particles.add_template(test::sphere());
+    std::vector<dem::NewParticle> all;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        for (int k = 0; k < n; ++k) {
+          dem::NewParticle p;
+          p.id = static_cast<Id>(all.size());
+          p.scale = r;
+          p.position = d.cwiseProduct(Vec3(i + 0.5, j + 0.5, k + 0.5)) + moved;
+          all.push_back(p);
+        }
+    particles.add(test::mine(comm, all));
+    particles.set_surfaces({&floor, &lid});
+    particles.advance(1e-12, 1);
+  }
+  static dem::Domain domain(const Vec3& d) {
+    dem::Domain domain = test::box({0, 0, -1}, {n * d.x(), n * d.y(), 1 + n * d.z()});
+    domain.periodic = {true, true, false};
+    return domain;
+  }
+  // Pa: k times overlap over the area of a ball's share of the section.
+  Vec3 stress() const {
+    const Vec3 force = k_n * (Vec3::Constant(2 * r) - d);
+    return -Vec3(force.x() / (d.y() * d.z()), force.y() / (d.x() * d.z()),
+                 force.z() / (d.x() * d.y()));
+  }
+};
+
+TEST(Regions, ACubicPackHasTheStressThatItsWallsFeel) {
+  const par::Comm world = par::Comm::world();
+  const Cubic pack(world, {0.002, 0.003, 0.004}, {0.13, -1.7, 0});
+  const Vec3 size = Cubic::n * pack.d;
+  // Whole periods across: wherever the box begins, and however it is cut, across lattice or not.
+  for (const double shift : {0.0, 0.0371, -2.0})
+    for (const auto& z :
+         {std::vector{pack.foot, size.z() - pack.foot}, {0.11, 0.35}, {0.05, 0.051}}) {
+      auto region = box({shift, size.x() + shift}, {shift, size.y() + shift}, z);
+      const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+      const Vec3 wanted = pack.stress();
+      EXPECT_NEAR(m.stress[2], wanted.z(), 1e-9 * std::abs(wanted.z())) << shift << " " << z[0];
+      for (int k = 3; k < 6; ++k)
+        EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], 0, 1e-9 * wanted.norm());
+    }
+  // Whole lattice cells: all components, numbers and densities.
+  auto region = box({0, size.x()}, {0, size.y()}, {pack.d.z(), 4 * pack.d.z()});
+  const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], pack.stress()[k], 1e-9 * 1e6);
+    EXPECT_NEAR(m.fabric[static_cast<std::size_t>(k)], 1.0 / 3, 0.05);
+  }
+  EXPECT_EQ(m.stones, 3 * Cubic::n * Cubic::n);
+  EXPECT_NEAR(m.coordination, 6, rounding);
+  EXPECT_NEAR(m.fabric[0] + m.fabric[1] + m.fabric[2], 1, rounding);
+  const double share = 4.0 / 3 * pi * r * r * r / pack.d.prod();
+  EXPECT_NEAR(m.porosity, 1 - share, 1e-3);
+  EXPECT_NEAR(m.bulk_density, share * density, 1e-3 * share * density);
+}
+
+TEST(Regions, CellsAddUpToTheirRegion) {
+  const par::Comm world = par::Comm::world();
+  const Cubic pack(world);
+  auto region = box({0.02, 0.5}, {0.03, 0.44}, {0.04, 0.47});
+  const observe::Measured whole = observe::measure(world, pack.particles, region).at(0);
+  region.cells = {3, 2, 5};
+  const std::vector<observe::Measured> cells = observe::measure(world, pack.particles, region);
+  ASSERT_EQ(cells.size(), 30u);
+  observe::Measured mean;
+  mean.porosity = 0;
+  for (const observe::Measured& c : cells) {
+    mean.porosity += c.porosity / 30, mean.bulk_density += c.bulk_density / 30;
+    mean.stones += c.stones, mean.contacts += c.contacts;
+    for (std::size_t k = 0; k < 6; ++k) mean.stress[k] += c.stress[k] / 30;
+  }
+  EXPECT_NEAR(mean.porosity, whole.porosity, 1e-9);
+  EXPECT_NEAR(mean.bulk_density, whole.bulk_density, 1e-6);
+  EXPECT_EQ(mean.stones, whole.stones);
+  EXPECT_EQ(mean.contacts, whole.contacts);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(mean.stress[k], whole.stress[k], 1e-6);
+}
+
+// One contact and a sphere about its middle of radius s < r: the branch lies in it over 2 s.
+TEST(Regions, ASphereTakesItsPartOfABranch) {
+  const par::Comm world = par::Comm::world();
+  dem::Particles particles(world, test::one_material(springs(), density), {.gravity = 0},
+                           test::box({-1, -1, -1}, {1, 1, 1}));
+  particles.add_template(test::sphere());
+  std::vector<dem::NewParticle> two(2);
+  const Vec3 along = Vec3(1, 2, 3).normalized();
+  constexpr double overlap = 1e-4, s = 0.03;
+  for (std::size_t k = 0; k < 2; ++k) {
+    two[k].id = static_cast<Id>(k), two[k].scale = r;
+    two[k].position = (k == 0 ? -1 : 1) * (r - overlap / 2) * along;
+  }
+  particles.add(test::mine(world, two));
+  particles.advance(1e-12, 1);
+  observe::Region region;
+  region.kind = observe::RegionKind::sphere;
+  region.centre = {0, 0, 0}, region.radius = s;
+  const observe::Measured m = observe::measure(world, particles, region).at(0);
+  const double force = k_n * overlap, volume = 4.0 / 3 * pi * s * s * s;
+  EXPECT_NEAR(m.stress[0], -force * 2 * s * along.x() * along.x() / volume, 1e-6);
+  EXPECT_NEAR(m.stress[5], -force * 2 * s * along.y() * along.z() / volume, 1e-6);
+  EXPECT_EQ(m.contacts, 1);
+  EXPECT_NEAR(m.contact_force, force, 1e-6);
+  EXPECT_NEAR(m.fabric[3], along.x() * along.y(), rounding);
+}
+
+// Irregular stones in a crowd: the same bits on any ranks.
+TEST(Regions, RanksChangeNoBit) {
+  const auto figures = [](const par::Comm& comm) {
+    dem::Domain domain = test::box({0, 0, -1}, {0.4, 0.32, 1});
+    domain.periodic = {true, true, false};
+    dem::Particles particles(comm, test::one_material(springs()), {}, domain);
+    for (std::uint64_t k = 0; k < 3; ++k) particles.add_template(test::irregular(0.03, 0.002, k));
+    auto all = test::lattice({8, 6, 5}, 0.052, 1, 3);
+    for (auto& p : all) p.velocity *= 0.5;
+    particles.add(test::mine(comm, all));
+    for (int k = 0; k < 40; ++k) particles.advance(5e-4, 20);
+    observe::Region region;
+    region.x = {0.07, 0.47}, region.y = {0, 0.3}, region.z = {0, 0.2}, region.cells = {3, 2, 2};
+    std::vector<double> list;
+    for (const observe::Measured& m : observe::measure(comm, particles, region)) {
+      list.insert(list.end(), {m.porosity, m.bulk_density, m.stones, m.coordination, m.contacts,
+                               m.contact_force});
+      list.insert(list.end(), m.stress.begin(), m.stress.end());
+      list.insert(list.end(), m.fabric.begin(), m.fabric.end());
+    }
+    return list;
+  };
+  const std::vector<double> alone = figures(par::Comm::self()),
+                            shared = figures(par::Comm::world());
+  EXPECT_EQ(alone, shared);
+  EXPECT_GT(alone[4] + alone[4 + 18], 0);  // contacts
+}
+
+}  // namespace
+}  // namespace trackbed
