@@ -127,7 +127,9 @@ TEST(Balance, RebalancingChangesNoBit) {
     }
   }
   EXPECT_EQ(moved.particles.state_hash(), kept.particles.state_hash());
-  if (world.size() > 1) EXPECT_GE(moved.particles.balance().rebalances, 5);
+  if (world.size() > 1) {
+    EXPECT_GE(moved.particles.balance().rebalances, 5);
+  }
 }
 
 TEST(Balance, ZeroMeansNever) {
