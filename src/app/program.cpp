@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -18,6 +19,7 @@
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
+#include "trackbed/input/deck.hpp"
 
 namespace trackbed::app {
 
@@ -109,6 +111,21 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   line.require_subcommand(1);
 }
 
+// What is wrong with the first word as a command, or nothing. CLI11 would only say that a command
+// is missing: a misspelt one is a word too many to it.
+std::string why_no_command(const CLI::App& line, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word.starts_with('-')) return "";  // an option, --help for example
+  std::vector<std::string> names;
+  for (const CLI::App* sub : line.get_subcommands(nullptr)) names.push_back(sub->get_name());
+  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
+  const std::string near = input::nearest(word, names);
+  return fmt::format("trackbed: {} (there are {}){}",
+                     word.empty() ? "needs a command" : fmt::format("\"{}\" is no command", word),
+                     fmt::join(names, ", "),
+                     near.empty() ? "" : fmt::format("; did you mean {}?", near));
+}
+
 // Prints on rank 0 alone what all ranks know.
 // The same text on all ranks is one text.
 int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
@@ -137,6 +154,8 @@ int program(const par::Comm& comm, int argc, char** argv) {
   Arguments arguments;
   std::optional<Command> chosen;
   declare_commands(line, arguments, chosen);
+  if (const std::string problem = why_no_command(line, argc, argv); !problem.empty())
+    return complain(comm, problem, ExitCode::bad_input);
   try {
     line.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -59,6 +59,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "load.start=0.5": "begins beyond the first sleeper",
           "ground.block.0.outline=[-1,0, 0.5,0, 0.5,-0.6, -1,-0.6]": "is cut",
           "sleepers.material=ballast": "nothing is made of it"}
+COMMANDS = "(there are run, resume, check, describe, schema, info, shapes)"
 
 
 def expect(holds, what, ran):
@@ -118,7 +119,10 @@ def check_single_cases(program, deck):
              (["resume", HERE], 2, "holds no checkpoint"),
              (["resume", PROBLEMS], 2, "not a trackbed checkpoint"),
              (["info", "no_such_file.h5"], 2, "does not exist"),
-             (["fly"], 2, ""), (["run"], 2, ""),
+             (["fly"], 2, f'"fly" is no command {COMMANDS}'),
+             (["rnu", deck], 2, f'"rnu" is no command {COMMANDS}; did you mean run?'),
+             ([], 2, f"needs a command {COMMANDS}"), (["run"], 2, "deck"),
+             (["--help"], 0, "resume"),
              (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
              (["check", deck], 0, "sleeper of 156 kg on 6 contacts of 2e+07 N/m"),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
