@@ -220,6 +220,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
   const std::string start = checked_start(comm, model, deck);
+  require_stones(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);

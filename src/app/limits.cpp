@@ -144,6 +144,18 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
                                   deck.where("time.step"), model.time.step, limit, words)});
 }
 
+// Rooms know files, not decks: a sentence about the file of shapes gets the place that names it.
+bed::Stones stones_of(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  try {
+    return bed::stones_of(comm, model.bed, model.domain());
+  } catch (const InputError& error) {  // equal on all ranks
+    const std::string words = error.what(), start = model.bed.library + ": ";
+    if (model.bed.library.empty() || !words.starts_with(start)) throw;
+    throw InputError({fmt::format("{} = \"{}\" {}", deck.where("bed.library"), model.bed.library,
+                                  words.substr(start.size()))});
+  }
+}
+
 }  // namespace
 
 // Stones that are there already (a start from a checkpoint) are not known from the deck; their
@@ -151,10 +163,9 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
 void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
   const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
   if (!fills && !model.has_stage(StageKind::cribs)) return;
-  const dem::Domain domain = model.domain();
-  const bed::Stones stones = bed::stones_of(comm, model.bed, domain);
+  const bed::Stones stones = stones_of(comm, model, deck);
   if (!fills || stones.count < 1) return;
-  const double thickness = model.dimension == Dimension::plane ? domain.thickness : 1;
+  const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   const double lightest = density_of_stones(model) * stones.smallest_volume * thickness;
   std::string words;
   const double limit =

@@ -147,7 +147,8 @@ void save_library(const par::Comm& comm, const std::string& file,
   library.close();
 }
 
-// Any failure means the same to a user: the file is none of ours.
+// Any failure means the same to a user: the file is none of ours. What the file's reader says
+// begins with rank and file, which stand in the sentence already.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
   std::vector<NamedShape> shapes;
   try {
@@ -160,7 +161,12 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
       shapes.push_back(std::move(named));
     }
   } catch (const std::exception& problem) {  // the same on all ranks
-    throw InputError({file + ": is no library of shapes: " + problem.what()});
+    const std::string words = problem.what(), start = file + ": ";
+    const std::size_t at = words.find(start);
+    const std::string why = at == std::string::npos ? words : words.substr(at + start.size());
+    throw InputError({fmt::format(
+        "{}: is no library of shapes ({}); `trackbed shapes ... --library FILE` makes them", file,
+        why)});
   }
   return shapes;
 }

@@ -130,7 +130,8 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, N
   // Whole paths, so that the effective input means the same file wherever it is read.
   // On the command line names are meant from where one stands, in a deck from where it lies.
   const bool commanded = node != nullptr && node->commanded;
-  const fs::path from = commanded ? fs::current_path() : fs::absolute(folder_);
+  // Joined, not made absolute: the folder of a deck named without one is empty, which is no path.
+  const fs::path from = commanded ? fs::current_path() : fs::current_path() / folder_;
   const fs::path path = (from / given).lexically_normal();
   std::error_code error;
   if (!fs::exists(path, error))

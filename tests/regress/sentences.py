@@ -135,6 +135,25 @@ def check_single_cases(program, deck):
     expect(not pathlib.Path("nowhere").exists(), "an unstable step must leave nothing behind", ran)
 
 
+def check_library(program, deck, folder):
+    """A file that is no library of shapes, by the line of a deck that is named without a folder."""
+    for name, text in (("text.h5", "no shapes\n"), ("empty.h5", "")):
+        (folder / name).write_text(text, encoding="utf-8")
+        lines = pathlib.Path(deck).read_text(encoding="utf-8").replace(
+            'dimension = "plane"', 'dimension = "space"').replace(
+            "[bed]", f'[bed]\nstone = "library"\nlibrary = "{name}"').splitlines()
+        (folder / "library.toml").write_text("\n".join(lines), encoding="utf-8")
+        number = lines.index(f'library = "{name}"') + 1
+        start = f"library.toml:{number}: bed.library = "
+        for command in ("check", "run"):
+            ran = subprocess.run([program.path, command, "library.toml"], cwd=folder, text=True,
+                                 capture_output=True, timeout=60, check=False)
+            expect(ran.returncode == 2, f"{command}: {name} is no library", ran)
+            expect(len(ran.stderr.splitlines()) == 1 and ran.stderr.startswith(start) and
+                   f'{name}" is no library of shapes (cannot be opened' in ran.stderr,
+                   f"{command}: the sentence must begin with {start}", ran)
+
+
 def check_other_models(program, deck, folder):
     """A checkpoint holds the state of one model: a deck of another may not go on from it."""
     made = folder / "made"
@@ -226,6 +245,7 @@ def main():
         check_problems(program, ranks)
     check_nonsense(program, deck, folder)
     check_single_cases(program, deck)
+    check_library(program, deck, folder)
     check_other_models(program, deck, folder)
     check_run_error(program, deck, folder)
     check_signals(sys.argv[1], deck, folder)
