@@ -15,6 +15,13 @@
 
 namespace trackbed::app {
 
+namespace {
+
+// More than anybody can compute; the windows of so many trains still fit an integer.
+constexpr double most_cycles = 1e6;
+
+}  // namespace
+
 // One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
 // end say what a kind cannot do without.
 void Stage::declare(input::Section& s) {
@@ -50,7 +57,7 @@ void Stage::declare(input::Section& s) {
            "Load: peak on each rail seat, above seat_force.");
   s.number("ramp", ramp, {.unit = "s", .at_least = 0},
            "Load: time from zero to the peak and, at the end, back.");
-  s.integer("cycles", cycles, {.at_least = 0},
+  s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
             "other; 0: one.");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
@@ -59,6 +66,8 @@ void Stage::declare(input::Section& s) {
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
+  const bool loaded = kind == StageKind::load || kind == StageKind::passage;
+  s.rule("cycles", cycles == 0 || loaded, "is for stages of kind load and passage only");
   s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
 }
 
@@ -133,6 +142,7 @@ void Model::declare(input::Section& s) {
   time.rough_step = rough_step_limit(*this);
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
+  declare_intervals(*this, s);
 }
 
 bool Model::periodic_in(const std::string& axis) const {

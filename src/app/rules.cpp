@@ -251,7 +251,43 @@ void declare_oddities(const Model& model, input::Section& s) {
   }
 }
 
+// s, about the shortest window there will be if the deck does not give it: of one sub-step, or what
+// the coupling allows. The rough step may be twice the real one; so only what is shorter than half
+// of it is called short.
+double shortest_window(const Model& model) {
+  const auto& time = model.time;
+  if (time.window > 0) return time.window;
+  return std::min(time.step > 0 ? time.step : time.rough_step / 2, time.rough_window);
+}
+
 }  // namespace
+
+// A cycle needs some windows to be a haversine at all. What is written can be written once in a
+// window at most, and a deck that asks for more often has mistaken a unit.
+void declare_intervals(const Model& model, input::Section& s) {
+  const double window = shortest_window(model);
+  const auto& output = model.output;
+  for (const auto& [key, interval] : {std::pair{"output.history_interval", output.history_interval},
+                                      {"output.fields_interval", output.fields_interval},
+                                      {"output.checkpoint_interval", output.checkpoint_interval}})
+    s.rule(key, interval == 0 || interval >= window * (1 - rounding),
+           fmt::format(
+               "is less than a time window (about {:.2g} s or more): that much is written after "
+               "every window; is it in s?",
+               window),
+           {.weight = input::Weight::warning, .reads = {key, "time", "dem", "bed", "contact"}});
+  constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    if (stage.kind != StageKind::load || stage.cycles < 1 || stage.duration <= 0) continue;
+    const double cycle = stage.duration / static_cast<double>(stage.cycles);
+    s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
+           fmt::format("makes cycles of {:.2g} s, which a time window of about {:.2g} s or more "
+                       "does not resolve; give fewer, or a longer duration",
+                       cycle, window),
+           {.reads = {"stage", "time", "dem", "bed", "contact"}});
+  }
+}
 
 void declare_rules(const Model& model, input::Section& s) {
   declare_stages(model, s);

@@ -7,5 +7,7 @@ namespace trackbed::app {
 
 // Declares them to the open root section, after all that they read.
 void declare_rules(const Model& model, input::Section& s);
+// The same for intervals and cycles that windows must resolve, once the steps in time are read.
+void declare_intervals(const Model& model, input::Section& s);
 
 }  // namespace trackbed::app

@@ -89,7 +89,7 @@ void BedParameters::declare(input::Section& s) {
            "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Share of voids expected after compaction.");
-  s.integer("seed", seed, {}, "Another seed makes another bed of the same kind.");
+  s.integer("seed", seed, {.at_least = 0}, "Another seed makes another bed of the same kind.");
   s.rule("x", is_range(x), "must rise");
   s.rule("y", is_range(y), "must rise");
   declare_grading(*this, s);

@@ -74,6 +74,29 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
          {.weight = input::Weight::warning, .reads = about.reads});
 }
 
+// Twice the area of the triangle of three corners of an outline, m^2; above 0: it turns left.
+double turn(const std::vector<double>& outline, std::size_t a, std::size_t b, std::size_t c) {
+  const auto x = [&](std::size_t k) { return outline[2 * k]; };
+  const auto z = [&](std::size_t k) { return outline[2 * k + 1]; };
+  return (x(b) - x(a)) * (z(c) - z(a)) - (z(b) - z(a)) * (x(c) - x(a));
+}
+
+// Whether two edges of an outline cut through each other. Edges that only touch are no matter: a
+// point is inside or outside all the same.
+// O(corners^2), of a handful of corners.
+bool crosses_itself(const std::vector<double>& outline) {
+  const std::size_t corners = outline.size() / 2;
+  const auto parts = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
+    return turn(outline, a, b, c) * turn(outline, a, b, d) < 0;  // c and d on two sides of a-b
+  };
+  for (std::size_t a = 0; a < corners; ++a)
+    for (std::size_t c = a + 2; c < corners; ++c) {
+      const std::size_t b = a + 1, d = (c + 1) % corners;
+      if (parts(a, b, c, d) && parts(c, d, a, b)) return true;
+    }
+  return false;
+}
+
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
 }  // namespace
@@ -101,6 +124,8 @@ void Block::declare(Section& s) {
             "Corners as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
   s.rule("outline", outline.size() % 2 == 0 && outline.size() >= 2 * fewest_corners,
          "must list x and z of at least 3 corners");
+  s.rule("outline", !crosses_itself(outline),
+         "crosses itself; list the corners in the order in which one meets them going round");
   solid.declare(s);
 }
 
