@@ -340,6 +340,9 @@ def main():
     parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("figures"))
     arguments = parser.parse_args()
     runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
+    for run in runs:
+        if not len(run.time):
+            raise read.Unreadable(f"{run.name}: its results.h5 holds no row of the histories yet")
     for path in draw_all(runs, arguments.output):
         print(path)
     print((arguments.output / "table.txt").read_text(encoding="utf-8"), end="")

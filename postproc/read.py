@@ -5,8 +5,10 @@
     state = read.checkpoint("results/quickstart/wedge")         # the one `latest` names
     state["run/clock"].unit
 
-Run as a program it lists a file: `read.py FILE`.
+Run as a program it lists a file: `read.py FILE`. A file that cannot be read ends any script with
+one sentence and code 2.
 """
+import contextlib
 import dataclasses
 import pathlib
 import sys
@@ -68,6 +70,27 @@ class Results:
         return slice(rows[0], rows[-1] + 1)
 
 
+class Unreadable(SystemExit):
+    """Ends the script with code 2, after the sentence on stderr. Python would end with 1 after a
+    SystemExit that holds a text."""
+
+    def __init__(self, sentence):
+        super().__init__(sentence)
+        self.code = 2
+        print(sentence, file=sys.stderr)
+
+
+@contextlib.contextmanager
+def _opened(path):
+    """The file, open. Whatever goes wrong with its contents means the same: it is another's."""
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, RuntimeError) as error:  # h5py's reason is in brackets behind words of its own
+        reason = str(error).partition("(")[2].removesuffix(")") or error
+        raise Unreadable(f"{path} is no HDF5 file, or a damaged one ({reason})") from None
+
+
 def _text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
@@ -95,37 +118,46 @@ def _place(path, name):
     path = pathlib.Path(path)
     found = path / name if path.is_dir() else path
     if not found.is_file():
-        raise SystemExit(f"{found} does not exist; did the run end well?")
+        raise Unreadable(f"{found} does not exist; did the run end well?")
     return found
 
 
 def results(path):
     """Reads results.h5 (given itself or by its folder); parts a run did not have are empty."""
     file_path = _place(path, "results.h5")
-    with h5py.File(file_path, "r") as file:
-        deck = tomllib.loads(_text(file.attrs["deck"]))
-        stages = file["chains"] if "chains" in file else {}
-        stone_stages = file["stones"] if "stones" in file else {}
-        return Results(
-            name=file_path.parent.name,
-            deck=deck,
-            version=_text(file.attrs["version"]),
-            ranks=int(np.ravel(file.attrs["ranks"])[0]),
-            sleepers_x=_array(file, "sleepers/x"),
-            ground_x=_array(file, "ground/x"),
-            time=_array(file, "history/time"),
-            stage=_array(file, "history/stage"),
-            sleeper=_quantities(file, "history/sleeper"),
-            ground=_quantities(file, "history/ground"),
-            energy=_quantities(file, "history/energy"),
-            sleeper_envelope=_quantities(file, "envelope/sleeper"),
-            ground_envelope=_quantities(file, "envelope/ground"),
-            chains={name: Chains(stages[name]["segments"][()].reshape(-1, 4),
-                                 stages[name]["force"][()])
-                    for name in _in_order(stages, deck)},
-            stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
-                                 stone_stages[name]["radius"][()])
-                    for name in _in_order(stone_stages, deck)})
+    with _opened(file_path) as file:
+        try:
+            return _results(file_path, file)
+        except (KeyError, ValueError, AttributeError, TypeError) as error:
+            kind = _text(file.attrs.get("kind", ""))
+            raise Unreadable(f"{file_path} is not a results.h5 of trackbed"
+                             f"{f' but a {kind}' if kind else ''} ({error.args[0]})") from None
+
+
+def _results(file_path, file):
+    deck = tomllib.loads(_text(file.attrs["deck"]))
+    stages = file["chains"] if "chains" in file else {}
+    stone_stages = file["stones"] if "stones" in file else {}
+    return Results(
+        name=file_path.parent.name,
+        deck=deck,
+        version=_text(file.attrs["version"]),
+        ranks=int(np.ravel(file.attrs["ranks"])[0]),
+        sleepers_x=_array(file, "sleepers/x"),
+        ground_x=_array(file, "ground/x"),
+        time=_array(file, "history/time"),
+        stage=_array(file, "history/stage"),
+        sleeper=_quantities(file, "history/sleeper"),
+        ground=_quantities(file, "history/ground"),
+        energy=_quantities(file, "history/energy"),
+        sleeper_envelope=_quantities(file, "envelope/sleeper"),
+        ground_envelope=_quantities(file, "envelope/ground"),
+        chains={name: Chains(stages[name]["segments"][()].reshape(-1, 4),
+                             stages[name]["force"][()])
+                for name in _in_order(stages, deck)},
+        stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
+                             stone_stages[name]["radius"][()])
+                for name in _in_order(stone_stages, deck)})
 
 
 def datasets(path):
@@ -137,7 +169,7 @@ def datasets(path):
             label = (_text(item.attrs.get(key, "")) for key in ("unit", "meaning"))
             found[name] = Quantity(item[()], *label)
 
-    with h5py.File(path, "r") as file:
+    with _opened(_place(path, "results.h5")) as file:
         file.visititems(see)
     return found
 
@@ -151,6 +183,8 @@ def checkpoint(path):
 
 
 def main():
+    if len(sys.argv) != 2:
+        raise Unreadable("usage: read.py FILE")
     for name, item in datasets(sys.argv[1]).items():
         print(f"{name:44} {str(item.values.shape):16} {item.unit:8} {item.meaning}")
 

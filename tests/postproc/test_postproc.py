@@ -52,6 +52,37 @@ def test_read_says_what_is_missing(tmp_path):
         read.results(tmp_path)
 
 
+def foreign_files(folder):
+    """What somebody may point at by mistake, and a word of the sentence about it."""
+    (folder / "empty").mkdir()
+    (folder / "text.h5").write_text("time displacement\n0 0\n")
+    with h5py.File(folder / "foreign.h5", "w") as file:
+        file["velocity"] = np.arange(3.0)
+    with h5py.File(folder / "checkpoint.h5", "w") as file:
+        file.attrs["kind"] = "trackbed checkpoint"
+    whole = made.write(folder / "cut") / "results.h5"
+    whole.write_bytes(whole.read_bytes()[:2000])
+    no_rows = made.write(folder / "no_rows") / "results.h5"
+    with h5py.File(no_rows, "r+") as file:
+        del file["history"]
+    return {"empty": "does not exist", "nowhere": "does not exist", "text.h5": "is no HDF5 file",
+            "cut": "damaged", "foreign.h5": "is not a results.h5 of trackbed",
+            "checkpoint.h5": "but a trackbed checkpoint", "no_rows": "holds no row"}
+
+
+def test_scripts_refuse_foreign_files_in_one_sentence(tmp_path):
+    for name, words in foreign_files(tmp_path).items():
+        for script in ("figures.py", "read.py"):
+            if script == "read.py" and name in ("foreign.h5", "checkpoint.h5", "no_rows"):
+                continue  # it lists any HDF5 file
+            ran = subprocess.run([sys.executable, conftest.ROOT / "postproc" / script,
+                                  tmp_path / name], cwd=tmp_path, capture_output=True, text=True,
+                                 check=False)
+            assert ran.returncode == 2, (script, name, ran.stderr)
+            assert len(ran.stderr.splitlines()) == 1 and words in ran.stderr, (name, ran.stderr)
+    assert not (tmp_path / "figures").exists()
+
+
 def test_read_checkpoint_through_latest(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["dem/mass"] = np.arange(3.0)
@@ -341,4 +372,4 @@ def test_command_line(tmp_path):
     assert "stress.png" in run.stdout and "stress jump" in run.stdout
     failed = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path],
                             capture_output=True, text=True, check=False)
-    assert failed.returncode == 1 and "did the run end well?" in failed.stderr
+    assert failed.returncode == 2 and "did the run end well?" in failed.stderr
