@@ -176,6 +176,18 @@ void require_can_go_on(const io::File& file, const std::string& checkpoint, cons
   if (!problems.empty()) throw InputError(problems);
 }
 
+// Damaged histories are refused: the run would replace them. Those that are not there were taken
+// away, so the run goes on without, and says so. Collective.
+void look_for_histories(const par::Comm& comm, const io::File& file,
+                        const std::string& checkpoint) {
+  const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
+  const std::int64_t rows = file.read_all<std::int64_t>("run/counts").at(5);
+  if (!observe::has_histories(comm, results, rows))
+    print(comm, fmt::format("warning: {}: does not exist; histories begin anew at the checkpoint, "
+                            "at {:.6g} s, those before it are lost\n",
+                            results, file.number_attribute("/", "time")));
+}
+
 // The deck comes from the checkpoint; overrides may change what later windows use.
 // A damaged newest checkpoint is passed over, with a warning: the one before is worth more than no
 // run. A start from a checkpoint refuses instead, since there the user named one state and means
@@ -199,7 +211,11 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck =
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
-  require_can_go_on(io::open_checkpoint(comm, checkpoint), checkpoint, model, deck);
+  {
+    const io::File file = io::open_checkpoint(comm, checkpoint);
+    require_can_go_on(file, checkpoint, model, deck);
+    look_for_histories(comm, file, checkpoint);
+  }
   // Closed by now: the file must not stay open while new checkpoints may replace it.
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
   // run.
@@ -263,7 +279,7 @@ int info(const par::Comm& comm, const Arguments& arguments) {
   const std::string path =
       results ? arguments.file : checkpoint_meant(comm, arguments.file, io::IfDamaged::refuse);
   const io::File file =
-      results ? io::File(comm, path, io::Mode::read) : io::open_checkpoint(comm, path);
+      results ? observe::open_results(comm, path) : io::open_checkpoint(comm, path);
   print(comm, fmt::format("{}: {}, written by trackbed {}\n", path,
                           file.text_attribute("/", "kind"), file.text_attribute("/", "version")));
   if (results) {

@@ -3,6 +3,8 @@
 // It is a copy in any case: the old file may lie in another folder, and stays whole if the new run
 // is killed at once. HDF5 could cut datasets in place, but their space would be lost and a kill in
 // between would leave columns of different lengths.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -64,6 +66,40 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
 }
 
+// Every number, each rank its share: damage is met before anything is made or removed.
+void read_through(const io::File& file) {
+  for (const char* group : {"history/energy", "history/sleeper", "history/ground",
+                            "envelope/sleeper", "envelope/ground"})
+    for (const std::string& path : members(file, group)) file.read_share<double>(path);
+  for (const char* place : {"history/time", "sleepers/x", "ground/x"})
+    if (file.has(place)) file.read_share<double>(place);
+  if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
+  for (const char* list : {"chains", "stones"})
+    for (const std::string& stage : members(file, list))
+      for (const std::string& path : members(file, stage)) file.read_share<double>(path);
+}
+
+// A resumed run replaces the file, so it must not be guessed that it may go.
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+  throw InputError({fmt::format(
+      "{}: {}; put back a copy of it, or move it away and resume again: the run then goes on, but "
+      "its histories begin at the checkpoint and those before it are lost",
+      path, why)});
+}
+
+// `act` reads `path` alone. What the reader says begins with rank and file: they are said already.
+template <class F>
+auto reading(const std::string& path, F&& act) {
+  try {
+    return act();
+  } catch (const RunError& error) {  // equal on all ranks
+    const std::string words = error.what(), start = path + ": ";
+    const std::size_t at = words.find(start);
+    refuse(path, fmt::format("is damaged or no file of results ({})",
+                             at == std::string::npos ? words : words.substr(at + start.size())));
+  }
+}
+
 // As it is: which rows it knows is compared by who calls.
 void copy_envelope(const io::File& from, io::File& to) {
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
@@ -72,23 +108,46 @@ void copy_envelope(const io::File& from, io::File& to) {
 
 }  // namespace
 
-// Collective. Rows of the checkpoint that the file does not have mean that it is not the file of
-// that run.
+io::File open_results(const par::Comm& comm, const std::string& path) {
+  return reading(path, [&] {
+    io::File file(comm, path, io::Mode::read);
+    if (file.text_attribute("/", "kind") != results_kind)
+      throw RunError(path + ": it is of another kind");
+    return file;
+  });
+}
+
+// Rank 0 decides for all whether there is a file, because other ranks may see another state of a
+// network file system.
+bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t rows) {
+  std::error_code ignored;
+  const bool there = comm.root() && std::filesystem::exists(path, ignored);
+  if (comm.broadcast(there ? "there" : "").empty()) return rows == 0;
+  const io::File file = open_results(comm, path);
+  const auto present = reading(path, [&] {
+    read_through(file);
+    return static_cast<std::int64_t>(file.has("history/time") ? file.extent("history/time").at(0)
+                                                              : 0);
+  });
+  if (present < rows)
+    refuse(path, fmt::format("holds {} of the {} history rows before the checkpoint, so it is "
+                             "that of another run",
+                             present, rows));
+  return true;
+}
+
+// A checkpoint alone is enough to go on: without the file histories begin anew. Collective.
 void Results::resume(const std::string& old_path, std::int64_t rows,
                      const std::vector<std::string>& finished) {
   Room& room = *room_;
   const auto wanted = static_cast<std::size_t>(rows);
-  std::int64_t there = 0;
-  if (room.comm.root()) there = std::filesystem::exists(old_path) ? 1 : 0;
-  // A checkpoint alone is enough to go on: rank 0 decides for all whether there is a file, because
-  // other ranks may see another state of a network file system.
-  if (room.comm.max(there) == 0) return;  // histories begin anew
+  std::error_code ignored;
+  const bool there = room.comm.root() && std::filesystem::exists(old_path, ignored);
+  if (room.comm.broadcast(there ? "there" : "").empty()) return;
   // Under another name until it is whole.
   const std::string part = room.path + ".part";
   {
-    const io::File old(room.comm, old_path, io::Mode::read);
-    const std::size_t present = old.has("history/time") ? old.extent("history/time").at(0) : 0;
-    if (present < wanted) return;  // of another run: begin anew
+    const io::File old = open_results(room.comm, old_path);
     io::File file(room.comm, part, io::Mode::create);
     room.put_head(file);
     copy_histories(room.comm, old, file, wanted);

@@ -149,7 +149,7 @@ Results::Room::Room(const par::Comm& world, std::string file, About what)
 
 // What a reader needs to know what made the file; the deck is the effective one.
 void Results::Room::put_head(io::File& file) {
-  file.attribute("/", "kind", std::string("trackbed results"));
+  file.attribute("/", "kind", std::string(results_kind));
   file.attribute("/", "version", about.version);
   file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
   file.attribute("/", "deck", about.deck);

@@ -7,6 +7,8 @@
 
 namespace trackbed::observe {
 
+inline constexpr const char* results_kind = "trackbed results";
+
 // A dataset [rows, width] that grows; `values` are rows not in the file yet.
 // width 0: nothing was sampled yet, and so no dataset is made.
 struct Column {

@@ -148,6 +148,43 @@ def check_damaged(program, deck, folder):
         raise SystemExit("the resumed run did not finish")
 
 
+def check_histories(program, deck, folder):
+    """Damaged histories are not replaced without a word; taken away they are given up for lost."""
+    place, copy = folder / "histories", folder / "copy"
+    program.done(1, "run", deck, "output.stop_after=500", "-o", place, code=3)
+    results = place / "results.h5"
+    whole = results.read_bytes()
+    shutil.copytree(place, copy)
+    program.done(1, "resume", copy, "output.stop_after=600", code=3)
+    for bad in (whole[:len(whole) // 2], b"no results\n", b"",
+                (place / "checkpoint_0000000500.h5").read_bytes()):
+        results.write_bytes(bad)
+        before = contents(place)
+        for ranks in (1, 2):
+            refused(program, ranks, ["resume", place],
+                    [results, "damaged", "histories", "move it away and resume again"])
+        refused(program, 1, ["resume", place, "--force", "-o", copy], [results, "damaged"])
+        refused(program, 1, ["info", results], [results, "damaged"])
+        if contents(place) != before:
+            raise SystemExit("a refused resume changed the folder")
+    results.unlink()
+    for ranks in (2, 1):  # twice from the same checkpoint, as after a kill
+        ran = program.done(ranks, "resume", place / "checkpoint_0000000500.h5",
+                           "output.stop_after=600", code=3)
+        if f"warning: {results}: does not exist" not in ran.stdout or "are lost" not in ran.stdout:
+            raise SystemExit(f"lost histories must be worth a warning:\n{ran.stdout}")
+        if ranks == 2:
+            refused(program, 1, ["resume", place / "checkpoint_0000000500.h5"],
+                    [results, "history rows before the checkpoint", "move it away"])
+            results.unlink()
+    if summary(copy)["dem"]["state_hash"] != summary(place)["dem"]["state_hash"]:
+        raise SystemExit("the histories have changed the motion")
+    results.write_bytes(whole)
+    if "warning: " + str(results) in program.done(1, "resume", place / "checkpoint_0000000500.h5",
+                                                  "output.stop_after=600", code=3).stdout:
+        raise SystemExit("whole histories are no reason for a warning")
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
@@ -157,6 +194,7 @@ def main():
     check_resume_elsewhere(program, deck, folder)
     check_damaged(program, deck, folder)
     check_two_at_once(program, deck, folder)
+    check_histories(program, deck, folder)
 
 
 if __name__ == "__main__":

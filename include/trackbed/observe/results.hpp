@@ -10,6 +10,7 @@
 
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
+#include "trackbed/io/file.hpp"
 #include "trackbed/observe/regions.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/sleepers.hpp"
@@ -39,12 +40,19 @@ struct About {
 // by x. The same list on every rank.
 std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension);
 
+// Opens a file of results to read. Throws InputError if it is damaged or another's. Collective.
+io::File open_results(const par::Comm& comm, const std::string& path);
+// Whether `path` is there to go on with after a checkpoint that counts `rows` history rows; true if
+// it counts none. Throws InputError if it is damaged, another's or has fewer rows. Collective.
+bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t rows);
+
 // The file is replaced as a whole at every flush (copy, append, rename), so that a run killed at
 // any instant leaves a file that opens.
 class Results {
  public:
-  // `rows` > 0: goes on with the file of a stopped run, cut to that many history rows; snapshots of
-  // stages not named in `finished` are left out. Collective.
+  // Goes on with the file of a stopped run, cut to `rows` history rows; snapshots of stages not
+  // named in `finished` are left out; begins anew if it is not there. `has_histories` has been
+  // asked before. Collective.
   Results(const par::Comm& comm, const std::string& path, const About& about);
   ~Results();
   Results(Results&&) noexcept;
