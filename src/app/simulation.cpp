@@ -143,8 +143,13 @@ Outcome Simulation::run() {
     progress_.timer_table(timers_);
     return outcome;
   } catch (const RunError& error) {
-    const std::string good = last_checkpoint_.empty() ? "no checkpoint had been written"
-                                                      : "last good checkpoint: " + last_checkpoint_;
+    const std::string good =
+        last_checkpoint_.empty()
+            ? "no checkpoint had been written"
+            : fmt::format(
+                  "last good checkpoint: {}; once the cause is mended, go on with: trackbed resume "
+                  "{}",
+                  last_checkpoint_, last_checkpoint_);
     throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
                                course_.clock.time(), stage().name, good));
   }

@@ -9,6 +9,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -225,11 +227,14 @@ void write_summary(const SummaryOf& run) {
   if (!run.regions.empty()) json["regions"] = region_list(run);
   std::string problem;
   if (comm.root()) {
+    errno = 0;
     std::ofstream file(run.folder + "/summary.json");
     file << json.dump(2) << "\n";
     // A full disk may show only when the file is closed.
     file.close();
-    if (!file) problem = "cannot write " + run.folder + "/summary.json";
+    if (!file)
+      problem = fmt::format("{}/summary.json: cannot be written ({})", run.folder,
+                            errno != 0 ? std::strerror(errno) : "no reason given");
   }
   comm.agree(problem);
 }

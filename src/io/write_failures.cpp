@@ -24,6 +24,13 @@ void note(const std::string& text) {
   if (noted().empty()) noted() = text;
 }
 
+// Open MPI does not hand on the system's reason, but leaves it behind; what MPI says itself is
+// worth less.
+bool is_known(int system_error) {
+  return system_error == ENOSPC || system_error == EFBIG || system_error == EDQUOT ||
+         system_error == EIO;
+}
+
 // What MPI says of an error, where the system left no reason.
 std::string words_of(int error) {
   char text[MPI_MAX_ERROR_STRING] = {};
@@ -40,10 +47,7 @@ void check_written(int result, int system_error, int count, MPI_Datatype type, M
   MPI_Type_size_x(type, &size);
   if (result == MPI_SUCCESS) MPI_Get_elements_x(status, MPI_BYTE, &written);
   if (result == MPI_SUCCESS && written == size * count) return;
-  // Open MPI does not hand on the system's reason, but leaves it behind.
-  const bool known = system_error == ENOSPC || system_error == EFBIG || system_error == EDQUOT ||
-                     system_error == EIO;
-  note(known                   ? std::strerror(system_error)
+  note(is_known(system_error)  ? std::strerror(system_error)
        : result != MPI_SUCCESS ? words_of(result)
                                : "only a part was written; is the disk full?");
   MPI_Status_set_elements_x(status, type, count);
@@ -64,8 +68,11 @@ int written_at(decltype(&PMPI_File_write_at) write, MPI_File file, MPI_Offset of
 }
 
 // For calls that write no data but may fail for want of space.
-int noted_result(int result) {
-  if (result != MPI_SUCCESS) note(words_of(result));
+template <class... Args>
+int noted_call(int (*call)(MPI_File, Args...), MPI_File file, Args... arguments) {
+  errno = 0;
+  const int result = call(file, arguments...);
+  if (result != MPI_SUCCESS) note(is_known(errno) ? std::strerror(errno) : words_of(result));
   return MPI_SUCCESS;
 }
 
@@ -84,9 +91,9 @@ int MPI_File_write_at_all(MPI_File file, MPI_Offset offset, const void* data, in
 }
 
 int MPI_File_set_size(MPI_File file, MPI_Offset size) {
-  return trackbed::io::noted_result(PMPI_File_set_size(file, size));
+  return trackbed::io::noted_call(PMPI_File_set_size, file, size);
 }
 
-int MPI_File_sync(MPI_File file) { return trackbed::io::noted_result(PMPI_File_sync(file)); }
+int MPI_File_sync(MPI_File file) { return trackbed::io::noted_call(PMPI_File_sync, file); }
 
 }  // extern "C"

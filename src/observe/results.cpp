@@ -5,7 +5,9 @@
 // reader opens, and hours of histories with it. SWMR, its answer, does not work with parallel
 // files.
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 
@@ -168,16 +170,36 @@ void Results::Room::take_name(const std::string& part) {
   comm.agree(error ? path + ": cannot be replaced (" + error.message() + ")" : "");
 }
 
-// copy_file keeps to rank 0 and the file system; ranks open the copy together. The old file stays
-// valid until the rename, which replaces it at one instant (POSIX).
+namespace {
+
+// Why `from` could not be copied, or nothing. On rank 0.
+// The library says "Input/output error" of a full disk, but leaves the system's reason behind.
+std::string copied(const std::string& from, const std::string& to) {
+  std::error_code error;
+  errno = 0;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (!error) return "";
+  const bool known = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
+  return to + ": cannot be written (" + (known ? std::strerror(errno) : error.message()) + ")";
+}
+
+}  // namespace
+
+// The copy keeps to rank 0 and the file system; ranks open it together. The old file stays valid
+// until the rename, which replaces it at one instant (POSIX). A copy that could not be finished
+// goes: what fills a disk must not stay there.
 void Results::Room::replace(const std::function<void(io::File&)>& change) {
   const std::string part = path + ".part";
-  std::error_code error;
-  if (comm.root()) fs::copy_file(path, part, fs::copy_options::overwrite_existing, error);
-  comm.agree(error ? part + ": cannot be written (" + error.message() + ")" : "");
-  io::File file(comm, part, io::Mode::append);
-  change(file);
-  file.close();
+  try {
+    comm.agree(comm.root() ? copied(path, part) : "");
+    io::File file(comm, part, io::Mode::append);
+    change(file);
+    file.close();
+  } catch (const RunError&) {  // the same on all ranks
+    std::error_code ignored;
+    if (comm.root()) fs::remove(part, ignored);
+    throw;
+  }
   take_name(part);
 }
 

@@ -6,6 +6,7 @@ codes of the other ways a run can end.
 """
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -230,6 +231,30 @@ def check_run_error(program, deck, folder):
     expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or say none", ran)
 
 
+def check_full_disk(path, deck, folder):
+    """A file that may not grow stands for a full disk: the system calls fail in the same places."""
+    place = folder / "full"
+
+    limit = 600_000  # bytes: more than a checkpoint, less than the histories of half a second
+    with subprocess.Popen([path, "run", deck, "stage.fill.duration=10000", "-o", place],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)) as run:
+        for line in run.stdout:
+            if line.startswith("stage fill:"):
+                break
+        # Only now: MPI itself begins with larger files.
+        resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (limit, limit))
+        out, err = run.communicate(timeout=120)
+    ran = subprocess.CompletedProcess(run.args, run.returncode, out, err)
+    expect(ran.returncode == 4, "a full disk must end with 4", ran)
+    good = place / (place / "latest").read_text(encoding="utf-8").strip()
+    for words in (f"{place}/results.h5.part: ", "(File too large)", f"last good checkpoint: {good}",
+                  f"go on with: trackbed resume {good}"):
+        expect(words in ran.stderr, f"a full disk must say {words}", ran)
+    expect(not list(place.glob("*.part")), "nothing half written may stay on a full disk", ran)
+    Program(path).done(1, "resume", good, "output.stop_after=5000", code=3)
+
+
 def check_signals(path, deck, folder):
     for number in (signal.SIGTERM, signal.SIGUSR1):
         place = folder / f"signal_{number}"
@@ -257,6 +282,7 @@ def main():
     check_library(program, deck, folder)
     check_other_models(program, deck, folder)
     check_run_error(program, deck, folder)
+    check_full_disk(sys.argv[1], deck, folder)
     check_signals(sys.argv[1], deck, folder)
 
 
