@@ -55,6 +55,29 @@ std::string joined_names(const std::vector<StageRecord>& records) {
   return names;
 }
 
+// Sentences as letters in a dataset: attributes of HDF5 are limited to 64 kB. Rank 0 brings them.
+// Collective.
+void save_warnings(const par::Comm& comm, io::File& file, const std::vector<std::string>& all) {
+  std::vector<std::uint8_t> letters;
+  for (const std::string& sentence : all) {
+    letters.insert(letters.end(), sentence.begin(), sentence.end());
+    letters.push_back('\n');
+  }
+  file.write<std::uint8_t>("run/warnings",
+                           std::span(letters).first(comm.root() ? letters.size() : 0), 1,
+                           {"-", "warnings of the run, UTF-8, each with a line feed"});
+}
+
+// Checkpoints of older versions have none. Collective.
+std::vector<std::string> load_warnings(const io::File& file) {
+  std::vector<std::string> all;
+  if (!file.has("run/warnings")) return all;
+  const auto letters = file.read_all<std::uint8_t>("run/warnings");
+  std::istringstream lines(std::string(letters.begin(), letters.end()));
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
+}
+
 // Vectors per node as rows; rank 0 holds them all.
 // The argument of the other ranks is not looked at. Collective.
 void write_nodes(const par::Comm& comm, io::File& file, const std::string& path,
@@ -186,6 +209,7 @@ void Simulation::save(io::File& file) {
                       "finished stages: time, duration, window, sub-steps, particles, bulk "
                       "density, wall time, aim (0 none, 1 missed, 2 reached), averaged pressure of "
                       "the platen (below 0: none), settlement in the last cycle (below 0: none)"});
+  save_warnings(comm_, file, course_.warnings);
   world_.particles.save(file, "particles");
   if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
@@ -208,6 +232,7 @@ void Simulation::load(const io::File& file) {
   course_.windows = counts.at(4);
   course_.done =
       unpack(file.text_attribute("/", "stages_done"), file.read_all<double>("run/stages"));
+  course_.warnings = load_warnings(file);
   world_.ground_settled = counts.at(6) != 0;
   world_.coupler.set_balance({balance.at(0), balance.at(1), balance.at(2), balance.at(3)});
   world_.particles.load(file, "particles");

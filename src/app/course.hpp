@@ -37,6 +37,7 @@ struct Course {
   Steps steps;               // of the stage
   std::int64_t windows = 0;  // of the whole run
   std::vector<StageRecord> done;
+  std::vector<std::string> warnings;  // of the whole run, a sentence each
 };
 
 }  // namespace trackbed::app

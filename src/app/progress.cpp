@@ -108,9 +108,7 @@ void Progress::line(const Course& course, const Model& model, const World& world
   last_line_ = wall, last_time_ = course.clock.time();
 }
 
-// A stage that ran out of time goes on to the next, with a warning: whether the bed is good enough
-// is the user's to judge, and the checkpoint of the stage is there.
-void Progress::stage_ends(const StageRecord& record, const std::string& shortfall) {
+void Progress::stage_ends(const StageRecord& record) {
   say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3{}, {:.1f} s of wall time\n",
       record.name, record.time, record.bulk_density,
       record.platen_pressure >= 0
@@ -120,10 +118,9 @@ void Progress::stage_ends(const StageRecord& record, const std::string& shortfal
   if (record.settlement >= 0)
     say(comm_, "    in the last cycle no sleeper went down by more than {:.3g} mm\n",
         1e3 * record.settlement);
-  if (!shortfall.empty())
-    say(comm_, "warning: stage {} ended after {:.4g} s without reaching its aim: {}\n", record.name,
-        record.duration, shortfall);
 }
+
+void Progress::warning(const std::string& sentence) { say(comm_, "warning: {}\n", sentence); }
 
 // imbalance: largest over mean of the ranks. Verbs in which ranks wait for each other (halo,
 // coupling) carry the imbalance of the others as time.

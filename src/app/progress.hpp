@@ -29,8 +29,8 @@ class Progress {
   void start(World& world, const Model& model, const std::string& name);
   void stage_begins(const Stage& stage, const Course& course, World& world);
   void line(const Course& course, const Model& model, const World& world);
-  // `shortfall`: what its aim lacks, for a warning; empty: nothing.
-  void stage_ends(const StageRecord& record, const std::string& shortfall);
+  void stage_ends(const StageRecord& record);
+  void warning(const std::string& sentence);
   void timer_table(const Timers& timers);
 
  private:

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/doubts.hpp"
 #include "app/interrupt.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
@@ -188,6 +189,7 @@ Outcome Simulation::run_stages() {
   }
   // The loop left it one beyond the end, where there is no stage to name.
   course_.stage = model_.stages.size() - 1;
+  for (const std::string& doubt : doubts_of_end(world_, stage().kind)) warn(doubt);
   write_summary(true);
   return Outcome::finished;
 }
@@ -245,11 +247,29 @@ void Simulation::end_stage() {
   const std::optional<std::string> shortfall = actions_.shortfall(stage());
   if (shortfall) record.aim = shortfall->empty() ? Aim::reached : Aim::missed;
   course_.done.push_back(record);
-  progress_.stage_ends(record, shortfall.value_or(""));
+  progress_.stage_ends(record);
+  judge(record, shortfall.value_or(""));
   actions_.end(stage());
   course_.begun = false;
   checkpoint("stage_" + stage().name + ".h5");
   ++course_.stage;
+}
+
+// A stage that ran out of time or missed its bed goes on to the next, with a warning: whether the
+// bed is good enough is the user's to judge, and the checkpoint of the stage is there.
+void Simulation::judge(const StageRecord& record, const std::string& shortfall) {
+  if (!shortfall.empty())
+    warn(fmt::format("stage {} ended after {:.4g} s without reaching its aim: {}", record.name,
+                     record.duration, shortfall));
+  if (stage().kind != StageKind::compact) return;
+  if (const std::string doubt = doubt_of_bed(world_); !doubt.empty())
+    warn(fmt::format("stage {}: {}", record.name, doubt));
+}
+
+// Said at once, and once more in summary.json. Local, but the same on all ranks.
+void Simulation::warn(const std::string& sentence) {
+  course_.warnings.push_back(sentence);
+  progress_.warning(sentence);
 }
 
 // The one agreement of a window: trouble anywhere, a wish to stop, a report due.

@@ -48,6 +48,8 @@ class Simulation {
   bool is_last_passage() const;
   void begin_stage();
   void end_stage();
+  void judge(const StageRecord& record, const std::string& shortfall);
+  void warn(const std::string& sentence);
   Outcome run_stages();
   Verdict agree();
   void observe();

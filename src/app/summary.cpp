@@ -225,6 +225,7 @@ void write_summary(const SummaryOf& run) {
                      {"imbalance_now", run.world.particles.imbalance()}};
   json["stages"] = stage_list(run.course);
   if (!run.regions.empty()) json["regions"] = region_list(run);
+  json["warnings"] = run.course.warnings;
   std::string problem;
   if (comm.root()) {
     errno = 0;

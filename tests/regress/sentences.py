@@ -15,7 +15,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
-from program import Program  # noqa: E402
+from program import Program, summary  # noqa: E402
 
 PROBLEMS = HERE / "problems.toml"
 # What each problem's sentence must hold besides file and line.
@@ -255,6 +255,28 @@ def check_full_disk(path, deck, folder):
     Program(path).done(1, "resume", good, "output.stop_after=5000", code=3)
 
 
+def check_doubts(program, deck, folder):
+    """A bed that is not the one asked for, and a track in ruins: warnings, here and in the summary,
+    that outlive a resume. A sound run has none."""
+    ruin = ("stage.load.load=2e5", "dem.largest_overlap=0.9")
+    cases = [((), []),
+             (("bed.porosity=0.1",), ["stage compact: the pressed bed is"]),
+             (("bed.porosity=0.6",), ["stage compact: the pressed bed is"]),
+             (("stage.compact.duration=0.01",), ["without reaching its aim", "the pressed bed is"]),
+             (ruin, ["without reaching its aim", "ballast: the bed does not carry it",
+                     "fly at the end"])]
+    for number, (changes, wanted) in enumerate(cases):
+        place = folder / f"doubts_{number}"
+        ran = program.done(1 + number % 2, "run", deck, *changes, "-o", place)
+        said = [line[len("warning: "):] for line in ran.stdout.splitlines()
+                if line.startswith("warning: ") and "ends before the last axle" not in line]
+        expect(said == summary(place)["warnings"], "the summary must hold what was said", ran)
+        expect(len(said) == len(wanted) and all(map(str.__contains__, said, wanted)),
+               f"{changes} must be worth {wanted}", ran)
+    program.done(1, "resume", place / "stage_load.h5")
+    expect(summary(place)["warnings"] == said, "warnings must outlive a resume", ran)
+
+
 def check_signals(path, deck, folder):
     for number in (signal.SIGTERM, signal.SIGUSR1):
         place = folder / f"signal_{number}"
@@ -282,6 +304,7 @@ def main():
     check_library(program, deck, folder)
     check_other_models(program, deck, folder)
     check_run_error(program, deck, folder)
+    check_doubts(program, deck, folder)
     check_full_disk(sys.argv[1], deck, folder)
     check_signals(sys.argv[1], deck, folder)
 

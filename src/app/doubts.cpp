@@ -1,0 +1,89 @@
+// Bounds here are no physics of their own: beyond them no track can be meant, within them nothing
+// is said. They are wide, since a warning that comes with sound runs is soon read no more.
+#include "app/doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double bed_tolerance = 0.1;  // of the height: beds of one kind differ by 5 % (quickstart)
+constexpr double far_sunk = 0.1;       // m: a third of a usual bed
+constexpr double fast = 3;             // m/s: as after a fall of half a metre
+
+// m^2, of the domain seen from above.
+double area_of(const dem::Domain& domain) {
+  const double width =
+      domain.dimension == Dimension::plane ? domain.thickness : domain.high.y() - domain.low.y();
+  return (domain.high.x() - domain.low.x()) * width;
+}
+
+// Own stones that are too fast or above the walls, which hold them at the ends of the bed.
+std::int64_t flying(const World& world) {
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < world.particles.size(); ++i) {
+    const dem::ParticleView stone = world.particles[i];
+    const bool high = world.wall_height > 0 && stone.position.z() > world.wall_height;
+    if (high || stone.velocity.norm() > fast) ++count;
+  }
+  return count;
+}
+
+// The sleeper that went down most, from where it was placed; all ranks hold all sleepers.
+std::string doubt_of_sleepers(const World& world) {
+  if (!world.sleepers || !world.sleepers->placed()) return {};
+  const track::Sleepers& sleepers = *world.sleepers;
+  std::size_t worst = 0;
+  const auto sunk = [&](std::size_t i) { return -sleepers.state(i).displacement.z(); };
+  for (std::size_t i = 0; i < sleepers.count(); ++i)
+    if (sunk(i) > sunk(worst)) worst = i;
+  const double ballast = sleepers.bottom();  // m: the bed begins at z = 0
+  if (!(sunk(worst) > std::min(far_sunk, ballast))) return {};
+  return fmt::format(
+      "the sleeper at x = {:g} m has gone down by {:.3g} mm since it was placed on {:.3g} mm of "
+      "ballast: the bed does not carry it, and what was computed since is of little worth",
+      sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
+}
+
+}  // namespace
+
+// With V the volume of all stones, m^3, A the area and z the height below the plate,
+//   n = 1 - V/(A z),   asked: z = V/(A (1 - n_deck)).
+// The platen and the ground touch single stones only: half a stone's width of the height may be
+// voids that no bed has in its middle.
+std::string doubt_of_bed(const World& world) {
+  const Model& model = world.model;
+  const int number = model.material(model.bed.material);
+  const double level = world.mean_ground_level();
+  const double mass = world.particles.totals().mass;
+  if (!world.platen || number < 0 || mass <= 0) return {};
+  const double area = area_of(world.particles.domain());
+  const double volume = mass / model.physics.materials[static_cast<std::size_t>(number)].density;
+  const double height = world.platen->z() - level;
+  const double asked = volume / (area * (1 - model.bed.porosity));
+  const double voids_at_faces = 0.5e-3 * model.bed.sieve.back();  // m, sieves are in mm
+  if (height >= (1 - bed_tolerance) * asked &&
+      height <= (1 + bed_tolerance) * asked + voids_at_faces)
+    return {};
+  return fmt::format(
+      "the pressed bed is {:.3g} m high with a porosity of {:.2f}; bed.porosity = {:g} would make "
+      "it {:.3g} m (bed.height = {:g} m)",
+      height, 1 - volume / (area * height), model.bed.porosity, asked, model.bed.height);
+}
+
+// While stones fall from above, as in fill and cribs, they are fast and that is meant.
+std::vector<std::string> doubts_of_end(const World& world, StageKind last) {
+  std::vector<std::string> doubts;
+  if (const std::string doubt = doubt_of_sleepers(world); !doubt.empty()) doubts.push_back(doubt);
+  const std::int64_t stones = world.comm.sum(flying(world));
+  if (stones > 0 && last != StageKind::fill && last != StageKind::cribs)
+    doubts.push_back(fmt::format("{} stone{} at the end: faster than {:g} m/s or above the walls",
+                                 stones, stones > 1 ? "s fly" : " flies", fast));
+  return doubts;
+}
+
+}  // namespace trackbed::app
