@@ -5,6 +5,7 @@
 // 2002, doi:10.1016/S0168-9274(01)00115-5.) All calls are collective.
 #include "linear_system.hpp"
 
+#include <fmt/format.h>
 #include <petscksp.h>
 
 #include <array>
@@ -29,7 +30,8 @@ bool suggest(const std::string& name, const char* value) {
                               &given),
         "read its options");
   if (given == PETSC_TRUE) return std::string(word.data()) == value;
-  check(PetscOptionsSetValue(nullptr, ("-" + (prefix + name)).c_str(), value), "set an option");
+  check(PetscOptionsSetValue(nullptr, fmt::format("-{}{}", prefix, name).c_str(), value),
+        "set an option");
   return true;
 }
 
