@@ -311,8 +311,52 @@ def overview(runs):
     return figure
 
 
+def regions(runs):
+    """What was measured in the deck's regions over the run; of several cells the mean."""
+    needs(all(run.regions for run in runs), "the deck has no region")
+    shown = (("porosity", "porosity", 1.0), ("coordination", "partners of a stone", 1.0),
+             ("stress", "vertical compression (kPa)", -1e-3))
+    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
+    for run, style in zip(runs, ("-", "--")):
+        for number, (name, region) in enumerate(run.regions.items()):
+            for panel, (quantity, label, factor) in zip(panels, shown):
+                values = region[quantity].values
+                values = values[:, :, 2] if values.ndim == 3 else values
+                panel.plot(run.time, factor * values.mean(axis=1), style, lw=1,
+                           color=f"C{number}", label=f"{run.name}: {name}")
+                panel.set_ylabel(label)
+        for begin in run.time[1:][np.diff(run.stage) != 0]:
+            for panel in panels:
+                panel.axvline(begin, color="0.4", lw=0.6, ls=":")
+    for panel in panels:
+        panel.grid(alpha=0.3)
+    panels[0].legend(fontsize=8)
+    panels[0].set_title("Stones in the regions of the deck (dotted: a stage begins)", fontsize=10)
+    panels[-1].set_xlabel("simulated time (s)")
+    return figure
+
+
+def forces(runs):
+    """How contact forces are spread about their mean at the end of the last stage."""
+    needs(all(run.chains for run in runs), "no contact forces")
+    figure, panel = plt.subplots(figsize=(7, 5))
+    for run, colour in zip(runs, COLOURS):
+        stage, chains = list(run.chains.items())[-1]
+        shares, density = measures.force_distribution(chains.force)
+        panel.plot(shares, density, "o-", ms=3, lw=1, color=colour,
+                   label=f"{run.name}, end of {stage}: {len(chains.force)} contacts, mean "
+                         f"{chains.force.mean():.3g} N")
+    panel.set_yscale("log")
+    panel.set_xlabel("contact force over mean contact force")
+    panel.set_ylabel("probability density")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
-           "spectrum": spectra, "force_chains": force_chains, "energy": energy}
+           "spectrum": spectra, "force_chains": force_chains, "energy": energy,
+           "regions": regions, "forces": forces}
 
 
 def draw_all(runs, folder):
@@ -329,7 +373,8 @@ def draw_all(runs, folder):
         paths.append(folder / f"{name}.png")
         figure.savefig(paths[-1], dpi=130)
         plt.close(figure)
-    (folder / "table.txt").write_text(measures.table(runs), encoding="utf-8")
+    text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
+    (folder / "table.txt").write_text(text, encoding="utf-8")
     return paths
 
 

@@ -284,3 +284,46 @@ def effect(first, second):
         lines.append(f"stress jump: {change:+.0%} of the stress at the edge: "
                      f"{_verdict(change, -1)}")
     return lines
+
+
+REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("partners of a stone", "-"),
+               ("mean contact force", "N"), ("compression xx", "kPa"), ("compression yy", "kPa"),
+               ("compression zz", "kPa"), ("fabric zz", "-"))
+
+
+def region_numbers(region, row):
+    """REGION_ROWS of one region at one row of the histories; of several cells the mean, weighted by
+    what each mean counts."""
+    def weighted(quantity, weight):
+        values, counts = region[quantity].values[row], region[weight].values[row]
+        total = counts.sum()
+        return (counts @ values) / total if total else 0 * values[0]
+    solid = 1 - region["porosity"].values[row].mean()
+    stress = -region["stress"].values[row].mean(axis=0) / 1e3
+    return [(1 - solid) / solid if solid else NOWHERE, region["bulk_density"].values[row].mean(),
+            weighted("coordination", "stones"), weighted("contact_force", "contacts"),
+            *stress[:3], weighted("fabric", "contacts")[2]]
+
+
+def region_table(run):
+    """Text: what the regions of the deck held at the end of each stage; empty without regions."""
+    if not run.regions:
+        return ""
+    ends = np.append(np.flatnonzero(np.diff(run.stage)), len(run.stage) - 1)
+    names = [stage["name"] for stage in run.deck["stage"]]
+    lines = ["", f"regions of {run.name} at the end of stages"]
+    for name, region in run.regions.items():
+        lines.append(f"{name:<32}" + "".join(f"{names[run.stage[end]]:>12}" for end in ends))
+        columns = [region_numbers(region, end) for end in ends]
+        for number, (label, unit) in enumerate(REGION_ROWS):
+            lines.append(f"  {label:<22}{unit:>8}"
+                         + "".join(f"{column[number]:12.4g}" for column in columns))
+    return "\n".join(lines) + "\n"
+
+
+def force_distribution(force, bins=24, largest=8):
+    """Middles of bins of force over mean force up to `largest`, and the probability density."""
+    share = force / force.mean()
+    density, edges = np.histogram(share, bins=bins, range=(0, largest))
+    width = edges[1] - edges[0]
+    return (edges[1:] + edges[:-1]) / 2, density / (len(share) * width)

@@ -54,6 +54,7 @@ class Results:
     sleeper: dict
     ground: dict
     energy: dict
+    regions: dict  # of each its histories; [time, cell], tensors [time, cell, 6]
     sleeper_envelope: dict
     ground_envelope: dict
     chains: dict
@@ -104,6 +105,18 @@ def _quantities(file, group):
         if group in file else {}
 
 
+def _regions(file):
+    """Histories of each region as [time, cell], of tensors [time, cell, 6]."""
+    found = {}
+    for name, group in (file["history/region"].items() if "history/region" in file else ()):
+        found[name] = {}
+        for figure, flat in _quantities(file, group.name).items():
+            parts = (6,) if figure in ("stress", "fabric") else ()
+            found[name][figure] = dataclasses.replace(
+                flat, values=flat.values.reshape(len(flat.values), -1, *parts))
+    return found
+
+
 def _in_order(names, deck):
     """Names of stages as the deck orders them; HDF5 lists them by alphabet."""
     order = [stage.get("name") for stage in deck.get("stage", [])]
@@ -150,6 +163,7 @@ def _results(file_path, file):
         sleeper=_quantities(file, "history/sleeper"),
         ground=_quantities(file, "history/ground"),
         energy=_quantities(file, "history/energy"),
+        regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),
         ground_envelope=_quantities(file, "envelope/ground"),
         chains={name: Chains(stages[name]["segments"][()].reshape(-1, 4),

@@ -62,6 +62,13 @@ def histories(time, x):
     }
 
 
+# Two cells: the first with three times the stones of the second.
+REGION = {"porosity": (0.4, 0.5), "bulk_density": (1500.0, 1300.0), "stones": (30.0, 10.0),
+          "coordination": (6.0, 4.0), "contacts": (90.0, 20.0), "contact_force": (100.0, 45.0),
+          "stress": ([[-1e3, -2e3, -9e3, 0, 0, 0]], [[-1e3, -2e3, -7e3, 0, 0, 0]]),
+          "fabric": ([[0.3, 0.3, 0.4, 0, 0, 0]], [[0.2, 0.2, 0.6, 0, 0, 0]])}
+
+
 def write(folder, wedge=True, ground=True):
     """Writes folder/results.h5 and returns the folder."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -82,6 +89,9 @@ def write(folder, wedge=True, ground=True):
             put(f"history/sleeper/{name}", values, unit)
         for name, scale in (("kinetic", 1e-3), ("potential", 100.0), ("elastic", 2.0)):
             put(f"history/energy/{name}", scale * (1 + np.sin(time)), "J")
+        for name, one in REGION.items():
+            put(f"history/region/slab/{name}", np.concatenate(
+                [np.atleast_2d(value) * np.ones((len(time), 1)) for value in one], axis=1))
         put("envelope/sleeper/displacement_min", -1e-3 * np.ones(len(x)), "m")
         put("envelope/sleeper/displacement_max", 1e-3 * np.ones(len(x)), "m")
         put("envelope/sleeper/acceleration_max", 53.0 * np.ones(len(x)), "m/s^2")

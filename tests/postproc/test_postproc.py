@@ -345,6 +345,32 @@ def test_energy_has_one_zero_for_the_potential(runs):
     figures.plt.close("all")
 
 
+def test_cells_of_a_region_count_by_what_they_hold(runs):
+    run = runs[0]
+    assert run.regions["slab"]["stress"].values.shape == (len(run.time), 2, 6)
+    numbers = dict(zip((label for label, _ in measures.REGION_ROWS),
+                       measures.region_numbers(run.regions["slab"], -1)))
+    assert numbers["void ratio"] == pytest.approx(0.45 / 0.55)
+    assert numbers["bulk density"] == pytest.approx(1400)
+    assert numbers["partners of a stone"] == pytest.approx((30 * 6 + 10 * 4) / 40)
+    assert numbers["mean contact force"] == pytest.approx((90 * 100 + 20 * 45) / 110)
+    assert numbers["compression zz"] == pytest.approx(8)
+    assert numbers["fabric zz"] == pytest.approx((90 * 0.4 + 20 * 0.6) / 110)
+    text = measures.region_table(run)
+    assert "slab" in text and "void ratio" in text and "0.8182" in text
+    lines = figures.regions(runs[:1]).axes[2].lines
+    assert lines[0].get_ydata()[0] == pytest.approx(8)
+    figures.plt.close("all")
+
+
+def test_force_distribution_is_a_density():
+    force = np.random.default_rng(1).exponential(20.0, 200000)
+    share, density = measures.force_distribution(force)
+    assert np.sum(density) * (share[1] - share[0]) == pytest.approx(1, abs=2e-3)
+    few = density > 0.01
+    assert density[few] == pytest.approx(np.exp(-share[few]), rel=0.08)
+
+
 def test_structure_and_wedge_have_different_shades(runs):
     shades = {patch.get_facecolor() for patch in figures.stress(runs).axes[0].patches}
     assert len(shades) == 2
@@ -360,7 +386,7 @@ def test_chains_are_as_thick_as_their_force(runs):
 def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
     run = read.results(made.write(tmp_path / "bed", ground=False))
     paths = figures.draw_all([run], tmp_path)
-    assert {"sleepers", "spectrum", "energy", "force_chains"} == {path.stem for path in paths}
+    assert {"sleepers", "spectrum", "energy", "force_chains", "regions", "forces"} == {path.stem for path in paths}
     assert "envelope.png is left out: no ground" in capsys.readouterr().out
 
 
