@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace trackbed::app {
@@ -192,6 +193,15 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
                      "({})",
                      where),
          {.weight = input::Weight::warning, .reads = reads});
+  // A bed that is loaded at one instant rings.
+  constexpr double unnoticed = 0.02;  // of the peak, what `duration` leaves behind the last axle
+  const double jump = track::SeatLoad(load, sleepers.spacing).at(sleepers.first, 0) / load.peak;
+  s.rule(
+      "load.start", load.start - lead > sleepers.first || std::abs(jump) <= unnoticed,
+      fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
+                  "further away ({})",
+                  jump, where),
+      {.weight = input::Weight::warning, .reads = reads});
   s.rule(duration, load.start - rear + way >= last,
          fmt::format("ends before the last axle has passed the last sleeper ({})", where),
          {.weight = input::Weight::warning, .reads = reads});

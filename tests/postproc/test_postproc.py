@@ -386,7 +386,8 @@ def test_chains_are_as_thick_as_their_force(runs):
 def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
     run = read.results(made.write(tmp_path / "bed", ground=False))
     paths = figures.draw_all([run], tmp_path)
-    assert {"sleepers", "spectrum", "energy", "force_chains", "regions", "forces"} == {path.stem for path in paths}
+    assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
+                                             "regions", "forces"}
     assert "envelope.png is left out: no ground" in capsys.readouterr().out
 
 
