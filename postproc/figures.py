@@ -354,9 +354,33 @@ def forces(runs):
     return figure
 
 
+def grading(runs):
+    """The sieve curve of the stones at the end of the last stage, as asked for and allowed."""
+    needs(all(run.stones for run in runs), "no stones")
+    figure, panel = plt.subplots(figsize=(7, 5))
+    for run, colour in zip(runs, COLOURS):
+        stage, stones = list(run.stones.items())[-1]
+        sizes = np.sort(stones.sieved[:, 0])
+        panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
+                   label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
+    opening, asked, least, most = runs[0].grading.T
+    panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
+    if np.any(least < most):
+        panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
+                           label=f"limits of {runs[0].deck['bed']['grading']}")
+    panel.set_xscale("log")
+    panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
+    panel.minorticks_off()
+    panel.set_xlabel("sieve (mm)")
+    panel.set_ylabel("passing (% of mass)")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           "regions": regions, "forces": forces}
+           "regions": regions, "forces": forces, "grading": grading}
 
 
 def draw_all(runs, folder):

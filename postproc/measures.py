@@ -321,6 +321,12 @@ def region_table(run):
     return "\n".join(lines) + "\n"
 
 
+def passing(sieved, openings):
+    """Per cent of the mass of stones (rows of opening and mass) that passes each opening, m."""
+    below = sieved[:, 0, None] <= np.asarray(openings) * (1 + TINY)
+    return 100 * sieved[:, 1] @ below / sieved[:, 1].sum()
+
+
 def force_distribution(force, bins=24, largest=8):
     """Middles of bins of force over mean force up to `largest`, and the probability density."""
     share = force / force.mean()

@@ -35,9 +35,11 @@ class Chains:
 
 @dataclasses.dataclass(frozen=True)
 class Stones:
-    """Pieces of stones at the end of a stage: centres (x, z) and radii, m."""
+    """Pieces of stones at the end of a stage: centres (x, z) and radii, m; and of each stone the
+    smallest opening it passes, m, and its mass, kg."""
     centre: np.ndarray
     radius: np.ndarray
+    sieved: np.ndarray
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,6 +56,7 @@ class Results:
     sleeper: dict
     ground: dict
     energy: dict
+    grading: np.ndarray  # per sieve: opening, m; passing as asked, least and most, %
     regions: dict  # of each its histories; [time, cell], tensors [time, cell, 6]
     sleeper_envelope: dict
     ground_envelope: dict
@@ -163,6 +166,7 @@ def _results(file_path, file):
         sleeper=_quantities(file, "history/sleeper"),
         ground=_quantities(file, "history/ground"),
         energy=_quantities(file, "history/energy"),
+        grading=_array(file, "bed/grading").reshape(-1, 4),
         regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),
         ground_envelope=_quantities(file, "envelope/ground"),
@@ -170,7 +174,8 @@ def _results(file_path, file):
                              stages[name]["force"][()])
                 for name in _in_order(stages, deck)},
         stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
-                             stone_stages[name]["radius"][()])
+                             stone_stages[name]["radius"][()],
+                             stone_stages[name]["sieved"][()].reshape(-1, 2))
                 for name in _in_order(stone_stages, deck)})
 
 

@@ -43,7 +43,10 @@ Simulation::Simulation(const par::Comm& comm, const Model& model, const input::D
       folder_(folder),
       world_(comm, model),
       actions_(world_, model),
-      results_(comm, folder + "/results.h5", {.deck = effective_deck(model), .version = version()}),
+      results_(comm, folder + "/results.h5",
+               {.deck = effective_deck(model),
+                .version = version(),
+                .grading = model.bed.grading_table()}),
       progress_(comm) {
   world_.particles.time_with(timers_);
 }

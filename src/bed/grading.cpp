@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trackbed/bed/bed.hpp"
+
 namespace trackbed::bed {
 
 namespace {
@@ -18,6 +20,25 @@ std::size_t class_of(const std::vector<double>& table, double value) {
 }
 
 }  // namespace
+
+const GradingLimits& limits_of(GradingKind kind) {
+  static const GradingLimits none,
+      en13450_a{{22.4, 31.5, 40, 50, 63}, {0, 1, 30, 70, 100}, {3, 25, 65, 99, 100}},
+      china_first{{16, 25, 35.5, 45, 56, 63}, {0, 5, 25, 55, 92, 97}, {5, 15, 40, 75, 97, 100}},
+      as2758_60{{13.2, 19, 26.5, 37.5, 53, 63}, {0, 0, 0, 20, 85, 100}, {2, 5, 20, 65, 100, 100}};
+  switch (kind) {
+    case GradingKind::custom:
+      return none;
+    case GradingKind::en13450_a:
+    case GradingKind::china_special:
+      return en13450_a;
+    case GradingKind::china_first:
+      return china_first;
+    case GradingKind::as2758_60:
+      return as2758_60;
+  }
+  return none;
+}
 
 //   N_k = p_k (a^-D - b^-D)/(D log(b/a)),   p_k = P(b) - P(a)
 // per unit of mass of s^D; sieves in m, P from 0 to 1. From dN = dP/s^D with dP = p_k

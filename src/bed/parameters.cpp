@@ -22,6 +22,39 @@ bool is_range(const std::vector<double>& values) {
   return values.size() == 2 && values[0] < values[1];
 }
 
+// The middle between the limits, from nothing on the finest sieve to all on the coarsest.
+std::vector<double> middle_of(const GradingLimits& limits) {
+  std::vector<double> passing;
+  for (std::size_t k = 0; k < limits.sieve.size(); ++k)
+    passing.push_back((limits.low[k] + limits.high[k]) / 2);
+  passing.front() = 0, passing.back() = 100;
+  return passing;
+}
+
+// A named grading sets what the deck does not; other sieves than its own have no limits.
+void declare_standard(BedParameters& bed, input::Section& s) {
+  s.choice("grading", bed.grading,
+           {"custom", "en13450_a", "china_special", "china_first", "as2758_60"},
+           "Limits of a standard: its sieves, and the middle of its limits if `passing` is not "
+           "given; custom: `sieve` and `passing` as they are.");
+  const GradingLimits& limits = limits_of(bed.grading);
+  if (limits.sieve.empty()) return;
+  bed.sieve = limits.sieve, bed.passing = middle_of(limits);
+}
+
+void declare_limits(const BedParameters& bed, input::Section& s) {
+  const GradingLimits& limits = limits_of(bed.grading);
+  if (limits.sieve.empty()) return;
+  s.rule("sieve", bed.sieve == limits.sieve, "is given by the grading; leave it out",
+         {.reads = {"grading", "sieve"}});
+  if (bed.sieve != limits.sieve || bed.passing.size() != limits.sieve.size()) return;
+  for (std::size_t k = 0; k < limits.sieve.size(); ++k)
+    s.rule("passing", limits.low[k] <= bed.passing[k] && bed.passing[k] <= limits.high[k],
+           fmt::format("is {:g} % at {:g} mm, where the grading allows {:g} to {:g} %",
+                       bed.passing[k], limits.sieve[k], limits.low[k], limits.high[k]),
+           {.weight = input::Weight::warning, .reads = {"grading", "sieve", "passing"}});
+}
+
 // As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(BedParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0},
@@ -92,9 +125,22 @@ void BedParameters::declare(input::Section& s) {
   s.integer("seed", seed, {.at_least = 0}, "Another seed makes another bed of the same kind.");
   s.rule("x", is_range(x), "must rise");
   s.rule("y", is_range(y), "must rise");
+  declare_standard(*this, s);
   declare_grading(*this, s);
+  declare_limits(*this, s);
   declare_shape(*this, s);
   s.table("polyhedron", polyhedron, "Irregular stones in space: polyhedra, compound, clump.");
+}
+
+std::vector<double> BedParameters::grading_table() const {
+  const GradingLimits& limits = limits_of(grading);
+  std::vector<double> table;
+  for (std::size_t k = 0; k < sieve.size(); ++k) {
+    const bool custom = limits.sieve.empty();
+    table.insert(table.end(), {1e-3 * sieve[k], passing[k], custom ? passing[k] : limits.low[k],
+                               custom ? passing[k] : limits.high[k]});
+  }
+  return table;
 }
 
 void PlatenParameters::declare(input::Section& s) {

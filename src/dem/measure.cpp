@@ -26,6 +26,7 @@ ParticleView Particles::operator[](std::size_t b) const {
           s.scale[b],
           s.v[b].w,
           mass_of(room_->shapes[s.shape[b]], s.scale[b], 1, room_->domain),
+          room_->shapes[s.shape[b]].sieve * s.scale[b],
           s.x[b].vec3(),
           s.v[b].vec3(),
           q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),

@@ -155,6 +155,11 @@ void Results::Room::put_head(io::File& file) {
   file.attribute("/", "version", about.version);
   file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
   file.attribute("/", "deck", about.deck);
+  if (!about.grading.empty())
+    file.write<double>(
+        "bed/grading",
+        std::span<const double>(about.grading).first(comm.root() ? about.grading.size() : 0), 4,
+        {"m, %", "per sieve: opening; passing by mass as asked, least and most"});
 }
 
 // Replaces what is there: prepare_folder has asked before. Collective.

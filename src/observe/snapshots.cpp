@@ -87,6 +87,11 @@ io::Grid contact_lines(const dem::Particles& particles) {
 void Results::snapshot(const std::string& stage, const Scene& scene) {
   const Network network = network_of(scene.particles);
   const Stones stones = stones_of(scene.particles);
+  std::vector<double> sieved;
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    const dem::ParticleView stone = scene.particles[i];
+    sieved.insert(sieved.end(), {stone.size, stone.mass});
+  }
   room_->replace([&](io::File& file) {
     // One group per stage: a deck has no two stages of one name.
     const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
@@ -94,6 +99,8 @@ void Results::snapshot(const std::string& stage, const Scene& scene) {
                        {"m", "x and z of the two ends of each contact"});
     file.write<double>(chains + "/force", network.force, 1, {"N", "size of its force"});
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
+    file.write<double>(pebbles + "/sieved", sieved, 2,
+                       {"m, kg", "of each stone: smallest opening it passes, and mass"});
     file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
   });
 }

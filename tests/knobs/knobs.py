@@ -77,6 +77,7 @@ KNOBS = {
     "bed.height": ("bed.height=0.1", []),
     "bed.porosity": ("bed.porosity=0.5", []),
     "bed.seed": ("bed.seed=2", []),
+    "bed.grading": ("bed.grading=china_first", ["bed.pebble_radius=0.005"]),
     "bed.sieve": ("bed.sieve=[45, 63]", []),
     "bed.passing": ("bed.passing=[0, 50, 100]", ["bed.sieve=[45, 50, 63]",
                                                  "bed.passing=[0, 20, 100]"]),

@@ -4,6 +4,8 @@ import numpy as np
 
 SPEED, AXLES, EDGE = 20.0, (0.0, 2.5, 8.0, 10.5), 2.0  # m/s, m, m: v/L_c 2.5 Hz, v/L_w 8 Hz
 DECK = """
+[bed]
+grading = "custom"
 [load]
 speed = {speed}
 axles = {axles}
@@ -69,6 +71,10 @@ REGION = {"porosity": (0.4, 0.5), "bulk_density": (1500.0, 1300.0), "stones": (3
           "fabric": ([[0.3, 0.3, 0.4, 0, 0, 0]], [[0.2, 0.2, 0.6, 0, 0, 0]])}
 
 
+SIEVED = np.array([[0.03, 1.0], [0.04, 3.0]])
+GRADING = np.array([[0.0224, 0, 0, 3], [0.035, 20, 10, 30], [0.063, 100, 100, 100]])
+
+
 def write(folder, wedge=True, ground=True):
     """Writes folder/results.h5 and returns the folder."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -104,4 +110,6 @@ def write(folder, wedge=True, ground=True):
         put("chains/load/force", np.array([100.0, 900.0]), "N")
         put("stones/load/centre", chains[:, :2], "m")
         put("stones/load/radius", np.array([0.03, 0.02]), "m")
+        put("stones/load/sieved", SIEVED, "m, kg")
+        put("bed/grading", GRADING, "m, %")
     return folder

@@ -363,6 +363,16 @@ def test_cells_of_a_region_count_by_what_they_hold(runs):
     figures.plt.close("all")
 
 
+def test_grading_is_by_mass(runs):
+    found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
+    assert found == pytest.approx([0, 25, 25, 100])
+    axes = figures.grading(runs[:1]).axes[0]
+    built, asked = axes.lines
+    assert built.get_ydata() == pytest.approx([25, 100])
+    assert asked.get_ydata() == pytest.approx([0, 20, 100])
+    figures.plt.close("all")
+
+
 def test_force_distribution_is_a_density():
     force = np.random.default_rng(1).exponential(20.0, 200000)
     share, density = measures.force_distribution(force)
@@ -387,7 +397,7 @@ def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
     run = read.results(made.write(tmp_path / "bed", ground=False))
     paths = figures.draw_all([run], tmp_path)
     assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
-                                             "regions", "forces"}
+                                             "regions", "forces", "grading"}
     assert "envelope.png is left out: no ground" in capsys.readouterr().out
 
 

@@ -20,6 +20,17 @@ namespace trackbed::bed {
 // polyhedra; the same in convex pieces; those of a file.
 enum class StoneKind { disk, pebbles, clump, polyhedra, compound, library };
 
+// Standards whose limits are known; custom: the deck gives sieves and passing.
+enum class GradingKind { custom, en13450_a, china_special, china_first, as2758_60 };
+
+// Per cent of the mass that may pass each sieve; empty for custom.
+// EN 13450:2002, category A, and the Chinese special class, which has the same limits; Chinese
+// first class for new lines; AS 2758.7 nominal 60, as remembered, not read in the standard.
+struct GradingLimits {
+  std::vector<double> sieve, low, high;  // mm, %, %
+};
+const GradingLimits& limits_of(GradingKind kind);
+
 // Irregular convex stones in space; see geom::StoneShape.
 struct PolyhedronParameters {
   std::int64_t vertices = 24;
@@ -37,6 +48,7 @@ struct BedParameters {
   std::vector<double> y = {-0.5, 0.5};  // m, space models
   double height = 0.5;    // m, wanted after compaction (bulk area/volume is set by it)
   double porosity = 0.4;  // expected after compaction, sets the number of stones
+  GradingKind grading = GradingKind::custom;
   std::vector<double> sieve = {22.4, 31.5, 40, 50, 63};  // mm, linear in log(size) in between
   std::vector<double> passing = {0, 13, 47.5, 85, 100};  // per cent by mass
   double pebble_radius = 0.004;                          // m, of the disks of a plane stone
@@ -48,6 +60,8 @@ struct BedParameters {
   std::string library;  // file of shapes (library.hpp)
   std::int64_t seed = 1;
   void declare(input::Section& s);
+  // Opening in m, passing as asked, lowest and highest allowed in % (custom: as asked), per sieve.
+  std::vector<double> grading_table() const;
 };
 
 // Adds templates and loose columns of stones that do not overlap above z = 0 to `particles`, ids

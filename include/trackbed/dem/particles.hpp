@@ -58,6 +58,7 @@ struct ParticleView {
   int shape, material;
   double scale, mass;
   double volume;                                 // m^3
+  double size;                                   // m, smallest opening it passes
   Vec3 position, velocity, spin, force, torque;  // force without gravity
   Quat attitude;
 };

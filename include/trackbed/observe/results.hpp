@@ -34,6 +34,8 @@ struct Instant {
 struct About {
   std::string deck;     // the effective input
   std::string version;  // of the program
+  // Per sieve: opening (m), passing as asked, lowest and highest allowed (%).
+  std::vector<double> grading{};
 };
 
 // Ground nodes that are watched: along the top, at one face (plane) or nearest the centre line,

@@ -9,6 +9,7 @@
 #include "bed/mix.hpp"
 #include "bed/shapes.hpp"
 #include "trackbed/core/error.hpp"
+#include "unit/bed/rules.hpp"
 
 namespace trackbed::bed {
 namespace {
@@ -96,6 +97,29 @@ TEST(Grading, EmptyClassesAreSkipped) {
   for (std::uint64_t i = 0; i < many; ++i) {
     const double size = mix.draw(i, many).scale;
     EXPECT_TRUE((size >= 0.02 && size <= 0.03) || (size >= 0.04 && size <= 0.05)) << size;
+  }
+}
+
+// What is built keeps the limits of the standard at every sieve.
+TEST(Grading, StandardsKeepTheirLimits) {
+  for (const GradingKind kind : {GradingKind::en13450_a, GradingKind::china_special,
+                                 GradingKind::china_first, GradingKind::as2758_60}) {
+    BedParameters bed;
+    bed.stone = StoneKind::disk;
+    bed.grading = kind;
+    BrokenRules rules;
+    bed.declare(rules);  // sets sieves and passing
+    EXPECT_EQ(BrokenRules::of(bed), std::set<std::string>{});
+    const GradingLimits& limits = limits_of(kind);
+    ASSERT_EQ(bed.sieve, limits.sieve);
+    const Mix mix(bed, Dimension::space);
+    for (std::size_t k = 0; k < limits.sieve.size(); ++k) {
+      const double passes = passing(mix, 1e-3 * limits.sieve[k], 3);
+      EXPECT_NEAR(passes, bed.passing[k], 0.05);
+      EXPECT_GE(passes, limits.low[k] - 0.05) << limits.sieve[k] << " mm";
+      EXPECT_LE(passes, limits.high[k] + 0.05) << limits.sieve[k] << " mm";
+      EXPECT_EQ(bed.grading_table()[4 * k + 2], limits.low[k]);
+    }
   }
 }
 
