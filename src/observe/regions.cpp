@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "trackbed/core/exact_sum.hpp"
@@ -313,6 +314,10 @@ void Region::declare(input::Section& s) {
   const bool whole =
       std::all_of(cells.begin(), cells.end(), [](double n) { return n == std::floor(n); });
   s.rule("cells", whole, "must be whole numbers");
+  // Each cell has 18 numbers in every row of the histories.
+  constexpr double most = 1e4;
+  s.rule("cells", std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>()) <= most,
+         fmt::format("must be at most {:g} in all", most));
 }
 
 std::vector<Measured> measure(const par::Comm& comm, const dem::Particles& particles,

@@ -60,6 +60,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "region.below.x=[3,4]": "lies beside the bed (bed.x: 0 to 1.2 m)",
            "region.below.z=[0.1,0.1]": "must rise",
            "region.below.cells=[1.5,1,1]": "must be whole numbers",
+           "region.below.cells=[1000,1,11]": "must be at most 10000 in all",
            "region.below.name=a/b": "must be a word without /"}
 WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "material.0.density=2.65": "is its unit right?",

@@ -156,6 +156,26 @@ TEST(Regions, ASphereTakesItsPartOfABranch) {
   EXPECT_NEAR(m.fabric[3], along.x() * along.y(), rounding);
 }
 
+// One sphere may hold a force chain or none; over all places in a cell of the lattice their mean is
+// the stress of the pack.
+TEST(Regions, SpheresHaveTheMeanStress) {
+  const par::Comm world = par::Comm::world();
+  const Cubic pack(world);
+  observe::Region region;
+  region.kind = observe::RegionKind::sphere;
+  region.radius = 0.03;
+  constexpr int n = 16;  // the sum over places errs by 3 % with 8
+  Vec3 mean = Vec3::Zero();
+  for (int i = 0; i < n * n * n; ++i) {
+    const Vec3 share(i % n + 0.5, i / n % n + 0.5, i / (n * n) + 0.5);
+    const Vec3 centre = pack.d.cwiseProduct(Vec3(2, 2, 2) + share / n);
+    region.centre = {centre.x(), centre.y(), centre.z()};
+    const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+    mean += Vec3(m.stress[0], m.stress[1], m.stress[2]) / (n * n * n);
+  }
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(mean[k] / pack.stress()[k], 1, 0.02);
+}
+
 // Irregular stones in a crowd: the same bits on any ranks.
 TEST(Regions, RanksChangeNoBit) {
   const auto figures = [](const par::Comm& comm) {
