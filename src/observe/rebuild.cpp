@@ -71,12 +71,12 @@ void read_through(const io::File& file) {
   for (const char* group : {"history/energy", "history/sleeper", "history/ground",
                             "envelope/sleeper", "envelope/ground"})
     for (const std::string& path : members(file, group)) file.read_share<double>(path);
-  for (const char* place : {"history/time", "sleepers/x", "ground/x"})
+  for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_share<double>(place);
   if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
-  for (const char* list : {"chains", "stones"})
-    for (const std::string& stage : members(file, list))
-      for (const std::string& path : members(file, stage)) file.read_share<double>(path);
+  for (const char* list : {"chains", "stones", "history/region"})
+    for (const std::string& one : members(file, list))
+      for (const std::string& path : members(file, one)) file.read_share<double>(path);
 }
 
 // A resumed run replaces the file, so it must not be guessed that it may go.

@@ -17,7 +17,7 @@ namespace trackbed::observe {
 
 namespace {
 
-// Sums of a cell, in the order of `Sums`.
+// What is summed up in a cell; a tensor has six in a row.
 enum Quantity : std::size_t {
   solid,
   mass,

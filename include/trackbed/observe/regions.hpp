@@ -49,7 +49,8 @@ struct Measured {
 //   sigma = 1/V sum over contacts of f (x) l,
 // f on the first stone, l the part of the branch from the first to the second (surface: to the
 // contact point). At rest and without weight its mean over a slab is the force through any section
-// of the slab over its area. Springs only; the weight of moving stones is left out. Collective.
+// of the slab over its area. Springs only: dampers and the momentum that moving stones carry are
+// left out. Collective.
 std::vector<Measured> measure(const par::Comm& comm, const dem::Particles& particles,
                               const Region& region);
 
