@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "app/compatible.hpp"
+#include "app/estimate.hpp"
 #include "app/result_folder.hpp"
 #include "app/simulation.hpp"
 #include "app/spent.hpp"
@@ -78,55 +79,6 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   for (const std::string& sentence : spent_changes(file, start, model, deck, GoesOn::in_another))
     print(comm, fmt::format("warning: {}\n", sentence));
   return start;
-}
-
-// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. A line
-// through runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20
-// pebbles.
-constexpr double time_per_stone = 75e-9, time_per_piece = 15e-9;
-
-// What limits the steps of a stage, in words: most stages of a deck share it.
-std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
-  std::string words =
-      fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
-                  steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
-  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
-  if (std::isfinite(coupling.window))
-    words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
-                         coupling.words());
-  return words;
-}
-
-// An upper bound of the windows, since stages may end early, times the cost of the stones. The
-// ground is left out: its share depends on the deck far more than on a constant. Perfect scaling
-// over ranks is assumed, and said in the sentence. Collective.
-void print_costs(const par::Comm& comm, const Model& model, World& world,
-                 const StageActions& actions, const input::Deck& deck) {
-  const dem::Totals totals = world.particles.totals();
-  // A sub-step costs a share per stone (motion, lists) and a share per piece (contacts).
-  const double step_time = time_per_stone * static_cast<double>(totals.particles) +
-                           time_per_piece * static_cast<double>(totals.pieces);
-  double seconds = 0;
-  std::string shared, numbers;  // of the stages since the limits changed
-  for (const Stage& stage : model.stages) {
-    const Steps steps = choose_steps(world, model, stage, deck);
-    const double windows = actions.duration(stage) / steps.window;
-    seconds += step_time * windows * steps.substeps / comm.size();
-    // Stages with the same limits share one line.
-    const std::string limits = limits_of(model, stage, steps);
-    if (limits != shared && !numbers.empty()) print(comm, shared + "  " + numbers + "\n");
-    if (limits != shared) numbers.clear();
-    shared = limits;
-    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "windows at most: " : ", ", stage.name,
-                           windows);
-  }
-  print(comm, shared + "  " + numbers + "\n");
-  print(comm, fmt::format(
-                  "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores, {:.0f} ns per "
-                  "stone and sub-step + {:.0f} ns per piece, stages of full length; ground, "
-                  "coupling and output not counted)\n",
-                  comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9,
-                  time_per_piece * 1e9));
 }
 
 }  // namespace
@@ -247,7 +199,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     const dem::Totals totals = world.particles.totals();
     print(comm, fmt::format("  stones: {} of {} pieces, {:.0f} kg\n", totals.particles,
                             totals.pieces, totals.mass));
-    print_costs(comm, model, world, actions, deck);
+    for (const std::string& line : estimate(comm, world, actions, deck)) print(comm, line + "\n");
   } else {
     print(comm, "  stones: those of " + start + "\n");
   }

@@ -66,8 +66,10 @@ void dig_out_sleepers(World& world) {
 }
 
 // By centres: what sticks out of the profile with half its body stays, as on a track.
-void cut_at(World& world, double top) {
-  world.particles.remove([&](const dem::ParticleView& s) { return s.position.z() > top; });
+void cut_to_profile(World& world, double crest) {
+  world.particles.remove([&](const dem::ParticleView& s) {
+    return s.position.z() > world.model.bed.top_at(s.position.y(), crest);
+  });
 }
 
 }  // namespace trackbed::app

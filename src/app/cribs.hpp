@@ -13,7 +13,8 @@ namespace trackbed::app {
 std::vector<bed::Box> cribs(World& world, double top);
 // Takes away stones that a sleeper overlaps. Collective.
 void dig_out_sleepers(World& world);
-// Takes away stones with their centre above z = `top`. Collective.
-void cut_at(World& world, double top);
+// Takes away stones with their centre above the outline of the bed whose crest is at z = `crest`.
+// Collective.
+void cut_to_profile(World& world, double crest);
 
 }  // namespace trackbed::app

@@ -49,30 +49,54 @@ std::string doubt_of_sleepers(const World& world) {
       sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
 }
 
+// m^3 (plane: the slice's). For a sentence only: its last bits depend on the ranks.
+double volume_of_stones(const World& world) {
+  double volume = 0;
+  for (std::size_t i = 0; i < world.particles.size(); ++i) volume += world.particles[i].volume;
+  return world.comm.sum(volume);
+}
+
+// Of the layers that were poured, one on the other: heights add, and so do their solid parts.
+struct Expected {
+  double height = 0;  // m
+  double porosity = 0;
+};
+
+Expected expected_of(const Model& model, std::span<const Stage> done) {
+  double height = 0, solid = 0;
+  for (const Stage& stage : done) {
+    if (stage.kind != StageKind::fill) continue;
+    const bed::BedParameters layer = model.bed.of_layer(stage.layer);
+    height += layer.height;
+    solid += layer.height * (1 - layer.porosity);
+  }
+  if (height <= 0) return {model.bed.height, model.bed.porosity};  // poured in another run
+  return {height, 1 - solid / height};
+}
+
 }  // namespace
 
 // With V the volume of all stones, m^3, A the area and z the height below the plate,
 //   n = 1 - V/(A z),   asked: z = V/(A (1 - n_deck)).
 // The platen and the ground touch single stones only: half a stone's width of the height may be
 // voids that no bed has in its middle.
-std::string doubt_of_bed(const World& world) {
+std::string doubt_of_bed(const World& world, std::span<const Stage> done) {
   const Model& model = world.model;
-  const int number = model.material(model.bed.material);
   const double level = world.mean_ground_level();
-  const double mass = world.particles.totals().mass;
-  if (!world.platen || number < 0 || mass <= 0) return {};
+  const double volume = volume_of_stones(world);
+  if (!world.platen || volume <= 0) return {};
   const double area = area_of(world.particles.domain());
-  const double volume = mass / model.physics.materials[static_cast<std::size_t>(number)].density;
   const double height = world.platen->z() - level;
-  const double asked = volume / (area * (1 - model.bed.porosity));
+  const Expected expected = expected_of(model, done);
+  const double asked = volume / (area * (1 - expected.porosity));
   const double voids_at_faces = 0.5e-3 * model.bed.sieve.back();  // m, sieves are in mm
   if (height >= (1 - bed_tolerance) * asked &&
       height <= (1 + bed_tolerance) * asked + voids_at_faces)
     return {};
   return fmt::format(
-      "the pressed bed is {:.3g} m high with a porosity of {:.2f}; bed.porosity = {:g} would make "
-      "it {:.3g} m (bed.height = {:g} m)",
-      height, 1 - volume / (area * height), model.bed.porosity, asked, model.bed.height);
+      "the pressed bed is {:.3g} m high with a porosity of {:.2f}; bed.porosity = {:.3g} would "
+      "make it {:.3g} m (bed.height = {:g} m)",
+      height, 1 - volume / (area * height), expected.porosity, asked, expected.height);
 }
 
 // While stones fall from above, as in fill and cribs, they are fast and that is meant.

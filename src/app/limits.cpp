@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include "app/world.hpp"
 #include "trackbed/core/error.hpp"
@@ -30,19 +31,30 @@ constexpr double rounding = 1e-9;  // relative, so that a given step equal to th
 double positive(double value, double instead) { return value > 0 ? value : instead; }
 
 // Sieve sizes of a deck are in mm and rise.
+double sieve_low(const bed::LayerParameters& layer) {
+  return layer.sieve.empty() ? 0.02 : positive(layer.sieve.front(), 20) * 1e-3;
+}
+
+double sieve_high(const bed::LayerParameters& layer) {
+  return layer.sieve.empty() ? 0.06 : positive(layer.sieve.back(), 60) * 1e-3;
+}
+
+// Of all layers: which of them a body touches is not known from the deck.
 double sieve_low(const Model& model) {
-  const auto& sieve = model.bed.sieve;
-  return sieve.empty() ? 0.02 : positive(sieve.front(), 20) * 1e-3;
+  double low = sieve_low(static_cast<const bed::LayerParameters&>(model.bed));
+  for (const bed::NamedLayer& layer : model.bed.layers) low = std::min(low, sieve_low(layer));
+  return low;
 }
 
 double sieve_high(const Model& model) {
-  const auto& sieve = model.bed.sieve;
-  return sieve.empty() ? 0.06 : positive(sieve.back(), 60) * 1e-3;
+  double high = sieve_high(static_cast<const bed::LayerParameters&>(model.bed));
+  for (const bed::NamedLayer& layer : model.bed.layers) high = std::max(high, sieve_high(layer));
+  return high;
 }
 
 // 2600 kg/m^3, as of rock, for decks whose material is not there.
-double density_of_stones(const Model& model) {
-  const int number = model.material(model.bed.material);
+double density_of_stones(const Model& model, const bed::LayerParameters& layer) {
+  const int number = model.material(layer.material);
   return positive(
       number < 0 ? 0 : model.physics.materials[static_cast<std::size_t>(number)].density, 2600);
 }
@@ -101,16 +113,27 @@ CouplingLimit limit_of_top(const Model& model) {
 
 }  // namespace
 
+namespace {
+
 // The volume of a stone from its sieve size d: a disk or ball of diameter d, longer by 1/elongation
 // in the directions that a sieve does not feel.
-double rough_step_limit(const Model& model) {
-  const double d = sieve_low(model);
-  const double shape = 1 / std::clamp(model.bed.elongation, 0.1, 1.0);
+double rough_step_of(const Model& model, const bed::LayerParameters& layer) {
+  const double d = sieve_low(layer);
+  const double shape = 1 / std::clamp(layer.elongation, 0.1, 1.0);
   const double volume = model.dimension == Dimension::plane
                             ? std::numbers::pi / 4 * d * d * shape * positive(model.thickness, 1)
                             : std::numbers::pi / 6 * d * d * d * shape * shape;
-  const double mass = density_of_stones(model) * volume;
+  const double mass = density_of_stones(model, layer) * volume;
   return positive(model.dem.safety, 0.2) * std::sqrt(mass / stiffest_contact(model, d));
+}
+
+}  // namespace
+
+double rough_step_limit(const Model& model) {
+  double limit = rough_step_of(model, model.bed);
+  for (const bed::NamedLayer& layer : model.bed.layers)
+    limit = std::min(limit, rough_step_of(model, layer));
+  return limit;
 }
 
 // The ground counts only when it moves: a ground held still has no motion to be late with.
@@ -145,15 +168,29 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
 }
 
 // Rooms know files, not decks: a sentence about the file of shapes gets the place that names it.
-bed::Stones stones_of(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::string& layer,
+                      const input::Deck& deck) {
+  const bed::BedParameters bed = model.bed.of_layer(layer);
   try {
-    return bed::stones_of(comm, model.bed, model.domain());
+    return bed::stones_of(comm, bed, model.domain());
   } catch (const InputError& error) {  // equal on all ranks
-    const std::string words = error.what(), start = model.bed.library + ": ";
-    if (model.bed.library.empty() || !words.starts_with(start)) throw;
-    throw InputError({fmt::format("{} = \"{}\" {}", deck.where("bed.library"), model.bed.library,
-                                  words.substr(start.size()))});
+    const std::string words = error.what(), start = bed.library + ": ";
+    if (bed.library.empty() || !words.starts_with(start)) throw;
+    const std::string key =
+        layer.empty() ? "bed.library" : fmt::format("bed.layer.{}.library", layer);
+    throw InputError(
+        {fmt::format("{} = \"{}\" {}", deck.where(key), bed.library, words.substr(start.size()))});
   }
+}
+
+// Layers that stages fill, each once; of the uppermost one also the cribs are made.
+std::set<std::string> layers_made(const Model& model) {
+  std::set<std::string> layers;
+  for (const Stage& stage : model.stages) {
+    const bool fills = stage.kind == StageKind::fill && model.start.empty();
+    if (fills || stage.kind == StageKind::cribs) layers.insert(stage.layer);
+  }
+  return layers;
 }
 
 }  // namespace
@@ -161,16 +198,17 @@ bed::Stones stones_of(const par::Comm& comm, const Model& model, const input::De
 // Stones that are there already (a start from a checkpoint) are not known from the deck; their
 // limit is met in `choose_steps`.
 void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
-  const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
-  if (!fills && !model.has_stage(StageKind::cribs)) return;
-  const bed::Stones stones = stones_of(comm, model, deck);
-  if (!fills || stones.count < 1) return;
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
-  const double lightest = density_of_stones(model) * stones.smallest_volume * thickness;
-  std::string words;
-  const double limit =
-      dem::stable_step(model.physics, model.dem, lightest, stones.largest_bound, &words);
-  require_stable(model, deck, limit, words);
+  for (const std::string& layer : layers_made(model)) {
+    const bed::Stones stones = stones_of(comm, model, layer, deck);
+    if (!model.start.empty() || stones.count < 1) continue;
+    const double lightest =
+        density_of_stones(model, model.bed.of_layer(layer)) * stones.smallest_volume * thickness;
+    std::string words;
+    const double limit =
+        dem::stable_step(model.physics, model.dem, lightest, stones.largest_bound, &words);
+    require_stable(model, deck, limit, words);
+  }
 }
 
 // The chain: sub-step from the stones (or given), window from the sub-steps wanted, cut by the

@@ -33,6 +33,10 @@ void Stage::declare(input::Section& s) {
            "they are placed and settle; cribs: new stones fall between them and are cut at the "
            "profile; load: the same force on all seats; "
            "passage: axles pass; run: nothing but time.");
+  s.text(
+      "layer", layer,
+      "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
+      "which [bed] itself describes.");
   s.number("duration", duration, {.unit = "s", .at_least = 0},
            "Simulated time, at most; passage: 0 means until the last axle has left.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
@@ -49,8 +53,9 @@ void Stage::declare(input::Section& s) {
            "Sleepers: their lower face; 0: on top of the stones.");
   s.number(
       "profile", profile, {.unit = "m"},
-      "Sleepers, when they are placed: stones with their centre above this height are taken "
-      "away; 0: none. Cribs: the height they are filled to; what lies higher at the end goes.");
+      "Height of the crest (see bed.crest): stones with their centre above it, or above the slopes "
+      "beside it, are taken away when the stage begins; 0: none. Cribs: the height they are filled "
+      "to, and what lies higher goes at the end. Not for fill.");
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Constant force on each rail seat, downwards.");
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
@@ -66,6 +71,10 @@ void Stage::declare(input::Section& s) {
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
+  s.rule("profile", kind != StageKind::fill || profile == 0,
+         "cuts nothing while stones still fall; give it to a later stage");
+  s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
+         {.reads = {"kind", "layer"}});
   const bool loaded = kind == StageKind::load || kind == StageKind::passage;
   s.rule("cycles", cycles == 0 || loaded, "is for stages of kind load and passage only");
   s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
@@ -98,6 +107,9 @@ void Output::declare(input::Section& s) {
   s.number(
       "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
+  s.number(
+      "surface_cell", surface_cell, {.unit = "m", .at_least = 1e-3, .usually_to = 1},
+      "Width of the cells in which the height of the bed is written at the end of each stage.");
   s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
            "Simulated time between checkpoints within a stage; 0: only at its end.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
@@ -170,7 +182,9 @@ dem::Domain Model::domain() const {
   domain.periodic = {periodic_in("x"), dimension == Dimension::space && periodic_in("y"), false};
   const bool plane = dimension == Dimension::plane;
   domain.low = {bed.x[0], plane ? -thickness / 2 : bed.y[0], -0.2};
-  domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * bed.height + 1};
+  double height = bed.height;
+  for (const bed::NamedLayer& layer : bed.layers) height += layer.height;
+  domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * height + 1};
   return domain;
 }
 

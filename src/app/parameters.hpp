@@ -20,6 +20,7 @@ enum class StageKind { fill, settle, compact, release, sleepers, cribs, load, pa
 struct Stage {
   std::string name;
   StageKind kind = StageKind::run;
+  std::string layer;          // fill: name of a layer of the bed; none: the uppermost
   double duration = 0;        // s; passage: 0 means until the last axle has left
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
   double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
@@ -27,7 +28,7 @@ struct Stage {
   bool ground_moves = false;
   double lift = 0.01;       // m/s, release: speed of the platen
   double height = 0.35;     // m, sleepers: lower face
-  double profile = 0;       // m, sleepers, cribs: stones with centres above are taken away; 0: none
+  double profile = 0;       // m, crest of the bed: stones with centres above go; 0: none do
   double seat_force = 0;    // N on each rail seat throughout the stage
   double load = 0;          // N, load: peak on each rail seat, above seat_force
   double ramp = 0.05;       // s, load: from zero to the peak, and back at the end
@@ -41,6 +42,7 @@ struct Output {
   double history_interval = 5e-4;    // s of simulated time between history rows
   bool fields = false;               // write fields for ParaView at the end of each stage
   double fields_interval = 0;        // s between them within a stage; 0: only at its end
+  double surface_cell = 0.05;        // m, of the heights of the bed at the end of each stage
   double checkpoint_interval = 0.1;  // s of simulated time; 0: only at the end of stages
   double wall_time = 0;              // s of wall time after which the run stops; 0: none
   std::int64_t stop_after = 0;       // windows after which the run stops; 0: none

@@ -68,19 +68,24 @@ void declare_materials(const Model& model, input::Section& s) {
   if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
   if (model.ground.present) parts.emplace_back("ground_material", model.ground_material);
   if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
-  const std::string& stones = model.bed.material;
   // A law between misspelt names would make every missing law a second sentence about one slip.
   const bool names_known = std::all_of(
       model.physics.laws.begin(), model.physics.laws.end(), [&](const dem::ContactLaw& law) {
         return model.material(law.first) >= 0 && model.material(law.second) >= 0;
       });
+  std::set<std::string> stones = {model.bed.material};
+  for (std::size_t i = 0; i < model.bed.layers.size(); ++i) {
+    parts.emplace_back(fmt::format("bed.layer[{}].material", i), model.bed.layers[i].material);
+    stones.insert(model.bed.layers[i].material);
+  }
   for (const auto& [key, name] : parts) {
     model.physics.rule_of_name(s, key, name);
-    const bool known = names_known && model.material(name) >= 0 && model.material(stones) >= 0;
-    s.rule(key, !known || model.physics.has_law(stones, name),
-           fmt::format("stones of \"{}\" meet \"{}\", but no [[contact]] gives a law for them",
-                       stones, name),
-           {.reads = {"contact", "material", "bed.material", key}});
+    if (!names_known || model.material(name) < 0) continue;
+    for (const std::string& stone : stones)
+      s.rule(key, model.material(stone) < 0 || model.physics.has_law(stone, name),
+             fmt::format("stones of \"{}\" meet \"{}\", but no [[contact]] gives a law for them",
+                         stone, name),
+             {.reads = {"contact", "material", "bed", key}});
   }
   for (std::size_t m = 0; m < model.physics.materials.size(); ++m)
     s.rule(fmt::format("material[{}].name", m),
@@ -143,10 +148,11 @@ void declare_sleepers(const Model& model, input::Section& s) {
            fmt::format("the sleeper at x = {:g} m reaches beyond the end of {}", at, bed),
            {.weight = input::Weight::warning, .reads = reads});
   const auto& y = model.bed.y;
-  s.rule("sleepers.length",
-         model.dimension == Dimension::plane || is_within({-p.length / 2, p.length / 2}, y),
-         "sleepers reach beyond the sides of the bed (bed.y)",
-         {.weight = input::Weight::warning, .reads = reads});
+  s.rule(
+      "sleepers.length",
+      model.dimension == Dimension::plane || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
+      "sleepers reach beyond the sides of the bed (bed.y)",
+      {.weight = input::Weight::warning, .reads = reads});
 }
 
 // Where the axles are at the ends of a passage, against the sleepers. A table of loads has its own
@@ -301,6 +307,8 @@ void declare_intervals(const Model& model, input::Section& s) {
 
 void declare_rules(const Model& model, input::Section& s) {
   declare_stages(model, s);
+  declare_layers(model, s);
+  declare_profile(model, s);
   declare_materials(model, s);
   declare_ground_below(model, s);
   declare_sleepers(model, s);

@@ -236,7 +236,7 @@ void Simulation::begin_stage() {
 void Simulation::end_stage() {
   {
     const auto timing = timers_.scope(Verb::output);
-    results_.snapshot(stage().name, world_.scene());
+    results_.snapshot(stage().name, world_.scene(), model_.output.surface_cell);
     results_.flush();
     if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(course_.stage));
     if (model_.output.fields)
@@ -265,7 +265,8 @@ void Simulation::judge(const StageRecord& record, const std::string& shortfall) 
     warn(fmt::format("stage {} ended after {:.4g} s without reaching its aim: {}", record.name,
                      record.duration, shortfall));
   if (stage().kind != StageKind::compact) return;
-  if (const std::string doubt = doubt_of_bed(world_); !doubt.empty())
+  const std::span<const Stage> done = std::span(model_.stages).first(course_.stage + 1);
+  if (const std::string doubt = doubt_of_bed(world_, done); !doubt.empty())
     warn(fmt::format("stage {}: {}", record.name, doubt));
 }
 

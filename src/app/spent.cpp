@@ -32,13 +32,21 @@ bool is_to_come(const Model& model, std::size_t from, std::initializer_list<Stag
   return false;
 }
 
+// Cribs cut at their end, other stages at their begin.
+bool cuts_to_come(const Model& model, std::size_t now, std::size_t next) {
+  for (std::size_t i = now; i < model.stages.size(); ++i)
+    if (model.stages[i].profile > 0 && (i >= next || model.stages[i].kind == StageKind::cribs))
+      return true;
+  return false;
+}
+
 // What a stage looks at only when it begins.
 // Loads, damping and friction are not among them: they act in every window, and `resume` sets them
 // again.
 bool acts_at_begin(std::string_view name, StageKind kind) {
   static constexpr std::array names = {"name",   "kind",   "duration",
                                        "cycles", "height", "ground_moves"};
-  if (name == "profile") return kind == StageKind::sleepers;
+  if (name == "profile") return kind != StageKind::cribs;
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -47,6 +55,8 @@ bool acts_at_begin(std::string_view name, StageKind kind) {
 // number.
 std::string why_spent(std::string_view key, const Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
+  if (key == "bed.crest" || key == "bed.slope")
+    return cuts_to_come(model, at.stage, next) ? "" : "the bed has been cut";
   if (key.starts_with("bed."))
     return is_to_come(model, next, {StageKind::fill, StageKind::cribs}) ? ""
                                                                         : "the stones are made";

@@ -66,13 +66,9 @@ void StageActions::begin(const Stage& stage) {
   world_.particles.set_friction(stage.friction);
   const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release;
   if (!pressed && world_.platen) world_.take_platen_away();  // compact leaves it in place
-  if (stage.kind == StageKind::fill) {
-    const double height =
-        bed::fill(world_.particles, world_.comm, model_.bed, model_.material(model_.bed.material));
-    // A tenth above the lattice, for stones that jump when they meet.
-    world_.raise_walls(1.1 * height);
-  }
+  if (stage.kind == StageKind::fill) pour(stage);
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
+  if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
   if (stage.kind == StageKind::cribs) fill_cribs(stage);
   if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
   if (stage.ground_moves && world_.ground && !world_.ground_settled) {
@@ -85,11 +81,20 @@ void StageActions::begin(const Stage& stage) {
     world_.meet();
 }
 
+// A layer that is not the first falls on what is there.
+void StageActions::pour(const Stage& stage) {
+  const bed::BedParameters layer = model_.bed.of_layer(stage.layer);
+  const double below = std::max(0.0, world_.top_of_stones());  // minus infinity without stones
+  const double height =
+      bed::fill(world_.particles, world_.comm, layer, model_.material(layer.material), below);
+  // A tenth above the lattice, for stones that jump when they meet.
+  world_.raise_walls(1.1 * height);
+}
+
 // Sleepers are put where they belong and the stones in their way go: digging, not pushing.
 void StageActions::place_sleepers(const Stage& stage) {
   world_.sleepers->place(stage.height > 0 ? stage.height : world_.top_of_stones());
   dig_out_sleepers(world_);
-  if (stage.profile > 0) cut_at(world_, stage.profile);
 }
 
 // More than fits, since loose stones need more room than the porosity says: `end` cuts the heaps.
@@ -165,7 +170,7 @@ void StageActions::end(const Stage& stage) {
   if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
   if (stage.kind == StageKind::cribs) {
-    cut_at(world_, stage.profile);
+    cut_to_profile(world_, stage.profile);
     world_.meet();
   }
   settlement_.end();

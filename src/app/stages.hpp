@@ -38,6 +38,7 @@ class StageActions {
   void load(const io::File& file);
 
  private:
+  void pour(const Stage& stage);
   void place_sleepers(const Stage& stage);
   void fill_cribs(const Stage& stage);
 

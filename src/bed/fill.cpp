@@ -98,10 +98,12 @@ BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) 
 }  // namespace
 
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
-            int material) {
+            int material, double foot) {
   const Mix mix(parameters, particles.domain().dimension, library_of(comm, parameters));
   return pour(particles, comm, mix, material,
-              {{.columns = Columns(parameters, particles.domain(), mix)}});
+              {{.columns = Columns(parameters, particles.domain(), mix),
+                .first = first_free_id(particles, comm),
+                .foot = foot}});
 }
 
 // All ranks go through all boxes, so that ids agree; only the stones are shared out.

@@ -32,7 +32,7 @@ std::vector<double> middle_of(const GradingLimits& limits) {
 }
 
 // A named grading sets what the deck does not; other sieves than its own have no limits.
-void declare_standard(BedParameters& bed, input::Section& s) {
+void declare_standard(LayerParameters& bed, input::Section& s) {
   s.choice("grading", bed.grading,
            {"custom", "en13450_a", "china_special", "china_first", "as2758_60"},
            "Limits of a standard: its sieves, and the middle of its limits if `passing` is not "
@@ -42,7 +42,7 @@ void declare_standard(BedParameters& bed, input::Section& s) {
   bed.sieve = limits.sieve, bed.passing = middle_of(limits);
 }
 
-void declare_limits(const BedParameters& bed, input::Section& s) {
+void declare_limits(const LayerParameters& bed, input::Section& s) {
   const GradingLimits& limits = limits_of(bed.grading);
   if (limits.sieve.empty()) return;
   s.rule("sieve", bed.sieve == limits.sieve, "is given by the grading; leave it out",
@@ -56,7 +56,7 @@ void declare_limits(const BedParameters& bed, input::Section& s) {
 }
 
 // As on a sieve report: openings in mm, passing in per cent by mass.
-void declare_grading(BedParameters& bed, input::Section& s) {
+void declare_grading(LayerParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0},
             "Openings of the sieves, rising: square holes in space, slots in a plane.");
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
@@ -75,7 +75,7 @@ void declare_grading(BedParameters& bed, input::Section& s) {
 }
 
 // Parameters of all kinds of stones side by side; each says in brackets which kind uses it.
-void declare_shape(BedParameters& bed, input::Section& s) {
+void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0, .usually_to = 0.1},
            "Radius of the disks of a plane stone (pebbles).");
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
@@ -110,21 +110,17 @@ void declare_shape(BedParameters& bed, input::Section& s) {
 
 }  // namespace
 
-void BedParameters::declare(input::Section& s) {
+void LayerParameters::declare(input::Section& s) {
   s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
            "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: "
            "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
            "convex pieces; library: the shapes of a file, each as often (space).");
   s.text("material", material, "Contact material of the stones.");
-  s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
-  s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
   s.number("height", height, {.unit = "m", .above = 0, .usually_to = 5},
            "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Share of voids expected after compaction.");
   s.integer("seed", seed, {.at_least = 0}, "Another seed makes another bed of the same kind.");
-  s.rule("x", is_range(x), "must rise");
-  s.rule("y", is_range(y), "must rise");
   declare_standard(*this, s);
   declare_grading(*this, s);
   declare_limits(*this, s);
@@ -132,7 +128,46 @@ void BedParameters::declare(input::Section& s) {
   s.table("polyhedron", polyhedron, "Irregular stones in space: polyhedra, compound, clump.");
 }
 
-std::vector<double> BedParameters::grading_table() const {
+void NamedLayer::declare(input::Section& s) {
+  s.text("name", name, "Name by which a stage of kind fill calls the layer.", {}, true);
+  LayerParameters::declare(s);
+}
+
+// The crest's own rules stand here; what the toes of the slopes meet depends on the height that a
+// stage cuts at.
+void BedParameters::declare(input::Section& s) {
+  s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
+  s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
+  s.rule("x", is_range(x), "must rise");
+  s.rule("y", is_range(y), "must rise");
+  s.numbers("crest", crest, {.unit = "m"},
+            "Begin and end of the level top across the track: where a stage cuts the bed at its "
+            "profile, the sides beyond fall off by `slope`; none: level all over (space).");
+  s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
+           "Run over rise of the sides beyond the crest; steeper than 1 few stones lie still.");
+  s.rule("crest", crest.empty() || is_range(crest), "must be two numbers that rise",
+         {.reads = {"crest"}});
+  s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
+         "lies beyond the sides of the bed (y)", {.reads = {"crest", "y"}});
+  LayerParameters::declare(s);
+  s.tables("layer", layers,
+           "Layers below (sub-ballast): a stage of kind fill that names one pours it.");
+}
+
+// Level between the ends of the crest.
+double BedParameters::top_at(double y, double top) const {
+  if (crest.empty()) return top;
+  return top - std::max({0.0, crest[0] - y, y - crest[1]}) / slope;
+}
+
+BedParameters BedParameters::of_layer(const std::string& name) const {
+  BedParameters bed = *this;
+  for (const NamedLayer& layer : layers)
+    if (layer.name == name) static_cast<LayerParameters&>(bed) = layer;
+  return bed;
+}
+
+std::vector<double> LayerParameters::grading_table() const {
   const GradingLimits& limits = limits_of(grading);
   std::vector<double> table;
   for (std::size_t k = 0; k < sieve.size(); ++k) {

@@ -62,7 +62,7 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
   for (const std::string& stage : stages)
-    for (const char* group : {"chains/", "stones/"})
+    for (const char* group : {"chains/", "stones/", "surface/"})
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
 }
 
@@ -74,7 +74,7 @@ void read_through(const io::File& file) {
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_share<double>(place);
   if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
-  for (const char* list : {"chains", "stones", "history/region"})
+  for (const char* list : {"chains", "stones", "surface", "history/region"})
     for (const std::string& one : members(file, list))
       for (const std::string& path : members(file, one)) file.read_share<double>(path);
 }

@@ -28,6 +28,9 @@ void SleeperParameters::declare(input::Section& s) {
   s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},
            "Distance between centres.");
+  s.number("y", y, {.unit = "m"},
+           "y of the centres (space): half a track has half sleepers, centred between its wall and "
+           "their ends.");
   s.number("width", width, {.unit = "m", .above = 0, .usually_to = 2}, "Extent along x.");
   s.number("height", height, {.unit = "m", .above = 0, .usually_to = 1}, "Extent along z.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 10},

@@ -40,6 +40,7 @@ Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double
   // A plane model is a slice of the model's thickness: its sleeper has that length, and its mass
   // belongs to the slice. Motions out of the plane stay frozen whatever the deck frees.
   const bool plane = dimension == Dimension::plane;
+  if (plane) parameters.y = 0;
   prism = bevelled_box(given.width, given.height, plane ? thickness : given.length, given.bevel);
   shape = surface_of(prism);
   mass = given.density * prism.volume;
@@ -55,7 +56,8 @@ Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double
 // Centre of mass when placed. Displacements are counted from here, so that settlements of 1e-6 m
 // keep their digits at x = 100 m.
 Vec3 Sleepers::Room::rest(std::size_t i) const {
-  return {parameters.first + static_cast<double>(i) * parameters.spacing, 0, bottom + prism.depth};
+  const double x = parameters.first + static_cast<double>(i) * parameters.spacing;
+  return {x, parameters.y, bottom + prism.depth};
 }
 
 // R diag(I) R^T in space axes, kg m^2; nothing is kept between windows that the attitude implies.

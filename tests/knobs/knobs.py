@@ -37,6 +37,7 @@ TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
 ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
 BALL = ["region.0.kind=sphere"]
+CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
@@ -74,6 +75,9 @@ KNOBS = {
     "bed.material": ("bed.material=sleeper", ["material.1.density=2000"]),
     "bed.x": ("bed.x=[0.0, 0.45]", []),
     "bed.y": ("bed.y=[-0.15, 0.1]", SPACE),
+    "bed.crest": ("bed.crest=[-0.1, 0.1]", CUT),
+    "bed.slope": ("bed.slope=3", CUT),
+    "bed.layer.[].name": ("bed.layer.0.name=sand", ["stage.fill.layer=lower"]),
     "bed.height": ("bed.height=0.1", []),
     "bed.porosity": ("bed.porosity=0.5", []),
     "bed.seed": ("bed.seed=2", []),
@@ -127,6 +131,7 @@ KNOBS = {
     "sleepers.first": ("sleepers.first=0.2", []),
     "sleepers.spacing": ("sleepers.spacing=0.22", ["sleepers.width=0.15", "sleepers.count=2",
                                                    "sleepers.spacing=0.2"]),
+    "sleepers.y": ("sleepers.y=0.05", SPACE),
     "sleepers.width": ("sleepers.width=0.25", []),
     "sleepers.height": ("sleepers.height=0.2", []),
     "sleepers.length": ("sleepers.length=0.25", SPACE[:2]),
@@ -150,6 +155,7 @@ KNOBS = {
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),
+    "output.surface_cell": ("output.surface_cell=0.1", []),
     "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),
     "output.wall_time": ("output.wall_time=1e-3", []),
     "output.stop_after": ("output.stop_after=20", []),
@@ -163,6 +169,7 @@ KNOBS = {
     "region.[].radius": ("region.0.radius=0.05", BALL),
     "stage.[].name": ("stage.load.name=press", []),
     "stage.[].kind": ("stage.load.kind=run", []),
+    "stage.[].layer": ("stage.fill.layer=lower", ["bed.layer.0.porosity=0.4"]),
     "stage.[].duration": ("stage.fill.duration=0.14", []),
     "stage.[].friction": ("stage.load.friction=0.1", []),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
@@ -180,6 +187,16 @@ KNOBS = {
     "time.step": ("time.step=1e-4", []),
     "time.substeps": ("time.substeps=2", []),
 }
+
+# A layer has all parameters of the bed but its place; the bed of these runs is the layer.
+OF_THE_BED = {"x", "y", "crest", "slope", "layer"}
+KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
+          (change.replace("bed.", "bed.layer.0.", 1),
+           [*(["bed.stone=disk"] if "dimension=space" in around else []),
+            *(other.replace("bed.", "bed.layer.0.", 1) for other in around),
+            "stage.fill.layer=lower"])
+          for name, (change, around) in KNOBS.items()
+          if name.startswith("bed.") and name.split(".")[1] not in OF_THE_BED}
 
 # Parameters that must change nothing here, each with the reason.
 EXCEPTIONS = {

@@ -41,11 +41,10 @@ struct PolyhedronParameters {
   void declare(input::Section& s);
 };
 
-struct BedParameters {
+// What a layer of the bed is made of, and how much of it there is.
+struct LayerParameters {
   StoneKind stone = StoneKind::pebbles;
   std::string material = "ballast";
-  std::vector<double> x = {0, 6};       // m, between the end walls (or the periodic cell)
-  std::vector<double> y = {-0.5, 0.5};  // m, space models
   double height = 0.5;    // m, wanted after compaction (bulk area/volume is set by it)
   double porosity = 0.4;  // expected after compaction, sets the number of stones
   GradingKind grading = GradingKind::custom;
@@ -64,11 +63,32 @@ struct BedParameters {
   std::vector<double> grading_table() const;
 };
 
-// Adds templates and loose columns of stones that do not overlap above z = 0 to `particles`, ids
-// from left to right and upwards. The same stones on any number of ranks. Returns the height they
-// reach (m). Throws InputError for parameters that do not go together. Collective.
+// Another layer than the uppermost one, for stages that name it.
+struct NamedLayer : LayerParameters {
+  std::string name;
+  void declare(input::Section& s);
+};
+
+// The uppermost layer, and what all layers have in common.
+struct BedParameters : LayerParameters {
+  std::vector<double> x = {0, 6};       // m, between the end walls (or the periodic cell)
+  std::vector<double> y = {-0.5, 0.5};  // m, space models
+  std::vector<double> crest;            // m, y of the ends of the level top; none: level all over
+  double slope = 1.5;                   // run over rise beyond the crest
+  std::vector<NamedLayer> layers;
+  void declare(input::Section& s);
+  // m, where the bed ends above y if its crest is at height `top`.
+  double top_at(double y, double top) const;
+  // A bed of that layer alone; of the uppermost one if `name` is empty.
+  BedParameters of_layer(const std::string& name) const;
+};
+
+// Adds templates and loose columns of stones that do not overlap above z = `foot` to `particles`,
+// ids from left to right and upwards after the highest one there is. The same stones on any number
+// of ranks. Returns the height they reach (m). Throws InputError for parameters that do not go
+// together. Collective.
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
-            int material);
+            int material, double foot = 0);
 struct Box {
   Vec3 low, high;  // m; plane: y counts for nothing
 };

@@ -38,6 +38,11 @@ struct About {
   std::vector<double> grading{};
 };
 
+// Rows x, y, z (m): the highest point of any stone in each cell of a lattice over the bed seen from
+// above, x fastest; z is not a number where there is none. Cells are about `cell` m wide; a plane
+// model has one row of them. The same bits on any number of ranks. Collective.
+std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& particles, double cell);
+
 // Ground nodes that are watched: along the top, at one face (plane) or nearest the centre line,
 // by x. The same list on every rank.
 std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension);
@@ -67,8 +72,9 @@ class Results {
              const std::vector<Region>& regions);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
-  // Contact network and stones as they are now, under /chains/<stage> and /stones/<stage>.
-  void snapshot(const std::string& stage, const Scene& scene);
+  // Contact network, stones and surface of the bed (cells of `cell` m) as they are now, under
+  // /chains/<stage>, /stones/<stage> and /surface/<stage>.
+  void snapshot(const std::string& stage, const Scene& scene, double cell);
   // Extremes over the history rows of stage number `stage`, from the values of its first row.
   void envelope(std::int64_t stage);
   void flush();

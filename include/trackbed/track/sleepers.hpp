@@ -18,6 +18,7 @@ namespace trackbed::track {
 struct SleeperParameters {
   std::int64_t count = 9;
   double first = 0.6, spacing = 0.6;                 // m, x of the first centre, between centres
+  double y = 0;                                      // m, of the centres, space models
   double width = 0.29, height = 0.22, length = 1.3;  // m along x, z, y (plane: model thickness)
   std::string material = "sleeper";                  // gives density and contact laws
   double density = 2441;  // kg/m^3, of the material: who knows it sets it, decks do not

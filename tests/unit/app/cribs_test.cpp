@@ -8,6 +8,7 @@
 #include <set>
 #include <span>
 
+#include "app/estimate.hpp"
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::app {
@@ -120,12 +121,83 @@ TEST(Cribs, AreCutAtTheirTop) {
   World scene(world, deck);
   bed::fill(scene.particles, world, deck.bed, 0);
   const std::int64_t before = scene.particles.totals().particles;
-  cut_at(scene, 0.2);
+  cut_to_profile(scene, 0.2);
   for (std::size_t i = 0; i < scene.particles.size(); ++i)
     EXPECT_LE(scene.particles[i].position.z(), 0.2);
   const std::int64_t after = scene.particles.totals().particles;
   EXPECT_GT(after, 0);
   EXPECT_LT(after, before);
+}
+
+// Both slopes and the crest: those outside go, all others stay.
+TEST(Bed, IsCutToItsOutline) {
+  const par::Comm world = par::Comm::world();
+  Model deck = model(Dimension::space);
+  deck.bed.crest = {-0.4, 0.7}, deck.bed.slope = 2;
+  World scene(world, deck);
+  bed::fill(scene.particles, world, deck.bed, 0);
+  const auto inside = [&](const Vec3& at) {
+    const double beside = std::max({0.0, -0.4 - at.y(), at.y() - 0.7});
+    return at.z() <= 0.5 - beside / 2;
+  };
+  std::int64_t expected = 0;
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    expected += inside(scene.particles[i].position) ? 1 : 0;
+  cut_to_profile(scene, 0.5);
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    EXPECT_TRUE(inside(scene.particles[i].position));
+  EXPECT_EQ(scene.particles.totals().particles, world.sum(expected));
+}
+
+// A layer falls on the one before: ids go on, and no two are the same.
+TEST(Layers, LieOnEachOther) {
+  const par::Comm world = par::Comm::world();
+  Model deck = model(Dimension::space);
+  deck.physics.laws.push_back({.first = "sleeper", .second = "sleeper"});
+  bed::NamedLayer sand;
+  sand.name = "sand", sand.stone = bed::StoneKind::disk, sand.material = "sleeper";
+  sand.sieve = {30, 40}, sand.passing = {0, 100}, sand.height = 0.1;
+  deck.bed.layers = {sand};
+  deck.stages = {{.name = "sand", .kind = StageKind::fill, .layer = "sand", .duration = 1},
+                 {.name = "stones", .kind = StageKind::fill, .duration = 1}};
+  World scene(world, deck);
+  StageActions actions(scene, deck);
+  actions.begin(deck.stages[0]);
+  const std::int64_t first = scene.particles.totals().particles;
+  const double top = scene.top_of_stones();
+  actions.begin(deck.stages[1]);
+  std::vector<Id> ids;
+  for (std::size_t i = 0; i < scene.particles.size(); ++i) {
+    const dem::ParticleView stone = scene.particles[i];
+    EXPECT_EQ(stone.material, stone.id < first ? 1 : 0);
+    EXPECT_EQ(stone.position.z() < top, stone.id < first);
+    ids.push_back(stone.id);
+  }
+  ids = world.all_gather(std::span<const Id>(ids));
+  const std::vector<LayerForecast> expected = forecast(world, deck);
+  EXPECT_EQ(std::set<Id>(ids.begin(), ids.end()).size(), ids.size());
+  EXPECT_EQ(expected.at(0).made, first);
+  EXPECT_EQ(expected.at(1).made, static_cast<std::int64_t>(ids.size()) - first);
+  EXPECT_EQ(expected.at(1).left, expected.at(1).made);
+}
+
+// Half of a bed of height h between slopes of 1: the triangle beside a crest at y = 0 goes.
+TEST(Forecast, CountsWhatTheCutLeaves) {
+  const par::Comm world = par::Comm::world();
+  Model deck = model(Dimension::space);  // 2 m wide, 0.2 m high
+  deck.bed.crest = {-1, 0.9}, deck.bed.slope = 0.5;
+  deck.stages = {{.name = "fill", .kind = StageKind::fill, .duration = 1},
+                 {.name = "cut", .kind = StageKind::settle, .duration = 1, .profile = 0.2}};
+  const LayerForecast cut = forecast(world, deck).at(0);
+  const double gone = 0.1 * 0.2 / 2 / (2 * 0.2);  // slope 0.5: 0.1 m of run over the whole height
+  EXPECT_NEAR(static_cast<double>(cut.left), (1 - gone) * static_cast<double>(cut.made),
+              1 + 1e-3 * static_cast<double>(cut.made));
+  deck.stages.push_back({.name = "sleepers", .kind = StageKind::sleepers, .height = 0.1});
+  const track::SleeperParameters& s = deck.sleepers;
+  const double dug = 3 * s.width * s.length * 0.1 / (2 * 2 * 0.2);
+  EXPECT_NEAR(static_cast<double>(forecast(world, deck).at(0).left),
+              (1 - gone - dug) * static_cast<double>(cut.made),
+              1 + 2e-3 * static_cast<double>(cut.made));
 }
 
 }  // namespace

@@ -26,6 +26,23 @@ TEST(BedRules, RangesRise) {
   EXPECT_EQ(broken([](auto& bed) { bed.x = {0}; }), Names{"x"});
 }
 
+TEST(BedRules, CrestLiesBetweenTheSides) {
+  EXPECT_EQ(broken([](auto& bed) { bed.crest = {-0.5, 0.2}; }), Names{});
+  EXPECT_EQ(broken([](auto& bed) { bed.crest = {0.2}; }), Names{"crest"});
+  EXPECT_EQ(broken([](auto& bed) { bed.crest = {0.2, -0.2}; }), Names{"crest"});
+  EXPECT_EQ(broken([](auto& bed) { bed.crest = {-0.6, 0.2}; }), Names{"crest"});
+}
+
+// A slope of 2 falls by half of what it goes out.
+TEST(Bed, EndsAtItsOutline) {
+  BedParameters bed;
+  EXPECT_EQ(bed.top_at(0.4, 0.3), 0.3);
+  bed.crest = {-0.1, 0.2}, bed.slope = 2;
+  EXPECT_EQ(bed.top_at(0, 0.3), 0.3);
+  EXPECT_NEAR(bed.top_at(0.4, 0.3), 0.2, 1e-15);
+  EXPECT_NEAR(bed.top_at(-0.3, 0.3), 0.2, 1e-15);
+}
+
 TEST(BedRules, GradingIsASieveCurve) {
   EXPECT_EQ(broken([](auto& bed) { bed.sieve = {22.4, 22.4, 40, 50, 63}; }), Names{"sieve"});
   EXPECT_EQ(broken([](auto& bed) { bed.sieve = {}; }), (Names{"sieve", "passing"}));

@@ -1,0 +1,152 @@
+// Stones by volumes alone: a layer of expected height and porosity, cut by the profile and by the
+// sleepers. What a cut takes away is a share of the volume, so the same share of the stones. Time
+// by constants of this code on idle cores, times stones and steps.
+//
+// Cost: drawing the stones of each layer once, as `bed::stones_of` does, and a sum over the width.
+#include "app/estimate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/limits.hpp"
+#include "trackbed/bed/library.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. A line
+// through runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20
+// pebbles; pieces with corners from inputs/bench/stones12 and compound, 1.8e6 and 0.7e6 stones a
+// second.
+constexpr double time_per_stone = 75e-9, time_per_ball = 15e-9, time_per_polyhedron = 450e-9;
+
+struct Cut {
+  double crest = 0;           // m; 0: nothing is cut
+  double sleepers_from = -1;  // m, their lower faces; below 0: dug into nothing
+};
+
+// The last of the deck that cuts: it leaves what there is at the end.
+Cut cut_of(const Model& model) {
+  Cut cut;
+  for (const Stage& stage : model.stages) {
+    if (stage.profile > 0) cut.crest = stage.profile;
+    if (stage.kind == StageKind::sleepers && stage.height > 0) cut.sleepers_from = stage.height;
+  }
+  return cut;
+}
+
+double overlap(double a, double b, double c, double d) {
+  return std::max(0.0, std::min(b, d) - std::max(a, c));
+}
+
+// Share of the layer between z = `low` and `high` that the cut leaves, by the midpoint rule across
+// the bed: exact to 1/strips of the width, as the outline is made of straight lines.
+double share_left(const Model& model, const Cut& cut, double low, double high) {
+  constexpr int strips = 2000;
+  const bed::BedParameters& bed = model.bed;
+  const track::SleeperParameters& s = model.sleepers;
+  const bool plane = model.dimension == Dimension::plane;
+  const double width = bed.y[1] - bed.y[0];
+  const double covered =
+      std::min(1.0, static_cast<double>(s.count) * s.width / (bed.x[1] - bed.x[0]));
+  double left = 0;
+  for (int k = 0; k < strips; ++k) {
+    const double y = bed.y[0] + (k + 0.5) * width / strips;
+    const double top = cut.crest > 0 ? std::clamp(bed.top_at(y, cut.crest), low, high) : high;
+    double height = top - low;
+    const bool below_sleeper = plane || std::abs(y - s.y) < s.length / 2;
+    if (cut.sleepers_from >= 0 && below_sleeper)
+      height -= covered * overlap(low, top, cut.sleepers_from, cut.sleepers_from + s.height);
+    left += height / strips;
+  }
+  return left / (high - low);
+}
+
+// s, of a stone of the layer in a sub-step.
+double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimension dimension) {
+  const std::vector<dem::Template> shapes = bed::templates(comm, layer, dimension);
+  double sum = 0;
+  for (const dem::Template& shape : shapes)
+    for (const dem::Piece& piece : shape.pieces)
+      sum += piece.core.vertices.size() > 1 ? time_per_polyhedron : time_per_ball;
+  return time_per_stone + sum / static_cast<double>(std::max<std::size_t>(1, shapes.size()));
+}
+
+// What limits the steps of a stage, in words: most stages of a deck share it.
+std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
+  std::string words =
+      fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
+                  steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
+  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
+  if (std::isfinite(coupling.window))
+    words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
+                         coupling.words());
+  return words;
+}
+
+std::string sentence_of(const LayerForecast& layer) {
+  return fmt::format(
+      "  {}: {} stones are poured, about {} of them stay below the profile and beside the sleepers",
+      layer.layer.empty() ? "uppermost layer" : "layer " + layer.layer, layer.made, layer.left);
+}
+
+}  // namespace
+
+std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model) {
+  std::vector<LayerForecast> layers;
+  const Cut cut = cut_of(model);
+  double low = 0;
+  for (const Stage& stage : model.stages) {
+    if (stage.kind != StageKind::fill) continue;
+    const bed::BedParameters bed = model.bed.of_layer(stage.layer);
+    LayerForecast layer{.layer = stage.layer};
+    layer.made = bed::stones_of(comm, bed, model.domain()).count;
+    const auto made = static_cast<double>(layer.made);
+    layer.left = std::llround(share_left(model, cut, low, low + bed.height) * made);
+    layer.step_time = step_time(comm, bed, model.dimension) * made;
+    layers.push_back(layer);
+    low += bed.height;
+  }
+  return layers;
+}
+
+// The windows are an upper bound, since stages may end early. The ground is left out: its share
+// depends on the deck far more than on a constant. Perfect scaling over ranks is assumed, and said.
+// Steps are those of the stones of the first fill.
+std::vector<std::string> estimate(const par::Comm& comm, const World& world,
+                                  const StageActions& actions, const input::Deck& deck) {
+  const Model& model = world.model;
+  const std::vector<LayerForecast> layers = forecast(comm, model);
+  std::vector<std::string> lines;
+  for (const LayerForecast& layer : layers)
+    if (!layer.layer.empty() || layer.left != layer.made) lines.push_back(sentence_of(layer));
+  double seconds = 0, step_time = 0;
+  std::size_t filled = 0;
+  std::string shared, numbers;  // of the stages since the limits changed
+  for (const Stage& stage : model.stages) {
+    if (stage.kind == StageKind::fill) step_time += layers[filled++].step_time;
+    const Steps steps = choose_steps(world, model, stage, deck);
+    const double windows = actions.duration(stage) / steps.window;
+    seconds += step_time * windows * steps.substeps / comm.size();
+    // Stages with the same limits share one line.
+    const std::string limits = limits_of(model, stage, steps);
+    if (limits != shared && !numbers.empty()) lines.push_back(shared + "  " + numbers);
+    if (limits != shared) numbers.clear();
+    shared = limits;
+    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "windows at most: " : ", ", stage.name,
+                           windows);
+  }
+  lines.push_back(shared + "  " + numbers);
+  lines.push_back(fmt::format(
+      "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores; {:.0f} ns per stone and "
+      "sub-step, {:.0f} ns per ball and {:.0f} ns per polyhedron of it; stages of full length; "
+      "ground, coupling and output not counted)",
+      comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
+      time_per_polyhedron * 1e9));
+  return lines;
+}
+
+}  // namespace trackbed::app
