@@ -167,7 +167,14 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
                                   deck.where("time.step"), model.time.step, limit, words)});
 }
 
-// Rooms know files, not decks: a sentence about the file of shapes gets the place that names it.
+// Rooms know no decks: a sentence that begins with a parameter's name gets its place.
+std::string placed(const std::string& words, const input::Deck& deck) {
+  const std::size_t colon = words.find(": ");
+  const bool names = words.starts_with("bed.") && colon != std::string::npos;
+  return names ? deck.where(words.substr(0, colon)) + words.substr(colon) : words;
+}
+
+// A sentence about the file of shapes gets the place that names it.
 bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::string& layer,
                       const input::Deck& deck) {
   const bed::BedParameters bed = model.bed.of_layer(layer);
@@ -175,7 +182,7 @@ bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::stri
     return bed::stones_of(comm, bed, model.domain());
   } catch (const InputError& error) {  // equal on all ranks
     const std::string words = error.what(), start = bed.library + ": ";
-    if (bed.library.empty() || !words.starts_with(start)) throw;
+    if (bed.library.empty() || !words.starts_with(start)) throw InputError({placed(words, deck)});
     const std::string key =
         layer.empty() ? "bed.library" : fmt::format("bed.layer.{}.library", layer);
     throw InputError(
@@ -193,11 +200,32 @@ std::set<std::string> layers_made(const Model& model) {
   return layers;
 }
 
+// Loose stones need several times the room of the pressed bed; a layer falls from above those that
+// lie there. Nothing of cribs: their height is known only from the sleepers.
+void require_room(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  double below = 0;
+  for (const Stage& stage : model.stages) {
+    if (stage.kind != StageKind::fill || !model.start.empty()) continue;
+    const double top = below + stones_of(comm, model, stage.layer, deck).top;
+    const double high = model.domain().high.z();
+    if (top > high)
+      throw InputError({fmt::format(
+          "{}: the loose stones would reach {:.3g} m, beyond the {:.3g} m that the program keeps "
+          "for them (1 m and ten times the height): the bed is too narrow for its stones, or they "
+          "are far from round",
+          deck.where(stage.layer.empty() ? "bed.height"
+                                         : fmt::format("bed.layer.{}.height", stage.layer)),
+          top, high)});
+    below += model.bed.of_layer(stage.layer).height;
+  }
+}
+
 }  // namespace
 
 // Stones that are there already (a start from a checkpoint) are not known from the deck; their
 // limit is met in `choose_steps`.
 void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  require_room(comm, model, deck);
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   for (const std::string& layer : layers_made(model)) {
     const bed::Stones stones = stones_of(comm, model, layer, deck);

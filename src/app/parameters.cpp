@@ -37,8 +37,9 @@ void Stage::declare(input::Section& s) {
       "layer", layer,
       "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
       "which [bed] itself describes.");
-  s.number("duration", duration, {.unit = "s", .at_least = 0},
-           "Simulated time, at most; passage: 0 means until the last axle has left.");
+  s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 100},
+           "Simulated time, at most; passage: of all its trains together, 0 means until the last "
+           "axle has left.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: the materials' own.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
@@ -49,10 +50,10 @@ void Stage::declare(input::Section& s) {
            "below this; 0: never. Not used by load and passage.");
   s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
   s.number("lift", lift, {.unit = "m/s", .above = 0}, "Release: speed of the platen upwards.");
-  s.number("height", height, {.unit = "m", .at_least = 0},
+  s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 5},
            "Sleepers: their lower face; 0: on top of the stones.");
   s.number(
-      "profile", profile, {.unit = "m"},
+      "profile", profile, {.unit = "m", .at_least = 0, .usually_to = 5},
       "Height of the crest (see bed.crest): stones with their centre above it, or above the slopes "
       "beside it, are taken away when the stage begins; 0: none. Cribs: the height they are filled "
       "to, and what lies higher goes at the end. Not for fill.");
@@ -94,6 +95,12 @@ void TimeParameters::declare(input::Section& s) {
       "step", step <= 2 * rough_step,
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
                   rough_step));
+  s.rule("step", window == 0 || step <= window,
+         fmt::format("is longer than the window of {:g} s, which is taken in one sub-step", window),
+         {.weight = input::Weight::warning, .reads = {"window", "step"}});
+  s.rule("substeps", window == 0 || substeps == 1,
+         "has no effect: the window is given, and the stones' sub-steps fill it",
+         {.weight = input::Weight::warning, .reads = {"window", "substeps"}});
   s.rule("window", window <= rough_window,
          fmt::format("is unstable: contact stiffness and the mass of what the stones touch allow "
                      "{:.3g} s",
@@ -123,7 +130,8 @@ void Output::declare(input::Section& s) {
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
-  s.number("thickness", thickness, {.unit = "m", .above = 0, .usually_to = 10},
+  s.number("thickness", thickness,
+           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
            "Extent of a plane model across the track.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file(

@@ -20,38 +20,6 @@ namespace {
 // A border given as 0.1 + 0.2 may touch one given as 0.3.
 constexpr double rounding = 1e-9;  // m
 
-bool names_are_unique(const auto& tables) {
-  std::set<std::string> names;
-  for (const auto& table : tables) names.insert(table.name);
-  return names.size() == tables.size();
-}
-
-// What stages build on each other; a start from a checkpoint may have done the earlier ones.
-// Checkpoints, overrides and a start find stages by name.
-void declare_stages(const Model& model, input::Section& s) {
-  const auto& stages = model.stages;
-  const input::About about{.reads = {"stage", "start"}};
-  s.rule("stage", !stages.empty(), "at least one [[stage]] is needed", about);
-  s.rule("stage", names_are_unique(stages), "stages need different names", about);
-  s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
-         "the first stage must be of kind fill, or `start` must name a checkpoint", about);
-  // Of a start nothing is known here: the file is looked at only when all sentences are out.
-  bool placed = !model.start.empty();
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    const StageKind kind = stages[i].kind;
-    placed = placed || kind == StageKind::sleepers;
-    s.rule(fmt::format("stage[{}].kind", i),
-           placed ||
-               (kind != StageKind::load && kind != StageKind::passage && kind != StageKind::cribs),
-           "needs sleepers, but no stage of kind sleepers comes before it", about);
-  }
-  const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
-                   model.has_stage(StageKind::passage);
-  s.rule("sleepers.count", !any || model.sleepers.count > 0,
-         "must be at least 1, since stages place or load sleepers",
-         {.reads = {"sleepers.count", "stage"}});
-}
-
 // Walls at sides that are not periodic, a floor without ground, the platen: one material.
 // A platen and a floor are walls too: they take their material from the same parameter.
 bool uses_walls(const Model& model) {
@@ -130,7 +98,9 @@ void declare_sleepers(const Model& model, input::Section& s) {
   if (!model.has_stage(StageKind::sleepers) || p.count < 1 || x.size() != 2) return;
   const double last = last_sleeper(p);
   const std::string bed = fmt::format("the bed (bed.x: {:g} to {:g} m)", x[0], x[1]);
-  const std::vector<std::string> reads = {"bed.x", "bed.y", "sleepers"};
+  const std::vector<std::string> reads = {
+      "bed.x",      "bed.y",          "sleepers.count", "sleepers.first", "sleepers.spacing",
+      "sleepers.y", "sleepers.width", "sleepers.length"};
   const auto outside = [&](double at) { return at < x[0] || at > x[1]; };
   const auto sticks_out = [&](double at) {
     return at - p.width / 2 < x[0] - rounding || at + p.width / 2 > x[1] + rounding;
@@ -155,10 +125,10 @@ void declare_sleepers(const Model& model, input::Section& s) {
       {.weight = input::Weight::warning, .reads = reads});
 }
 
-// Where the axles are at the ends of a passage, against the sleepers. A table of loads has its own
-// times and no axles.
-// Axles move along +x: axle k is at start - behind_k + speed t. It loads a sleeper when it stands
-// above it; a passage in which none does would compute the bed at rest for a whole train's time.
+// Where the axles of one train are at the ends of its passage, against the sleepers. A table of
+// loads has its own times and no axles. Axles move along +x: axle k is at start - behind_k + speed
+// t. It loads a sleeper when it stands above it; a passage in which none does would compute the bed
+// at rest for a whole train's time.
 void declare_passage(const Model& model, std::size_t number, input::Section& s) {
   const auto& load = model.load;
   const auto& sleepers = model.sleepers;
@@ -167,8 +137,9 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
   // Axles are named by their distance behind the first: the largest is the rear one.
   const double rear = *std::max_element(load.axles.begin(), load.axles.end());
   const double lead = *std::min_element(load.axles.begin(), load.axles.end());
-  const double time =
-      stage.duration > 0 ? stage.duration : track::SeatLoad(load, sleepers.spacing).duration(last);
+  const double trains = static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+  const double time = stage.duration > 0 ? stage.duration / trains
+                                         : track::SeatLoad(load, sleepers.spacing).duration(last);
   const double way = load.speed * time;
   // An axle passes a sleeper if it stands there at some time between begin and end.
   bool passes = false;
@@ -179,7 +150,8 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
       passes = passes || (on >= 0 && on <= way);
     }
   const std::string duration = fmt::format("stage[{}].duration", number);
-  const std::vector<std::string> reads = {"load", "sleepers", duration};
+  const std::vector<std::string> reads = {"load", "sleepers.count", "sleepers.first",
+                                          "sleepers.spacing", duration};
   const std::string where =
       fmt::format("sleepers stand from x = {:g} to {:g} m", sleepers.first, last);
   // Which parameter is to blame: a start beyond the track cannot be mended by more time.
@@ -190,8 +162,13 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
                            "moves along +x, {}; start before them",
                            load.start - rear, where)
              : fmt::format("no axle passes a sleeper: the first one goes from x = {:g} to {:g} "
-                           "m, {}; give more time, or 0 for the whole passage",
-                           load.start - lead, load.start - lead + way, where),
+                           "m{}, {}; give more time, or 0 for the whole passage",
+                           load.start - lead, load.start - lead + way,
+                           stage.cycles > 1 ? fmt::format(" in {:g} s, one of {} trains' share of "
+                                                          "the duration",
+                                                          time, stage.cycles)
+                                            : "",
+                           where),
          {.reads = reads});
   if (!passes) return;
   s.rule("load.start", load.start - lead <= sleepers.first,
@@ -201,7 +178,8 @@ void declare_passage(const Model& model, std::size_t number, input::Section& s) 
          {.weight = input::Weight::warning, .reads = reads});
   // A bed that is loaded at one instant rings.
   constexpr double unnoticed = 0.02;  // of the peak, what `duration` leaves behind the last axle
-  const double jump = track::SeatLoad(load, sleepers.spacing).at(sleepers.first, 0) / load.peak;
+  const double at_first = track::SeatLoad(load, sleepers.spacing).at(sleepers.first, 0);
+  const double jump = load.peak > 0 ? at_first / load.peak : 0;
   s.rule(
       "load.start", load.start - lead > sleepers.first || std::abs(jump) <= unnoticed,
       fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
@@ -222,26 +200,6 @@ void declare_passages(const Model& model, input::Section& s) {
     if (model.stages[i].kind == StageKind::passage) declare_passage(model, i, s);
 }
 
-// Regions are groups of the results, by their names. One beside the bed is empty for ever.
-void declare_regions(const Model& model, input::Section& s) {
-  const input::About about{.reads = {"region", "bed.x", "bed.y", "bed.height"}};
-  s.rule("region", names_are_unique(model.regions), "regions need different names", about);
-  for (std::size_t i = 0; i < model.regions.size(); ++i) {
-    const observe::Region& region = model.regions[i];
-    s.rule(fmt::format("region[{}].name", i),
-           !region.name.empty() && region.name.find('/') == std::string::npos &&
-               region.name != "." && region.name != "..",
-           "must be a word without /", about);
-    if (region.kind != observe::RegionKind::box || model.bed.x.size() != 2) continue;
-    // Above the bed is right as well: stones fall through it.
-    s.rule(
-        fmt::format("region[{}].x", i),
-        model.periodic_in("x") || (region.x[0] < model.bed.x[1] && region.x[1] > model.bed.x[0]),
-        fmt::format("lies beside the bed (bed.x: {:g} to {:g} m)", model.bed.x[0], model.bed.x[1]),
-        about);
-  }
-}
-
 // What is valid but moves the track in a way nobody means.
 void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
@@ -253,6 +211,16 @@ void declare_oddities(const Model& model, input::Section& s) {
          "a train is on it; give the springs' stiffness, a value below 0 to have it chosen, or "
          "base = \"fixed\"",
          {.weight = input::Weight::warning, .reads = {"ground", "stage"}});
+  double held = 0;  // s until the ground moves, at most
+  for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].ground_moves; ++i)
+    held += model.stages[i].duration;
+  s.rule("settle_average",
+         !ground.present || !moves || !model.start.empty() || held == 0 ||
+             3 * model.settle_average <= held,
+         fmt::format("is not short against the {:g} s until the ground moves: it begins out of "
+                     "balance with the bed",
+                     held),
+         {.weight = input::Weight::warning, .reads = {"settle_average", "ground", "stage"}});
   // Rails, fastenings and what a stage before put on them do not go away by themselves.
   double before = 0;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
@@ -295,7 +263,7 @@ void declare_intervals(const Model& model, input::Section& s) {
   constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];
-    if (stage.kind != StageKind::load || stage.cycles < 1 || stage.duration <= 0) continue;
+    if (stage.cycles < 1 || stage.duration <= 0) continue;
     const double cycle = stage.duration / static_cast<double>(stage.cycles);
     s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
            fmt::format("makes cycles of {:.2g} s, which a time window of about {:.2g} s or more "

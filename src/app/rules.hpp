@@ -10,6 +10,9 @@ void declare_rules(const Model& model, input::Section& s);
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);
 
+// Stages: names, order, what they use; regions: names, and whether stones can be there.
+void declare_stages(const Model& model, input::Section& s);
+void declare_regions(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline can be.
 void declare_layers(const Model& model, input::Section& s);
 void declare_profile(const Model& model, input::Section& s);

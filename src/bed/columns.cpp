@@ -51,8 +51,9 @@ std::int64_t fitting(double length, double width, const char* what) {
   const auto columns = static_cast<std::int64_t>(length / width);
   if (columns < 1)
     throw InputError(
-        {fmt::format("bed.{} is {:.4g} m wide, narrower than the largest stone ({:.4g} m)", what,
-                     length, width)});
+        {fmt::format("bed.{}: the bed is {:.4g} m wide, narrower than the ball around its largest "
+                     "stone ({:.4g} m, see bed.sieve); make it wider or the stones smaller",
+                     what, length, width)});
   return columns;
 }
 

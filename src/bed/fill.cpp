@@ -60,10 +60,10 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
   std::vector<dem::NewParticle> mine = build(batches, begin, count, top);
   top = comm.max(top);
   if (top > particles.domain().high.z())
-    throw InputError(
-        {fmt::format("bed.height: the loose stones reach up to {:.3g} m, beyond the top of the "
-                     "domain ({:.3g} m)",
-                     top, particles.domain().high.z())});
+    throw RunError(
+        fmt::format("the loose stones reach up to {:.3g} m, beyond the top of the domain ({:.3g} "
+                    "m): they are poured higher than ten heights of the bed",
+                    top, particles.domain().high.z()));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())
     numbers.push_back(particles.add_template(shape));

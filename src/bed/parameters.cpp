@@ -57,7 +57,7 @@ void declare_limits(const LayerParameters& bed, input::Section& s) {
 
 // As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(LayerParameters& bed, input::Section& s) {
-  s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0},
+  s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0, .usually_to = 300},
             "Openings of the sieves, rising: square holes in space, slots in a plane.");
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
             "Share of the mass that passes each sieve, from 0 to 100.");
@@ -76,7 +76,8 @@ void declare_grading(LayerParameters& bed, input::Section& s) {
 
 // Parameters of all kinds of stones side by side; each says in brackets which kind uses it.
 void declare_shape(LayerParameters& bed, input::Section& s) {
-  s.number("pebble_radius", bed.pebble_radius, {.unit = "m", .above = 0, .usually_to = 0.1},
+  s.number("pebble_radius", bed.pebble_radius,
+           {.unit = "m", .above = 0, .usually_from = 5e-4, .usually_to = 0.1},
            "Radius of the disks of a plane stone (pebbles).");
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
@@ -116,7 +117,7 @@ void LayerParameters::declare(input::Section& s) {
            "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
            "convex pieces; library: the shapes of a file, each as often (space).");
   s.text("material", material, "Contact material of the stones.");
-  s.number("height", height, {.unit = "m", .above = 0, .usually_to = 5},
+  s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.02, .usually_to = 5},
            "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Share of voids expected after compaction.");

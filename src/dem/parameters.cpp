@@ -46,7 +46,8 @@ void ContactLaw::declare(input::Section& s) {
            "Normal stiffness, linear law.");
   s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Tangential stiffness, linear law.");
-  s.number("friction", friction, {.unit = "-", .at_least = 0}, "Coulomb's friction coefficient.");
+  s.number("friction", friction, {.unit = "-", .at_least = 0, .usually_to = 2},
+           "Coulomb's friction coefficient.");
   s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
            "Normal viscous damping over critical, linear law.");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},

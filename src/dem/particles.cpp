@@ -26,7 +26,8 @@ void Parameters::declare(input::Section& s) {
            "Longest sub-step over sqrt(m/k) of the stiffest contact and the lightest particle.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
            "Overlap over the smaller radius beyond which the run stops.");
-  s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0}, "Acceleration along -z.");
+  s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
+           "Acceleration along -z.");
 }
 
 Particles::Room::Room(const par::Comm& comm_, const Physics& physics_,

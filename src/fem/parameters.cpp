@@ -112,7 +112,8 @@ void Elastic::declare(Section& s) {
 
 void Layer::declare(Section& s) {
   s.text("name", name, "What messages and overrides call the layer.");
-  s.number("thickness", thickness, {.unit = "m", .above = 0, .usually_to = 200},
+  s.number("thickness", thickness,
+           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 200},
            "Height of the layer; its borders need not lie on element borders.");
   solid.declare(s);
 }

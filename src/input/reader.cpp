@@ -187,10 +187,9 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
   const std::string rest = fmt::format(
       "{}: {}", place.reached && place.node->is_value() ? " = " + shown(*place.node) : "",
       sentence);
-  if (about.weight == Weight::problem)
-    problems_.add(place.node, path_of(name) + rest);
-  else
-    problems_.warn(place.node, path_of(name) + rest);
+  if (about.weight == Weight::warning) return problems_.warn(place.node, path_of(name) + rest);
+  // What is wrong with it is said: rules that read it too would say it again in other words.
+  problem(place.node, path_of(name), rest);
 }
 
 // A value that was refused keeps its default: rules that read it would only confuse.

@@ -308,7 +308,8 @@ void Region::declare(input::Section& s) {
   s.numbers("cells", cells, {.at_least = 1, .at_most = 1000},
             "Equal cells along x, y and z that are measured each for itself (box).", 3);
   s.numbers("centre", centre, {.unit = "m"}, "x, y, z of the centre (sphere).", 3);
-  s.number("radius", radius, {.unit = "m", .above = 0, .usually_to = 10}, "Radius (sphere).");
+  s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-3, .usually_to = 10},
+           "Radius (sphere).");
   for (const auto& [key, ends] : {std::pair{"x", &x}, {"y", &y}, {"z", &z}})
     s.rule(key, ends->size() != 2 || (*ends)[0] < (*ends)[1], "must rise");
   const bool whole =

@@ -59,12 +59,12 @@ void SeatLoadParameters::declare(input::Section& s) {
            "beam on a Winkler bed: Q decay spacing / 2.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 170},
            "Speed of the axles along x.");
-  s.numbers("axles", axles, {.unit = "m", .at_least = 0},
+  s.numbers("axles", axles, {.unit = "m", .at_least = 0, .usually_to = 500},
             "Distance of each axle behind the first (winkler, power).");
   s.number("start", start, {.unit = "m"},
            "x of the first axle when the passage begins (winkler, power).");
   s.number(
-      "decay", decay, {.unit = "1/m", .above = 0},
+      "decay", decay, {.unit = "1/m", .above = 0, .usually_from = 0.1, .usually_to = 10},
       "b in the load exp(-b|s|) (cos b|s| + sin b|s|) at a distance s from the axle (winkler): "
       "(k / 4 E I)^(1/4) of a rail E I on a bed of k Pa, as much as a seat's stiffness over "
       "spacing.");

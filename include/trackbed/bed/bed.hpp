@@ -86,7 +86,7 @@ struct BedParameters : LayerParameters {
 // Adds templates and loose columns of stones that do not overlap above z = `foot` to `particles`,
 // ids from left to right and upwards after the highest one there is. The same stones on any number
 // of ranks. Returns the height they reach (m). Throws InputError for parameters that do not go
-// together. Collective.
+// together, RunError if that height is beyond the domain (stones_of tells before). Collective.
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
             int material, double foot = 0);
 struct Box {
@@ -96,7 +96,7 @@ struct Box {
 // Adds stones of the same kind for `boxes`, as many as fill each at `parameters.porosity`, loose in
 // columns above z = `foot` that do not overlap each other; a box narrower than a stone gets none.
 // Their ids follow the highest one there is. The same stones on any number of ranks. Returns the
-// height they reach (m). Throws InputError if that is beyond the domain. Collective.
+// height they reach (m). Throws RunError if that is beyond the domain. Collective.
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot);
 // The stones that `fill` will make, before any is there. Throws InputError if they cannot be made.
@@ -105,6 +105,7 @@ struct Stones {
   std::int64_t count = 0;
   double smallest_volume = 0;  // m^3; plane: m^2
   double largest_bound = 0;    // m, radius of the ball around the largest
+  double top = 0;              // m, how high they reach, loose, above their foot
 };
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);
 

@@ -1,0 +1,188 @@
+// Rules of the order of stages and of what each kind of them uses; names that become names of files
+// and of groups in results.
+//
+// An order that can do nothing is an error; a parameter that its stage does not look at is a
+// warning: it mostly was meant for another stage.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "app/rules.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+bool names_are_unique(const auto& tables) {
+  std::set<std::string> names;
+  for (const auto& table : tables) names.insert(table.name);
+  return names.size() == tables.size();
+}
+
+// Names of checkpoints and of groups in HDF5 files: what every file system and shell takes.
+bool is_a_word(const std::string& name) {
+  constexpr std::size_t longest = 100;
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '+' || c == '.';
+  });
+  return plain && !name.empty() && name.size() <= longest && name.front() != '.' &&
+         name.front() != '-';
+}
+
+constexpr const char* word_wanted =
+    "must be a word of letters, digits and _ - + . (at most 100, not beginning with . or -): files "
+    "and groups of the results are named by it";
+
+// What each stage finds: a start from a checkpoint may have done the earlier ones, and nothing is
+// known of it here: the file is looked at only when all sentences are out.
+void declare_order(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"stage", "start"}};
+  bool placed = !model.start.empty(), pressed = placed;
+  std::string placed_by;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const StageKind kind = model.stages[i].kind;
+    const std::string key = fmt::format("stage[{}].kind", i);
+    const bool loads = kind == StageKind::load || kind == StageKind::passage;
+    s.rule(key, placed || kind == StageKind::sleepers || (!loads && kind != StageKind::cribs),
+           "needs sleepers, but no stage of kind sleepers comes before it", about);
+    s.rule(key, kind != StageKind::sleepers || placed_by.empty(),
+           fmt::format("places sleepers that stage \"{}\" has placed already", placed_by), about);
+    s.rule(key, kind != StageKind::fill || placed_by.empty(),
+           fmt::format("pours stones onto sleepers, which stage \"{}\" has placed; cribs fills "
+                       "between them",
+                       placed_by),
+           about);
+    s.rule(key, kind != StageKind::release || pressed,
+           "lifts a platen, but no stage of kind compact comes before it", about);
+    placed = placed || kind == StageKind::sleepers;
+    pressed = pressed || kind == StageKind::compact;
+    if (kind == StageKind::sleepers && placed_by.empty()) placed_by = model.stages[i].name;
+  }
+}
+
+// Parameters that only some kinds look at, against their defaults.
+void declare_uses(const Model& model, input::Section& s) {
+  using enum StageKind;
+  const Stage none;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const auto only = [&](const char* name, bool given, std::initializer_list<StageKind> kinds,
+                          const char* words) {
+      const bool used = std::find(kinds.begin(), kinds.end(), stage.kind) != kinds.end();
+      const std::string key = fmt::format("stage[{}].{}", i, name);
+      s.rule(key, used || !given, fmt::format("has no effect: it is for {}", words),
+             {.weight = input::Weight::warning, .reads = {key, fmt::format("stage[{}].kind", i)}});
+    };
+    only("lift", stage.lift != none.lift, {release}, "release");
+    only("height", stage.height != none.height, {sleepers}, "sleepers");
+    only("load", stage.load != none.load, {load}, "load");
+    only("ramp", stage.ramp != none.ramp, {load}, "load");
+    const bool loaded = stage.kind == load || stage.kind == passage;
+    only("until_ratio", stage.until_ratio != none.until_ratio && loaded, {},
+         "kinds without axles and cycles");
+    only("seat_force", stage.seat_force != none.seat_force,
+         {sleepers, cribs, load, passage, run, settle}, "stages with sleepers");
+  }
+}
+
+// m, of all layers.
+double height_of(const bed::BedParameters& bed) {
+  double height = bed.height;
+  for (const bed::NamedLayer& layer : bed.layers) height += layer.height;
+  return height;
+}
+
+// Heights in mm would bury the model under stones, or leave its sleepers in the air.
+void declare_heights(const Model& model, input::Section& s) {
+  constexpr double beyond = 3;  // heights of the bed: loose stones and sleepers reach less
+  const double bed = height_of(model.bed);
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const bool places = stage.kind == StageKind::sleepers;
+    for (const auto& [name, height] :
+         {std::pair{"height", places ? stage.height : 0}, {"profile", stage.profile}}) {
+      const std::string key = fmt::format("stage[{}].{}", i, name);
+      s.rule(key, height <= beyond * bed,
+             fmt::format("is far above the bed, which is {:g} m high; is it in m?", bed),
+             {.reads = {key, "bed"}});
+    }
+    const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
+    const std::string key = fmt::format("stage[{}].height", i);
+    s.rule(key, !places || stage.height == 0 || stage.height >= stone,
+           fmt::format("leaves the sleepers less than a stone of {:.3g} m above z = 0", stone),
+           {.weight = input::Weight::warning, .reads = {key, "bed"}});
+  }
+}
+
+// Along which axis a region has nothing in common with where stones can be, and in words; empty.
+struct Apart {
+  const char* axis = "x";
+  std::string words;
+};
+
+Apart beside_the_bed(const Model& model, const observe::Region& region) {
+  const bool ball = region.kind == observe::RegionKind::sphere;
+  const auto range = [&](std::size_t axis, const std::vector<double>& given) {
+    return ball
+               ? std::pair{region.centre[axis] - region.radius, region.centre[axis] + region.radius}
+               : std::pair{given[0], given[1]};
+  };
+  const auto apart = [&](std::size_t axis, const auto& given, const auto& bed) {
+    const auto [low, high] = range(axis, given);
+    return low >= bed[1] || high <= bed[0];
+  };
+  const auto& bed = model.bed;
+  if (!model.periodic_in("x") && apart(0, region.x, bed.x))
+    return {"x", fmt::format("lies beside the bed (bed.x: {:g} to {:g} m)", bed.x[0], bed.x[1])};
+  const bool space = model.dimension == Dimension::space;
+  if (space && !model.periodic_in("y") && apart(1, region.y, bed.y))
+    return {"y", fmt::format("lies beside the bed (bed.y: {:g} to {:g} m)", bed.y[0], bed.y[1])};
+  // The ground may sink; sleepers and heaps rise above the bed.
+  const double height = height_of(bed);
+  if (apart(2, region.z, std::array{-0.1 * height, 2 * height}))
+    return {"z", fmt::format("lies below or above the bed, which is {:g} m high", height)};
+  return {};
+}
+
+}  // namespace
+
+// Checkpoints, overrides and a start find stages by name.
+void declare_stages(const Model& model, input::Section& s) {
+  const auto& stages = model.stages;
+  const input::About about{.reads = {"stage", "start"}};
+  s.rule("stage", !stages.empty(), "at least one [[stage]] is needed", about);
+  s.rule("stage", names_are_unique(stages), "stages need different names", about);
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const std::string key = fmt::format("stage[{}].name", i);
+    s.rule(key, is_a_word(stages[i].name), word_wanted, {.reads = {key}});
+  }
+  s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
+         "the first stage must be of kind fill, or `start` must name a checkpoint", about);
+  declare_order(model, s);
+  declare_uses(model, s);
+  declare_heights(model, s);
+  const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
+                   model.has_stage(StageKind::passage);
+  s.rule("sleepers.count", !any || model.sleepers.count > 0,
+         "must be at least 1, since stages place or load sleepers",
+         {.reads = {"sleepers.count", "stage"}});
+}
+
+// Regions are groups of the results, by their names. One beside the bed is empty for ever.
+void declare_regions(const Model& model, input::Section& s) {
+  s.rule("region", names_are_unique(model.regions), "regions need different names",
+         {.reads = {"region"}});
+  for (std::size_t i = 0; i < model.regions.size(); ++i) {
+    const observe::Region& region = model.regions[i];
+    const std::string key = fmt::format("region[{}]", i);
+    s.rule(key + ".name", is_a_word(region.name), word_wanted, {.reads = {key + ".name"}});
+    if (model.bed.x.size() != 2 || model.bed.y.size() != 2) continue;
+    const Apart apart = beside_the_bed(model, region);
+    const bool ball = region.kind == observe::RegionKind::sphere;
+    s.rule(fmt::format("{}.{}", key, ball ? "centre" : apart.axis), apart.words.empty(),
+           apart.words, {.reads = {key, "bed", "dimension", "periodic"}});
+  }
+}
+
+}  // namespace trackbed::app
