@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "app/compatible.hpp"
+#include "app/deck_values.hpp"
 #include "app/simulation.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
@@ -162,8 +163,8 @@ std::string folder_of_checkpoint(const std::string& checkpoint) {
 // Histories first: a checkpoint must not count rows that are not in the file yet. Its name stands
 // in `latest` once the file is whole.
 void Simulation::checkpoint(const std::string& name) {
-  results_.flush();
   const auto timing = timers_.scope(Verb::output);
+  results_.flush();
   io::write_checkpoint(comm_, folder_, name, [&](io::File& file) { save(file); });
   last_checkpoint_ = folder_ + "/" + name;
 }
@@ -253,6 +254,11 @@ void Simulation::resume(const std::string& checkpoint) {
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   load(file);
   last_checkpoint_ = checkpoint;
+  // The deck in the results is that of the whole run; what it does not say is said here.
+  for (const std::string& change :
+       changes(values_of(file.text_attribute("/", "deck")), values_of(effective_deck(model_))))
+    warn(fmt::format("from {:.6g} s on, where the run was resumed: {}", course_.clock.time(),
+                     change));
   std::vector<std::string> finished;
   for (const StageRecord& record : course_.done) finished.push_back(record.name);
   const auto rows = file.read_all<std::int64_t>("run/counts").at(5);
@@ -280,6 +286,7 @@ void Simulation::start_from(const std::string& checkpoint) {
   load(file);
   course_.windows = 0;
   course_.stage = stage_after(file, checkpoint, model_, deck_);
+  started_from_ = checkpoint;
 }
 
 }  // namespace trackbed::app

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "app/compatible.hpp"
 #include "app/estimate.hpp"
@@ -19,6 +21,7 @@
 #include "app/spent.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
 #include "trackbed/io/checkpoint.hpp"
 
 namespace trackbed::app {
@@ -51,6 +54,12 @@ Model read_model(const par::Comm& comm, const input::Deck& deck) {
 // The exit code tells a script whether to run `resume`; the sentence tells a person.
 int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
   const Outcome outcome = simulation.run();
+  for (const std::string& option : fem::Petsc::unused_options())
+    if (option != "no_signal_handler")
+      print(comm,
+            fmt::format("warning: the PETSc option -{} was asked for by nothing (those of the "
+                        "ground begin with -ground_)\n",
+                        option));
   if (outcome == Outcome::finished) {
     print(comm, "results: " + folder + "\n");
     return static_cast<int>(ExitCode::success);
@@ -125,7 +134,38 @@ void require_can_go_on(const io::File& file, const std::string& checkpoint, cons
         fmt::format("{} = {} windows of the whole run: {} are done already; give "
                     "more, or 0",
                     key, model.output.stop_after, done));
+  // No stored deck has one: it comes from the command line.
+  if (!model.start.empty())
+    problems.push_back(
+        fmt::format("{} has no effect: the run goes on from {}", deck.where("start"), checkpoint));
   if (!problems.empty()) throw InputError(problems);
+}
+
+// After the end of the last stage there is nothing to go on with. A run that was killed right then
+// has not told its figures yet. Collective: rank 0 looks.
+bool is_finished(const par::Comm& comm, const io::File& checkpoint, const Model& model,
+                 const std::string& folder) {
+  if (checkpoint.integer_attribute("/", "stage_finished") == 0 ||
+      checkpoint.text_attribute("/", "stage") != model.stages.back().name)
+    return false;
+  std::stringstream summary;
+  if (comm.root()) summary << std::ifstream(folder + "/summary.json").rdbuf();
+  const bool told = summary.str().find("\"finished\": true") != std::string::npos;
+  return !comm.broadcast(told ? "told" : "").empty();
+}
+
+// A run that goes on from an older checkpoint in its own folder replaces what came after it: only
+// if that is said. Collective: rank 0 looks.
+void require_newest(const par::Comm& comm, const std::string& checkpoint,
+                    const std::string& folder) {
+  std::string newest;
+  if (comm.root()) std::getline(std::ifstream(folder + "/latest") >> std::ws, newest);
+  newest = comm.broadcast(newest);
+  if (newest.empty() || newest == fs::path(checkpoint).filename()) return;
+  throw InputError({fmt::format(
+      "{}: is not the newest checkpoint of the run in {}, which is {}: results after it would be "
+      "replaced; give -o DIR to keep them, or --force",
+      checkpoint, folder, newest)});
 }
 
 // Damaged histories are refused: the run would replace them. Those that are not there were taken
@@ -166,6 +206,12 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   {
     const io::File file = io::open_checkpoint(comm, checkpoint);
     require_can_go_on(file, checkpoint, model, deck);
+    if (is_finished(comm, file, model, own)) {
+      print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
+      return static_cast<int>(ExitCode::success);
+    }
+    if (at_home && !arguments.force && !fs::is_directory(arguments.file))
+      require_newest(comm, checkpoint, own);
     look_for_histories(comm, file, checkpoint);
   }
   // Closed by now: the file must not stay open while new checkpoints may replace it.

@@ -29,4 +29,15 @@ Values values_of(const std::string& effective) {
   return values;
 }
 
+// Both are decks of the same stages and tables: keys of one are those of the other.
+std::vector<std::string> changes(const Values& before, const Values& now) {
+  std::vector<std::string> sentences;
+  for (const auto& [key, value] : now) {
+    const auto old = before.find(key);
+    if (old == before.end() || old->second == value || key.starts_with("output.")) continue;
+    sentences.push_back(fmt::format("{} = {}, before {}", key, value, old->second));
+  }
+  return sentences;
+}
+
 }  // namespace trackbed::app

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace trackbed::app {
 
@@ -12,5 +13,9 @@ using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 
 // the second such table. Equal values have equal texts (numbers have 17 digits).
 // Local, on a text that all ranks have.
 Values values_of(const std::string& effective);
+
+// "key = new, before old" of each value that differs, parameters of [output] aside: they change
+// what is written, not what is computed.
+std::vector<std::string> changes(const Values& before, const Values& now);
 
 }  // namespace trackbed::app

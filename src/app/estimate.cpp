@@ -93,6 +93,32 @@ std::string sentence_of(const LayerForecast& layer) {
       layer.layer.empty() ? "uppermost layer" : "layer " + layer.layer, layer.made, layer.left);
 }
 
+// MB that the histories will have if all stages take their whole time.
+double size_of_histories(const Model& model, const StageActions& actions) {
+  double seconds = 0;
+  for (const Stage& stage : model.stages) seconds += actions.duration(stage);
+  double numbers = 5 + 5 * static_cast<double>(model.uses_sleepers() ? model.sleepers.count : 0);
+  if (model.ground.present) numbers += 2 * static_cast<double>(model.ground.zones_x + 1);
+  for (const observe::Region& region : model.regions) {
+    const auto& n = region.cells;
+    const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
+    numbers += 18 * cells;
+  }
+  return 8e-6 * numbers * seconds / model.output.history_interval;
+}
+
+// Nothing if they are few, as usual: their cost then is small beside the stones'.
+std::vector<std::string> word_of_ground_steps(const World& world, double longest_window) {
+  constexpr double many = 100;
+  if (!world.ground || longest_window <= 0) return {};
+  const double steps = longest_window / world.ground->stable_step();
+  if (!(steps > many)) return {};
+  return {fmt::format(
+      "warning: the ground takes up to {:.0f} steps of its own in a window, which the estimate "
+      "does not count: see ground.rayleigh_stiffness and the sizes of zones",
+      steps)};
+}
+
 }  // namespace
 
 std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model) {
@@ -123,13 +149,14 @@ std::vector<std::string> estimate(const par::Comm& comm, const World& world,
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (!layer.layer.empty() || layer.left != layer.made) lines.push_back(sentence_of(layer));
-  double seconds = 0, step_time = 0;
+  double seconds = 0, step_time = 0, longest = 0;
   std::size_t filled = 0;
   std::string shared, numbers;  // of the stages since the limits changed
   for (const Stage& stage : model.stages) {
     if (stage.kind == StageKind::fill) step_time += layers[filled++].step_time;
     const Steps steps = choose_steps(world, model, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
+    if (stage.ground_moves) longest = std::max(longest, steps.window);
     seconds += step_time * windows * steps.substeps / comm.size();
     // Stages with the same limits share one line.
     const std::string limits = limits_of(model, stage, steps);
@@ -146,6 +173,8 @@ std::vector<std::string> estimate(const par::Comm& comm, const World& world,
       "ground, coupling and output not counted)",
       comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
       time_per_polyhedron * 1e9));
+  for (const std::string& line : word_of_ground_steps(world, longest)) lines.push_back(line);
+  lines.push_back(fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions)));
   return lines;
 }
 

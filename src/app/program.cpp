@@ -93,7 +93,9 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub->add_option("checkpoint", arguments.file, "Checkpoint or the folder it is in")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default that of the stopped run");
-  sub->add_flag("--force", arguments.force, "Remove results of other runs from it first");
+  sub->add_flag(
+      "--force", arguments.force,
+      "Remove results of other runs from it first, or replace those after the checkpoint");
   sub = command("check", "Validate a deck and say what it would cost", check);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub);

@@ -128,6 +128,7 @@ void Progress::timer_table(const Timers& timers) {
   const double total = comm_.max(wall_time());
   say(comm_, "{:<18}{:>8}{:>10}{:>10}{:>10}{:>11}\n", "time in", "share", "min s", "mean s",
       "max s", "imbalance");
+  double counted = 0;  // s, mean over ranks; parts of other verbs aside
   for (std::size_t i = 0; i < static_cast<std::size_t>(Verb::count); ++i) {
     const auto verb = static_cast<Verb>(i);
     const double mine = timers.seconds(verb);
@@ -135,7 +136,10 @@ void Progress::timer_table(const Timers& timers) {
     const double mean = comm_.sum(mine) / comm_.size();
     say(comm_, "{:<18}{:>7.1f}%{:>10.2f}{:>10.2f}{:>10.2f}{:>11.2f}\n", name_of(verb),
         100 * mean / total, low, mean, high, mean > 0 ? high / mean : 1);
+    if (!is_part(verb)) counted += mean;
   }
+  say(comm_, "{:<18}{:>7.1f}%{:>10}{:>10.2f}\n", "other", 100 * (1 - counted / total), "",
+      total - counted);
   say(comm_, "{:<18}{:>8}{:>10}{:>10.2f}\n", "all", "", "", total);
 }
 

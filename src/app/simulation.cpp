@@ -149,7 +149,8 @@ Outcome Simulation::run() {
   } catch (const RunError& error) {
     const std::string good =
         last_checkpoint_.empty()
-            ? "no checkpoint had been written"
+            ? "no checkpoint had been written" +
+                  (started_from_.empty() ? "" : "; the run had started from " + started_from_)
             : fmt::format(
                   "last good checkpoint: {}; once the cause is mended, go on with: trackbed resume "
                   "{}",

@@ -72,7 +72,7 @@ class Simulation {
   Course course_;
   observe::Results results_;
   Progress progress_;
-  std::string last_checkpoint_;
+  std::string last_checkpoint_, started_from_;
   std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
   std::vector<double> seat_force_;                 // N, in the last window
   Measured measured_;                              // where the figures of the last stage begin

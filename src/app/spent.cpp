@@ -51,8 +51,6 @@ bool acts_at_begin(std::string_view name, StageKind kind) {
 }
 
 // Why another value of `key` does not act any more, or nothing.
-// Stages of another run are matched by name and not by number, so nothing can be said about them by
-// number.
 std::string why_spent(std::string_view key, const Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key == "bed.crest" || key == "bed.slope")
@@ -67,7 +65,7 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
     return next < model.stages.size() ? "" : "the last stage has its steps already";
   if (at.same_run && key.starts_with("region["))
     return "the histories of this run are measured in the old one";
-  if (!at.same_run || !key.starts_with("stage[")) return "";
+  if (!key.starts_with("stage[")) return "";
   const std::size_t number = std::stoul(std::string(key.substr(6)));
   if (number < at.stage) return "this stage is over";
   const std::string_view name = key.substr(key.find("].") + 2);
@@ -87,12 +85,31 @@ Position position_of(const io::File& checkpoint, const std::string& path, const 
   return {static_cast<std::size_t>(counts.at(0)) + (begun ? 0 : 1), begun, moved, true};
 }
 
+// Keys of the stages of another deck, numbered as this one numbers the stages of those names; a
+// stage that this deck does not have is left out.
+Values renumbered(const Values& then, const Model& model) {
+  Values values;
+  for (const auto& [key, value] : then) {
+    if (!key.starts_with("stage[")) {
+      values[key] = value;
+      continue;
+    }
+    const std::size_t end = key.find("].");
+    const auto name = then.find(key.substr(0, end) + "].name");
+    for (std::size_t i = 0; name != then.end() && i < model.stages.size(); ++i)
+      if (name->second == fmt::format("\"{}\"", model.stages[i].name))
+        values[fmt::format("stage[{}{}", i, key.substr(end))] = value;
+  }
+  return values;
+}
+
 }  // namespace
 
 std::vector<std::string> spent_changes(const io::File& checkpoint, const std::string& path,
                                        const Model& model, const input::Deck& deck,
                                        GoesOn goes_on) {
-  const Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  if (goes_on == GoesOn::in_another) then = renumbered(then, model);
   const Values now = values_of(effective_deck(model));
   const Position at = position_of(checkpoint, path, model, deck, goes_on);
   std::vector<std::string> sentences;

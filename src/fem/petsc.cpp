@@ -52,6 +52,19 @@ void check(int code, const char* what) {
 Petsc::Petsc(const std::vector<std::string>& options) { start(options); }
 Petsc::~Petsc() { finish(); }
 
+std::vector<std::string> Petsc::unused_options() {
+  PetscBool running = PETSC_FALSE;
+  check(PetscInitialized(&running), "say whether it runs");
+  if (running != PETSC_TRUE) return {};
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  check(PetscOptionsLeftGet(nullptr, &count, &names, &values), "list its options");
+  std::vector<std::string> unused;
+  for (PetscInt i = 0; i < count; ++i) unused.emplace_back(names[i]);
+  check(PetscOptionsLeftRestore(nullptr, &count, &names, &values), "give back its options");
+  return unused;
+}
+
 void Petsc::ensure() {
   PetscBool running = PETSC_FALSE;
   check(PetscInitialized(&running), "say whether it runs");

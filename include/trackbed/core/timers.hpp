@@ -11,6 +11,8 @@ namespace trackbed {
 // The verbs of the step, in the order of the step; `dem` covers halo, neighbours and contacts.
 enum class Verb { track, ground, coupling, dem, halo, neighbours, observe, output, count };
 std::string_view name_of(Verb verb);
+// Whether its time is counted in another verb's already.
+inline bool is_part(Verb verb) { return verb == Verb::halo || verb == Verb::neighbours; }
 
 class Timers {
   using Watch = std::chrono::steady_clock;

@@ -18,6 +18,8 @@ class Petsc {
 
   // Starts PETSc if nobody did. Collective over the world.
   static void ensure();
+  // Names of options that were given and that nothing has asked for so far: mostly misspelt.
+  static std::vector<std::string> unused_options();
 };
 
 }  // namespace trackbed::fem
