@@ -15,11 +15,12 @@ import matplotlib.collections  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+import bed_figures  # noqa: E402
 import measures  # noqa: E402
 import read  # noqa: E402
 import signals  # noqa: E402
+from bed_figures import COLOURS, Missing, needs  # noqa: E402
 
-COLOURS = ("tab:blue", "tab:orange")
 GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # upper end of the spectra
@@ -29,15 +30,6 @@ CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
 STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
 WEDGE = {"color": "tab:green", "alpha": 0.15}
 STRESS_COUNTS = "added by the passage; weight of the bed and static preload not in it"
-
-
-class Missing(Exception):
-    """The run does not have what the figure needs."""
-
-
-def needs(holds, what):
-    if not holds:
-        raise Missing(what)
 
 
 def mark_blocks(axes, run):
@@ -311,76 +303,9 @@ def overview(runs):
     return figure
 
 
-def regions(runs):
-    """What was measured in the deck's regions over the run; of several cells the mean."""
-    needs(all(run.regions for run in runs), "the deck has no region")
-    shown = (("porosity", "porosity", 1.0), ("coordination", "partners of a stone", 1.0),
-             ("stress", "vertical compression (kPa)", -1e-3))
-    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
-    for run, style in zip(runs, ("-", "--")):
-        for number, (name, region) in enumerate(run.regions.items()):
-            for panel, (quantity, label, factor) in zip(panels, shown):
-                values = region[quantity].values
-                values = values[:, :, 2] if values.ndim == 3 else values
-                panel.plot(run.time, factor * values.mean(axis=1), style, lw=1,
-                           color=f"C{number}", label=f"{run.name}: {name}")
-                panel.set_ylabel(label)
-        for begin in run.time[1:][np.diff(run.stage) != 0]:
-            for panel in panels:
-                panel.axvline(begin, color="0.4", lw=0.6, ls=":")
-    for panel in panels:
-        panel.grid(alpha=0.3)
-    panels[0].legend(fontsize=8)
-    panels[0].set_title("Stones in the regions of the deck (dotted: a stage begins)", fontsize=10)
-    panels[-1].set_xlabel("simulated time (s)")
-    return figure
-
-
-def forces(runs):
-    """How contact forces are spread about their mean at the end of the last stage."""
-    needs(all(run.chains for run in runs), "no contact forces")
-    figure, panel = plt.subplots(figsize=(7, 5))
-    for run, colour in zip(runs, COLOURS):
-        stage, chains = list(run.chains.items())[-1]
-        shares, density = measures.force_distribution(chains.force)
-        panel.plot(shares, density, "o-", ms=3, lw=1, color=colour,
-                   label=f"{run.name}, end of {stage}: {len(chains.force)} contacts, mean "
-                         f"{chains.force.mean():.3g} N")
-    panel.set_yscale("log")
-    panel.set_xlabel("contact force over mean contact force")
-    panel.set_ylabel("probability density")
-    panel.grid(alpha=0.3)
-    panel.legend(fontsize=8)
-    return figure
-
-
-def grading(runs):
-    """The sieve curve of the stones at the end of the last stage, as asked for and allowed."""
-    needs(all(run.stones for run in runs), "no stones")
-    figure, panel = plt.subplots(figsize=(7, 5))
-    for run, colour in zip(runs, COLOURS):
-        stage, stones = list(run.stones.items())[-1]
-        sizes = np.sort(stones.sieved[:, 0])
-        panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
-                   label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
-    opening, asked, least, most = runs[0].grading.T
-    panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
-    if np.any(least < most):
-        panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
-                           label=f"limits of {runs[0].deck['bed']['grading']}")
-    panel.set_xscale("log")
-    panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
-    panel.minorticks_off()
-    panel.set_xlabel("sieve (mm)")
-    panel.set_ylabel("passing (% of mass)")
-    panel.grid(alpha=0.3)
-    panel.legend(fontsize=8)
-    return figure
-
-
 FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "stress": stress,
            "spectrum": spectra, "force_chains": force_chains, "energy": energy,
-           "regions": regions, "forces": forces, "grading": grading}
+           **bed_figures.FIGURES}
 
 
 def draw_all(runs, folder):

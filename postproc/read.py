@@ -62,6 +62,7 @@ class Results:
     ground_envelope: dict
     chains: dict
     stones: dict
+    surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
 
     def passage(self):
         """Rows of the histories during the train's passage; of the last stage if there is none."""
@@ -154,6 +155,7 @@ def _results(file_path, file):
     deck = tomllib.loads(_text(file.attrs["deck"]))
     stages = file["chains"] if "chains" in file else {}
     stone_stages = file["stones"] if "stones" in file else {}
+    surfaces = file["surface"] if "surface" in file else {}
     return Results(
         name=file_path.parent.name,
         deck=deck,
@@ -176,7 +178,9 @@ def _results(file_path, file):
         stones={name: Stones(stone_stages[name]["centre"][()].reshape(-1, 2),
                              stone_stages[name]["radius"][()],
                              stone_stages[name]["sieved"][()].reshape(-1, 2))
-                for name in _in_order(stone_stages, deck)})
+                for name in _in_order(stone_stages, deck)},
+        surface={name: surfaces[name]["top"][()].reshape(-1, 3)
+                 for name in _in_order(surfaces, deck)})
 
 
 def datasets(path):

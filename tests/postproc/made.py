@@ -72,6 +72,9 @@ REGION = {"porosity": (0.4, 0.5), "bulk_density": (1500.0, 1300.0), "stones": (3
 
 
 SIEVED = np.array([[0.03, 1.0], [0.04, 3.0]])
+# Two places along, three across; none in the last.
+SURFACE = [[0.5, -1.0, 0.1], [1.5, -1.0, 0.3], [0.5, 0.0, 0.5], [1.5, 0.0, 0.5],
+           [0.5, 1.0, float("nan")], [1.5, 1.0, float("nan")]]
 GRADING = np.array([[0.0224, 0, 0, 3], [0.035, 20, 10, 30], [0.063, 100, 100, 100]])
 
 
@@ -111,5 +114,6 @@ def write(folder, wedge=True, ground=True):
         put("stones/load/centre", chains[:, :2], "m")
         put("stones/load/radius", np.array([0.03, 0.02]), "m")
         put("stones/load/sieved", SIEVED, "m, kg")
+        put("surface/load/top", SURFACE, "m")
         put("bed/grading", GRADING, "m, %")
     return folder

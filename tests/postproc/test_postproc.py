@@ -358,7 +358,7 @@ def test_cells_of_a_region_count_by_what_they_hold(runs):
     assert numbers["fabric zz"] == pytest.approx((90 * 0.4 + 20 * 0.6) / 110)
     text = measures.region_table(run)
     assert "slab" in text and "void ratio" in text and "0.8182" in text
-    lines = figures.regions(runs[:1]).axes[2].lines
+    lines = figures.bed_figures.regions(runs[:1]).axes[2].lines
     assert lines[0].get_ydata()[0] == pytest.approx(8)
     figures.plt.close("all")
 
@@ -366,11 +366,29 @@ def test_cells_of_a_region_count_by_what_they_hold(runs):
 def test_grading_is_by_mass(runs):
     found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
     assert found == pytest.approx([0, 25, 25, 100])
-    axes = figures.grading(runs[:1]).axes[0]
+    axes = figures.bed_figures.grading(runs[:1]).axes[0]
     built, asked = axes.lines
     assert built.get_ydata() == pytest.approx([25, 100])
     assert asked.get_ydata() == pytest.approx([0, 20, 100])
     figures.plt.close("all")
+
+
+def test_section_is_across_the_track(runs):
+    axes = figures.bed_figures.section(runs[:1]).axes[0]
+    mean = axes.lines[0]
+    assert mean.get_xdata() == pytest.approx([-1, 0])  # no stones at y = 1
+    assert mean.get_ydata() == pytest.approx([0.2, 0.5])
+    assert "across" in axes.get_xlabel()
+    figures.plt.close("all")
+
+
+def test_outline_falls_off_beside_the_crest(runs):
+    deck = {"bed": {"crest": [-0.5, 0.5], "slope": 2.0}, "stage": [{"profile": 0.4}, {}]}
+    run = dataclasses.replace(runs[0], deck=deck)
+    asked = figures.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
+    assert asked == pytest.approx([0.3, 0.4, 0.2])
+    assert figures.bed_figures.outline(
+        dataclasses.replace(run, deck={"bed": {}, "stage": [{}]}), np.zeros(2)) is None
 
 
 def test_force_distribution_is_a_density():
@@ -397,7 +415,7 @@ def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
     run = read.results(made.write(tmp_path / "bed", ground=False))
     paths = figures.draw_all([run], tmp_path)
     assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
-                                             "regions", "forces", "grading"}
+                                             "regions", "forces", "grading", "section"}
     assert "envelope.png is left out: no ground" in capsys.readouterr().out
 
 

@@ -1,0 +1,129 @@
+"""Figures of the bed itself: what its regions, contacts, sizes and surface say of the stones."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+import measures
+
+COLOURS = ("tab:blue", "tab:orange")
+
+
+class Missing(Exception):
+    """The run does not have what the figure needs."""
+
+
+def needs(holds, what):
+    if not holds:
+        raise Missing(what)
+
+
+def regions(runs):
+    """What was measured in the deck's regions over the run; of several cells the mean."""
+    needs(all(run.regions for run in runs), "the deck has no region")
+    shown = (("porosity", "porosity", 1.0), ("coordination", "partners of a stone", 1.0),
+             ("stress", "vertical compression (kPa)", -1e-3))
+    figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
+    for run, style in zip(runs, ("-", "--")):
+        for number, (name, region) in enumerate(run.regions.items()):
+            for panel, (quantity, label, factor) in zip(panels, shown):
+                values = region[quantity].values
+                values = values[:, :, 2] if values.ndim == 3 else values
+                panel.plot(run.time, factor * values.mean(axis=1), style, lw=1,
+                           color=f"C{number}", label=f"{run.name}: {name}")
+                panel.set_ylabel(label)
+        for begin in run.time[1:][np.diff(run.stage) != 0]:
+            for panel in panels:
+                panel.axvline(begin, color="0.4", lw=0.6, ls=":")
+    for panel in panels:
+        panel.grid(alpha=0.3)
+    panels[0].legend(fontsize=8)
+    panels[0].set_title("Stones in the regions of the deck (dotted: a stage begins)", fontsize=10)
+    panels[-1].set_xlabel("simulated time (s)")
+    return figure
+
+
+def forces(runs):
+    """How contact forces are spread about their mean at the end of the last stage."""
+    needs(all(run.chains for run in runs), "no contact forces")
+    figure, panel = plt.subplots(figsize=(7, 5))
+    for run, colour in zip(runs, COLOURS):
+        stage, chains = list(run.chains.items())[-1]
+        shares, density = measures.force_distribution(chains.force)
+        panel.plot(shares, density, "o-", ms=3, lw=1, color=colour,
+                   label=f"{run.name}, end of {stage}: {len(chains.force)} contacts, mean "
+                         f"{chains.force.mean():.3g} N")
+    panel.set_yscale("log")
+    panel.set_xlabel("contact force over mean contact force")
+    panel.set_ylabel("probability density")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
+def grading(runs):
+    """The sieve curve of the stones at the end of the last stage, as asked for and allowed."""
+    needs(all(run.stones for run in runs), "no stones")
+    figure, panel = plt.subplots(figsize=(7, 5))
+    for run, colour in zip(runs, COLOURS):
+        stage, stones = list(run.stones.items())[-1]
+        sizes = np.sort(stones.sieved[:, 0])
+        panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
+                   label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
+    opening, asked, least, most = runs[0].grading.T
+    panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
+    if np.any(least < most):
+        panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
+                           label=f"limits of {runs[0].deck['bed']['grading']}")
+    panel.set_xscale("log")
+    panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
+    panel.minorticks_off()
+    panel.set_xlabel("sieve (mm)")
+    panel.set_ylabel("passing (% of mass)")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
+def outline(run, y):
+    """z of the outline the deck asks for above each y, at the last stage that cuts; None if none
+    does."""
+    bed = run.deck["bed"]
+    tops = [stage["profile"] for stage in run.deck.get("stage", []) if stage.get("profile", 0) > 0]
+    if not tops:
+        return None
+    crest = bed.get("crest") or [-np.inf, np.inf]
+    return tops[-1] - np.maximum.reduce([np.zeros_like(y), crest[0] - y,
+                                         y - crest[1]]) / bed["slope"]
+
+
+def profile(rows):
+    """Axis (0 along, 1 across the track), places on it, and lowest, mean and highest top of the
+    stones there; a plane model is seen along the track. Places without stones are left out."""
+    axis = 1 if len(np.unique(rows[:, 1])) > 1 else 0
+    rows = rows[np.isfinite(rows[:, 2])]
+    places = np.unique(rows[:, axis])
+    tops = [rows[rows[:, axis] == place, 2] for place in places]
+    return axis, places, *(np.array([of(z) for z in tops]) for of in (np.min, np.mean, np.max))
+
+
+def section(runs):
+    """The bed's surface at the end of the last stage, across the track; a plane bed's along it."""
+    needs(all(run.surface for run in runs), "no surface of the bed")
+    figure, panel = plt.subplots(figsize=(8, 4))
+    for run, colour in zip(runs, COLOURS):
+        stage, rows = list(run.surface.items())[-1]
+        axis, places, low, mean, high = profile(rows)
+        if axis == 1:
+            panel.fill_between(places, low, high, color=colour, alpha=0.25, lw=0,
+                               label="lowest to highest along the track")
+        panel.plot(places, mean, color=colour, label=f"{run.name}, end of {stage}: mean")
+        asked = outline(run, places if axis == 1 else np.zeros_like(places))
+        if asked is not None:
+            panel.plot(places, np.maximum(asked, 0), "k--", lw=1, label="outline of the deck")
+        panel.set_xlabel(("x along", "y across")[axis] + " the track (m)")
+    panel.set_ylabel("top of the stones (m)")
+    panel.grid(alpha=0.3)
+    panel.legend(fontsize=8)
+    return figure
+
+
+FIGURES = {"regions": regions, "forces": forces, "grading": grading, "section": section}
