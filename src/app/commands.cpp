@@ -94,9 +94,12 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
 
 std::string version() { return TRACKBED_VERSION; }
 
+// Without what the run began from: that is in the state, and its file may be gone when the run goes
+// on.
 std::string effective_deck(const Model& model) {
   Model copy = model;
   copy.start.clear();
+  copy.bed.cell.clear();
   return input::effective(declaration_of(copy));
 }
 
@@ -111,8 +114,9 @@ int run(const par::Comm& comm, const Arguments& arguments) {
                                  : arguments.folder;
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
-  const FolderLock lock = prepare_folder(
-      comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, start);
+  const FolderLock lock =
+      prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
+                     start.empty() ? model.bed.cell : start);
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
@@ -245,7 +249,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     const dem::Totals totals = world.particles.totals();
     print(comm, fmt::format("  stones: {} of {} pieces, {:.0f} kg\n", totals.particles,
                             totals.pieces, totals.mass));
-    for (const std::string& line : estimate(comm, world, actions, deck)) print(comm, line + "\n");
+    for (const std::string& line : estimate(world, actions, deck)) print(comm, line + "\n");
   } else {
     print(comm, "  stones: those of " + start + "\n");
   }

@@ -121,7 +121,9 @@ std::vector<std::string> word_of_ground_steps(const World& world, double longest
 
 }  // namespace
 
-std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model) {
+std::vector<LayerForecast> forecast(const World& world) {
+  const Model& model = world.model;
+  const par::Comm& comm = world.comm;
   std::vector<LayerForecast> layers;
   const Cut cut = cut_of(model);
   double low = 0;
@@ -129,7 +131,9 @@ std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model) {
     if (stage.kind != StageKind::fill) continue;
     const bed::BedParameters bed = model.bed.of_layer(stage.layer);
     LayerForecast layer{.layer = stage.layer};
-    layer.made = bed::stones_of(comm, bed, model.domain()).count;
+    const bool copies = !model.bed.cell.empty();
+    layer.made = copies ? world.particles.totals().particles
+                        : bed::stones_of(comm, bed, model.domain()).count;
     const auto made = static_cast<double>(layer.made);
     layer.left = std::llround(share_left(model, cut, low, low + bed.height) * made);
     layer.step_time = step_time(comm, bed, model.dimension) * made;
@@ -142,10 +146,11 @@ std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model) {
 // The windows are an upper bound, since stages may end early. The ground is left out: its share
 // depends on the deck far more than on a constant. Perfect scaling over ranks is assumed, and said.
 // Steps are those of the stones of the first fill.
-std::vector<std::string> estimate(const par::Comm& comm, const World& world,
-                                  const StageActions& actions, const input::Deck& deck) {
+std::vector<std::string> estimate(const World& world, const StageActions& actions,
+                                  const input::Deck& deck) {
+  const par::Comm& comm = world.comm;
   const Model& model = world.model;
-  const std::vector<LayerForecast> layers = forecast(comm, model);
+  const std::vector<LayerForecast> layers = forecast(world);
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (!layer.layer.empty() || layer.left != layer.made) lines.push_back(sentence_of(layer));

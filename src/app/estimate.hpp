@@ -18,13 +18,13 @@ struct LayerForecast {
   double step_time = 0;   // s of one core for a sub-step of all that are made
 };
 
-// Of each stage of kind fill, in their order. `left` holds as far as the pressed bed has the height
-// and porosity that the deck expects; stones of cribs are not counted. Throws InputError if they
-// cannot be made. Collective.
-std::vector<LayerForecast> forecast(const par::Comm& comm, const Model& model);
+// Of each stage of kind fill, in their order; copies of a cell are counted in `world`. `left` holds
+// as far as the pressed bed has the height and porosity that the deck expects; stones of cribs are
+// not counted. Throws InputError if they cannot be made. Collective.
+std::vector<LayerForecast> forecast(const World& world);
 
 // Sentences for `check`. `world` is filled by the first stage. Collective.
-std::vector<std::string> estimate(const par::Comm& comm, const World& world,
-                                  const StageActions& actions, const input::Deck& deck);
+std::vector<std::string> estimate(const World& world, const StageActions& actions,
+                                  const input::Deck& deck);
 
 }  // namespace trackbed::app

@@ -16,6 +16,7 @@
 #include <numbers>
 #include <set>
 
+#include "app/cell.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/stiffness.hpp"
@@ -194,7 +195,8 @@ bed::Stones stones_of(const par::Comm& comm, const Model& model, const std::stri
 std::set<std::string> layers_made(const Model& model) {
   std::set<std::string> layers;
   for (const Stage& stage : model.stages) {
-    const bool fills = stage.kind == StageKind::fill && model.start.empty();
+    const bool fills =
+        stage.kind == StageKind::fill && model.start.empty() && model.bed.cell.empty();
     if (fills || stage.kind == StageKind::cribs) layers.insert(stage.layer);
   }
   return layers;
@@ -205,7 +207,7 @@ std::set<std::string> layers_made(const Model& model) {
 void require_room(const par::Comm& comm, const Model& model, const input::Deck& deck) {
   double below = 0;
   for (const Stage& stage : model.stages) {
-    if (stage.kind != StageKind::fill || !model.start.empty()) continue;
+    if (stage.kind != StageKind::fill || !model.start.empty() || !model.bed.cell.empty()) continue;
     const double top = below + stones_of(comm, model, stage.layer, deck).top;
     const double high = model.domain().high.z();
     if (top > high)
@@ -225,6 +227,8 @@ void require_room(const par::Comm& comm, const Model& model, const input::Deck& 
 // Stones that are there already (a start from a checkpoint) are not known from the deck; their
 // limit is met in `choose_steps`.
 void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
+  if (fills && !model.bed.cell.empty()) require_cell(comm, model, deck);
   require_room(comm, model, deck);
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   for (const std::string& layer : layers_made(model)) {

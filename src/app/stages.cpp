@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/cell.hpp"
 #include "app/cribs.hpp"
 
 namespace trackbed::app {
@@ -85,8 +86,9 @@ void StageActions::begin(const Stage& stage) {
 void StageActions::pour(const Stage& stage) {
   const bed::BedParameters layer = model_.bed.of_layer(stage.layer);
   const double below = std::max(0.0, world_.top_of_stones());  // minus infinity without stones
-  const double height =
-      bed::fill(world_.particles, world_.comm, layer, model_.material(layer.material), below);
+  const double height = model_.bed.cell.empty() ? bed::fill(world_.particles, world_.comm, layer,
+                                                            model_.material(layer.material), below)
+                                                : lay_cells(world_);
   // A tenth above the lattice, for stones that jump when they meet.
   world_.raise_walls(1.1 * height);
 }

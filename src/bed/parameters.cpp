@@ -150,6 +150,12 @@ void BedParameters::declare(input::Section& s) {
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
          "lies beyond the sides of the bed (y)", {.reads = {"crest", "y"}});
+  s.file(
+      "cell", cell,
+      "Checkpoint at the end of a stage of a deck that is periodic in x (a file stage_*.h5, or a "
+      "result folder: the one its `latest` names): the stage fill lays copies of its stones side "
+      "by side along x instead of making new ones.",
+      input::Named::file_or_folder);
   LayerParameters::declare(s);
   s.tables("layer", layers,
            "Layers below (sub-ballast): a stage of kind fill that names one pours it.");

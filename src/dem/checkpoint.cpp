@@ -7,52 +7,11 @@
 #include <algorithm>
 
 #include "room.hpp"
+#include "stored.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/templates.hpp"
 
 namespace trackbed::dem {
-
-namespace {
-
-// Rows of `columns` numbers from an array of numbers or Vec4.
-// `rows` are the own particles; ghosts behind them belong to others. Of a Vec4 only the first
-// numbers are the quantity: w of position and velocity holds radius and mass, which are derived.
-template <class T>
-std::vector<T> flat(const std::vector<T>& array, std::size_t rows, int) {
-  return {array.begin(), array.begin() + static_cast<std::ptrdiff_t>(rows)};
-}
-std::vector<double> flat(const std::vector<Vec4>& array, std::size_t rows, int columns) {
-  std::vector<double> numbers;
-  for (std::size_t b = 0; b < rows; ++b) {
-    const double four[] = {array[b].x, array[b].y, array[b].z, array[b].w};
-    numbers.insert(numbers.end(), four, four + columns);
-  }
-  return numbers;
-}
-template <class T>
-void unflatten(const std::vector<T>& numbers, std::vector<T>& array, int) {
-  array = numbers;
-}
-void unflatten(const std::vector<double>& numbers, std::vector<Vec4>& array, int columns) {
-  const auto n = static_cast<std::size_t>(columns);
-  array.assign(numbers.size() / n, Vec4{});
-  for (std::size_t b = 0; b < array.size(); ++b) {
-    double* const four[] = {&array[b].x, &array[b].y, &array[b].z, &array[b].w};
-    for (std::size_t k = 0; k < n; ++k) *four[k] = numbers[b * n + k];
-  }
-}
-
-// What an array of T becomes in a file.
-template <class T>
-struct Number {
-  using type = T;
-};
-template <>
-struct Number<Vec4> {
-  using type = double;
-};
-
-}  // namespace
 
 // Collective. May be called at any time between windows, also before new lists exist: histories
 // that wait for them are written like those in the lists.
@@ -96,6 +55,30 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "load_quantum", r.load_quantum);
 }
 
+// A run without resistance to rolling wrote no displacements of it: it begins at rest.
+std::vector<History> read_histories(const io::File& file, const std::string& group) {
+  const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
+  const auto xi = file.read_all<double>(group + "/history/xi");
+  const std::string rolling = group + "/history/roll";
+  auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
+  roll.resize(3 * keys.size() / 2, 0.0);
+  std::vector<History> all;
+  for (std::size_t k = 0; 2 * k < keys.size(); ++k)
+    all.push_back({keys[2 * k],
+                   keys[2 * k + 1],
+                   {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]},
+                   xi[4 * k + 3],
+                   {roll[3 * k], roll[3 * k + 1], roll[3 * k + 2]}});
+  return all;
+}
+
+std::vector<std::string> read_surface_names(const io::File& file, const std::string& group) {
+  std::vector<std::string> names;
+  for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
+    names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));
+  return names;
+}
+
 // Collective; any number of ranks. Replaces particles, templates and names of surfaces, so surfaces
 // are to be set again afterwards: their histories refer to these names by number.
 void Particles::load(const io::File& file, const std::string& group) {
@@ -111,22 +94,9 @@ void Particles::load(const io::File& file, const std::string& group) {
   r.sort_own();
   r.derive(0);
   // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
-  const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
-  const auto xi = file.read_all<double>(group + "/history/xi");
-  const std::string rolling = group + "/history/roll";
-  auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
-  // A run without resistance to rolling wrote none: it begins at rest.
-  roll.resize(3 * keys.size() / 2, 0.0);
-  r.forget_contacts(), r.waiting.clear();
-  for (std::size_t k = 0; 2 * k < keys.size(); ++k)
-    r.waiting.push_back({keys[2 * k],
-                         keys[2 * k + 1],
-                         {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]},
-                         xi[4 * k + 3],
-                         {roll[3 * k], roll[3 * k + 1], roll[3 * k + 2]}});
-  r.names.clear();
-  for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
-    r.names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));
+  r.forget_contacts();
+  r.waiting = read_histories(file, group);
+  r.names = read_surface_names(file, group);
   r.steps = file.integer_attribute(group, "steps");
   r.rebuilds = file.integer_attribute(group, "rebuilds");
   r.local_damping = file.number_attribute(group, "local_damping");

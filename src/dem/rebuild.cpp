@@ -15,18 +15,17 @@
 
 namespace trackbed::dem {
 
-namespace {
-
-// Applies `permutation` to the first entries of every listed array.
-// What it does not name is dropped; derived quantities are made anew afterwards.
-void permute_own(State& state, const std::vector<std::size_t>& permutation) {
+// What `rows` does not name is dropped; derived quantities are made anew afterwards.
+void pick(State& state, const std::vector<std::size_t>& rows) {
   visit_state(state, [&](auto, auto& array) {
-    auto moved = array;
-    moved.resize(permutation.size());
-    for (std::size_t k = 0; k < permutation.size(); ++k) moved[k] = array[permutation[k]];
-    array = std::move(moved);
+    auto picked = array;
+    picked.resize(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) picked[k] = array[rows[k]];
+    array = std::move(picked);
   });
 }
+
+namespace {
 
 // Bytes of the stored quantities of one particle that are `wanted` (of a quantity).
 // As they lie in memory: ranks of one run have one kind of numbers.
@@ -79,7 +78,7 @@ void Particles::Room::sort_own() {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return state.id[a] < state.id[b]; });
-  permute_own(state, order);
+  pick(state, order);
 }
 
 // Sends particles that left the rank's cells, each with the history of all its contacts.
@@ -112,7 +111,7 @@ void Particles::Room::migrate(std::vector<History>& history) {
         if (to != goes_to.end()) leaving_history[to->second].push_back(h);
       }
   // Those that stay, then the newcomers; the order is mended by `sort_own`.
-  permute_own(state, staying);
+  pick(state, staying);
   for (const auto& bytes : comm.exchange(leaving))
     for (const std::byte* in = bytes.data(), *end = in + bytes.size(); in < end;)
       in = unpack(state, all_stored, in);

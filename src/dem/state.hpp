@@ -80,6 +80,9 @@ void visit_state(S& s, Visit&& visit) {
   });
 }
 
+// These rows of every stored quantity, in this order; a row may be named more than once.
+void pick(State& state, const std::vector<std::size_t>& rows);
+
 // Templates flattened for the kernels.
 // All pieces of all templates in turn; those of a template lie in [begin, end).
 class Shapes {

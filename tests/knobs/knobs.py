@@ -38,6 +38,7 @@ ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
 BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
+REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
@@ -92,6 +93,7 @@ KNOBS = {
     "bed.angularity": ("bed.angularity=0.6", []),
     "bed.clump": ("bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.5]", CLUMP),
     "bed.library": ("bed.library={folder}/flat.h5", LIBRARY),
+    "bed.cell": ("bed.cell={folder}/cell/stage_fill.h5", REPEATED),
     "bed.polyhedron.vertices": ("bed.polyhedron.vertices=12", SOLID),
     "bed.polyhedron.elongation": ("bed.polyhedron.elongation=0.8", SOLID),
     "bed.polyhedron.flatness": ("bed.polyhedron.flatness=0.7", SOLID),
@@ -189,7 +191,7 @@ KNOBS = {
 }
 
 # A layer has all parameters of the bed but its place; the bed of these runs is the layer.
-OF_THE_BED = {"x", "y", "crest", "slope", "layer"}
+OF_THE_BED = {"x", "y", "crest", "slope", "cell", "layer"}
 KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
           (change.replace("bed.", "bed.layer.0.", 1),
            [*(["bed.stone=disk"] if "dimension=space" in around else []),
@@ -292,6 +294,7 @@ def main():
     problems += [f"{name}: not a parameter" for name in sorted(listed - declared)]
     bench = Bench(program, sys.argv[2], folder)
     program.done(1, "run", sys.argv[2], "-o", folder / "started_from")
+    program.done(1, "run", sys.argv[2], *REPEATED, "-o", folder / "cell")
     surroundings = sorted({tuple(around) for _, around in KNOBS.values()})
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         bases = pool.map(lambda k: bench.seen(f"base_{k}", surroundings[k]),

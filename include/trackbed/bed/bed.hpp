@@ -75,6 +75,7 @@ struct BedParameters : LayerParameters {
   std::vector<double> y = {-0.5, 0.5};  // m, space models
   std::vector<double> crest;            // m, y of the ends of the level top; none: level all over
   double slope = 1.5;                   // run over rise beyond the crest
+  std::string cell;  // checkpoint whose stones are repeated along x instead of new ones
   std::vector<NamedLayer> layers;
   void declare(input::Section& s);
   // m, where the bed ends above y if its crest is at height `top`.

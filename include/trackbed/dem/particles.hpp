@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -103,6 +104,14 @@ struct Balance {
   double before = 1;            // at the last of them
 };
 
+// How the particles of a checkpoint are repeated along x to fill a domain.
+struct Tiling {
+  std::int64_t copies = 1;
+  double begin = 0, length = 1;              // m, of the cell: its lower side in x, its period
+  std::vector<int> materials;                // number here of each material there
+  std::map<std::string, std::string> names;  // of surfaces that have another name here
+};
+
 class Particles {
  public:
   Particles(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
@@ -113,6 +122,11 @@ class Particles {
   int add_template(const Template& shape);
   // Each rank names particles it made; any split. Collective. Shares them out by position.
   void add(std::span<const NewParticle> mine);
+  // Copies the particles of a checkpoint whose model was periodic in x, with their histories,
+  // motion and forces, so often as to fill the domain, where there must be none yet. Copy k of the
+  // i-th of n gets the id k n + i. In a domain that is not periodic in x, contacts beyond its ends
+  // are left out. Collective.
+  void tile(const io::File& file, const std::string& group, const Tiling& tiling);
   // Takes away own particles for which `doomed` holds (with their contacts). Collective.
   std::int64_t remove(const std::function<bool(const ParticleView&)>& doomed);
   // New even split of the domain over ranks, by the work counted or by these weights of own

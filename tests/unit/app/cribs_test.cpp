@@ -174,7 +174,7 @@ TEST(Layers, LieOnEachOther) {
     ids.push_back(stone.id);
   }
   ids = world.all_gather(std::span<const Id>(ids));
-  const std::vector<LayerForecast> expected = forecast(world, deck);
+  const std::vector<LayerForecast> expected = forecast(scene);
   EXPECT_EQ(std::set<Id>(ids.begin(), ids.end()).size(), ids.size());
   EXPECT_EQ(expected.at(0).made, first);
   EXPECT_EQ(expected.at(1).made, static_cast<std::int64_t>(ids.size()) - first);
@@ -188,14 +188,15 @@ TEST(Forecast, CountsWhatTheCutLeaves) {
   deck.bed.crest = {-1, 0.9}, deck.bed.slope = 0.5;
   deck.stages = {{.name = "fill", .kind = StageKind::fill, .duration = 1},
                  {.name = "cut", .kind = StageKind::settle, .duration = 1, .profile = 0.2}};
-  const LayerForecast cut = forecast(world, deck).at(0);
+  const World scene(world, deck);
+  const LayerForecast cut = forecast(scene).at(0);
   const double gone = 0.1 * 0.2 / 2 / (2 * 0.2);  // slope 0.5: 0.1 m of run over the whole height
   EXPECT_NEAR(static_cast<double>(cut.left), (1 - gone) * static_cast<double>(cut.made),
               1 + 1e-3 * static_cast<double>(cut.made));
   deck.stages.push_back({.name = "sleepers", .kind = StageKind::sleepers, .height = 0.1});
   const track::SleeperParameters& s = deck.sleepers;
   const double dug = 3 * s.width * s.length * 0.1 / (2 * 2 * 0.2);
-  EXPECT_NEAR(static_cast<double>(forecast(world, deck).at(0).left),
+  EXPECT_NEAR(static_cast<double>(forecast(scene).at(0).left),
               (1 - gone - dug) * static_cast<double>(cut.made),
               1 + 2e-3 * static_cast<double>(cut.made));
 }
