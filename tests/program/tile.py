@@ -139,7 +139,8 @@ def check_sentences(bench):
                         bench.folder / "nowhere")
     if ran.returncode != 2 or (bench.folder / "nowhere").exists():
         raise SystemExit("a refused run must leave nothing behind")
-    ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "--force", "-o", bench.cell)
+    ran = bench.program(1, "run", deck, f"bed.cell={bench.cell}", *TILE, "--force", "-o",
+                        bench.cell)
     if ran.returncode != 2 or "checkpoint to start from" not in ran.stderr:
         raise SystemExit(f"a run must not replace its own cell:\n{ran.stdout}{ran.stderr}")
 

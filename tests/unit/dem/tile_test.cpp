@@ -77,30 +77,40 @@ std::map<Id, Seen> look(const dem::Particles& particles) {
 class Tiling : public testing::Test {
  protected:
   static constexpr double begin = -0.07;  // m, of the cell
-  par::Comm world = par::Comm::world(), self = par::Comm::self();
-  std::string path =
-      (std::filesystem::temp_directory_path() / ("trackbed_tile_" + std::to_string(world.size()) +
-                                                 "_" + std::to_string(world.rank()) + ".h5"))
-          .string();
   // Of force: brings the stones so near to rest that errors of rounding do not grow by sliding.
   static constexpr double damping = 0.7;
+  par::Comm world = par::Comm::world(), self = par::Comm::self();
   Bed cell{self, begin, begin + length};
 
-  // Every rank makes the same cell in a file of its own.
-  void SetUp() override {
-    cell.pour(self, begin);
-    cell.run(12000);
-    cell.particles.set_local_damping(damping);
-    cell.run(8000);
-    io::File file(self, path, io::Mode::create);
-    cell.particles.save(file, "/dem");
+  static std::string path() {
+    const par::Comm world = par::Comm::world();
+    return (std::filesystem::temp_directory_path() /
+            ("trackbed_tile_" + std::to_string(world.size()) + "_" + std::to_string(world.rank()) +
+             ".h5"))
+        .string();
   }
-  void TearDown() override { std::filesystem::remove(path); }
+  // Once for all tests. Every rank makes the same cell in a file of its own.
+  static void SetUpTestSuite() {
+    const par::Comm self = par::Comm::self();
+    Bed bed(self, begin, begin + length);
+    bed.pour(self, begin);
+    bed.run(12000);
+    bed.particles.set_local_damping(damping);
+    bed.run(8000);
+    io::File file(self, path(), io::Mode::create);
+    bed.particles.save(file, "/dem");
+  }
+  static void TearDownTestSuite() { std::filesystem::remove(path()); }
 
-  void lay(const par::Comm& comm, Bed& bed) const {
+  void SetUp() override {
+    cell.particles.load(io::File(self, path(), io::Mode::read), "/dem");
+    cell.connect();
+  }
+
+  void lay(const par::Comm& comm, Bed& bed, const std::map<std::string, std::string>& names = {}) {
     // All ranks of a communicator open one file: that of rank 0, which outlives the others' use.
-    const std::string name = comm.broadcast(comm.root() ? path : "");
-    const dem::Tiling tiling{.copies = copies, .begin = begin, .length = length, .materials = {0}};
+    const std::string name = comm.broadcast(comm.root() ? path() : "");
+    const dem::Tiling tiling{copies, begin, length, {0}, names};
     bed.particles.tile(io::File(comm, name, io::Mode::read), "/dem", tiling);
     bed.particles.set_local_damping(damping);
     bed.connect();
@@ -141,6 +151,7 @@ TEST_F(Tiling, EveryCopyFeelsAndMovesAsTheCell) {
 
 // What makes the cell a test at all: contacts across its border, stones that have left it.
 TEST_F(Tiling, TheCellHasContactsAcrossItsBorder) {
+  cell.run(1);  // contacts are known once there are lists
   int across = 0, outside = 0;
   const std::map<Id, Seen> all = look(cell.particles);
   cell.particles.contacts([&](const dem::ContactView& c) {
@@ -156,11 +167,25 @@ TEST_F(Tiling, TheCellHasContactsAcrossItsBorder) {
   EXPECT_GT(outside, 5);
 }
 
+// The springs of the floor's friction are found under its name here.
+TEST_F(Tiling, AFloorMayHaveAnotherName) {
+  double elastic[2];
+  cell.run(1);
+  for (const bool known : {false, true}) {
+    Bed bed(self, 1, 1 + copies * length);
+    bed.floor.name = "ground";
+    lay(self, bed, {{"floor", known ? "ground" : "other"}});
+    bed.run(1);
+    elastic[known] = bed.particles.totals().elastic / (copies * cell.particles.totals().elastic);
+  }
+  EXPECT_NEAR(elastic[true], 1, 1e-9);
+  EXPECT_LT(elastic[false], 1 - 1e-6);
+}
+
 TEST_F(Tiling, OneCopyIsTheCell) {
   Bed bed(world, begin, begin + length);
-  const std::string name = world.broadcast(world.root() ? path : "");
-  bed.particles.tile(io::File(world, name, io::Mode::read), "/dem",
-                     {.copies = 1, .begin = begin, .length = length, .materials = {0}});
+  const std::string name = world.broadcast(world.root() ? path() : "");
+  bed.particles.tile(io::File(world, name, io::Mode::read), "/dem", {1, begin, length, {0}, {}});
   bed.particles.set_local_damping(damping);
   bed.connect();
   world.barrier();
@@ -182,7 +207,7 @@ TEST_F(Tiling, TheSameBitsOnAnyNumberOfRanks) {
 TEST_F(Tiling, ARestartGivesTheSameBits) {
   Bed whole(self, 0, copies * length), resumed(self, 0, copies * length);
   lay(self, whole);
-  const std::string kept = path + ".kept";
+  const std::string kept = path() + ".kept";
   {
     io::File file(self, kept, io::Mode::create);
     whole.particles.save(file, "/dem");
