@@ -8,9 +8,9 @@
 #include <cstddef>
 
 #include "room.hpp"
-#include "trackbed/core/exact_sum.hpp"
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/stone.hpp"
+#include "trackbed/par/exact_totals.hpp"
 
 namespace trackbed::dem {
 
@@ -61,7 +61,7 @@ void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& se
   auto& known = room_->points_of_shape;
   if (known.size() <= shape) known.resize(shape + 1);
   if (known[shape].empty())
-    known[shape] = geom::points_within(room_->shapes[s.shape[b]].pieces, points_of_particle,
+    known[shape] = geom::points_within(room_->shapes[s.shape[b]], points_of_particle,
                                        room_->domain.dimension == Dimension::plane);
   const Quat q = quat(s.q[b]);
   for (const Vec3& point : known[shape]) see(s.x[b].vec3() + s.scale[b] * (q * point));
@@ -194,19 +194,11 @@ void Particles::contacts(const std::function<void(const ContactView&)>& see) con
 
 namespace {
 
-// Sum of a list over ranks with bits that do not depend on the split: the range comes from the
-// largest term and the number of terms, both exact, the sum from integers.
-// Collective. Cost: two reductions more than a plain sum, and all terms are kept for a moment.
+// All terms are kept for a moment. Collective.
 double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
-  double largest = 0;
-  for (const double term : terms) largest = std::max(largest, std::abs(term));
-  largest = comm.max(largest);
-  const std::int64_t count = comm.sum(static_cast<std::int64_t>(terms.size()));
-  if (!(largest > 0) || !std::isfinite(largest)) return largest;
-  ExactSum sum(exact_quantum(largest * static_cast<double>(count)));
-  for (const double term : terms) sum.add(term);
-  sum.count() = comm.sum(sum.count());
-  return sum.value();
+  return par::exact_totals(comm, {}, terms.size(), [&](std::size_t k) {
+    return par::ExactTerm{0, terms[k]};
+  })[0];
 }
 
 // One list of terms for every sum that Totals holds.

@@ -1,5 +1,5 @@
 // Sums over stones and contacts in cells, with bits that do not depend on the split over ranks:
-// terms are kept, their range is agreed, then they are added as integers (core/exact_sum.hpp).
+// terms are kept, their range is agreed, then they are added as integers (par/exact_totals.hpp).
 // Cost: one pass over stones and contacts; points are asked only of stones that a border cuts.
 #include "trackbed/observe/regions.hpp"
 
@@ -11,7 +11,7 @@
 #include <numeric>
 #include <optional>
 
-#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/par/exact_totals.hpp"
 
 namespace trackbed::observe {
 
@@ -43,42 +43,19 @@ Tensor symmetric(const Vec3& a, const Vec3& b) {
 class Sums {
  public:
   void add(std::size_t cell, std::size_t quantity, double term) {
-    terms_.push_back({cell, quantity, term});
+    terms_.push_back({cell * quantities + quantity, term});
   }
   void add(std::size_t cell, std::size_t quantity, const Tensor& term) {
     for (std::size_t k = 0; k < 6; ++k) add(cell, quantity + k, term[k]);
   }
-  // [cell * quantities + quantity]. One range per quantity: the largest term times the number of
-  // terms, both exact. Collective.
+  // [cell * quantities + quantity]; one range per quantity. Collective.
   std::vector<double> over_ranks(const par::Comm& comm, std::size_t cells) const {
-    std::vector<double> largest(quantities, 0.0);
-    for (const Term& t : terms_)
-      largest[t.quantity] = std::max(largest[t.quantity], std::abs(t.value));
-    comm.max(std::span(largest));
-    const auto count = static_cast<double>(comm.sum(static_cast<std::int64_t>(terms_.size())));
-    std::vector<ExactSum> sums;
-    for (std::size_t k = 0; k < cells * quantities; ++k) {
-      const double range = largest[k % quantities] * count;
-      sums.emplace_back(range > 0 && std::isfinite(range) ? exact_quantum(range) : 1.0);
-    }
-    for (const Term& t : terms_) sums[t.cell * quantities + t.quantity].add(t.value);
-    std::vector<std::int64_t> counts;
-    for (const ExactSum& sum : sums) counts.push_back(sum.count());
-    comm.sum(std::span(counts));
-    std::vector<double> values;
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-      sums[k].count() = counts[k];
-      values.push_back(sums[k].value());
-    }
-    return values;
+    return par::exact_totals(comm, {.sums = cells * quantities, .ranges = quantities},
+                             terms_.size(), [&](std::size_t k) { return terms_[k]; });
   }
 
  private:
-  struct Term {
-    std::size_t cell, quantity;
-    double value;
-  };
-  std::vector<Term> terms_;
+  std::vector<par::ExactTerm> terms_;
 };
 
 // The share [first, second] of a segment that lies in a part of space; first > second: none.

@@ -111,9 +111,10 @@ double union_area(const std::vector<Piece>& pieces, int directions = 60, int cel
 // Union of disks in the plane y = 0: area, and gyration of the lamina.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells = 4096);
 
-// `count` points spread evenly through what pieces cover together, for shares of it: each stands
-// for 1/count of the volume. Of disks (`lamina`) through the plane y = 0. Made of the lines of
-// `union_solid`.
-std::vector<Vec3> points_within(const std::vector<Piece>& pieces, int count, bool lamina);
+// `count` points spread evenly through a stone, for shares of it: each stands for 1/count of its
+// volume. Of 512 points half a per cent is on the wrong side of a straight cut in the mean, 3 % at
+// most; of a lamina 1 % at most. Through what pieces cover together; `lamina`: disks in the plane
+// y = 0, or all that disks of one radius enclose, if the shape's area is nearer to that.
+std::vector<Vec3> points_within(const Template& shape, int count, bool lamina);
 
 }  // namespace trackbed::geom

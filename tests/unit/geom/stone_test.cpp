@@ -168,5 +168,27 @@ TEST(Union, Lamina) {
   EXPECT_NEAR(two.gyration.y(), r * r / 2 + d * d / 4, raster);
 }
 
+// A clump in the plane weighs what its disks cover: its hollow holds none of it.
+TEST(Union, PointsOfAClumpLieInItsDisks) {
+  constexpr int count = 512;
+  std::vector<Sphere> disks;
+  for (int k = 0; k < 7; ++k)  // three quarters of a ring
+    disks.push_back({Vec3(std::cos(k * pi / 4), 0, std::sin(k * pi / 4)), 0.5});
+  std::vector<Piece> pieces;
+  for (const Sphere& d : disks) pieces.push_back(ball(d.centre, d.radius));
+  const Template shape = template_of(pieces, union_lamina(disks), 1);
+  const std::vector<Vec3> points = points_within(shape, count, true);
+  ASSERT_EQ(points.size(), static_cast<std::size_t>(count));
+  int outside = 0;
+  for (const Vec3& p : points) {
+    double nearest = 10;
+    for (const Piece& piece : shape.pieces)
+      nearest = std::min(nearest, (p - piece.core.vertices[0]).norm());
+    outside += nearest > 0.5;
+    EXPECT_LT(nearest, 0.5 + 3.0 / 64);  // a cell of the raster, as long as the stone over 64
+  }
+  EXPECT_LT(outside, count / 50);
+}
+
 }  // namespace
 }  // namespace trackbed::geom

@@ -15,6 +15,13 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double k_n = 1e6, r = 0.05, density = 2500;  // N/m, m, kg/m^3
 constexpr double rounding = 1e-12;
+// Relative, of sums over ranks: each of N terms is off by 2^-61 of N times the largest at most
+// (core/exact_sum.hpp). Here N < 4e5, of which half are of one kind, and sums are over 80 of the
+// largest (whole balls): 4e5 2e5 2^-61/80 = 4e-10.
+constexpr double sum_rounding = 1e-9;
+// Relative, of forces: an overlap is the difference of a few lengths of 0.1 m, known to 2^-56 m =
+// 1.4e-17 m each, and is 1e-4 m or more: 1e-12.
+constexpr double overlap_rounding = 1e-11;
 
 dem::ContactLaw springs() {
   dem::ContactLaw law;
@@ -92,19 +99,21 @@ TEST(Regions, ACubicPackHasTheStressThatItsWallsFeel) {
       for (int k = 3; k < 6; ++k)
         EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], 0, 1e-9 * wanted.norm());
     }
-  // Whole lattice cells: all components, numbers and densities.
-  auto region = box({0, size.x()}, {0, size.y()}, {pack.d.z(), 4 * pack.d.z()});
+  // Whole lattice cells: all components, numbers and densities. Clear of centres of balls and of
+  // contacts, which else would be on either side by rounding.
+  auto region = box({0, size.x()}, {0, size.y()}, {1.25 * pack.d.z(), 4.25 * pack.d.z()});
   const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], pack.stress()[k], 1e-9 * 1e6);
-    EXPECT_NEAR(m.fabric[static_cast<std::size_t>(k)], 1.0 / 3, 0.05);
+    EXPECT_NEAR(m.fabric[static_cast<std::size_t>(k)], 1.0 / 3, sum_rounding);
   }
   EXPECT_EQ(m.stones, 3 * Cubic::n * Cubic::n);
   EXPECT_NEAR(m.coordination, 6, rounding);
   EXPECT_NEAR(m.fabric[0] + m.fabric[1] + m.fabric[2], 1, rounding);
   const double share = 4.0 / 3 * pi * r * r * r / pack.d.prod();
-  EXPECT_NEAR(m.porosity, 1 - share, 1e-3);
-  EXPECT_NEAR(m.bulk_density, share * density, 1e-3 * share * density);
+  // What is cut off at one border is there at the other: no error of the points is left.
+  EXPECT_NEAR(m.porosity, 1 - share, sum_rounding);
+  EXPECT_NEAR(m.bulk_density, share * density, sum_rounding * share * density);
 }
 
 TEST(Regions, CellsAddUpToTheirRegion) {
@@ -122,11 +131,13 @@ TEST(Regions, CellsAddUpToTheirRegion) {
     mean.stones += c.stones, mean.contacts += c.contacts;
     for (std::size_t k = 0; k < 6; ++k) mean.stress[k] += c.stress[k] / 30;
   }
-  EXPECT_NEAR(mean.porosity, whole.porosity, 1e-9);
-  EXPECT_NEAR(mean.bulk_density, whole.bulk_density, 1e-6);
+  EXPECT_NEAR(mean.porosity, whole.porosity, sum_rounding);
+  EXPECT_NEAR(mean.bulk_density, whole.bulk_density, sum_rounding * whole.bulk_density);
   EXPECT_EQ(mean.stones, whole.stones);
   EXPECT_EQ(mean.contacts, whole.contacts);
-  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(mean.stress[k], whole.stress[k], 1e-6);
+  const double size = pack.stress().norm();
+  for (std::size_t k = 0; k < 6; ++k)
+    EXPECT_NEAR(mean.stress[k], whole.stress[k], sum_rounding * size);
 }
 
 // One contact and a sphere about its middle of radius s < r: the branch lies in it over 2 s.
@@ -149,10 +160,11 @@ TEST(Regions, ASphereTakesItsPartOfABranch) {
   region.centre = {0, 0, 0}, region.radius = s;
   const observe::Measured m = observe::measure(world, particles, region).at(0);
   const double force = k_n * overlap, volume = 4.0 / 3 * pi * s * s * s;
-  EXPECT_NEAR(m.stress[0], -force * 2 * s * along.x() * along.x() / volume, 1e-6);
-  EXPECT_NEAR(m.stress[5], -force * 2 * s * along.y() * along.z() / volume, 1e-6);
+  const double stress = force * 2 * s / volume;
+  EXPECT_NEAR(m.stress[0], -stress * along.x() * along.x(), overlap_rounding * stress);
+  EXPECT_NEAR(m.stress[5], -stress * along.y() * along.z(), overlap_rounding * stress);
   EXPECT_EQ(m.contacts, 1);
-  EXPECT_NEAR(m.contact_force, force, 1e-6);
+  EXPECT_NEAR(m.contact_force, force, overlap_rounding * force);
   EXPECT_NEAR(m.fabric[3], along.x() * along.y(), rounding);
 }
 
@@ -202,6 +214,88 @@ TEST(Regions, RanksChangeNoBit) {
                             shared = figures(par::Comm::world());
   EXPECT_EQ(alone, shared);
   EXPECT_GT(alone[4] + alone[4 + 18], 0);  // contacts
+}
+
+// m^2 of a polygon (x, z) below the line z = cut: the trapezoids between its edges and that line.
+double area_below(const std::vector<Eigen::Vector2d>& polygon, double cut) {
+  double area = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    // Depth below the cut runs straight along the edge; where it would be negative it is 0.
+    const double da = cut - a.y(), db = cut - b.y(), way = b.x() - a.x();
+    if (da >= 0 && db >= 0)
+      area += way * (da + db) / 2;
+    else if (da > 0 || db > 0)
+      area += way * std::max(da, db) / std::abs(da - db) * std::max(da, db) / 2;
+  }
+  return area;
+}
+
+// Share of the stone that lies below z = cut, as regions see it. `volume`: m^3 of the stone.
+double share_below(const par::Comm& comm, const dem::Particles& particles, double volume,
+                   double cut) {
+  const auto region = box({-0.1, 0.1}, {-0.1, 0.1}, {-0.1, cut});
+  const dem::Domain& domain = particles.domain();
+  const double across = domain.dimension == Dimension::plane ? domain.thickness : 0.2;
+  const observe::Measured m = observe::measure(comm, particles, region).at(0);
+  EXPECT_NEAR(m.bulk_density, density * (1 - m.porosity), rounding * density);
+  return (1 - m.porosity) * 0.2 * across * (cut + 0.1) / volume;
+}
+
+// One stone at the origin.
+dem::Particles alone(const par::Comm& comm, const dem::Template& shape, const Quat& attitude,
+                     Dimension dimension) {
+  dem::Domain domain = test::box({-1, -1, -1}, {1, 1, 1});
+  domain.dimension = dimension;
+  if (dimension == Dimension::plane) domain.thickness = 0.7;
+  dem::Particles particles(comm, test::one_material(springs(), density), {.gravity = 0}, domain);
+  particles.add_template(shape);
+  dem::NewParticle stone;
+  stone.id = 0, stone.scale = 1, stone.attitude = attitude;
+  particles.add(test::mine(comm, {stone}));
+  return particles;
+}
+
+// A stone of pebbles is a ring of disks and weighs what its outline encloses: so does each part of
+// it. Cut straight at any height, in any attitude; the disks may leave gaps between them.
+TEST(Regions, PebblesAreSolidWithin) {
+  const par::Comm world = par::Comm::world();
+  constexpr double size = 0.06, pebble = 0.006;  // m
+  double worst = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed)
+    for (const double spacing : {1.5, 3.0})
+      for (const double turn : {0.0, 0.4, 1.9}) {
+        auto outline = geom::outline({}, seed);
+        for (auto& corner : outline) corner *= size;
+        std::vector<geom::Piece> disks;
+        for (const geom::Sphere& s : geom::pebbles_inside(outline, pebble, spacing))
+          disks.push_back(geom::ball(s.centre, s.radius));
+        const geom::Solid solid = geom::polygon_solid(outline);
+        const Quat about_y(Eigen::AngleAxisd(turn, Vec3::UnitY()));
+        const dem::Particles stone = alone(world, geom::template_of(disks, solid, size),
+                                           about_y * solid.axes, Dimension::plane);
+        for (auto& corner : outline) {
+          const Vec3 at = about_y * Vec3(corner.x(), 0, corner.y());
+          corner = {at.x(), at.z()};
+        }
+        for (double cut = -0.03; cut < 0.03; cut += 0.00171) {
+          const double wanted = area_below(outline, cut) / solid.volume;
+          worst = std::max(worst,
+                           std::abs(share_below(world, stone, solid.volume * 0.7, cut) - wanted));
+        }
+      }
+  EXPECT_LT(worst, 0.01);  // as points_within promises for laminas
+}
+
+// The share of a ball in the cap of height h = z + r: h^2 (3 r - h)/(4 r^3).
+TEST(Regions, ABallIsCutWhereItIs) {
+  const par::Comm world = par::Comm::world();
+  const dem::Particles ball = alone(world, test::sphere(r), Quat::Identity(), Dimension::space);
+  const double volume = 4.0 / 3 * pi * r * r * r;
+  for (double h = 0.001; h < 2 * r; h += 0.00171) {
+    const double wanted = h * h * (3 * r - h) / (4 * r * r * r);
+    EXPECT_NEAR(share_below(world, ball, volume, h - r), wanted, 0.03);  // points_within
+  }
 }
 
 }  // namespace

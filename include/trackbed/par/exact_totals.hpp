@@ -1,0 +1,61 @@
+// Sums over terms on all ranks with bits that do not depend on the split: the range comes from the
+// largest term and the number of terms, both exact, the sum from integers (core/exact_sum.hpp).
+//
+// Terms are asked for twice, since the range must be known before the first one is added: callers
+// keep them. Many sums at once, as each pass over the ranks waits for the slowest.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::par {
+
+// How many sums there are; sum k has the range k % ranges, so that sums of one unit share one.
+struct ExactLayout {
+  std::size_t sums = 1, ranges = 1;
+};
+
+struct ExactTerm {
+  std::size_t sum;
+  double value;
+};
+
+// `term(k)` is this rank's ExactTerm k of `count`. A sum whose range holds a term that is not
+// finite is the largest of them. Collective, three reductions.
+template <class TermAt>
+std::vector<double> exact_totals(const Comm& comm, const ExactLayout& layout, std::size_t count,
+                                 TermAt&& term) {
+  std::vector<double> largest(layout.ranges, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto [sum, value] = term(k);
+    double& range = largest[sum % layout.ranges];
+    range = std::max(range, std::abs(value));
+  }
+  comm.max(std::span(largest));
+  const auto all = static_cast<double>(comm.sum(static_cast<std::int64_t>(count)));
+  const auto summed = [&](std::size_t sum) {
+    return largest[sum % layout.ranges] > 0 && std::isfinite(largest[sum % layout.ranges]);
+  };
+  std::vector<ExactSum> sums;
+  for (std::size_t k = 0; k < layout.sums; ++k)
+    sums.emplace_back(summed(k) ? exact_quantum(largest[k % layout.ranges] * all) : 1.0);
+  for (std::size_t k = 0; k < count; ++k)
+    if (const auto [sum, value] = term(k); summed(sum)) sums[sum].add(value);
+  std::vector<std::int64_t> counts;
+  for (const ExactSum& sum : sums) counts.push_back(sum.count());
+  comm.sum(std::span(counts));
+  std::vector<double> values;
+  for (std::size_t k = 0; k < layout.sums; ++k) {
+    sums[k].count() = counts[k];
+    values.push_back(summed(k) ? sums[k].value() : largest[k % layout.ranges]);
+  }
+  return values;
+}
+
+}  // namespace trackbed::par
