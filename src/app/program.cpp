@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <iostream>
 #include <map>
 #include <optional>
 
@@ -62,7 +63,6 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
       ->check(CLI::Range(0.0, 0.4))
       ->capture_default_str();
   sub->add_option("--unit", shapes.mesh.unit, "m per unit of meshes, for example 0.001")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   sub->add_option("--parts", shapes.mesh.pieces, "Convex pieces of a mesh, at most")
       ->check(CLI::Range(1, 200))
@@ -105,8 +105,10 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
   sub = command("info", "Say what a checkpoint or a results file holds", info);
   sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();
   sub = command("shapes", "Show stones: their measures, a library, a picture",
-                [&arguments](const par::Comm& comm, const Arguments&) {
+                [&](const par::Comm& comm, const Arguments&) {
                   arguments.shapes.stone.vertices = arguments.shapes.mesh.vertices;
+                  for (const CLI::Option* option : line.get_subcommand("shapes")->get_options())
+                    if (option->count() > 0) arguments.shapes.given.push_back(option->get_name());
                   return shapes(comm, arguments.shapes);
                 });
   declare_shapes(sub, arguments.shapes);
@@ -135,6 +137,16 @@ int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
   return static_cast<int>(code);
 }
 
+// Exit code of a command whose answer went to stdout: an answer that got lost, on a full disk for
+// example, is no success. Lines of a run are only for those who wait: its answer are its files.
+int answered(const par::Comm& comm, int code) {
+  const bool lost =
+      comm.root() && (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0);
+  if (comm.broadcast(lost ? "lost" : "").empty() || code != 0) return code;
+  return complain(comm, "trackbed: the answer cannot be written to standard output",
+                  ExitCode::run_failed);
+}
+
 // --help and --version are errors to CLI11, with exit code 0.
 // CLI11 prints in `exit`: on rank 0 only.
 int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
@@ -161,12 +173,14 @@ int program(const par::Comm& comm, int argc, char** argv) {
   try {
     line.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return parse_error(comm, line, error);
+    return answered(comm, parse_error(comm, line, error));
   }
   try {
     // Outlives the model: its matrices and solvers must go before PETSc does.
     const fem::Petsc petsc(petsc_options);
-    return (*chosen)(comm, arguments);
+    const int code = (*chosen)(comm, arguments);
+    return line.got_subcommand("run") || line.got_subcommand("resume") ? code
+                                                                       : answered(comm, code);
   } catch (const InputError& error) {
     return complain(comm, error.what(), ExitCode::bad_input);
   } catch (const RunError& error) {

@@ -17,7 +17,8 @@ constexpr double seconds_between_lines = 5;
 template <class... Args>
 void say(const par::Comm& comm, fmt::format_string<Args...> text, Args&&... args) {
   if (!comm.root()) return;
-  fmt::print(text, std::forward<Args>(args)...);
+  // Not fmt::print, which throws where nothing can be written: a run whose report is lost goes on.
+  std::fputs(fmt::format(text, std::forward<Args>(args)...).c_str(), stdout);
   std::fflush(stdout);
 }
 

@@ -4,14 +4,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "app/parameters.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/geom/mesh.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/io/replace.hpp"
 
 namespace trackbed::app {
 
@@ -96,17 +102,39 @@ std::string table(const std::vector<NamedShape>& shapes, Dimension dimension) {
   return text;
 }
 
+// The first line of our pictures: what begins otherwise is another's mesh.
+constexpr std::string_view picture_head = "# shapes of trackbed, rounding included, m";
+
+// A scan and a picture of stones end alike: only a picture of ours gives way to a new one.
+// Collective.
+void require_picture(const par::Comm& comm, const std::string& file) {
+  std::string problem;
+  if (!file.ends_with(".obj")) problem = "pictures are OBJ files, end in .obj";
+  std::error_code ignored;
+  if (problem.empty() && comm.root() && fs::exists(file, ignored)) {
+    std::string line;
+    std::ifstream old(file);
+    std::getline(old, line);
+    if (line != picture_head)
+      problem =
+          "exists and is no picture made by this command; move it away or choose another name";
+  }
+  problem = comm.broadcast(problem);
+  if (!problem.empty()) throw InputError({file + ": " + problem});
+}
+
 // Side by side along x, in rows along y; an object per shape, a group per piece (OBJ).
 // Numbers of vertices run through the whole file and begin at 1, as the format has it. The pitch is
-// that of the largest shape.
-void write_picture(const std::string& file, const std::vector<NamedShape>& shapes) {
+// that of the largest shape. Returns what went wrong, or nothing; on rank 0.
+std::string write_picture(const std::string& file, const std::vector<NamedShape>& shapes) {
+  errno = 0;
   std::ofstream picture(file);
   double pitch = 0;
   for (const NamedShape& named : shapes)
     pitch = std::max(pitch, 2.1 * geom::bounding_radius(named.shape));
   const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(shapes.size())));
   std::size_t first = 1;
-  picture << "# shapes of trackbed, rounding included, m\n";
+  picture << picture_head << "\n";
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const Vec3 at =
         pitch * Vec3(static_cast<double>(k % columns), static_cast<double>(k / columns), 0);
@@ -122,21 +150,76 @@ void write_picture(const std::string& file, const std::vector<NamedShape>& shape
       first += mesh.vertices.size();
     }
   }
-  if (!picture.flush()) throw RunError(file + ": cannot be written");
+  picture.close();
+  if (picture) return "";
+  return fmt::format("{}: cannot be written ({})", file,
+                     errno != 0 ? std::strerror(errno) : "no reason given");
+}
+
+enum class Source { deck, library, mesh };
+
+Source source_of(const std::string& file) {
+  const std::string ending = fs::path(file).extension().string();
+  return ending == ".toml" ? Source::deck : ending == ".h5" ? Source::library : Source::mesh;
+}
+
+// An option without effect is a misunderstanding: it is refused, all of them at once.
+std::vector<std::string> idle_options(const ShapeArguments& arguments) {
+  const bool meshes = std::any_of(arguments.files.begin(), arguments.files.end(),
+                                  [](auto& file) { return source_of(file) == Source::mesh; });
+  const bool stones = arguments.stones > 0, pieces = meshes && arguments.mesh.spheres == 0;
+  struct Rule {
+    std::string_view option;
+    bool acts;
+    std::string_view words;
+  };
+  constexpr std::string_view of_stones = "is for parametric stones; ask for some (--stones N)",
+                             of_meshes = "is for meshes; name one (.stl, .ply or .obj)",
+                             of_pieces = "is for stones (--stones) and for meshes made into pieces";
+  const Rule rules[] = {
+      {"--elongation", stones, of_stones},
+      {"--flatness", stones, of_stones},
+      {"--angularity", stones, of_stones},
+      {"--seed", stones, of_stones},
+      {"--unit", meshes, of_meshes},
+      {"--spheres", meshes, of_meshes},
+      {"--parts", pieces,
+       meshes ? "makes pieces of a mesh, --spheres spheres: one of both" : of_meshes},
+      {"--vertices", stones || pieces, of_pieces},
+      {"--rounding", stones || pieces, of_pieces}};
+  std::vector<std::string> problems;
+  for (const auto& [option, acts, words] : rules)
+    if (!acts &&
+        std::find(arguments.given.begin(), arguments.given.end(), option) != arguments.given.end())
+      problems.push_back(fmt::format("{} {}", option, words));
+  return problems;
+}
+
+// Before anything is read or written. Collective.
+void require_sound(const par::Comm& comm, const ShapeArguments& arguments) {
+  std::vector<std::string> problems = idle_options(arguments);
+  if (const double unit = arguments.mesh.unit; !(unit > 0) || !std::isfinite(unit))
+    problems.push_back(fmt::format("--unit = {:g} must be above 0", unit));
+  if (arguments.files.empty() && arguments.stones == 0)
+    problems.emplace_back("no shapes: name a deck, a library or a mesh, or ask for --stones");
+  if (!problems.empty()) throw InputError(problems);
+  if (!arguments.picture.empty()) require_picture(comm, arguments.picture);
+  if (!arguments.library.empty()) bed::require_replaceable(comm, arguments.library);
 }
 
 }  // namespace
 
-// Collective. Input is checked before anything is written; a picture that cannot be written is a
-// RunError on all ranks.
+// Collective. Input is checked before anything is written; what cannot be written is a RunError on
+// all ranks.
 int shapes(const par::Comm& comm, const ShapeArguments& arguments) {
+  require_sound(comm, arguments);
   std::vector<NamedShape> all;
   Dimension dimension = Dimension::space;
   for (const std::string& file : arguments.files) {
-    const std::string ending = fs::path(file).extension().string();
-    if (ending == ".toml")
+    const Source source = source_of(file);
+    if (source == Source::deck)
       append(all, shapes_of_deck(comm, file, dimension));
-    else if (ending == ".h5")
+    else if (source == Source::library)
       append(all, bed::load_library(comm, file));
     else
       all.push_back(bed::shape_of_mesh(comm, file, arguments.mesh));
@@ -144,19 +227,14 @@ int shapes(const par::Comm& comm, const ShapeArguments& arguments) {
   for (std::int64_t k = 0; k < arguments.stones; ++k)
     all.push_back(bed::parametric_shape(arguments.stone, arguments.mesh.rounding,
                                         static_cast<std::uint64_t>(arguments.seed + k)));
-  if (all.empty())
-    throw InputError({"no shapes: name a deck, a library or a mesh, or ask for --stones"});
-  if (!arguments.picture.empty() && !arguments.picture.ends_with(".obj"))
-    throw InputError({arguments.picture + ": pictures are OBJ files, end in .obj"});
-  if (comm.root()) fmt::print("{}", table(all, dimension));
+  // A library without shapes was named alone.
+  if (all.empty()) throw InputError({"no shapes in " + arguments.files.front()});
+  if (comm.root()) std::fputs(table(all, dimension).c_str(), stdout);
   if (!arguments.library.empty()) bed::save_library(comm, arguments.library, all);
-  std::string problem;
-  if (!arguments.picture.empty() && comm.root()) try {
-      write_picture(arguments.picture, all);
-    } catch (const RunError& error) {
-      problem = error.what();
-    }
-  comm.agree(problem);
+  if (!arguments.picture.empty())
+    io::replace_file(comm, arguments.picture, [&](const std::string& part) {
+      comm.agree(comm.root() ? write_picture(part, all) : "");
+    });
   return static_cast<int>(ExitCode::success);
 }
 

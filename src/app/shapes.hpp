@@ -18,8 +18,10 @@ struct ShapeArguments {
   std::int64_t seed = 1;
   bed::MeshShape mesh;  // its rounding is that of parametric stones too
   std::string library, picture;
+  std::vector<std::string> given;  // names of all options that were, "--seed" for example
 };
 
+// Shows, then writes; old files give way only to complete ones of their kind.
 int shapes(const par::Comm& comm, const ShapeArguments& arguments);
 
 }  // namespace trackbed::app

@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -16,6 +18,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/templates.hpp"
 #include "trackbed/geom/mesh.hpp"
+#include "trackbed/io/replace.hpp"
 
 namespace trackbed::bed {
 
@@ -36,17 +39,22 @@ geom::MeshFormat format_of(const std::string& file) {
   throw InputError({file + ": meshes end in .stl, .ply or .obj"});
 }
 
+// Why there is nothing to read in a file, or nothing; its bytes. On one rank.
+std::string why_no_bytes(const std::string& file, std::ostringstream& bytes) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return "does not exist";
+  if (fs::is_directory(file, ignored)) return "is a folder";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return fmt::format("cannot be read ({})", std::strerror(errno));
+  return bytes << stream.rdbuf() ? "" : "is empty";
+}
+
 // The root reads, all get it.
 // Collective. Every rank makes the same shape from the same bytes, without a further exchange.
 std::string bytes_of(const par::Comm& comm, const std::string& file) {
   std::ostringstream bytes;
-  bool good = true;
-  if (comm.root()) {
-    std::ifstream stream(file, std::ios::binary);
-    good = stream && (bytes << stream.rdbuf());
-  }
-  if (comm.broadcast(good ? "" : "missing") == "missing")
-    throw InputError({file + ": does not exist, cannot be read or is empty"});
+  const std::string problem = comm.broadcast(comm.root() ? why_no_bytes(file, bytes) : "");
+  if (!problem.empty()) throw InputError({file + ": " + problem});
   return comm.broadcast(bytes.str());
 }
 
@@ -137,14 +145,17 @@ void save_library(const par::Comm& comm, const std::string& file,
     templates.push_back(named.shape);
     names += named.name + "\n";
   }
-  io::File library(comm, file, io::Mode::create);
-  library.attribute("/", "kind", "shapes");
-  library.attribute("/", "version", library_format);
-  const std::vector<std::uint8_t> letters(names.begin(), comm.root() ? names.end() : names.begin());
-  library.write<std::uint8_t>("shapes/names", letters, 1,
-                              {"-", "name of each shape, UTF-8, each with a line feed"});
-  dem::save_templates(library, "shapes", templates, comm);
-  library.close();
+  io::replace_file(comm, file, [&](const std::string& part) {
+    io::File library(comm, part, io::Mode::create);
+    library.attribute("/", "kind", "shapes");
+    library.attribute("/", "version", library_format);
+    const std::vector<std::uint8_t> letters(names.begin(),
+                                            comm.root() ? names.end() : names.begin());
+    library.write<std::uint8_t>("shapes/names", letters, 1,
+                                {"-", "name of each shape, UTF-8, each with a line feed"});
+    dem::save_templates(library, "shapes", templates, comm);
+    library.close();
+  });
 }
 
 // Any failure means the same to a user: the file is none of ours. What the file's reader says
@@ -169,6 +180,19 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
         why)});
   }
   return shapes;
+}
+
+// A name that was mistyped must not cost a file: only a library gives way to a library.
+void require_replaceable(const par::Comm& comm, const std::string& file) {
+  std::error_code ignored;
+  const bool there = comm.root() && fs::exists(file, ignored);
+  if (comm.broadcast(there ? "there" : "").empty()) return;
+  try {
+    load_library(comm, file);
+  } catch (const InputError&) {  // the same on all ranks
+    throw InputError(
+        {file + ": exists and is no library of shapes; move it away or choose another name"});
+  }
 }
 
 }  // namespace trackbed::bed

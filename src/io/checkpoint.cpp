@@ -2,16 +2,11 @@
 //   write `name.part`, each dataset with a checksum, and seal its structure (seal.hpp) -> close ->
 //   open again, compare -> fsync -> rename -> fsync the folder -> the same way for the one-line
 //   text file `latest`.
-// A rename within a folder replaces the old name at one instant (POSIX), so a reader meets either
-// the old file or the new one. Cost: the file is read back once, from the system's cache.
+// So a reader meets either the old file or the new one (replace.cpp). Cost: the file is read back
+// once, from the system's cache.
 #include "trackbed/io/checkpoint.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,6 +14,7 @@
 #include "io/handle.hpp"
 #include "io/seal.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/io/replace.hpp"
 
 namespace trackbed::io {
 
@@ -28,27 +24,6 @@ namespace fs = std::filesystem;
 constexpr const char* kind = "trackbed checkpoint";
 
 [[noreturn]] void refuse(const std::string& sentence) { throw InputError({sentence}); }
-
-// Puts a file or folder onto the disk. Returns what went wrong, or nothing.
-std::string synced(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY);
-  if (descriptor < 0) return path.string() + ": " + std::strerror(errno);
-  // Some file systems cannot sync a folder; they say EINVAL.
-  const bool ok = ::fsync(descriptor) == 0 || errno == EINVAL;
-  const std::string problem = ok ? "" : path.string() + ": " + std::strerror(errno);
-  ::close(descriptor);
-  return problem;
-}
-
-// fsync before the rename: without it a crash of the machine may leave the new name on an empty
-// file. The folder after it: the name itself is data of the folder.
-std::string put_in_place(const fs::path& from, const fs::path& to) {
-  if (std::string problem = synced(from); !problem.empty()) return problem;
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) return to.string() + ": cannot be put in place (" + error.message() + ")";
-  return synced(to.parent_path());
-}
 
 // Last of all: `latest` never names a file that is not whole. On rank 0.
 std::string write_latest(const fs::path& folder, const std::string& name) {
@@ -97,6 +72,15 @@ std::string latest_of(const fs::path& folder) {
   return name;
 }
 
+// Files of others may lie beside: what has neither a name that runs give nor the seal of a
+// checkpoint is none of ours, and not worth a word.
+bool is_ours(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (file.extension() != ".h5" || name == "results.h5") return false;
+  return name.starts_with("checkpoint_") || name.starts_with("stage_") ||
+         why_not_whole(file.string()).empty();
+}
+
 // All checkpoints of the folder, the newest first.
 // By time of writing: names of stages say nothing about it. Equal times (coarse file systems) fall
 // back on names, so that the choice is always the same.
@@ -108,9 +92,8 @@ std::vector<std::string> newest_first(const fs::path& folder) {
   std::vector<Found> found;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".h5" && name != "results.h5")
-      found.push_back({entry.last_write_time(ignored), name});
+    if (is_ours(entry.path()))
+      found.push_back({entry.last_write_time(ignored), entry.path().filename().string()});
   }
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
     return a.time != b.time ? a.time > b.time : a.name > b.name;

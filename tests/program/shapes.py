@@ -4,7 +4,10 @@
     shapes.py PROGRAM FOLDER
 """
 import json
+import os
 import pathlib
+import resource
+import signal
 import subprocess
 import sys
 
@@ -69,6 +72,44 @@ def write_deck(folder, library):
     return deck
 
 
+def foreign_files(program, folder, library, picture):
+    """What is neither a library nor a picture of ours stays as it is; ours give way."""
+    for name, option, content in (("notes.h5", "--library", b"notes"),
+                                  ("empty.h5", "--library", b""),
+                                  ("scan.obj", "--picture", TETRAHEDRON.encode()),
+                                  ("picture.h5", "--library", picture.read_bytes()),
+                                  ("library.obj", "--picture", library.read_bytes())):
+        place = folder / name
+        place.write_bytes(content)
+        said = shapes(program, "--stones", 1, option, place, code=2)
+        if f"{place}: exists and is no " not in said or place.read_bytes() != content:
+            raise SystemExit(f"{option} {name}: {said}")
+    for option, place in (("--library", library), ("--picture", picture)):
+        before = place.read_bytes()
+        shapes(program, "--stones", 2, option, place)
+        if place.read_bytes() == before:
+            raise SystemExit(f"{place} was not replaced")
+
+
+def full_disk(program, folder, option, place):
+    """A file that may not grow stands for a full disk. The mesh comes through a pipe: the program
+    waits for it meanwhile, since MPI itself begins with larger files."""
+    pipe, before = folder / "pipe.obj", place.read_bytes()
+    pipe.unlink(missing_ok=True)
+    os.mkfifo(pipe)
+    with subprocess.Popen([program, "shapes", pipe, "--unit", "0.001", option, place],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)) as run:
+        with open(pipe, "w", encoding="utf-8") as mesh:
+            resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (1000, 1000))
+            mesh.write(TETRAHEDRON)
+        out, err = run.communicate(timeout=60)
+    if run.returncode != 4 or f"{place}.part: " not in err or "File too large" not in err:
+        raise SystemExit(f"{option}: a full disk must end with 4: {run.returncode}\n{out}{err}")
+    if place.read_bytes() != before or list(folder.glob("*.part")):
+        raise SystemExit(f"{option}: a full disk must leave the old file alone: {err}")
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -93,6 +134,10 @@ def main():
     near(again[3], one[3], 0.005, "volume of the picture")
     near(again[8], one[8], 0.01, "sieve size of the picture")
 
+    foreign_files(program, folder, library, picture)
+    for option, place in (("--library", library), ("--picture", picture)):
+        full_disk(program, folder, option, place)
+
     mesh.write_text(TETRAHEDRON)
     tetrahedron = rows(shapes(program, mesh, "--unit", 0.001, "--rounding", 0))["tetra"]
     near(tetrahedron[3], 4.5, 1e-3, "cm3 of a corner of a cube of 30 mm")
@@ -103,7 +148,20 @@ def main():
     if rows(clump)["tetra"][0] != 20 or "off the mesh's, surface" not in clump:
         raise SystemExit(clump)
     mesh.write_text(TETRAHEDRON.replace("f 2 3 4\n", ""))
-    for words, reason in (([mesh], "not closed"), ([folder / "none.stl"], "does not exist"),
+    empty = folder / "empty.obj"
+    empty.write_bytes(b"")
+    (folder / "folder.obj").mkdir(exist_ok=True)
+    for words, reason in (([mesh], "not closed"),
+                          ([folder / "none.stl"], "none.stl: does not exist"),
+                          ([empty], "empty.obj: is empty"),
+                          ([folder / "folder.obj"], "folder.obj: is a folder"),
+                          ([mesh, "--unit", 0], "--unit = 0 must be above 0"),
+                          ([mesh, "--unit", "nan"], "must be above 0"),
+                          (["--stones", 2, "--spheres", 10], "--spheres is for meshes"),
+                          (["--stones", 2, "--unit", 1], "--unit is for meshes"),
+                          ([mesh, "--seed", 2], "--seed is for parametric stones"),
+                          ([mesh, "--spheres", 9, "--parts", 2], "one of both"),
+                          ([mesh, "--spheres", 9, "--rounding", 0], "--rounding is for stones"),
                           ([folder / "none.h5"], "library"), ([mesh.with_suffix(".txt")], ".stl"),
                           ([], "no shapes"),
                           (["--stones", 1, "--picture", "stones.gif"], ".obj")):

@@ -40,9 +40,12 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
 // Parametric stone of this seed, extent 1 m, rounded. Throws InputError if there is none.
 NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std::uint64_t seed);
 
-// Throws RunError if the file cannot be written. Collective.
+// Replaces an older file of the name once the new one is complete. Throws RunError, with the old
+// one as it was, if it cannot be written. Collective.
 void save_library(const par::Comm& comm, const std::string& file,
                   const std::vector<NamedShape>& shapes);
+// Throws InputError if there is a file of this name that is no library. Collective.
+void require_replaceable(const par::Comm& comm, const std::string& file);
 // Throws InputError if it is no library. Collective.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file);
 

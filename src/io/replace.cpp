@@ -1,0 +1,53 @@
+// A rename within a folder replaces the old name at one instant (POSIX).
+#include "trackbed/io/replace.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace trackbed::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Puts a file or folder onto the disk. Returns what went wrong, or nothing.
+std::string synced(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY);
+  if (descriptor < 0) return path.string() + ": " + std::strerror(errno);
+  // Some file systems cannot sync a folder; they say EINVAL.
+  const bool ok = ::fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string problem = ok ? "" : path.string() + ": " + std::strerror(errno);
+  ::close(descriptor);
+  return problem;
+}
+
+}  // namespace
+
+// fsync before the rename: without it a crash of the machine may leave the new name on an empty
+// file. The folder after it: the name itself is data of the folder.
+std::string put_in_place(const fs::path& from, const fs::path& to) {
+  if (std::string problem = synced(from); !problem.empty()) return problem;
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) return to.string() + ": cannot be put in place (" + error.message() + ")";
+  return synced(to.has_parent_path() ? to.parent_path() : fs::path("."));
+}
+
+// What fills a disk must not stay there: the part goes, whatever went wrong.
+void replace_file(const par::Comm& comm, const std::string& path,
+                  const std::function<void(const std::string& part)>& write) {
+  const std::string part = path + ".part";
+  std::error_code ignored;
+  try {
+    write(part);
+    comm.agree(comm.root() ? put_in_place(part, path) : "");
+  } catch (...) {
+    if (comm.root()) fs::remove(part, ignored);
+    throw;
+  }
+}
+
+}  // namespace trackbed::io
