@@ -14,6 +14,7 @@
 
 #include "app/compatible.hpp"
 #include "app/deck_values.hpp"
+#include "app/result_folder.hpp"
 #include "app/simulation.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
@@ -247,10 +248,12 @@ void Simulation::load(const io::File& file) {
   load_surfaces(world_, file);
 }
 
-// Histories go on in the file beside the checkpoint, or begin anew if it is not there.
+// Histories go on in the file beside the checkpoint, or begin anew if it is not there. What a
+// killed run left half written goes: it takes as much room as what it was to become.
 // The steps of a stage under way are those of the checkpoint, not chosen again: limits may have
 // moved with the stones, and a run that was not stopped would not have noticed either.
 void Simulation::resume(const std::string& checkpoint) {
+  remove_parts(comm_, folder_);
   const io::File file = io::open_checkpoint(comm_, checkpoint);
   load(file);
   last_checkpoint_ = checkpoint;

@@ -152,6 +152,21 @@ FolderLock::~FolderLock() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
+// A finished file stands beside its part or will be written anew: a part is of no use to anybody.
+void remove_parts(const par::Comm& comm, const std::string& folder) {
+  std::string problem;
+  if (comm.root()) try {
+      std::vector<fs::path> parts;
+      collect(
+          folder, [](std::string_view name) { return name.ends_with(".part") && is_result(name); },
+          parts);
+      problem = removed(parts);
+    } catch (const fs::filesystem_error& error) {
+      problem = fmt::format("{}: cannot be searched: {}", folder, error.what());
+    }
+  comm.agree(problem);
+}
+
 FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
                           const std::string& start) {
   // Rank 0 looks and all hear: a file system shown to other nodes late must not split the ranks.

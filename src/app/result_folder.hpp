@@ -39,4 +39,8 @@ class FolderLock {
 FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldResults old_results,
                           const std::string& start);
 
+// Removes what a run that was killed left half written in `folder` (NAME.part of its results); to
+// be called while the folder is held. Throws RunError if a file cannot be removed. Collective.
+void remove_parts(const par::Comm& comm, const std::string& folder);
+
 }  // namespace trackbed::app

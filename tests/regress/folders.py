@@ -185,6 +185,24 @@ def check_histories(program, deck, folder):
         raise SystemExit("whole histories are no reason for a warning")
 
 
+def check_parts(program, deck, folder):
+    """What a killed run left half written goes when the run goes on, not before that is sure."""
+    place = folder / "parts"
+    program.done(1, "run", deck, "output.stop_after=500", "-o", place, code=3)
+    own = ("checkpoint_0000000600.h5.part", "stage_fill.h5.part", "results.h5.part", "latest.part")
+    mine = ("notes.part", "checkpoint_of_mine.h5.part", "data.h5.part")
+    for name in own + mine:
+        (place / name).write_text("half", encoding="utf-8")
+    refused(program, 1, ["resume", place, "output.stop_after=1"],
+            ["command line: ", "are done already"])
+    if not all((place / name).exists() for name in own):
+        raise SystemExit("a refused resume has removed files")
+    program.done(2, "resume", place, "output.stop_after=550", code=3)
+    left = {path.name for path in place.glob("*.part")}
+    if left != set(mine):
+        raise SystemExit(f"after a resume {left} are left, not {mine}")
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
@@ -195,6 +213,7 @@ def main():
     check_damaged(program, deck, folder)
     check_two_at_once(program, deck, folder)
     check_histories(program, deck, folder)
+    check_parts(program, deck, folder)
 
 
 if __name__ == "__main__":

@@ -285,6 +285,39 @@ def check_integrators(program, deck, folder, still, moved):
     program.done(1, "resume", place)
 
 
+def check_foreign_folder(program, folder):
+    """Files of others in a folder are no checkpoints; one of ours under another name is."""
+    place = folder / "foreign"
+    place.mkdir()
+    shutil.copy(folder / "made/results.h5", place / "big.h5")
+    (place / "text.h5").write_text("no checkpoint\n", encoding="utf-8")
+    ran = program(1, "resume", place)
+    expect(ran.returncode == 2 and len(ran.stderr.splitlines()) == 1 and
+           ran.stderr.startswith(f"{place}: holds no checkpoint"), "foreign files", ran)
+    shutil.copy(folder / "made/stage_load.h5", place / "kept.h5")
+    ran = program(1, "resume", place, "bed.seed=5")
+    expect(ran.returncode == 2 and "kept.h5" in ran.stderr and "the stones are made" in ran.stderr,
+           "a checkpoint under another name must be found", ran)
+
+
+def check_lost_output(path, deck, folder):
+    """An answer that nobody got is no success. A run's answer are its files: it goes on."""
+    place = folder / "unheard"
+    cases = [(["schema"], 4), (["describe"], 4), (["describe", "stage"], 4), (["--help"], 4),
+             (["--version"], 4), (["check", deck], 4), (["shapes", "--stones", "2"], 4),
+             (["info", folder / "made/stage_load.h5"], 4), (["info", "no_such_file.h5"], 2),
+             (["run", deck, "output.stop_after=100", "-o", place], 3), (["resume", place], 0)]
+    for arguments, code in cases:
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            ran = subprocess.run([path, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE,
+                                 text=True, timeout=120, check=False)
+        ran.stdout = ""
+        expect(ran.returncode == code, f"{arguments} unheard must end with {code}", ran)
+        expect(("cannot be written to standard output" in ran.stderr) == (code == 4),
+               f"{arguments} must say that its answer is lost", ran)
+    expect(summary(place)["finished"], "an unheard run must go on", ran)
+
+
 def check_run_error(program, deck, folder):
     ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
     expect(ran.returncode == 4, "a run-time error must end with 4", ran)
@@ -364,6 +397,8 @@ def main():
     check_single_cases(program, deck)
     check_library(program, deck, folder)
     check_other_models(program, deck, folder)
+    check_foreign_folder(program, folder)
+    check_lost_output(sys.argv[1], deck, folder)
     check_run_error(program, deck, folder)
     check_doubts(program, deck, folder)
     check_full_disk(sys.argv[1], deck, folder)
