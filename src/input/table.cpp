@@ -55,10 +55,23 @@ bool is_number(const std::string& cell, double& value) {
 struct Table {
   std::string path;
   std::vector<std::string> names;  // of the columns asked for
+  std::string rising;              // of the one whose values must rise; empty: none
   std::vector<std::size_t> places{};
   std::size_t width = 0;  // columns of the file
   std::vector<std::vector<double>> columns{};
   std::vector<std::string> problems{};
+
+  // Spreadsheets of languages whose decimal sign is a comma put semicolons between columns. Said
+  // once, of the first line: every row would be wrong in the same way. Whether it is so.
+  bool has_other_separators(int line, const std::string& text) {
+    const std::size_t at = text.find_first_of(";\t");
+    if (at == std::string::npos || text.find(',') != std::string::npos) return false;
+    problems.push_back(
+        fmt::format("{}:{}: has {} between columns; commas are wanted there, and "
+                    "points as decimal signs",
+                    path, line, text[at] == ';' ? "semicolons" : "tabs"));
+    return true;
+  }
 
   // Names are compared letter by letter; a near one is suggested.
   void header(int line, const std::string& text) {
@@ -87,12 +100,20 @@ struct Table {
     for (std::size_t c = 0; c < names.size(); ++c) {
       if (places[c] == width) continue;  // the missing column has been reported
       double value = 0;
-      if (is_number(cells[places[c]], value))
+      if (is_number(cells[places[c]], value)) {
+        if (names[c] == rising) compare(line, columns[c], value);
         columns[c].push_back(value);
-      else
+      } else {
         problems.push_back(fmt::format("{}:{}: {} = \"{}\" must be a number", path, line, names[c],
                                        cells[places[c]]));
+      }
     }
+  }
+
+  void compare(int line, const std::vector<double>& column, double value) {
+    if (!column.empty() && value <= column.back())
+      problems.push_back(fmt::format("{}:{}: {} must rise from row to row, but {:g} follows {:g}",
+                                     path, line, rising, value, column.back()));
   }
 };
 
@@ -101,23 +122,26 @@ struct Table {
 // Local: each rank reads the file. Empty lines and lines that begin with '#' are passed over; the
 // first other line names the columns.
 std::vector<std::vector<double>> read_table(const std::string& path,
-                                            const std::vector<std::string>& columns) {
+                                            const std::vector<std::string>& columns,
+                                            const std::string& rising) {
   std::ifstream in(path);
   if (!in) throw InputError({fmt::format("{}: cannot be read", path)});
   // All problems of the table in one error, as for decks.
-  Table table{path, columns};
+  Table table{path, columns, rising};
   table.columns.resize(columns.size());
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
     if (line == 1 && text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
     const std::string content = stripped(text);
     if (content.empty() || content.starts_with('#')) continue;
+    if (table.width == 0 && table.has_other_separators(line, content)) break;
     if (table.width == 0)
       table.header(line, text);
     else
       table.row(line, text);
   }
-  if (table.width == 0) table.problems.push_back(fmt::format("{}: is empty", path));
+  if (table.width == 0 && table.problems.empty())
+    table.problems.push_back(fmt::format("{}: is empty", path));
   if (!table.problems.empty()) throw InputError(std::move(table.problems));
   return std::move(table.columns);
 }

@@ -17,10 +17,12 @@ class Csv {
  public:
   explicit Csv(const std::string& text) { std::ofstream("table_test.csv") << text; }
   ~Csv() { std::remove("table_test.csv"); }
-  Columns read(const Sentences& columns) const { return read_table("table_test.csv", columns); }
-  Sentences problems(const Sentences& columns) const {
+  Columns read(const Sentences& columns, const std::string& rising = "") const {
+    return read_table("table_test.csv", columns, rising);
+  }
+  Sentences problems(const Sentences& columns, const std::string& rising = "") const {
     try {
-      read(columns);
+      read(columns, rising);
     } catch (const InputError& error) {
       return error.problems();
     }
@@ -56,6 +58,25 @@ TEST(Table, SaysAllProblemsAtOnce) {
                        "table_test.csv:7: has 3 columns, the first line has 2"}));
   EXPECT_EQ(Csv("").problems({"a"}), Sentences{"table_test.csv: is empty"});
   EXPECT_THROW(read_table("no_such.csv", {"a"}), InputError);
+}
+
+// As spreadsheets write them where the decimal sign is a comma: one sentence, not one per row.
+TEST(Table, WantsCommasBetweenColumns) {
+  const std::string words =
+      " between columns; commas are wanted there, and points as decimal signs";
+  EXPECT_EQ(Csv("# loads\ntime;load\n0,5;1\n0,6;2\n").problems({"time", "load"}),
+            Sentences{"table_test.csv:2: has semicolons" + words});
+  EXPECT_EQ(Csv("time\tload\n0\t1\n").problems({"time", "load"}),
+            Sentences{"table_test.csv:1: has tabs" + words});
+  EXPECT_EQ(Csv("time,note;load\n0,1\n").read({"time"}), Columns{{0}});
+}
+
+TEST(Table, NamesRowsThatDoNotRise) {
+  const Csv csv("load,time\n1,0\n1,0.2\n# later\n1,0.1\n1,0.1\n1,0.3\n");
+  EXPECT_EQ(csv.problems({"time", "load"}), Sentences{});
+  EXPECT_EQ(csv.problems({"time", "load"}, "time"),
+            (Sentences{"table_test.csv:5: time must rise from row to row, but 0.1 follows 0.2",
+                       "table_test.csv:6: time must rise from row to row, but 0.1 follows 0.1"}));
 }
 
 }  // namespace
