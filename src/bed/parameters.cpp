@@ -113,7 +113,7 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
 
 void LayerParameters::declare(input::Section& s) {
   s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
-           "disk: round stones; pebbles: irregular plane outlines filled with disks; clump: "
+           "disk: round stones; pebbles: a ring of disks along an irregular plane outline; clump: "
            "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
            "convex pieces; library: the shapes of a file, each as often (space).");
   s.text("material", material, "Contact material of the stones.");

@@ -1,4 +1,4 @@
-// Stones as templates: round ones, outlines filled with disks, clumps of given spheres.
+// Stones as templates: round ones, rings of disks along outlines, clumps of given spheres.
 //
 // Templates have about unit size; the grading scales them. Outlines are the exception: they are
 // made at their size, since pebbles have one radius in all stones.
