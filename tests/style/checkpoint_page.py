@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Checks that the table in docs/checkpoint.md lists what a checkpoint of the program holds.
+"""Checks that the table in docs/checkpoint.md lists what checkpoints of the program hold.
 
-    checkpoint_page.py CHECKPOINT SOURCE_FOLDER            compares; CHECKPOINT: file or its folder
-    checkpoint_page.py CHECKPOINT SOURCE_FOLDER --write    writes the table
+    checkpoint_page.py SOURCE_FOLDER CHECKPOINT ... [--write]     compares, or writes the table
 
-Numbered names (sleeper_0, sleeper_1 ...) are one row with N. Every dataset needs unit and meaning.
+CHECKPOINT: a file, or a folder for all of its checkpoints. No single one has every part of a model:
+the platen is there while it presses, the settlement while a load has cycles, walls where no side is
+periodic. Numbered names (sleeper_0, sleeper_1 ...) are one row with N. Every dataset needs unit and
+meaning.
 """
 import pathlib
 import re
@@ -16,18 +18,28 @@ import read  # noqa: E402
 BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
 
 
-def rows_of(datasets):
-    """Table rows of {path: read.Quantity}, and the paths of those without unit or meaning."""
-    rows, unlabelled = {}, []
-    for path, item in datasets.items():
-        shape = item.values.shape
-        columns = shape[1] if len(shape) > 1 else 1
-        name = re.sub(r"\d+", "N", path)
-        rows.setdefault(name, f"| {name} | {item.values.dtype} | {columns} | {item.unit} | "
-                              f"{item.meaning} |")
-        if not item.unit or not item.meaning:
-            unlabelled.append(path)
-    return [rows[name] for name in sorted(rows)], unlabelled
+def rows_of(checkpoints):
+    """Table rows of all {path: read.Quantity}; the paths of those without unit or meaning, and of
+    those that two checkpoints describe differently."""
+    rows, odd = {}, []
+    for datasets in checkpoints:
+        for path, item in datasets.items():
+            shape = item.values.shape
+            columns = shape[1] if len(shape) > 1 else 1
+            name = re.sub(r"\d+", "N", path)
+            row = (f"| {name} | {item.values.dtype} | {columns} | {item.unit} | "
+                   f"{item.meaning} |")
+            if rows.setdefault(name, row) != row:
+                odd.append(f"{path} is one time {rows[name]}, another time {row}")
+            if not item.unit or not item.meaning:
+                odd.append(f"{path} has no unit or no meaning")
+    return [rows[name] for name in sorted(rows)], odd
+
+
+def files_of(path):
+    path = pathlib.Path(path)
+    return [path] if path.is_file() else sorted(path.glob("checkpoint_*.h5")) + sorted(
+        path.glob("stage_*.h5"))
 
 
 def table(rows):
@@ -36,14 +48,19 @@ def table(rows):
 
 
 def main():
-    checkpoint, root = sys.argv[1], pathlib.Path(sys.argv[2])
-    rows, unlabelled = rows_of(read.checkpoint(checkpoint))
-    problems = [f"{path} has no unit or no meaning" for path in unlabelled]
+    writes = "--write" in sys.argv
+    root, *places = [word for word in sys.argv[1:] if word != "--write"]
+    root = pathlib.Path(root)
+    for place in places:
+        if not files_of(place):
+            sys.exit(f"{place} holds no checkpoint")
+    rows, problems = rows_of([read.checkpoint(file) for place in places
+                              for file in files_of(place)])
     page = root / "docs/checkpoint.md"
     text = page.read_text(encoding="utf-8")
     before, rest = text.split(BEGIN)
     written, after = rest.split(END)
-    if "--write" in sys.argv[3:]:
+    if writes:
         page.write_text(before + BEGIN + table(rows) + END + after, encoding="utf-8")
     elif written != table(rows):
         listed = set(written.splitlines())
