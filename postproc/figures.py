@@ -7,6 +7,7 @@ RESULT_DIR holds results.h5. Writes PNG files and table.txt into DIR. A figure w
 not have is left out, and the text says so. Which number is computed how: docs/postproc.md.
 """
 import argparse
+import io
 import pathlib
 
 import matplotlib
@@ -19,6 +20,7 @@ import bed_figures  # noqa: E402
 import measures  # noqa: E402
 import read  # noqa: E402
 import signals  # noqa: E402
+import write  # noqa: E402
 from bed_figures import COLOURS, Missing, needs  # noqa: E402
 
 GRAVITY = 9.81        # m/s^2
@@ -30,6 +32,12 @@ CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
 STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
 WEDGE = {"color": "tab:green", "alpha": 0.15}
 STRESS_COUNTS = "added by the passage; weight of the bed and static preload not in it"
+
+
+def needs_ground(runs):
+    for run in runs:
+        why = measures.why_no_envelope(run)
+        needs(not why, why)
 
 
 def mark_blocks(axes, run):
@@ -73,15 +81,16 @@ def sleepers(runs):
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
     panels[0].legend(fontsize=7, ncol=len(runs))
-    panels[-1].set_xlabel("time since the passage began (s)")
-    panels[0].set_title("Sleepers during the passage; lowest: " + ", ".join(
+    stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
+    panels[-1].set_xlabel(f"time since the {stage} began (s)")
+    panels[0].set_title(f"Sleepers during the {stage}; lowest: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
 
 
 def envelope(runs):
     """Largest downward displacement of sleepers and ground along the track."""
-    needs(all("displacement_min" in run.ground_envelope for run in runs), "no ground envelope")
+    needs_ground(runs)
     figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(9, 7))
     text = []
     for run, colour in zip(runs, COLOURS):
@@ -106,7 +115,7 @@ def envelope(runs):
 
 def stress(runs):
     """Largest compression of the ground's surface along the track."""
-    needs(all("sigma_z_min" in run.ground_envelope for run in runs), "no ground stress")
+    needs_ground(runs)
     figure, panel = plt.subplots(figsize=(9, 4.5))
     text = []
     for run, colour in zip(runs, COLOURS):
@@ -279,7 +288,7 @@ def draw_bed(panel, run):
 
 def overview(runs):
     """For the first page: forces in the bed, and what the ground's surface does below it."""
-    needs(all("displacement_min" in run.ground_envelope for run in runs), "no ground envelope")
+    needs_ground(runs)
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 7.5),
                                   gridspec_kw={"height_ratios": (1, 1.4, 1.4)})
     draw_bed(panels[0], runs[0])
@@ -310,7 +319,7 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 
 def draw_all(runs, folder):
     """Draws every figure into `folder`, writes table.txt; returns the paths of the pictures."""
-    folder.mkdir(parents=True, exist_ok=True)
+    write.folder(folder)
     paths = []
     for name, draw in FIGURES.items():
         try:
@@ -320,10 +329,12 @@ def draw_all(runs, folder):
             continue
         figure.tight_layout()
         paths.append(folder / f"{name}.png")
-        figure.savefig(paths[-1], dpi=130)
+        picture = io.BytesIO()
+        figure.savefig(picture, dpi=130)
         plt.close(figure)
+        write.whole(paths[-1], picture.getvalue())
     text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
-    (folder / "table.txt").write_text(text, encoding="utf-8")
+    write.whole(folder / "table.txt", text.encode())
     return paths
 
 

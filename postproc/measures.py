@@ -131,11 +131,27 @@ def lasting_displacement(results):
     return height[0] - height[-1]
 
 
+def why_no_envelope(results):
+    """What a run has not that its passage would have left in the ground; empty: it has it."""
+    if not results.has_passage():
+        return f"{results.name} holds no passage" + (
+            ": it was stopped before" if results.asks_for_passage() else ", its deck asks for none")
+    return "" if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys() \
+        else f"{results.name} has no ground"
+
+
+def why_no_transition(results):
+    """The same of a transition."""
+    return why_no_envelope(results) or (
+        "" if edge_of_structure(results) is not None else
+        f"{results.name} has no structure that ends within the ground")
+
+
 def transition(results, wedge=0.0):
-    """The Transition of a run, or None if it has no structure or no ground. `wedge`: m from the
+    """The Transition of a run, or None if there is none (`why_no_transition`). `wedge`: m from the
     edge, the least distance at which plain track begins (that of another run's wedge)."""
     edge = edge_of_structure(results)
-    if edge is None or "displacement_min" not in results.ground_envelope:
+    if why_no_transition(results):
         return None
     way, down, compression = _orderly(results, edge)
     reach = spacing(results)
@@ -191,7 +207,8 @@ def table(runs):
     wedge = max(wedge_length(run) for run in runs)
     found = [transition(run, wedge) for run in runs]
     if any(numbers is None for numbers in found):
-        return "no structure or no ground in the model: no transition to measure\n" + "".join(
+        reasons = "; ".join(filter(None, map(why_no_transition, runs)))
+        return f"no transition to measure: {reasons}\n" + "".join(
             line + "\n" for run in runs for line in warnings(run))
     head = f"{'downwards and compression positive':<48}{'':>6}"
     lines = [head + "".join(f"{run.name:>12}" for run in runs)

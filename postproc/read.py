@@ -64,12 +64,21 @@ class Results:
     stones: dict
     surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
 
+    def _last_passage(self):
+        """Its number among the stages, or -1; earlier ones bed the sleepers in."""
+        kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
+        return max((i for i, kind in enumerate(kinds) if kind == "passage"), default=-1)
+
+    def asks_for_passage(self):
+        return self._last_passage() >= 0
+
+    def has_passage(self):
+        """Whether there are rows of it: a run may have been stopped before."""
+        return bool(np.any(self.stage == self._last_passage()))
+
     def passage(self):
         """Rows of the histories during the train's passage; of the last stage if there is none."""
-        kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
-        passages = [i for i, kind in enumerate(kinds) if kind == "passage"]
-        wanted = passages[-1] if passages else -1  # earlier ones bed the sleepers in
-        rows = np.flatnonzero(self.stage == wanted)
+        rows = np.flatnonzero(self.stage == self._last_passage())
         if not len(rows):
             rows = np.flatnonzero(self.stage == self.stage[-1])
         return slice(rows[0], rows[-1] + 1)

@@ -5,12 +5,17 @@
 
 Looks along y, coloured by NAME (default: the first array that is not the same everywhere; a vector
 by its length). ParaView opens the same file, with more ways to look at it. Ends with 1 if the
-picture is of one colour only.
+picture is of one colour only, with 2 if there is nothing to draw or no place for the picture, with
+4 if the disk does not take it.
 """
 import argparse
 import os
+import pathlib
 import shutil
 import sys
+
+import read
+import write
 
 SIZE = (1200, 500)  # pixels
 
@@ -26,8 +31,8 @@ def with_screen():
 
 def read_grid(vtk, path):
     reader = vtk.vtkHDFReader()
-    if not os.path.isfile(path) or not reader.CanReadFile(path):
-        raise SystemExit(f"{path} is not a VTKHDF file")
+    if not reader.CanReadFile(path):
+        raise read.Unreadable(f"{path} is not a VTKHDF file")
     reader.SetFileName(path)
     reader.Update()
     return reader.GetOutput()
@@ -46,7 +51,7 @@ def find_array(grid, name):
     if name is not None:
         arrays = [each for each in arrays if each[0].GetName() == name]
     if not arrays:
-        raise SystemExit(f"there is no array {name}" if name else "there is no array")
+        raise read.Unreadable(f"there is no array {name}" if name else "there is no array")
     varying = [each for each in arrays if range_of(each[0])[0] < range_of(each[0])[1]]
     return (varying or arrays)[0]
 
@@ -78,7 +83,9 @@ def coloured(vtk, grid, name):
 
 
 def draw(vtk, grid, name, path):
-    """Writes the picture; returns how many colours the grid itself shows (background left out)."""
+    """Writes the picture; returns how many colours the grid itself shows (background left out).
+    VTK makes it in memory: of a file that cannot be written it only says so on the screen."""
+    from vtk.util.numpy_support import vtk_to_numpy
     renderer, window = vtk.vtkRenderer(), vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetSize(*SIZE)
@@ -98,9 +105,10 @@ def draw(vtk, grid, name, path):
     renderer.AddActor2D(bar)
     grabbed = grab(vtk, window)
     writer = vtk.vtkPNGWriter()
-    writer.SetFileName(path)
+    writer.WriteToMemoryOn()
     writer.SetInputConnection(grabbed.GetOutputPort())
     writer.Write()
+    write.whole(path, vtk_to_numpy(writer.GetResult()).tobytes())
     return colours
 
 
@@ -126,6 +134,11 @@ def main():
     parser.add_argument("-o", "--output", required=True)
     parser.add_argument("--array")
     arguments = parser.parse_args()
+    if not arguments.output.endswith(".png"):
+        raise read.Unreadable(f"{arguments.output}: pictures are PNG files, end in .png")
+    if not os.path.isfile(arguments.file):
+        raise read.Unreadable(f"{arguments.file} does not exist or is not a file")
+    write.folder(pathlib.Path(arguments.output).parent)
     with_screen()
     import vtk
     grid = read_grid(vtk, arguments.file)

@@ -1,5 +1,6 @@
 """postproc on results made of known functions: what was put in is what comes out."""
 import dataclasses
+import resource
 import subprocess
 import sys
 
@@ -81,6 +82,58 @@ def test_scripts_refuse_foreign_files_in_one_sentence(tmp_path):
             assert ran.returncode == 2, (script, name, ran.stderr)
             assert len(ran.stderr.splitlines()) == 1 and words in ran.stderr, (name, ran.stderr)
     assert not (tmp_path / "figures").exists()
+
+
+def drawn(folder, place, **how):
+    return subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", folder, "-o",
+                           place], capture_output=True, text=True, check=False, **how)
+
+
+def test_figures_that_cannot_be_written_end_in_one_sentence(tmp_path):
+    run, text = made.write(tmp_path / "run"), tmp_path / "text"
+    text.write_text("kept")
+    for place, words in ((text, "is a file"), ("/proc/figures", "cannot be made")):
+        ran = drawn(run, place)
+        assert ran.returncode == 2 and words in ran.stderr, ran.stderr
+        assert len(ran.stderr.splitlines()) == 1, ran.stderr
+    # A file that may not grow stands for a full disk.
+    ran = drawn(run, tmp_path / "full",
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+    assert ran.returncode == 4, ran.stderr
+    assert ran.stderr.splitlines()[-1].endswith("cannot be written (File too large)")
+    assert "Traceback" not in ran.stderr and not list((tmp_path / "full").iterdir())
+    # An older file stays.
+    words = "import resource, write; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); " \
+        f"write.whole({str(text)!r}, 2000 * b'x')"
+    ran = subprocess.run([sys.executable, "-c", words], cwd=conftest.ROOT / "postproc",
+                         capture_output=True, text=True, check=False)
+    assert ran.returncode == 4 and ran.stderr == f"{text} cannot be written (File too large)\n"
+    assert text.read_text() == "kept" and not list(tmp_path.glob("*.part"))
+
+
+def test_run_stopped_before_its_passage_is_said_to_be(tmp_path):
+    folder = made.write(tmp_path / "stopped")
+    with h5py.File(folder / "results.h5", "r+") as file:
+        file["history/stage"][...] = 3  # the stage load, before the passage
+        del file["envelope"]
+    ran = drawn(folder, tmp_path / "figures")
+    assert ran.returncode == 0, ran.stderr
+    said = "stopped holds no passage: it was stopped before"
+    for name in ("overview", "envelope", "stress"):
+        assert f"{name}.png is left out: {said}\n" in ran.stdout, ran.stdout
+    assert f"no transition to measure: {said}" in ran.stdout
+    assert "Sleepers during the last stage" in figures.sleepers(
+        [read.results(folder)]).axes[0].get_title()
+    figures.plt.close("all")
+
+
+def test_model_without_ground_or_structure_is_said_to_be(runs, tmp_path):
+    bare = read.results(made.write(tmp_path / "bare", ground=False))
+    assert "no transition to measure: bare has no ground" in measures.table([bare])
+    plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
+    assert "wedge has no structure that ends" in measures.table([plain])
+    idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
+    assert "holds no passage, its deck asks for none" in measures.table([idle])
 
 
 def test_read_checkpoint_through_latest(tmp_path):
@@ -242,7 +295,8 @@ def check_moved_ground(run, down, nodes, word):
 
 
 def test_other_stages_are_said(runs):
-    other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": [{"kind": "passage"}]})
+    stages = [{**stage, "duration": 7} for stage in runs[1].deck["stage"]]
+    other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": stages})
     assert "stages of the two decks differ" in measures.table([runs[0], other])
     assert "differ" not in measures.table(runs)
 
@@ -416,7 +470,7 @@ def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
     paths = figures.draw_all([run], tmp_path)
     assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
                                              "regions", "forces", "grading", "section"}
-    assert "envelope.png is left out: no ground" in capsys.readouterr().out
+    assert " has no ground\n" in capsys.readouterr().out
 
 
 def test_command_line(tmp_path):
