@@ -57,6 +57,8 @@ class Results:
     ground: dict
     energy: dict
     grading: np.ndarray  # per sieve: opening, m; passing as asked, least and most, %
+    walls: dict  # of each wall `force`, N, and `displacement`, m: [time, x y z]
+    platen: dict  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict  # of each its histories; [time, cell], tensors [time, cell, 6]
     sleeper_envelope: dict
     ground_envelope: dict
@@ -130,6 +132,17 @@ def _regions(file):
     return found
 
 
+def _walls(file):
+    return {name: _quantities(file, group.name)
+            for name, group in (file["history/wall"].items() if "history/wall" in file else ())}
+
+
+def _platen(file):
+    """z and pressure as [time], force as [time, x y z]."""
+    return {name: dataclasses.replace(one, values=one.values.reshape(len(one.values), -1).squeeze())
+            for name, one in _quantities(file, "history/platen").items()}
+
+
 def _in_order(names, deck):
     """Names of stages as the deck orders them; HDF5 lists them by alphabet."""
     order = [stage.get("name") for stage in deck.get("stage", [])]
@@ -178,6 +191,8 @@ def _results(file_path, file):
         ground=_quantities(file, "history/ground"),
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
+        walls=_walls(file),
+        platen=_platen(file),
         regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),
         ground_envelope=_quantities(file, "envelope/ground"),

@@ -110,14 +110,11 @@ std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
   return all;
 }
 
-// Walls are made again from their height; ground, sleepers and platen bring their own shape. The
-// mean forces matter: they move the bodies in the next window.
-// Collective.
+// Walls are made again from their height and way; ground, sleepers and platen bring their own
+// shape. The mean forces matter: they move the bodies in the next window. Collective.
 void save_surfaces(World& world, io::File& file) {
   const par::Comm& comm = world.comm;
-  std::vector<double> height;
-  if (comm.root()) height.push_back(world.wall_height);
-  file.write<double>("run/wall_height", height, 1, {"m", "height of the walls; 0: none yet"});
+  world.walls.save(file, "run", comm);
   if (world.ground) {
     const Surface& top = world.ground->top();
     write_nodes(comm, file, "run/support", gathered(comm, *world.ground, world.support),
@@ -134,8 +131,10 @@ void save_surfaces(World& world, io::File& file) {
 
 // `meet` first, since the coupler must know the surfaces before it can take their forces.
 void load_surfaces(World& world, const io::File& file) {
-  const double height = file.read_all<double>("run/wall_height").at(0);
-  if (height > 0) world.raise_walls(height);
+  if (file.has("run/walls"))
+    world.walls.load(file, "run");
+  else if (const double height = file.read_all<double>("run/wall_height").at(0); height > 0)
+    world.walls.raise(height);  // of a version whose walls never moved
   if (world.ground && file.has("run/support")) {
     world.support = read_nodes(file, "run/support");
     Surface& top = world.ground->top();
@@ -241,7 +240,9 @@ void Simulation::load(const io::File& file) {
   if (world_.sleepers && file.has("sleepers")) world_.sleepers->load(file, "sleepers");
   if (world_.ground && world_.ground_settled) world_.ground->load(file, "ground");
   if (file.has("platen")) {
-    world_.platen.emplace(model_.platen, model_.domain(), model_.material(model_.wall_material));
+    world_.platen.emplace(model_.platen, model_.container(), model_.material(model_.wall_material));
+    if (course_.begun)
+      world_.platen->aim(model_.pressure_in(stage()), stage().kind == StageKind::shear);
     world_.platen->load(file, "platen");
   }
   if (course_.begun) actions_.load(file);

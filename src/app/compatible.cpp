@@ -66,10 +66,10 @@ bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
 // has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
-  static constexpr std::array always = {"dimension",      "thickness",     "periodic",
-                                        "bed.x",          "bed.y",         "ground.present",
-                                        "ground.x",       "ground.y",      "ground.zones_x",
-                                        "ground.zones_y", "ground.zones_z"};
+  static constexpr std::array always = {
+      "dimension",     "thickness",      "periodic",       "bed.x",          "bed.y",
+      "bed.container", "bed.split",      "bed.beside",     "ground.present", "ground.x",
+      "ground.y",      "ground.zones_x", "ground.zones_y", "ground.zones_z"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
                                         "sleepers.width", "sleepers.height", "sleepers.length",
                                         "sleepers.bevel"};

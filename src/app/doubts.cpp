@@ -15,19 +15,12 @@ constexpr double bed_tolerance = 0.1;  // of the height: beds of one kind differ
 constexpr double far_sunk = 0.1;       // m: a third of a usual bed
 constexpr double fast = 3;             // m/s: as after a fall of half a metre
 
-// m^2, of the domain seen from above.
-double area_of(const dem::Domain& domain) {
-  const double width =
-      domain.dimension == Dimension::plane ? domain.thickness : domain.high.y() - domain.low.y();
-  return (domain.high.x() - domain.low.x()) * width;
-}
-
 // Own stones that are too fast or above the walls, which hold them at the ends of the bed.
 std::int64_t flying(const World& world) {
   std::int64_t count = 0;
   for (std::size_t i = 0; i < world.particles.size(); ++i) {
     const dem::ParticleView stone = world.particles[i];
-    const bool high = world.wall_height > 0 && stone.position.z() > world.wall_height;
+    const bool high = world.walls.height() > 0 && stone.position.z() > world.walls.height();
     if (high || stone.velocity.norm() > fast) ++count;
   }
   return count;
@@ -85,7 +78,7 @@ std::string doubt_of_bed(const World& world, std::span<const Stage> done) {
   const double level = world.mean_ground_level();
   const double volume = volume_of_stones(world);
   if (!world.platen || volume <= 0) return {};
-  const double area = area_of(world.particles.domain());
+  const double area = model.container().area();  // m^2
   const double height = world.platen->z() - level;
   const Expected expected = expected_of(model, done);
   const double asked = volume / (area * (1 - expected.porosity));

@@ -20,19 +20,24 @@ namespace {
 // More than anybody can compute; the windows of so many trains still fit an integer.
 constexpr double most_cycles = 1e6;
 
+constexpr double room_beside_floor = 0.25;  // m
+
 }  // namespace
 
 // One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
 // end say what a kind cannot do without.
 void Stage::declare(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
-  s.choice("kind", kind,
-           {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run"},
-           "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
-           "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
-           "they are placed and settle; cribs: new stones fall between them and are cut at the "
-           "profile; load: the same force on all seats; "
-           "passage: axles pass; run: nothing but time.");
+  s.choice(
+      "kind", kind,
+      {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run",
+       "shear", "lift_walls"},
+      "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
+      "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
+      "they are placed and settle; cribs: new stones fall between them and are cut at the "
+      "profile; load: the same force on all seats; "
+      "passage: axles pass; run: nothing but time; shear: the lower half of divided walls moves "
+      "along x under the platen; lift_walls: walls go up, and away at the end.");
   s.text(
       "layer", layer,
       "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
@@ -49,7 +54,12 @@ void Stage::declare(input::Section& s) {
            "The stage ends early once the mean unbalanced force over the mean contact force is "
            "below this; 0: never. Not used by load and passage.");
   s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
-  s.number("lift", lift, {.unit = "m/s", .above = 0}, "Release: speed of the platen upwards.");
+  s.number("lift", lift, {.unit = "m/s", .above = 0},
+           "Release: speed of the platen upwards. Lift_walls: of the walls.");
+  s.number("pressure", pressure, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Compact and shear: what the platen holds; 0: platen.pressure.");
+  s.number("displacement", displacement, {.unit = "m"},
+           "Shear: way of floor and lower half along x in the duration.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 5},
            "Sleepers: their lower face; 0: on top of the stones.");
   s.number(
@@ -61,8 +71,11 @@ void Stage::declare(input::Section& s) {
            "Constant force on each rail seat, downwards.");
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Load: peak on each rail seat, above seat_force.");
-  s.number("ramp", ramp, {.unit = "s", .at_least = 0},
-           "Load: time from zero to the peak and, at the end, back.");
+  s.number(
+      "ramp", ramp, {.unit = "s", .at_least = 0},
+      "Load: time from zero to the peak and, at the end, back. Shear: time to full speed. "
+      "Compact and shear: time in which the pressure changes from that of the stage before. Half "
+      "the duration at most.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
             "other; 0: one.");
@@ -140,7 +153,8 @@ void Model::declare(input::Section& s) {
       "up to the one it was written after are not done again.",
       input::Named::file_or_folder);
   s.text("wall_material", wall_material, "Contact material of walls and platen.");
-  s.text("ground_material", ground_material, "Contact material of the ground's surface.");
+  s.text("ground_material", ground_material,
+         "Contact material of the ground's surface, or of the floor where there is no ground.");
   s.number("settle_average", settle_average, {.unit = "s", .at_least = 0},
            "Time constant of the averaged load of the bed under which the ground is in equilibrium "
            "before it is let go.");
@@ -179,6 +193,10 @@ bool Model::uses_sleepers() const {
          has_stage(StageKind::load) || has_stage(StageKind::passage);
 }
 
+double Model::pressure_in(const Stage& stage) const {
+  return stage.pressure > 0 ? stage.pressure : platen.pressure;
+}
+
 // The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is room for
 // the ground to sink.
 // A stone that leaves the box in z is lost and stops the run: so the box is generous. In a plane
@@ -193,6 +211,11 @@ dem::Domain Model::domain() const {
   double height = bed.height;
   for (const bed::NamedLayer& layer : bed.layers) height += layer.height;
   domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * height + 1};
+  // Stones that run off the floor are taken away before they reach the end of this.
+  const double around = bed.beside > 0 ? bed.beside + room_beside_floor : 0;
+  for (int axis = 0; axis < (plane ? 1 : 2); ++axis)
+    if (!domain.periodic[static_cast<std::size_t>(axis)])
+      domain.low[axis] -= around, domain.high[axis] += around;
   return domain;
 }
 

@@ -15,7 +15,19 @@
 namespace trackbed::app {
 
 // What a stage begins with, does in every window, and ends with: see stages.hpp.
-enum class StageKind { fill, settle, compact, release, sleepers, cribs, load, passage, run };
+enum class StageKind {
+  fill,
+  settle,
+  compact,
+  release,
+  sleepers,
+  cribs,
+  load,
+  passage,
+  run,
+  shear,
+  lift_walls
+};
 
 struct Stage {
   std::string name;
@@ -26,12 +38,14 @@ struct Stage {
   double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
   double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never
   bool ground_moves = false;
-  double lift = 0.01;       // m/s, release: speed of the platen
+  double lift = 0.01;       // m/s, release: speed of the platen, lift_walls: of the walls
+  double pressure = 0;      // Pa, compact, shear: of the platen; 0: that of its section
+  double displacement = 0;  // m, shear: way of the lower half along x
   double height = 0.35;     // m, sleepers: lower face
   double profile = 0;       // m, crest of the bed: stones with centres above go; 0: none do
   double seat_force = 0;    // N on each rail seat throughout the stage
   double load = 0;          // N, load: peak on each rail seat, above seat_force
-  double ramp = 0.05;       // s, load: from zero to the peak, and back at the end
+  double ramp = 0.05;       // s, load: from zero to the peak, and back at the end; shear: to speed
   std::int64_t cycles = 0;  // load: haversines in the duration; passage: trains; 0: see `declare`
   double settlement = 0;    // m, load, passage: stop early once a cycle leaves less; 0: never
   void declare(input::Section& s);
@@ -87,6 +101,8 @@ struct Model {
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;
+  bed::Container container() const { return bed.container_in(domain()); }
+  double pressure_in(const Stage& stage) const;  // Pa, of the platen
 };
 
 }  // namespace trackbed::app

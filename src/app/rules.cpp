@@ -20,12 +20,11 @@ namespace {
 // A border given as 0.1 + 0.2 may touch one given as 0.3.
 constexpr double rounding = 1e-9;  // m
 
-// Walls at sides that are not periodic, a floor without ground, the platen: one material.
-// A platen and a floor are walls too: they take their material from the same parameter.
+// Walls at sides that are not periodic and the platen: one material. The floor has the ground's.
 bool uses_walls(const Model& model) {
   const bool open =
       !model.periodic_in("x") || (model.dimension == Dimension::space && !model.periodic_in("y"));
-  return open || !model.ground.present || model.has_stage(StageKind::compact);
+  return open || model.has_stage(StageKind::compact);
 }
 
 // Materials that the parts of the model are made of exist, and those that meet have a law.
@@ -34,7 +33,7 @@ bool uses_walls(const Model& model) {
 void declare_materials(const Model& model, input::Section& s) {
   std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
   if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
-  if (model.ground.present) parts.emplace_back("ground_material", model.ground_material);
+  parts.emplace_back("ground_material", model.ground_material);
   if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
   // A law between misspelt names would make every missing law a second sentence about one slip.
   const bool names_known = std::all_of(
@@ -283,6 +282,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_passages(model, s);
   declare_regions(model, s);
   declare_oddities(model, s);
+  declare_walls(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
   s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"", {.reads = {"periodic"}});

@@ -15,6 +15,7 @@
 
 #include "app/doubts.hpp"
 #include "app/interrupt.hpp"
+#include "app/shear.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
@@ -62,6 +63,7 @@ void Simulation::window() {
   const double dt = course_.clock.dt();
   move_sleepers(dt);
   press_platen(dt);
+  move_walls(world_, stage(), static_cast<double>(course_.clock.window()) * dt, dt);
   move_ground(dt);
   move_stones(dt);
   average_support(dt);
@@ -78,15 +80,18 @@ void Simulation::move_sleepers(double dt) {
   world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
 }
 
-// In the compact stage the servo decides, in the release stage the deck.
+// In the compact and shear stages the servo decides, in the release stage the deck.
 // Release: the speed is given, so the reaction of the bed does nothing. In the first window there
 // is no last motion yet to carry out.
 void Simulation::press_platen(double dt) {
   if (!world_.platen) return;
-  if (stage().kind == StageKind::release)
+  const double time = static_cast<double>(course_.clock.window()) * dt;
+  if (stage().kind == StageKind::release) {
     world_.lift_platen(course_.clock.window() > 0 ? stage().lift * dt : 0, stage().lift * dt);
-  else
-    world_.platen->advance(dt, world_.on_platen());
+    return;
+  }
+  aim_platen(world_, course_.stage, time, dt);
+  world_.platen->advance(dt, world_.on_platen());
 }
 
 // A ground that is held still keeps its shape but still collects the load of the bed.
@@ -335,9 +340,14 @@ void Simulation::observe() {
 // The seat force of a row is the one that moved the sleepers in the window before it. Collective.
 void Simulation::sample() {
   const auto timing = timers_.scope(Verb::observe);
+  const std::vector<observe::WallState> walls = world_.wall_states();
+  const observe::PlatenState platen = world_.platen_state();
+  const bool presses = model_.has_stage(StageKind::compact) || model_.has_stage(StageKind::shear);
   results_.sample(world_.scene(), {.time = course_.clock.time(),
                                    .stage = static_cast<std::int64_t>(course_.stage),
-                                   .seat_force = seat_force_});
+                                   .seat_force = seat_force_,
+                                   .walls = walls,
+                                   .platen = presses ? &platen : nullptr});
 }
 
 // At most two of a run's own are kept. Those of a run that was stopped and resumed are not known

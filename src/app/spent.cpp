@@ -59,7 +59,9 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
     return is_to_come(model, next, {StageKind::fill, StageKind::cribs}) ? ""
                                                                         : "the stones are made";
   if (key.starts_with("platen."))
-    return is_to_come(model, at.stage, {StageKind::compact}) ? "" : "nothing is compacted any more";
+    return is_to_come(model, at.stage, {StageKind::compact, StageKind::shear})
+               ? ""
+               : "nothing is compacted any more";
   if (key == "settle_average") return at.ground_moved ? "the ground moves already" : "";
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the last stage has its steps already";

@@ -74,7 +74,9 @@ void declare_uses(const Model& model, input::Section& s) {
       s.rule(key, used || !given, fmt::format("has no effect: it is for {}", words),
              {.weight = input::Weight::warning, .reads = {key, fmt::format("stage[{}].kind", i)}});
     };
-    only("lift", stage.lift != none.lift, {release}, "release");
+    only("lift", stage.lift != none.lift, {release, lift_walls}, "release and lift_walls");
+    only("pressure", stage.pressure != none.pressure, {compact, shear}, "compact and shear");
+    only("displacement", stage.displacement != none.displacement, {shear}, "shear");
     only("height", stage.height != none.height, {sleepers}, "sleepers");
     only("load", stage.load != none.load, {load}, "load");
     only("ramp", stage.ramp != none.ramp, {load}, "load");

@@ -13,6 +13,7 @@
 
 #include "app/cell.hpp"
 #include "app/cribs.hpp"
+#include "app/shear.hpp"
 
 namespace trackbed::app {
 
@@ -41,7 +42,8 @@ bool has_cycles(const Stage& stage) {
 
 // Under load the criterion would stop a stage in a moment of rest between axles or cycles.
 bool looks_for_rest(const Stage& stage) {
-  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage ||
+                      stage.kind == StageKind::shear;
   return stage.until_ratio > 0 && !loaded;
 }
 
@@ -65,8 +67,10 @@ StageActions::StageActions(World& world, const Model& model)
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
-  const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release;
-  if (!pressed && world_.platen) world_.take_platen_away();  // compact leaves it in place
+  // Compact and shear leave it in place.
+  const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release ||
+                       stage.kind == StageKind::shear;
+  if (!pressed && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill) pour(stage);
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
   if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
@@ -80,6 +84,8 @@ void StageActions::begin(const Stage& stage) {
     world_.place_platen(world_.top_of_stones());  // meets
   else
     world_.meet();
+  if (pressed && world_.platen)
+    world_.platen->aim(model_.pressure_in(stage), stage.kind == StageKind::shear);
 }
 
 // A layer that is not the first falls on what is there.
@@ -90,7 +96,7 @@ void StageActions::pour(const Stage& stage) {
                                                             model_.material(layer.material), below)
                                                 : lay_cells(world_);
   // A tenth above the lattice, for stones that jump when they meet.
-  world_.raise_walls(1.1 * height);
+  world_.walls.raise(1.1 * height);
 }
 
 // Sleepers are put where they belong and the stones in their way go: digging, not pushing.
@@ -108,12 +114,13 @@ void StageActions::fill_cribs(const Stage& stage) {
   const double height = bed::fill_boxes(world_.particles, world_.comm, model_.bed,
                                         model_.material(model_.bed.material),
                                         cribs(world_, stage.profile), world_.top_of_stones());
-  if (1.1 * height > world_.wall_height) world_.raise_walls(1.1 * height);
+  if (1.1 * height > world_.walls.height()) world_.walls.raise(1.1 * height);
 }
 
 // Heights are looked at when a cycle ends: the rest of the windows cost nothing.
 void StageActions::watch(const Stage& stage, const Clock& clock) {
   if (has_cycles(stage)) settlement_.watch(stage.cycles, clock, *world_.sleepers);
+  clear_beside_floor(world_, clock);
 }
 
 // Known before the stage begins, since the passage depends on the axles and the last sleeper only.
@@ -173,6 +180,10 @@ void StageActions::end(const Stage& stage) {
   if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
   if (stage.kind == StageKind::cribs) {
     cut_to_profile(world_, stage.profile);
+    world_.meet();
+  }
+  if (stage.kind == StageKind::lift_walls) {
+    world_.walls.take_away();
     world_.meet();
   }
   settlement_.end();

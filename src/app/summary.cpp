@@ -173,21 +173,22 @@ Measured measure_from(const std::string& stage, const Timers& timers, const Worl
 
 // Bulk density, kg/m^3: mass over the volume of an even layer with the same mean height, m,
 //   rho = m/(L B 2 (z_mean - z_ground)),
-// with L and B of the domain. Exact for an even layer alone: a measure to compare stages by.
-// Collective.
+// with L B the floor between the walls. Exact for an even layer alone: a measure to compare stages
+// by. Collective.
 StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
                       const World& world) {
   const dem::Totals totals = world.particles.totals();
-  const dem::Domain& domain = world.particles.domain();
-  const double width =
-      model.dimension == Dimension::plane ? domain.thickness : domain.high.y() - domain.low.y();
   // For a layer of even density the top is at twice the mean height, which loose stones on top
   // disturb far less than the highest stone would.
   // E_pot = m g z summed over stones, so E_pot/(m g) is the height of their common centre.
   const double mean_height =
       ratio(totals.potential, totals.mass * model.dem.gravity) - world.mean_ground_level();
-  const double volume = (domain.high.x() - domain.low.x()) * width * 2 * mean_height;
-  const bool pressed = stage.kind == StageKind::compact && world.platen;
+  // A heap without walls is no layer: 0.
+  const auto& names = world.walls.names();
+  const bool heap = !names.empty() && world.walls.displacement(names.back()).z() > 0;
+  const double volume = heap ? 0 : model.container().area() * 2 * mean_height;
+  const bool pressed =
+      (stage.kind == StageKind::compact || stage.kind == StageKind::shear) && world.platen;
   return {.name = stage.name,
           .time = course.clock.time(),
           .duration = course.clock.time() - course.clock.start(),

@@ -14,6 +14,8 @@ World::World(const par::Comm& world, const Model& deck)
     : comm(world),
       model(deck),
       particles(world, deck.physics, deck.dem, deck.domain()),
+      walls(deck.container(), deck.material(deck.wall_material),
+            deck.ground.present ? -1 : deck.material(deck.ground_material)),
       coupler(world) {
   const double thickness = model.domain().thickness;
   if (model.ground.present) {
@@ -42,7 +44,7 @@ void World::meet() {
     return touched_.back().number;
   };
   if (ground) add(ground->top(), ground->top_owner());
-  for (Surface& wall : walls) add(wall);
+  for (Surface& wall : walls.surfaces()) add(wall);
   first_sleeper_ = touched_.size();
   if (sleepers && sleepers->placed())
     for (Surface& sleeper : sleepers->surfaces()) add(sleeper);
@@ -66,18 +68,9 @@ void World::connect() {
   coupler.connect([&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
 }
 
-// Higher walls replace lower ones in place: surfaces are known by address.
-void World::raise_walls(double height) {
-  wall_height = height;
-  std::vector<Surface> higher =
-      bed::walls(model.domain(), height, model.material(model.wall_material), !ground);
-  walls.resize(higher.size());  // walls that stand already stay where `touched_` points
-  std::move(higher.begin(), higher.end(), walls.begin());
-}
-
 // At rest, its lower face at height z, m.
 void World::place_platen(double z) {
-  platen.emplace(model.platen, model.domain(), model.material(model.wall_material));
+  platen.emplace(model.platen, model.container(), model.material(model.wall_material));
   platen->place(z);
   meet();
 }
@@ -130,10 +123,31 @@ double World::on_platen() const {
   return force;
 }
 
+// As of the platen. By name, since numbers change with stages.
+Vec3 World::on(const std::string& surface) const {
+  Vec3 force = Vec3::Zero();
+  for (const Touched& touched : touched_)
+    if (touched.surface->name == surface)
+      for (const Vec3& node : coupler.mean_force(touched.number)) force += node;
+  return force;
+}
+
 observe::Scene World::scene() {
   return {.particles = particles,
           .ground = ground ? &*ground : nullptr,
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr};
+}
+
+std::vector<observe::WallState> World::wall_states() const {
+  std::vector<observe::WallState> states;
+  for (const std::string& name : walls.names())
+    states.push_back({name, on(name), walls.displacement(name)});
+  return states;
+}
+
+observe::PlatenState World::platen_state() const {
+  if (!platen) return {};
+  return {.z = platen->z(), .pressure = platen->pressure(), .force = on("platen")};
 }
 
 std::size_t World::memory() const {

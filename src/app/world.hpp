@@ -26,7 +26,6 @@ struct World {
   void meet();
   // A new split of the stones over ranks if their work is uneven. Changes no results. Collective.
   void rebalance();
-  void raise_walls(double height);  // m; floor at z = 0 if there is no ground
   void place_platen(double z);
   // One window of lifting: it was lifted by `before` in the last window and goes up by `motion`, m.
   void lift_platen(double before, double motion);
@@ -36,11 +35,14 @@ struct World {
 
   // Mean force of the last window, N.
   std::vector<std::span<const Vec3>> on_sleepers() const;
-  std::span<const Vec3> on_ground() const;  // per top node, valid on own nodes
-  double on_platen() const;                 // vertical
+  std::span<const Vec3> on_ground() const;    // per top node, valid on own nodes
+  double on_platen() const;                   // vertical
+  Vec3 on(const std::string& surface) const;  // all of it; zero if there is no such surface
 
   observe::Scene scene();
-  std::size_t memory() const;  // bytes of this rank's state
+  std::vector<observe::WallState> wall_states() const;
+  observe::PlatenState platen_state() const;  // zero without one
+  std::size_t memory() const;                 // bytes of this rank's state
 
   // Mean force on every node of every surface, by surface name: for the checkpoint.
   // By name, since numbers of surfaces change with stages.
@@ -57,8 +59,7 @@ struct World {
   std::optional<fem::Ground> ground;
   std::optional<track::Sleepers> sleepers;
   std::optional<bed::Platen> platen;  // while it presses
-  std::vector<Surface> walls;
-  double wall_height = 0;  // m; 0: no walls yet
+  bed::Walls walls;                   // with a floor at z = 0 if there is no ground
   couple::Coupler coupler;
   // Load of the bed on the ground, averaged over settle_average, N per top node, own nodes only:
   // the ground is in equilibrium with it when it is let go.

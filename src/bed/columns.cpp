@@ -2,7 +2,8 @@
 // its own stones: any rank can build any part, in time proportional to that part.
 //
 // Cost: in a plane O(1) per stone; in space `tries` places, each against all stones of the column
-// below, which is O(n^2) in the stones of one column and does not grow with the bed's area.
+// below, which is O(n^2) in the stones of one column and does not grow with the bed's area. A
+// cylinder is one column: some thousand stones.
 // Rejected forms are in docs/decisions/packing.md.
 #include "columns.hpp"
 
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
@@ -97,19 +99,24 @@ std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed)
 }
 
 // The number of stones follows from the solid volume wanted,
-//   N = L B h (1 - porosity)/mean volume,
+//   N = A h (1 - porosity)/mean volume,   A the floor
 // in a plane with areas per unit of thickness.
 Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix)
     : mix_(mix), dimension_(domain.dimension), seed_(static_cast<std::uint64_t>(parameters.seed)) {
   const bool plane = dimension_ == Dimension::plane;
   const double length = parameters.x[1] - parameters.x[0];
   const double width = parameters.y[1] - parameters.y[0];
-  const double solid = length * (plane ? 1 : width) * parameters.height * (1 - parameters.porosity);
+  const double floor = plane ? length : parameters.container_in(domain).area();
+  const double solid = floor * parameters.height * (1 - parameters.porosity);
   stones_ = std::max<std::int64_t>(1, std::llround(solid / mix.mean_volume()));
   const double cell = 2 * gap * mix.largest_bound();
   along_ = fitting(length, cell, "x");
   across_ = plane ? 1 : fitting(width, cell, "y");
   if (!plane) along_ = wider(along_), across_ = wider(across_);
+  if (parameters.container == ContainerKind::cylinder) {
+    along_ = across_ = 1;
+    clear_ = parameters.container_in(domain).clear_radius();
+  }
   low_ = {parameters.x[0], plane ? 0 : parameters.y[0], 0};
   size_ = {length / static_cast<double>(along_), plane ? 0 : width / static_cast<double>(across_),
            0};
@@ -159,12 +166,21 @@ Vec3 Columns::on_top(std::int64_t i, double room, double top) const {
 Vec3 Columns::lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const {
   Vec3 best = Vec3::Constant(std::numeric_limits<double>::infinity());
   for (std::uint64_t k = 0; k < tries; ++k) {
-    const double x = room + random(mix(seed_) + k, i, Use::x) * (size_.x() - 2 * room);
-    const double y = room + random(mix(seed_) + k, i, Use::y) * (size_.y() - 2 * room);
+    double x = room + random(mix(seed_) + k, i, Use::x) * (size_.x() - 2 * room);
+    double y = room + random(mix(seed_) + k, i, Use::y) * (size_.y() - 2 * room);
+    if (clear_ > 0) std::tie(x, y) = in_circle(i, room, mix(seed_) + k);
     const double z = rest_on(balls, x, y, room);
     if (z < best.z()) best = {x, y, z};
   }
   return best;
+}
+
+// Even over the circle that leaves the stone room within the cylinder: r = R sqrt(u).
+std::pair<double, double> Columns::in_circle(std::int64_t i, double room,
+                                             std::uint64_t seed) const {
+  const double turn = 2 * std::numbers::pi * random(seed, i, Use::x);
+  const double r = std::max(0.0, clear_ - room) * std::sqrt(random(seed, i, Use::y));
+  return {size_.x() / 2 + r * std::cos(turn), size_.y() / 2 + r * std::sin(turn)};
 }
 
 }  // namespace trackbed::bed

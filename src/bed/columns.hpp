@@ -4,6 +4,7 @@
 // short. Ids run along x, then y, then up, so neighbours have close ids.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "mix.hpp"
@@ -28,10 +29,13 @@ class Columns {
   Vec3 on_top(std::int64_t i, double room, double top) const;
   Vec3 lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const;
 
+  std::pair<double, double> in_circle(std::int64_t i, double room, std::uint64_t seed) const;
+
   const Mix& mix_;
   Dimension dimension_;
   std::uint64_t seed_;
   std::int64_t stones_ = 0, along_ = 1, across_ = 1;
+  double clear_ = 0;  // m, radius free of the walls of a cylinder; 0: a box
   Vec3 low_ = Vec3::Zero(), size_ = Vec3::Zero();  // m, corner and size of the first column
 };
 

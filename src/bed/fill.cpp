@@ -88,6 +88,7 @@ Id first_free_id(const dem::Particles& particles, const par::Comm& comm) {
 // a repeated run.
 BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) {
   BedParameters bed = parameters;
+  bed.container = ContainerKind::box;
   bed.x = {box.low.x(), box.high.x()};
   bed.y = {box.low.y(), box.high.y()};
   bed.height = box.high.z() - box.low.z();

@@ -156,6 +156,14 @@ void BedParameters::declare(input::Section& s) {
       "result folder: the one its `latest` names): the stage fill lays copies of its stones side "
       "by side along x instead of making new ones.",
       input::Named::file_or_folder);
+  s.choice("container", container, {"box", "cylinder"},
+           "box: flat walls at sides that are not periodic; cylinder: upright, inscribed in x and "
+           "y, a wall of 64 facets (space).");
+  s.number("split", split, {.unit = "m", .at_least = 0},
+           "Height at which walls are divided into two halves, as of a shear box; 0: not.");
+  s.number("beside", beside, {.unit = "m", .at_least = 0, .usually_to = 5},
+           "Floor around the walls, for stages that move or lift them: stones further out are "
+           "taken away.");
   LayerParameters::declare(s);
   s.tables("layer", layers,
            "Layers below (sub-ballast): a stage of kind fill that names one pours it.");
@@ -172,6 +180,15 @@ BedParameters BedParameters::of_layer(const std::string& name) const {
   for (const NamedLayer& layer : layers)
     if (layer.name == name) static_cast<LayerParameters&>(bed) = layer;
   return bed;
+}
+
+// The domain of a bed in a cylinder or with floor around it is larger than the bed.
+Container BedParameters::container_in(const dem::Domain& domain) const {
+  Container c(domain);
+  c.kind = container, c.split = split, c.beside = beside;
+  c.low.x() = x[0], c.high.x() = x[1];
+  if (domain.dimension == Dimension::space) c.low.y() = y[0], c.high.y() = y[1];
+  return c;
 }
 
 std::vector<double> LayerParameters::grading_table() const {

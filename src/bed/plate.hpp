@@ -4,7 +4,7 @@
 #include <string>
 
 #include "trackbed/core/surface.hpp"
-#include "trackbed/dem/particles.hpp"
+#include "trackbed/core/types.hpp"
 
 namespace trackbed::bed {
 
@@ -21,7 +21,6 @@ struct Footprint {
     return {low - Vec3(margin, margin, 0), high + Vec3(margin, margin, 0)};
   }
 };
-Footprint footprint(const dem::Domain& domain);
 
 // m: more than a stone may stick out over a periodic side, whose home image alone feels surfaces.
 inline constexpr double beyond = 0.25;

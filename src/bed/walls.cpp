@@ -1,13 +1,117 @@
-// Rectangles of two triangles: floor, end walls, side walls.
-// Two triangles each, as flat as they are: the coupler and the contacts know triangles only, and a
-// second kind of wall would be a second code for the same contact. They reach beyond the bed, so
-// that no stone finds an edge.
+// Floor and walls of a container as triangles: the coupler and the contacts know triangles only,
+// and a second kind of wall would be a second code for the same contact.
+//
+// Every wall is a profile (out of the bed, up) led along a path on the ground: two points for a
+// flat wall, a polygon for a cylinder. So box, cylinder, rims of halves and boards come from one
+// function. Cost: nodes of path times nodes of profile, a few hundred at most. Rejected: a smooth
+// cylinder as an analytic shape, since stones of many corners know distances to triangles alone.
+// Walls of a box that never move are plain rectangles.
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "plate.hpp"
 #include "trackbed/bed/bed.hpp"
 
 namespace trackbed::bed {
+
+namespace {
+
+// m: thicker than half a stone's corner may be behind a surface before it is lost.
+constexpr double board = 0.05;
+// m: boards end this far below the floor, so that their lower face touches nothing on it.
+constexpr double below_floor = 0.01;
+
+// Nodes of a wall on the ground, with the stones to the left of the way; `outward` is the step from
+// a node that takes the wall 1 m away from them.
+struct Path {
+  std::vector<Vec3> at, outward;  // m, -
+  bool closed = false;
+};
+
+// How far out of the bed and how high, m, along the section of a wall: from the top down on the
+// side of the stones.
+using Profile = std::vector<std::array<double, 2>>;
+
+// Two triangles for each piece of path and profile. The way along the path, then down the profile:
+// the normal of the two is to the left of the path, where the stones are.
+Surface wall(const std::string& name, int material, const Path& path, const Profile& profile) {
+  Surface surface;
+  surface.name = name;
+  surface.material = material;
+  for (std::size_t i = 0; i < path.at.size(); ++i)
+    for (const auto& [out, up] : profile)
+      surface.position.push_back(path.at[i] + out * path.outward[i] + Vec3(0, 0, up));
+  const std::size_t rows = profile.size(), ends = path.at.size();
+  const auto node = [&](std::size_t i, std::size_t k) {
+    return static_cast<std::int32_t>((i % ends) * rows + k);
+  };
+  for (std::size_t i = 0; i + (path.closed ? 0 : 1) < ends; ++i)
+    for (std::size_t k = 0; k + 1 < rows; ++k) {
+      surface.triangles.push_back({node(i, k), node(i + 1, k), node(i + 1, k + 1)});
+      surface.triangles.push_back({node(i, k), node(i + 1, k + 1), node(i, k + 1)});
+    }
+  surface.motion.assign(surface.nodes(), Vec3::Zero());
+  surface.clear_load();
+  return surface;
+}
+
+// Anticlockwise seen from above, so the stones are to the left. At a corner of the polygon the way
+// out is longer, so that faces stay parallel to those inside.
+Path around(const Container& c) {
+  Path path;
+  path.closed = true;
+  const double half = std::numbers::pi / facets;
+  for (int k = 0; k < facets; ++k) {
+    const double turn = 2 * half * k;
+    const Vec3 out(std::cos(turn), std::sin(turn), 0);
+    path.at.push_back(c.centre() + c.radius() * out);
+    path.outward.push_back(out / std::cos(half));
+  }
+  return path;
+}
+
+struct NamedPath {
+  std::string name;
+  Path path;
+};
+
+// The sides of a box that are not periodic, each longer than the bed by `past` at both ends.
+std::vector<NamedPath> sides(const Container& c, double past) {
+  const Footprint inside{c.low, c.high}, outside = inside.grown(past);
+  const Vec3 &a = outside.low, &b = outside.high;
+  const auto straight = [](const Vec3& from, const Vec3& to, const Vec3& out) {
+    return Path{.at = {from, to}, .outward = {out, out}};
+  };
+  const double left = c.low.x(), right = c.high.x(), front = c.low.y(), back = c.high.y();
+  std::vector<NamedPath> all;
+  if (!c.periodic[0]) {
+    all.push_back(
+        {"wall.left", straight(Vec3(left, b.y(), 0), Vec3(left, a.y(), 0), -Vec3::UnitX())});
+    all.push_back(
+        {"wall.right", straight(Vec3(right, a.y(), 0), Vec3(right, b.y(), 0), Vec3::UnitX())});
+  }
+  if (c.dimension == Dimension::space && !c.periodic[1]) {
+    all.push_back(
+        {"wall.front", straight(Vec3(a.x(), front, 0), Vec3(b.x(), front, 0), -Vec3::UnitY())});
+    all.push_back(
+        {"wall.back", straight(Vec3(b.x(), back, 0), Vec3(a.x(), back, 0), Vec3::UnitY())});
+  }
+  return all;
+}
+
+// The rim of a half begins where the halves meet and leads outwards: below the upper half, above
+// the lower one.
+void add_halves(std::vector<Surface>& all, const NamedPath& side, const Container& c, double height,
+                int material, double foot) {
+  const double rim = c.beside + beyond;
+  all.push_back(
+      wall(side.name + ".lower", material, side.path, {{rim, c.split}, {0, c.split}, {0, foot}}));
+  all.push_back(wall(side.name + ".upper", material, side.path,
+                     {{0, std::max(height, c.split + beyond)}, {0, c.split}, {rim, c.split}}));
+}
+
+}  // namespace
 
 // Counter-clockwise seen from the side of the stones, which is where normals point.
 Surface plate(const std::string& name, int material, const Vec3& corner, const Vec3& first,
@@ -23,35 +127,81 @@ Surface plate(const std::string& name, int material, const Vec3& corner, const V
 }
 
 // A plane model lies around y = 0.
-// z is 0 in both corners.
-Footprint footprint(const dem::Domain& domain) {
-  const bool plane = domain.dimension == Dimension::plane;
+Container::Container(const dem::Domain& domain)
+    : dimension(domain.dimension),
+      periodic{domain.periodic[0], domain.periodic[1]},
+      depth(std::max(-domain.low.z(), beyond)) {
+  const bool plane = dimension == Dimension::plane;
   const double half = domain.thickness / 2;
-  return {Vec3(domain.low.x(), plane ? -half : domain.low.y(), 0),
-          Vec3(domain.high.x(), plane ? half : domain.high.y(), 0)};
+  low = {domain.low.x(), plane ? -half : domain.low.y(), 0};
+  high = {domain.high.x(), plane ? half : domain.high.y(), 0};
 }
 
-// Up to `height` m, foot below the ground; the floor lies at z = 0. Names are found again in
-// checkpoints.
-std::vector<Surface> walls(const dem::Domain& domain, double height, int material, bool floor) {
-  const Footprint inside = footprint(domain), outside = inside.grown(beyond);
+Vec3 Container::centre() const { return (low + high) / 2; }
+double Container::radius() const { return (high.x() - low.x()) / 2; }
+double Container::clear_radius() const { return radius() * std::cos(std::numbers::pi / facets); }
+
+// A polygon of n triangles: A = n/2 r^2 sin(2 pi/n).
+double Container::area() const {
+  if (kind == ContainerKind::box) return Footprint{low, high}.area();
+  return facets / 2.0 * radius() * radius() * std::sin(2 * std::numbers::pi / facets);
+}
+
+namespace {
+
+// Up to `height` m, foot below the ground; they reach beyond the bed on all sides.
+void add_rectangles(std::vector<Surface>& all, const Container& c, double height, int material) {
+  const Footprint inside{c.low, c.high}, outside = inside.grown(beyond);
   const Vec3 size = outside.high - outside.low;
   const Vec3 along(size.x(), 0, 0), across(0, size.y(), 0);
-  // Down to where the domain ends: the ground below may settle.
-  const double foot = std::min(domain.low.z(), -beyond);
-  const Vec3 down(0, 0, foot), up(0, 0, height - foot);
-  std::vector<Surface> all;
-  if (floor) all.push_back(plate("floor", material, outside.low, along, across));
-  if (!domain.periodic[0]) {
+  const Vec3 down(0, 0, -c.depth), up(0, 0, height + c.depth);
+  if (!c.periodic[0]) {
     const Vec3 left(inside.low.x(), outside.low.y(), 0), right(inside.high.x(), outside.low.y(), 0);
     all.push_back(plate("wall.left", material, left + down, across, up));    // normal +x
     all.push_back(plate("wall.right", material, right + down, up, across));  // normal -x
   }
-  if (domain.dimension == Dimension::space && !domain.periodic[1]) {
+  if (c.dimension == Dimension::space && !c.periodic[1]) {
     const Vec3 front(outside.low.x(), inside.low.y(), 0), back(outside.low.x(), inside.high.y(), 0);
     all.push_back(plate("wall.front", material, front + down, up, along));  // normal +y
     all.push_back(plate("wall.back", material, back + down, along, up));    // normal -y
   }
+}
+
+// Halves, boards, or the plain wall of a cylinder.
+void add_profiles(std::vector<Surface>& all, const Container& c, double height, int material) {
+  const bool halves = c.split > 0, boards = !halves && c.beside > 0;
+  const double foot = boards ? -below_floor : -c.depth;
+  Profile plain{{0, height}, {0, foot}};
+  if (boards) plain.insert(plain.end(), {{board, foot}, {board, height}});
+  const double past = boards ? board : beyond + c.beside;
+  const auto paths = c.kind == ContainerKind::cylinder
+                         ? std::vector<NamedPath>{{"wall.cylinder", around(c)}}
+                         : sides(c, past);
+  for (const NamedPath& side : paths)
+    if (halves)
+      add_halves(all, side, c, height, material, foot);
+    else
+      all.push_back(wall(side.name, material, side.path, plain));
+}
+
+}  // namespace
+
+// Names are found again in checkpoints. Walls go down to where the domain ends: the ground below
+// may settle. Boards stand on the floor, so that they clear it as soon as they are lifted.
+std::vector<Surface> walls(const Container& container, double height, int material, bool floor) {
+  std::vector<Surface> all;
+  if (floor) {
+    const Footprint inside{container.low, container.high};
+    const Footprint reach = inside.grown(beyond + container.beside);
+    const Vec3 size = reach.high - reach.low;
+    all.push_back(plate("floor", material, reach.low, Vec3(size.x(), 0, 0), Vec3(0, size.y(), 0)));
+  }
+  const bool plain =
+      container.kind == ContainerKind::box && container.split <= 0 && container.beside <= 0;
+  if (plain)
+    add_rectangles(all, container, height, material);
+  else
+    add_profiles(all, container, height, material);
   return all;
 }
 

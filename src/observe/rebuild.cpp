@@ -49,12 +49,14 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
   if (rows == 0) return;
   copy_history<double>(comm, from, to, "history/time", rows);
   copy_history<std::int64_t>(comm, from, to, "history/stage", rows);
-  for (const char* group : {"history/energy", "history/sleeper", "history/ground"})
+  for (const char* group :
+       {"history/energy", "history/sleeper", "history/ground", "history/platen"})
     for (const std::string& path : members(from, group))
       copy_history<double>(comm, from, to, path, rows);
-  for (const std::string& region : members(from, "history/region"))
-    for (const std::string& path : members(from, region))
-      copy_history<double>(comm, from, to, path, rows);
+  for (const char* list : {"history/region", "history/wall"})
+    for (const std::string& one : members(from, list))
+      for (const std::string& path : members(from, one))
+        copy_history<double>(comm, from, to, path, rows);
 }
 
 // By names of stages, not by time: a stage under way at the checkpoint has no snapshot yet.
@@ -68,13 +70,13 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
 
 // Every number, each rank its share: damage is met before anything is made or removed.
 void read_through(const io::File& file) {
-  for (const char* group : {"history/energy", "history/sleeper", "history/ground",
+  for (const char* group : {"history/energy", "history/sleeper", "history/ground", "history/platen",
                             "envelope/sleeper", "envelope/ground"})
     for (const std::string& path : members(file, group)) file.read_share<double>(path);
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_share<double>(place);
   if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
-  for (const char* list : {"chains", "stones", "surface", "history/region"})
+  for (const char* list : {"chains", "stones", "surface", "history/region", "history/wall"})
     for (const std::string& one : members(file, list))
       for (const std::string& path : members(file, one)) file.read_share<double>(path);
 }

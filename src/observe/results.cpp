@@ -133,6 +133,8 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   room.sample_energy(scene.particles.totals());
   if (!instant.seat_force.empty()) room.sample_sleepers(scene.sleepers, instant.seat_force);
   if (scene.ground) room.sample_ground(*scene.ground);
+  room.sample_walls(instant.walls);
+  if (instant.platen) room.sample_platen(*instant.platen);
   room.sample_regions(scene.particles);
   ++room.rows;
   if (room.times.size() >= rows_in_memory) flush();

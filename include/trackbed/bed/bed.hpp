@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "trackbed/bed/container.hpp"
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
@@ -75,11 +76,15 @@ struct BedParameters : LayerParameters {
   std::vector<double> y = {-0.5, 0.5};  // m, space models
   std::vector<double> crest;            // m, y of the ends of the level top; none: level all over
   double slope = 1.5;                   // run over rise beyond the crest
-  std::string cell;  // checkpoint whose stones are repeated along x instead of new ones
+  ContainerKind container = ContainerKind::box;
+  double split = 0, beside = 0;  // m, see Container
+  std::string cell;              // checkpoint whose stones are repeated along x instead of new ones
   std::vector<NamedLayer> layers;
   void declare(input::Section& s);
   // m, where the bed ends above y if its crest is at height `top`.
   double top_at(double y, double top) const;
+  // What the walls of this bed stand around; periodic sides are the domain's.
+  Container container_in(const dem::Domain& domain) const;
   // A bed of that layer alone; of the uppermost one if `name` is empty.
   BedParameters of_layer(const std::string& name) const;
 };
@@ -110,10 +115,6 @@ struct Stones {
 };
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);
 
-// Flat floor at z = 0 (if `floor`) and walls at the ends (and sides in space) up to `height`;
-// periodic sides have none. All reach beyond their edges, so that no stone slips through a corner.
-std::vector<Surface> walls(const dem::Domain& domain, double height, int material, bool floor);
-
 struct PlatenParameters {
   double pressure = 200e3;   // Pa
   double speed = 0.5;        // m/s, never faster
@@ -131,8 +132,13 @@ struct PlatenParameters {
 // stiffness; where it stays too low for `hold`, because stones give way, the gain doubles again.
 class Platen {
  public:
-  Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material);
+  Platen(const PlatenParameters& parameters, const Container& container, int material);
+  Platen(const PlatenParameters& parameters, const dem::Domain& domain, int material)
+      : Platen(parameters, Container(domain), material) {}
   Surface& surface();
+  // Pa, from now on; it has to become steady anew. `follows`: for a bed that sinks or rises all the
+  // time, as one that is sheared, the servo learns the speed that keeps the pressure.
+  void aim(double pressure, bool follows = false);
   void place(double z);                      // at rest, its lower face at z
   void advance(double dt, double force_up);  // measured force from stones in the last window, N
   double pressure() const;                   // Pa, averaged
@@ -152,10 +158,12 @@ class Platen {
     double recent = 0, mean = 0;  // N, averaged over average/10 and average
     double gain = 1;
     double steady_for = 0, low_for = 0;  // s, within the tolerance, below it
+    double drift = 0;                    // m/s downwards, learnt
   };
   PlatenParameters parameters_;
   Surface surface_;
   double area_;  // m^2
+  bool follows_ = false;
   State state_;
 };
 

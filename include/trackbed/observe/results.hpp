@@ -24,11 +24,25 @@ struct Scene {
   const track::Sleepers* sleepers = nullptr;
 };
 
+// A wall or the floor: N from stones, mean of the last window; m, from where it was built.
+struct WallState {
+  std::string name;
+  Vec3 force = Vec3::Zero(), displacement = Vec3::Zero();
+};
+
+// Zero while there is none.
+struct PlatenState {
+  double z = 0, pressure = 0;  // m, lower face; Pa, averaged by its servo
+  Vec3 force = Vec3::Zero();   // N, from stones, mean of the last window
+};
+
 // The instant of a history row.
 struct Instant {
-  double time = 0;                     // s
-  std::int64_t stage = 0;              // number of the stage in the deck
-  std::span<const double> seat_force;  // N, downwards, per sleeper
+  double time = 0;                      // s
+  std::int64_t stage = 0;               // number of the stage in the deck
+  std::span<const double> seat_force;   // N, downwards, per sleeper
+  std::span<const WallState> walls;     // all that the run ever has, in the same order
+  const PlatenState* platen = nullptr;  // null: never one in this run
 };
 
 struct About {

@@ -1,0 +1,19 @@
+// The stages that move walls or change a pressure: how far in a window, and the stones that run off
+// the floor.
+#pragma once
+
+#include "app/world.hpp"
+#include "trackbed/core/clock.hpp"
+
+namespace trackbed::app {
+
+// One window that begins `time` s after the stage did. Walls that stay finish their last motion.
+void move_walls(World& world, const Stage& stage, double time, double dt);
+// The same for the platen's pressure, which goes from that of the stage before to its own; `number`
+// is the stage's.
+void aim_platen(World& world, std::size_t number, double time, double dt);
+// Takes stones away whose centre is beyond the floor, at whole hundredths of a second of the stage.
+// Collective.
+void clear_beside_floor(World& world, const Clock& clock);
+
+}  // namespace trackbed::app

@@ -1,0 +1,125 @@
+// Exact cases of moved walls: a brick dragged by the floor, a brick that walls carry no more.
+#include "app/shear.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/stones.hpp"
+
+namespace trackbed::app {
+namespace {
+
+constexpr double half = 0.02, mu = 0.5, density = 2650;  // m, -, kg/m^3
+
+// A box of 0.2 m on a floor; a law without friction for the upper walls, so that nothing but the
+// floor carries weight.
+Model model() {
+  Model m;
+  m.dimension = Dimension::space;
+  m.wall_material = "steel";
+  for (const char* name : {"ballast", "steel", "oil"})
+    m.physics.materials.push_back({.name = name});
+  m.physics.materials[0].density = density;
+  for (const char* other : {"ballast", "steel", "oil"}) {
+    dem::ContactLaw law{.first = "ballast", .second = other};
+    law.k_n = law.k_s = 1e6;
+    law.friction = std::string(other) == "oil" ? 0 : mu;
+    law.zeta_n = law.zeta_s = 0.5;
+    m.physics.laws.push_back(law);
+  }
+  m.bed.x = {0, 0.2};
+  m.bed.y = {0, 0.2};
+  m.bed.split = 0.01, m.bed.beside = 0.05;
+  m.ground.present = false;
+  m.stages.push_back({.name = "shear", .kind = StageKind::shear, .duration = 0.2});
+  m.stages.back().displacement = 0.02;
+  return m;
+}
+
+// One brick at rest on the floor, `beside` m off the right wall.
+struct Scene {
+  Scene(const par::Comm& comm, const Model& deck, double beside) : world(comm, deck) {
+    const int shape = world.particles.add_template(test::brick({half, half, half}, 0.002));
+    const double weight = density * 8 * half * half * half * 9.81;
+    dem::NewParticle brick;
+    brick.shape = shape;
+    // Four corners share the load as one contact: it has sunk in by weight over stiffness at most.
+    brick.position = {0.2 - half - beside, 0.1, half - weight / 1e6};
+    world.particles.add(comm.root() ? std::vector{brick} : std::vector<dem::NewParticle>{});
+    world.walls.raise(0.2);
+    for (Surface& wall : world.walls.surfaces())
+      if (wall.name.ends_with(".upper")) wall.material = deck.material("oil");
+    world.meet();
+    world.particles.set_local_damping(0.5);  // takes the swings, leaves what is in balance
+    step = world.particles.stable_step();
+  }
+  void run(const Stage& stage, double until) {
+    for (; time < until; time += substeps * step) {
+      const double dt = substeps * step;
+      move_walls(world, stage, time, dt);
+      world.coupler.publish();
+      world.particles.advance(dt, substeps);
+      const dem::SurfaceAction& did = world.particles.surface_action();
+      world.coupler.collect(substeps, dt, {did.force, did.moment, did.work});
+    }
+  }
+  static constexpr int substeps = 10;
+  World world;
+  double step = 0, time = 0;
+};
+
+TEST(AShearedBrick, PushesTheUpperHalfWithFrictionTimesWeight) {
+  const par::Comm comm = par::Comm::world();
+  const Model deck = model();
+  Scene scene(comm, deck, 0);
+  const double weight = density * 8 * half * half * half * 9.81;  // N
+  scene.run(deck.stages[0], 0.15);
+  EXPECT_EQ(comm.sum(std::int64_t{scene.world.particles.trouble().empty() ? 0 : 1}), 0);
+  constexpr double settled = 1e-3;  // what is left of the start's swing
+  EXPECT_NEAR(scene.world.on("wall.right.upper").x(), mu * weight, settled * weight);
+  EXPECT_NEAR(scene.world.on("floor").x(), -mu * weight, settled * weight);
+  EXPECT_NEAR(scene.world.on("floor").z(), -weight, settled * weight);
+  EXPECT_EQ(scene.world.on("wall.left.lower").norm(), 0);
+  EXPECT_EQ(scene.world.on("nowhere").norm(), 0);
+  constexpr double closed = 1e-10;  // promise of the coupling
+  EXPECT_LT(scene.world.coupler.balance().force, closed);
+  EXPECT_LT(scene.world.coupler.balance().work, closed);
+}
+
+TEST(TheLowerHalf, ComesAsFarAsTheStageSaysAndStops) {
+  const par::Comm comm = par::Comm::world();
+  const Model deck = model();
+  Scene scene(comm, deck, 0.1);
+  scene.run(deck.stages[0], 0.2);
+  const double dt = Scene::substeps * scene.step;
+  EXPECT_NEAR(scene.world.walls.displacement("floor").x(), 0.02, 1e-12);
+  move_walls(scene.world, deck.stages[0], 0.3, dt);  // beyond the end
+  EXPECT_EQ(scene.world.walls.surfaces()[0].motion[0].norm(), 0);
+  // Full speed v = D/(T - r/2) after the ramp r, none before it.
+  Scene other(comm, deck, 0.1);
+  move_walls(other.world, deck.stages[0], 0.1, dt);
+  EXPECT_NEAR(other.world.walls.surfaces()[0].motion[0].x() / dt, 0.02 / (0.2 - 0.025), 1e-9);
+  Scene begun(comm, deck, 0.1);
+  move_walls(begun.world, deck.stages[0], 0, dt);
+  EXPECT_LT(begun.world.walls.surfaces()[0].motion[0].x() / dt, 1e-3);
+}
+
+TEST(StonesBesideTheFloor, AreTakenAwayAndNoOthers) {
+  const par::Comm comm = par::Comm::world();
+  const Model deck = model();
+  Scene scene(comm, deck, 0.1);
+  std::vector<dem::NewParticle> more;
+  for (const double x : {-0.04, -0.06, 0.24, 0.26}) {
+    dem::NewParticle stone;
+    stone.id = static_cast<Id>(more.size()) + 1;
+    stone.position = {x, 0.1, 1};
+    more.push_back(stone);
+  }
+  scene.world.particles.add(comm.root() ? more : std::vector<dem::NewParticle>{});
+  Clock clock(0.01, 10);
+  clock.tick();
+  clear_beside_floor(scene.world, clock);
+  EXPECT_EQ(scene.world.particles.totals().particles, 3);
+}
+
+}  // namespace
+}  // namespace trackbed::app
