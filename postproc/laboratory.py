@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""Laboratory tests of ballast beside published figures: direct shear, compression, heaps.
+
+    laboratory.py RESULTS... -o DIR
+
+Each RESULTS is the folder of a run with a stage of kind `shear`, `lift_walls`, or several of kind
+`compact`; runs of one kind share a figure. Writes shear.png, compression.png, heap.png (those there
+are runs for) and laboratory.txt, the table that is printed. How numbers are made, where the
+published ones come from, and why they differ: docs/laboratory.md.
+"""
+import argparse
+import pathlib
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+import read  # noqa: E402
+
+GRAVITY = 9.81   # m/s^2
+SMOOTH = 1e-3    # m of displacement over which stresses are averaged: a row is one window's mean
+SECTORS = 8      # of a heap
+CELL = 1.5       # median stones, side of a square in which the highest one counts
+FLANK = (0.2, 0.8)   # of the heap's height, between which the flank is fitted
+
+# Values in degrees and MPa; [M]: from memory, not read in the source (docs/laboratory.md).
+PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range [M]": (45, 65),
+                      "coarse soil, critical (Dolzyk-Szypcio 2019)": (41.2, 41.2)}
+PUBLISHED_MODULUS = {"ballast, first loading, range [M]": (20, 100)}
+PUBLISHED_REPOSE = {"crushed stone, range [M]": (35, 45)}
+
+
+def kinds(run):
+    return [stage.get("kind") for stage in run.deck["stage"]]
+
+
+def area(run):
+    """m^2 of the floor between the walls, as the platen counts it."""
+    bed = run.deck["bed"]
+    length, width = np.diff(bed["x"])[0], np.diff(bed["y"])[0]
+    if run.deck["dimension"] == "plane":
+        width = run.deck["thickness"]
+    if bed.get("container") != "cylinder":
+        return length * width
+    corners = 64
+    return corners / 2 * (length / 2)**2 * np.sin(2 * np.pi / corners)
+
+
+def smoothed(way, values):
+    """Mean over SMOOTH of the way about each row."""
+    return np.array([values[np.abs(way - at) <= SMOOTH / 2].mean() for at in way])
+
+
+def shear(run):
+    """Histories of a shear stage: way and rise of the platen, m, stresses, Pa."""
+    rows = run.stage == kinds(run).index("shear")
+    force = {name: wall["force"].values[rows] for name, wall in run.walls.items()}
+    way = np.abs(run.walls["floor"]["displacement"].values[rows, 0])
+    upper = sum(f for name, f in force.items() if name.endswith(".upper"))
+    lower = sum(f for name, f in force.items() if name.endswith(".lower")) + force["floor"]
+    plate = run.platen["force"].values[rows]
+    # The weight of the stones below the plane is no load on it.
+    stones = next(reversed(run.stones.values())).sieved[:, 1].sum() * GRAVITY
+    height = run.platen["z"].values[rows]
+    below = stones * run.deck["bed"]["split"] / height
+    sign = np.sign(np.sum(upper[:, 0]))
+    return {"way": way, "rise": height - height[0],
+            "tau": smoothed(way, sign * (upper + plate)[:, 0]) / area(run),
+            "sigma": smoothed(way, plate[:, 2]) / area(run),
+            "plane": smoothed(way, -lower[:, 2] - below) / area(run)}
+
+
+def compression(run):
+    """At the end of each stage that presses: its name, strain from the first, pressure, Pa."""
+    ends = []
+    for number, stage in enumerate(run.deck["stage"]):
+        rows = np.flatnonzero(run.stage == number)
+        if stage.get("kind") == "compact" and len(rows):
+            ends.append((stage["name"], run.platen["z"].values[rows[-1]],
+                         run.platen["pressure"].values[rows[-1]]))
+    height = ends[0][1]
+    return [(name, 1 - z / height, pressure) for name, z, pressure in ends]
+
+
+def moduli(steps):
+    """Constrained modulus between the ends of neighbouring stages, Pa."""
+    return [(name, (pressure - steps[k][2]) / (strain - steps[k][1]))
+            for k, (name, strain, pressure) in enumerate(steps[1:]) if strain != steps[k][1]]
+
+
+def flank(centres, cell):
+    """Angle of a heap's flank, degrees, its scatter between SECTORS, and the stones as distance
+    from the axis through their middle and height. In each square of side `cell` of the ground the
+    highest centre counts: squares of one size miss the surface by the same on average, rings would
+    not. A straight line is fitted through those between FLANK of the heap's height."""
+    out = centres[:, :2] - centres[:, :2].mean(axis=0)
+    radius, turn = np.hypot(*out.T), np.arctan2(*out.T)
+    foot, top = centres[:, 2].min(), centres[:, 2].max()
+    highest = {}
+    for k, square in enumerate(map(tuple, np.floor(out / cell).astype(int))):
+        if square not in highest or centres[k, 2] > centres[highest[square], 2]:
+            highest[square] = k
+    surface = np.array(list(highest.values()))
+    share = (centres[surface, 2] - foot) / (top - foot)
+    surface = surface[(FLANK[0] <= share) & (share <= FLANK[1])]
+
+    def angle(stones):
+        return np.degrees(np.arctan(-np.polyfit(radius[stones], centres[stones, 2], 1)[0]))
+
+    sector = (turn[surface] + np.pi) // (2 * np.pi / SECTORS) % SECTORS
+    parts = [surface[sector == k] for k in range(SECTORS)]
+    scatter = np.std([angle(part) for part in parts if len(part) > 2], ddof=1)
+    return angle(surface), scatter, np.c_[radius, centres[:, 2]]
+
+
+def draw_shear(runs, folder):
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
+    lines = ["direct shear        sigma  tau peak  sigma plane  friction angle, deg   dilation  at"
+             "\n                      kPa       kPa          kPa   platen    plane      angle, deg"
+             "  mm"]
+    for run in runs:
+        got = shear(run)
+        peak = int(np.argmax(got["tau"] / got["plane"]))
+        name = f"{got['sigma'].mean() / 1e3:.0f} kPa"
+        top.plot(1e3 * got["way"], got["tau"] / got["plane"], label=name)
+        bottom.plot(1e3 * got["way"], 1e3 * got["rise"], label=name)
+        angles = [np.degrees(np.arctan(got["tau"][peak] / got[by][peak]))
+                  for by in ("sigma", "plane")]
+        # From a third of the way on: the rise of single stones averages out.
+        later = got["way"] > got["way"][-1] / 3
+        slope = np.polyfit(got["way"][later], got["rise"][later], 1)[0]
+        lines.append(f"{run.name:18} {got['sigma'].mean() / 1e3:6.1f} "
+                     f"{got['tau'][peak] / 1e3:9.1f} {got['plane'][peak] / 1e3:12.1f} "
+                     f"{angles[0]:8.1f} {angles[1]:8.1f} "
+                     f"{np.degrees(np.arctan(slope)):15.1f} {1e3 * got['way'][peak]:4.0f}")
+    for k, (name, (low, high)) in enumerate(PUBLISHED_FRICTION.items()):
+        low, high = np.tan(np.radians([low, high]))
+        top.axhspan(low, high, color=f"C{7 + k}", alpha=0.3, lw=1, label=name)
+    top.set_ylabel("shear stress / normal stress on the plane")
+    bottom.set_ylabel("rise of the platen, mm")
+    bottom.set_xlabel("displacement of the lower half, mm")
+    top.set_ylim(bottom=0)
+    top.legend(fontsize=8)
+    figure.savefig(folder / "shear.png", dpi=130)
+    plt.close(figure)
+    return lines
+
+
+def draw_compression(runs, folder):
+    figure, axes = plt.subplots(figsize=(7, 5), layout="constrained")
+    lines = ["compression         stage            strain, %   stress, kPa   modulus, MPa"]
+    for run in runs:
+        steps = compression(run)
+        found = dict(moduli(steps))
+        _, strains, pressures = zip(*steps)
+        axes.plot(100 * np.array(strains), 1e-3 * np.array(pressures), "o-", label=run.name)
+        for name, strain, pressure in steps:
+            modulus = f"{found[name] / 1e6:14.1f}" if name in found else ""
+            lines.append(f"{run.name:19} {name:16} {100 * strain:9.3f} {pressure / 1e3:13.1f} "
+                         f"{modulus}")
+    for name, ends in PUBLISHED_MODULUS.items():
+        lines.append(f"published           {name}: {ends[0]:g} to {ends[1]:g} MPa")
+        most = axes.get_ylim()[1] * 1e3
+        for modulus in ends:
+            axes.plot([0, 100 * most / (1e6 * modulus)], [0, most / 1e3], "--", color="0.5", lw=1)
+        axes.plot([], [], "--", color="0.5", label=f"{ends[0]:g} and {ends[1]:g} MPa: {name}")
+    axes.set_xlabel("strain, %")
+    axes.set_ylabel("pressure of the platen, kPa")
+    axes.set_xlim(0, 130 * max(strain for run in runs for _, strain, _ in compression(run)))
+    axes.legend(fontsize=8)
+    figure.savefig(folder / "compression.png", dpi=130)
+    plt.close(figure)
+    return lines
+
+
+def draw_heaps(runs, folder):
+    figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
+    lines = ["heap                angle of repose, deg   scatter of 8 sectors   stones"]
+    for k, (run, path) in enumerate(runs):
+        centres = read.checkpoint(path)["particles/position"].values
+        size = np.median(next(reversed(run.stones.values())).sieved[:, 0])
+        angle, scatter, points = flank(centres, CELL * size)
+        axes.plot(points[:, 0], points[:, 1], ".", ms=3, color=f"C{k}")
+        reach = np.array([0, points[:, 1].max() / np.tan(np.radians(angle))])
+        axes.plot(reach, reach[::-1] * np.tan(np.radians(angle)), color=f"C{k}",
+                  label=f"{run.name}: {angle:.1f} deg")
+        lines.append(f"{run.name:19} {angle:20.1f} {scatter:22.1f} {len(centres):8}")
+    for name, (low, high) in PUBLISHED_REPOSE.items():
+        lines.append(f"published           {name}: {low:g} to {high:g} deg")
+        for angle in (low, high):
+            axes.plot(reach, reach[-1] * np.tan(np.radians(angle)) - np.tan(np.radians(angle))
+                      * reach, "--", color="0.5", lw=1)
+        axes.plot([], [], "--", color="0.5", label=f"{low:g} and {high:g} deg: {name}")
+    axes.set_aspect("equal")
+    axes.set_xlabel("distance from the axis, m")
+    axes.set_ylabel("centres of stones, m")
+    axes.set_ylim(bottom=0)
+    axes.legend(fontsize=8)
+    figure.savefig(folder / "heap.png", dpi=130)
+    plt.close(figure)
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("results", nargs="+")
+    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    runs = [(read.results(path), path) for path in given.results]
+    sheared = [run for run, _ in runs if "shear" in kinds(run)]
+    heaps = [(run, path) for run, path in runs if "lift_walls" in kinds(run)]
+    pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
+               and "shear" not in kinds(run)]
+    if len(sheared) + len(heaps) + len(pressed) < len(runs):
+        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear or "
+                              "lift_walls and not two of kind compact")
+    given.folder.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for draw, those in ((draw_shear, sheared), (draw_compression, pressed), (draw_heaps, heaps)):
+        lines += draw(those, given.folder) if those else []
+    text = "\n".join(lines) + "\n"
+    (given.folder / "laboratory.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,64 @@
+"""Tests of laboratory.py on heaps and curves whose numbers are known."""
+import types
+
+import laboratory
+import numpy as np
+import pytest
+import read
+
+
+def quantity(values):
+    return read.Quantity(np.asarray(values, dtype=float), "-", "made for a test")
+
+
+@pytest.mark.parametrize("angle", [25.0, 38.0])
+def test_the_flank_of_a_cone_has_its_angle(angle):
+    cell, top = 0.02, 0.3
+    spread = np.random.default_rng(1).uniform(-1, 1, (400000, 3))
+    centres = spread * [0.7, 0.7, top / 2] + [3.0, -2.0, top / 2]
+    out = np.hypot(centres[:, 0] - 3, centres[:, 1] + 2)
+    heap = centres[centres[:, 2] < top - out * np.tan(np.radians(angle))]
+    found, scatter, points = laboratory.flank(heap, cell)
+    # The highest of the few stones of a square is a little lower than the surface, everywhere.
+    assert found == pytest.approx(angle, abs=2)
+    assert scatter < 3 and len(points) == len(heap)
+
+
+def test_area_of_box_and_cylinder():
+    deck = {"dimension": "space", "bed": {"x": [0, 0.4], "y": [0, 0.4]}}
+    assert laboratory.area(types.SimpleNamespace(deck=deck)) == pytest.approx(0.16)
+    deck["bed"]["container"] = "cylinder"
+    circle = np.pi * 0.2**2
+    assert laboratory.area(types.SimpleNamespace(deck=deck)) == pytest.approx(circle, rel=0.002)
+
+
+def test_shear_takes_both_halves_and_the_weight_below():
+    way = np.linspace(0, 0.01, 21)
+    ones = np.ones((21, 1))
+    force = {"floor": ones * [-600, 0, -1100], "wall.left.lower": ones * [-200, 0, 0],
+             "wall.right.upper": ones * [700, 0, 100]}
+    stages = [{"kind": "compact"}, {"kind": "shear"}]
+    run = types.SimpleNamespace(
+        deck={"dimension": "space", "stage": stages,
+              "bed": {"x": [0, 0.3], "y": [0, 0.3], "split": 0.1}},
+        stage=np.ones(21, dtype=int),
+        walls={name: {"force": quantity(f), "displacement": quantity(np.c_[way, way, way])}
+               for name, f in force.items()},
+        platen={"force": quantity(ones * [100, 0, 900]), "z": quantity(0.2 + way / 2)},
+        stones={"shear": types.SimpleNamespace(sieved=np.array([[0.03, 20.0]]))})
+    got = laboratory.shear(run)
+    assert got["tau"] * 0.09 == pytest.approx(800)      # upper walls and platen
+    assert got["sigma"] * 0.09 == pytest.approx(900)
+    assert got["plane"][0] * 0.09 == pytest.approx(1100 - 20 * 9.81 / 2, rel=0.01)
+    assert got["rise"][-1] == pytest.approx(0.005)
+
+
+def test_modulus_between_stages():
+    stages = [{"name": "fill", "kind": "fill"}] + [{"name": n, "kind": "compact"} for n in "abc"]
+    run = types.SimpleNamespace(
+        deck={"stage": stages}, stage=np.array([0, 1, 1, 2, 3]),
+        platen={"z": quantity([0, 0.3, 0.2, 0.198, 0.197]),
+                "pressure": quantity([0, 0, 25e3, 525e3, 425e3])})
+    steps = laboratory.compression(run)
+    assert [step[1] for step in steps] == pytest.approx([0, 0.01, 0.015])
+    assert dict(laboratory.moduli(steps)) == {"b": pytest.approx(50e6), "c": pytest.approx(-20e6)}

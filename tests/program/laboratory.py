@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""The decks of laboratory tests with few round stones: what walls feel is in balance, the platen
+keeps its pressure, heaps stand on their floor; the same bits on any number of ranks and through a
+stop within the stage that moves walls.
+
+    laboratory.py PROGRAM FOLDER_OF_DECKS FOLDER
+"""
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/support"), str(ROOT / "tests/restart")]
+from program import Program, summary  # noqa: E402
+from restart import compare  # noqa: E402
+
+ROUND = ["bed.stone=disk", "bed.sieve=[40, 53]", "bed.passing=[0, 100]", "dem.largest_overlap=0.5",
+         "contact.0.k_n=1e6", "contact.0.k_s=8e5", "contact.1.k_n=1e6", "contact.1.k_s=8e5"]
+SHEAR = [*ROUND, "bed.height=0.14", "bed.split=0.07", "stage.fill.duration=0.25",
+         "stage.compact.duration=0.15", "stage.hold.duration=0.05", "stage.shear.duration=0.08",
+         "stage.shear.displacement=0.006"]
+HEAP = [*ROUND, "bed.height=0.15", "stage.fill.duration=0.3", "stage.lift.duration=0.3",
+        "stage.lift.lift=0.8", "stage.heap.duration=0.05"]
+CLOSED = 1e-10  # relative, promise of the coupling
+AREA = 0.09     # m^2
+
+
+def same_on_any_ranks(program, deck, overrides, packed, folder):
+    """From the packed bed on: 1 rank against 4, and against 2 stopped while walls move, resumed on
+    3."""
+    run = ["run", deck, *overrides, f"start={packed}", "--force", "-o"]
+    program.done(1, *run, folder / "alone")
+    program.done(4, *run, folder / "shared")
+    compare(folder / "alone", folder / "shared", f"{deck.stem} on 4 ranks")
+    stage = summary(folder / "alone")["stages"][-1 if "shear" in deck.stem else -2]
+    windows = round(stage["duration_s"] / stage["window_s"]) // 2
+    program.done(2, *run, folder / "stopped", f"output.stop_after={windows}", code=3)
+    program.done(3, "resume", folder / "stopped")
+    compare(folder / "alone", folder / "stopped", f"{deck.stem} stopped after {windows} windows")
+
+
+def closed(folder):
+    for name, value in summary(folder)["coupling"].items():
+        if not 0 <= value <= CLOSED:
+            sys.exit(f"{folder.name}: imbalance of {name} is {value}")
+
+
+def check_shear(folder):
+    with h5py.File(folder / "results.h5") as file:
+        history = file["history"]
+        rows = history["stage"][()].ravel() == 3
+        force = {name: wall["force"][()].reshape(-1, 3)[rows]
+                 for name, wall in history["wall"].items()}
+        way = history["wall/floor/displacement"][()].reshape(-1, 3)[rows, 0]
+        plate = history["platen/force"][()].reshape(-1, 3)[rows]
+        pressure = history["platen/pressure"][()].ravel()[rows]
+    upper = sum(f for name, f in force.items() if name.endswith(".upper")) + plate
+    lower = sum(f for name, f in force.items() if name.endswith(".lower")) + force["floor"]
+    moving = way > 0.3 * way[-1]
+    wrong = []
+    if abs(way[-1] / 0.006 - 1) > 0.01:  # the stage ends with a whole window
+        wrong.append(f"the lower half has gone {way[-1]} m")
+    # What the upper half holds the lower one drags: stones are slow, so the means agree.
+    drag, hold = lower[moving, 0].mean(), upper[moving, 0].mean()
+    if not abs(drag + hold) < 0.05 * abs(hold):
+        wrong.append(f"upper half feels {hold} N, lower half {drag} N")
+    ratio = hold / -lower[moving, 2].mean()
+    if not 0.2 < ratio < 1.5:  # steel balls to rock: tangents of 11 to 56 degrees
+        wrong.append(f"shear over normal force is {ratio}")
+    if not 0.7 < pressure[moving].mean() / 51e3 < 1.3:
+        wrong.append(f"the platen presses by {pressure[moving].mean()} Pa on average")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"shear over normal force {ratio:.2f}, platen {pressure[moving].mean():.0f} Pa")
+
+
+def check_heap(folder, program, deck):
+    with h5py.File(folder / "stage_heap.h5") as file:
+        centres = file["particles/position"][()].reshape(-1, 3)
+    count = [stage["particles"] for stage in summary(folder)["stages"]]
+    wrong = []
+    if len(set(count)) != 1 or centres[:, 2].min() < 0:
+        wrong.append(f"stones were lost: {count}, the lowest at {centres[:, 2].min()} m")
+    if np.hypot(*centres[:, :2].T).max() < 0.2:
+        wrong.append("the cylinder still holds the heap")
+    # On a small floor the same stones run off and are counted out, and the run goes on.
+    small = folder.with_name("small_floor")
+    program.done(1, "run", deck, *HEAP, "bed.beside=0.05", "--force", "-o", small)
+    left = summary(small)["dem"]["particles"]
+    with h5py.File(small / "stage_heap.h5") as file:
+        furthest = np.abs(file["particles/position"][()].reshape(-1, 3)[:, :2]).max()
+    if not 0 < left < count[-1] or furthest > 0.21:
+        wrong.append(f"of {count[-1]} stones {left} are left on a small floor, to {furthest} m")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"heap of {count[-1]} stones, {left} on a small floor")
+
+
+def main():
+    program, decks, folder = Program(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3])
+    references = []
+    for name, overrides, packed in (("direct_shear", SHEAR, "hold"), ("repose", HEAP, "fill")):
+        deck, reference = decks / f"{name}.toml", folder / name
+        program.done(1, "run", deck, *overrides, "--force", "-o", reference)
+        closed(reference)
+        same_on_any_ranks(program, deck, overrides, reference / f"stage_{packed}.h5",
+                          folder / f"{name}_again")
+        references.append(reference)
+    check_shear(references[0])
+    check_heap(references[1], program, decks / "repose.toml")
+    pressed = folder / "uniaxial"
+    program.done(1, "run", decks / "uniaxial.toml", *SHEAR[:9], "stage.fill.duration=0.25",
+                 "--force", "-o", pressed)
+    drawn = subprocess.run([sys.executable, ROOT / "postproc/laboratory.py", *references, pressed,
+                            "-o", folder / "figures"], capture_output=True, text=True, check=False)
+    print(drawn.stdout, drawn.stderr)
+    for picture in ("shear", "heap", "compression"):
+        if not (folder / f"figures/{picture}.png").is_file():
+            sys.exit(f"no {picture}.png")
+
+
+main()
