@@ -18,8 +18,8 @@ SMALL = ["bed.height=0.1", "bed.stone=disk", "dem.largest_overlap=0.5", "platen.
          "stage.fill.duration=0.2", "region.slab.z=[0.03, 0.07]", "region.layers.z=[0, 0.08]",
         "contact.0.zeta_n=0", "contact.0.zeta_s=0"]  # the measured stress is that of springs only
 LAYER = 0.02  # m
-# Relative. A sum over ranks has 1e3 terms here, each off by 2^-61 of the largest times all 1e6 terms
-# of the region (core/exact_sum.hpp), and is 20 times the largest: 2e-11 at most.
+# Relative. A sum over ranks has 1e3 terms here, each off by 2^-61 of the largest times all 1e6
+# terms of the region (core/exact_sum.hpp), and is 20 times the largest: 2e-11 at most.
 ROUNDING = 1e-10
 
 
