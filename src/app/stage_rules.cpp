@@ -37,7 +37,9 @@ constexpr const char* word_wanted =
 // What each stage finds: a start from a checkpoint may have done the earlier ones, and nothing is
 // known of it here: the file is looked at only when all sentences are out.
 void declare_order(const Model& model, input::Section& s) {
-  const input::About about{.reads = {"stage", "start"}};
+  input::About about{.reads = {"start"}};  // and all kinds: what is wrong with one shows in others
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    about.reads.push_back(fmt::format("stage[{}].kind", i));
   bool placed = !model.start.empty(), pressed = placed;
   std::string placed_by;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
@@ -75,8 +77,6 @@ void declare_uses(const Model& model, input::Section& s) {
              {.weight = input::Weight::warning, .reads = {key, fmt::format("stage[{}].kind", i)}});
     };
     only("lift", stage.lift != none.lift, {release, lift_walls}, "release and lift_walls");
-    only("pressure", stage.pressure != none.pressure, {compact, shear}, "compact and shear");
-    only("displacement", stage.displacement != none.displacement, {shear}, "shear");
     only("height", stage.height != none.height, {sleepers}, "sleepers");
     only("load", stage.load != none.load, {load}, "load");
     only("ramp", stage.ramp != none.ramp, {load}, "load");

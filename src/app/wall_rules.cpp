@@ -48,8 +48,9 @@ void declare_shear(const Model& model, std::size_t i, double way, input::Section
   const Stage& stage = model.stages[i];
   const std::string kind = fmt::format("stage[{}].kind", i);
   const std::string displacement = fmt::format("stage[{}].displacement", i);
-  const input::About about{.reads = {"bed", "periodic", "stage", "start"}};
-  s.rule(displacement, stage.displacement != 0, "must not be 0 m for a stage of kind shear", about);
+  const input::About about{.reads = {"bed", "periodic", kind, "start"}};
+  s.rule(displacement, stage.displacement != 0, "must not be 0 m for a stage of kind shear",
+         {.reads = {kind, displacement}});
   s.rule(kind, model.bed.split > 0, "needs divided walls: give bed.split, a height in m", about);
   s.rule(kind, !model.periodic_in("x"), "needs walls along x: leave out \"x\" of `periodic`",
          about);
@@ -65,7 +66,7 @@ void declare_shear(const Model& model, std::size_t i, double way, input::Section
 void declare_lift(const Model& model, std::size_t i, input::Section& s) {
   const Stage& stage = model.stages[i];
   const std::string kind = fmt::format("stage[{}].kind", i);
-  const input::About about{.reads = {"bed", "periodic", "stage"}};
+  const input::About about{.reads = {"bed", "periodic", kind}};
   s.rule(kind, has_walls(model), "there are no walls: all sides are periodic", about);
   s.rule(kind, model.bed.beside > 0, "needs floor around the walls: give bed.beside, m", about);
   s.rule(kind, model.bed.split <= 0, "lifts whole walls: leave out bed.split", about);
@@ -88,13 +89,16 @@ void declare_walls(const Model& model, input::Section& s) {
     way += shears ? stage.displacement : 0;
     if (shears) declare_shear(model, i, way, s);
     if (stage.kind == StageKind::lift_walls) declare_lift(model, i, s);
-    const input::About about{.reads = {"stage"}};
     s.rule(fmt::format("stage[{}].kind", i), !moved || stage.kind != StageKind::fill,
-           "stones cannot be filled into walls that a stage before has moved", about);
-    s.rule(fmt::format("stage[{}].displacement", i), shears || stage.displacement == 0,
-           "is for stages of kind shear only", about);
-    s.rule(fmt::format("stage[{}].pressure", i), shears || compacts || stage.pressure == 0,
-           "is for stages of kind compact and shear only", about);
+           "stones cannot be filled into walls that a stage before has moved",
+           {.reads = {"stage"}});
+    const auto only = [&](const char* name, bool holds, const char* words) {
+      const std::string key = fmt::format("stage[{}].{}", i, name);
+      s.rule(key, holds, words, {.reads = {key, fmt::format("stage[{}].kind", i)}});
+    };
+    only("displacement", shears || stage.displacement == 0, "is for stages of kind shear only");
+    only("pressure", shears || compacts || stage.pressure == 0,
+         "is for stages of kind compact and shear only");
     moved = moved || shears || stage.kind == StageKind::lift_walls;
   }
 }
