@@ -216,6 +216,13 @@ void PlatenParameters::declare(input::Section& s) {
   s.number("hold", hold, {.unit = "s", .above = 0},
            "Compaction is over once the averaged pressure has kept to its target for this time; "
            "where it is too low for as long, the servo grows quicker.");
+  s.number("vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
+           "Compaction: amplitude of a vertical sine on top of the servo's motion; 0: none. The "
+           "averaged pressure is what counts.");
+  s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
+           "Of the vibration.");
+  s.rule("average", vibration == 0 || average * frequency >= 1,
+         fmt::format("must be at least a period of the vibration ({:.3g} s)", 1 / frequency));
 }
 
 }  // namespace trackbed::bed

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "plate.hpp"
 #include "trackbed/bed/bed.hpp"
@@ -82,6 +83,19 @@ void Platen::place(double z) {
   show(0);
 }
 
+// m, upwards, in this window. x = A sin(2 pi f t) min(1, t f): the first period grows, since a jump
+// of speed would be a blow. Where it stops it leaves the plate: the servo goes on from there.
+double Platen::shake(double dt) {
+  if (parameters_.vibration <= 0 || follows_) return 0;
+  const double f = parameters_.frequency;
+  const auto place = [&](double t) {
+    return parameters_.vibration * std::sin(2 * std::numbers::pi * f * t) * std::min(1.0, t * f);
+  };
+  const double before = place(state_.shaken);
+  state_.shaken += dt;
+  return place(state_.shaken) - before;
+}
+
 // Local; every rank has the same force and so the same motion.
 void Platen::advance(double dt, double force_up) {
   State& s = state_;
@@ -90,7 +104,10 @@ void Platen::advance(double dt, double force_up) {
   // Two means: `recent` steers, since a lag as long as the whole mean would make the plate swing;
   // `mean` is what the pressure is judged by.
   const bool was_below = s.mean < target;
-  follow(s.recent, force, dt / (lead * parameters_.average));
+  // Under vibration blows of several times the target alternate with none: cut at 1 they would
+  // balance in time instead of force, so the mean steers, too.
+  const bool vibrates = parameters_.vibration > 0 && !follows_;
+  follow(s.recent, force, dt / ((vibrates ? 1 : lead) * parameters_.average));
   follow(s.mean, force, dt / parameters_.average);
   // Each crossing from below halves the gain, so that swings die out on a bed of any stiffness; a
   // mean that stays too low for `hold` doubles it again, for stones that still yield.
@@ -112,30 +129,31 @@ void Platen::advance(double dt, double force_up) {
                           ? std::copysign(std::min(std::abs(wanted), std::abs(s.speed)), wanted)
                           : 0;
   s.speed = kept + std::clamp(wanted - kept, -step, step);
-  const double motion = -s.speed * dt;
+  const double motion = -s.speed * dt + shake(dt);
   show(motion);
   s.z += motion;
 }
 
 // The state, listed once: columns z (m), speed (m/s), recent, mean (N), gain, steady_for (s),
-// low_for (s), drift (m/s).
-// `save`, `load` and State name the same eight in the same order.
+// low_for (s), drift (m/s), shaken (s).
+// `save`, `load` and State name the same nine in the same order.
 void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  const std::array row{state_.z,    state_.speed,      state_.recent,  state_.mean,
-                       state_.gain, state_.steady_for, state_.low_for, state_.drift};
+  const std::array row{state_.z,          state_.speed,   state_.recent, state_.mean,  state_.gain,
+                       state_.steady_for, state_.low_for, state_.drift,  state_.shaken};
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
   file.write<double>(group + "/servo", mine, row.size(),
                      {"-",
                       "z (m), speed down (m/s), recent and mean force (N), gain, steady for (s), "
-                      "too low for (s), learnt speed down (m/s)"});
+                      "too low for (s), learnt speed down (m/s), shaken for (s)"});
 }
 
 void Platen::load(const io::File& file, const std::string& group) {
   const auto row = file.read_all<double>(group + "/servo");
-  // Older versions had no learnt speed.
-  if (row.size() != 7 && row.size() != 8)
+  // Older versions had seven: no learnt speed, no vibration.
+  if (row.size() != 7 && row.size() != 9)
     throw RunError(group + "/servo does not hold the state of a platen");
-  state_ = {row[0], row[1], row[2], row[3], row[4], row[5], row[6], row.size() > 7 ? row[7] : 0};
+  state_ = {row[0], row[1], row[2], row[3], row[4], row[5], row[6]};
+  if (row.size() == 9) state_.drift = row[7], state_.shaken = row[8];
   show(0);
 }
 

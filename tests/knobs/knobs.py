@@ -157,6 +157,8 @@ KNOBS = {
     "platen.average": ("platen.average=0.02", []),
     "platen.tolerance": ("platen.tolerance=0.5", PRESSED),
     "platen.hold": ("platen.hold=0.01", [*PRESSED, "platen.tolerance=0.5"]),
+    "platen.vibration": ("platen.vibration=1e-3", ["platen.average=0.05"]),
+    "platen.frequency": ("platen.frequency=40", ["platen.average=0.05", "platen.vibration=1e-3"]),
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),

@@ -122,6 +122,8 @@ struct PlatenParameters {
   double average = 0.01;     // s, time constant of the measured force
   double tolerance = 0.02;   // of the pressure: steady is the average within it ...
   double hold = 0.05;        // s, ... for so long
+  double vibration = 0;      // m, amplitude of a sine added to the servo's motion
+  double frequency = 30;     // Hz, of it
   void declare(input::Section& s);
 };
 
@@ -152,6 +154,7 @@ class Platen {
 
  private:
   void show(double motion);
+  double shake(double dt);
 
   struct State {
     double z = 0, speed = 0;      // m, m/s downwards
@@ -159,6 +162,7 @@ class Platen {
     double gain = 1;
     double steady_for = 0, low_for = 0;  // s, within the tolerance, below it
     double drift = 0;                    // m/s downwards, learnt
+    double shaken = 0;                   // s, since the vibration began
   };
   PlatenParameters parameters_;
   Surface surface_;
