@@ -67,11 +67,22 @@ TEST(Fill, AnyNumberOfRanksMakesTheBedOfOne) {
   EXPECT_EQ(shared.state_hash(), alone.state_hash());
 }
 
-TEST(Fill, ADomainThatIsTooLowIsBadInput) {
+// What is not looked at before ends as trouble of the run, and leaves no stones behind.
+TEST(Fill, ADomainThatIsTooLowIsRefused) {
   Bed bed;
   bed.domain.high.z() = 0.2;
   dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
-  EXPECT_THROW(fill(particles, bed.world, bed.parameters, 1), InputError);
+  EXPECT_GT(stones_of(bed.world, bed.parameters, bed.domain).top, 0.2);
+  EXPECT_THROW(fill(particles, bed.world, bed.parameters, 1), RunError);
+  EXPECT_EQ(particles.totals().particles, 0);
+}
+
+// Placed twice, by the same rules.
+TEST(Fill, TheHeightIsKnownBefore) {
+  const Bed bed;
+  dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
+  EXPECT_EQ(stones_of(bed.world, bed.parameters, bed.domain).top,
+            fill(particles, bed.world, bed.parameters, 1));
 }
 
 }  // namespace
