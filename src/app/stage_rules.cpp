@@ -79,7 +79,7 @@ void declare_uses(const Model& model, input::Section& s) {
     only("lift", stage.lift != none.lift, {release, lift_walls}, "release and lift_walls");
     only("height", stage.height != none.height, {sleepers}, "sleepers");
     only("load", stage.load != none.load, {load}, "load");
-    only("ramp", stage.ramp != none.ramp, {load}, "load");
+    only("ramp", stage.ramp != none.ramp, {load, compact, shear}, "load, compact and shear");
     const bool loaded = stage.kind == load || stage.kind == passage;
     only("until_ratio", stage.until_ratio != none.until_ratio && loaded, {},
          "kinds without axles and cycles");
