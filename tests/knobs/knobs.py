@@ -198,7 +198,7 @@ KNOBS = {
 }
 
 # A layer has all parameters of the bed but its place; the bed of these runs is the layer.
-OF_THE_BED = {"x", "y", "crest", "slope", "cell", "layer"}
+OF_THE_BED = {"x", "y", "crest", "slope", "cell", "layer", "container", "split", "beside"}
 KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
           (change.replace("bed.", "bed.layer.0.", 1),
            [*(["bed.stone=disk"] if "dimension=space" in around else []),
