@@ -64,11 +64,6 @@ void declare_layers(const Model& model, input::Section& s) {
   if (poured.contains("") || model.has_stage(StageKind::cribs)) fits("bed", model.bed);
   for (std::size_t i = 0; i < names.size(); ++i)
     if (poured.contains(names[i])) fits(fmt::format("bed.layer[{}]", i), model.bed.layers[i]);
-  for (std::size_t i = 1; i < model.stages.size(); ++i)
-    s.rule(fmt::format("stage[{}].kind", i),
-           model.bed.cell.empty() || model.stages[i].kind != StageKind::fill,
-           "pours stones onto a bed of copies (bed.cell), which has all its layers already",
-           {.reads = {"stage", "bed.cell"}});
   for (std::size_t i = 0; i < names.size(); ++i)
     s.rule(fmt::format("bed.layer[{}].name", i), !model.start.empty() || poured.contains(names[i]),
            "no stage of kind fill pours it",

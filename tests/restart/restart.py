@@ -43,9 +43,9 @@ def compare(reference, other, what):
     if set(first) != set(second):
         raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
     for name, values in first.items():
-        one, other = canonical(name, values), canonical(name, second[name])
+        rows, others = canonical(name, values), canonical(name, second[name])
         # Cells of the surface without stones are no numbers in both.
-        if not numpy.array_equal(one, other, equal_nan=one.dtype.kind == "f"):
+        if not numpy.array_equal(rows, others, equal_nan=rows.dtype.kind == "f"):
             raise SystemExit(f"{what}: {name} differs")
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
