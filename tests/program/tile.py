@@ -112,7 +112,8 @@ def check_sentences(bench):
     granite = bench.folder / "granite.toml"
     granite.write_text(text.replace('"ballast"', '"granite"').replace(
         "[bed]", '[bed]\nmaterial = "granite"').replace(
-        'dimension = "space"', 'dimension = "space"\nwall_material = "granite"').replace(
+        'dimension = "space"', 'dimension = "space"\nwall_material = "granite"\n'
+        'ground_material = "granite"').replace(
             'cell = "../../results/cell"', ""), encoding="utf-8")
     deck = bench.decks / "tile.toml"
     for changes, words, of in (
