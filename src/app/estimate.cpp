@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "app/limits.hpp"
 #include "trackbed/bed/library.hpp"
@@ -26,7 +27,13 @@ constexpr double time_per_stone = 75e-9, time_per_ball = 15e-9, time_per_polyhed
 struct Cut {
   double crest = 0;           // m; 0: nothing is cut
   double sleepers_from = -1;  // m, their lower faces; below 0: dug into nothing
+  double stone = 0;           // m, radius of the ball (plane: disk) of a stone's mean volume
 };
+
+double radius_of(double volume, Dimension dimension) {
+  return dimension == Dimension::plane ? std::sqrt(volume / std::numbers::pi)
+                                       : std::cbrt(0.75 * volume / std::numbers::pi);
+}
 
 // The last of the deck that cuts: it leaves what there is at the end.
 Cut cut_of(const Model& model) {
@@ -43,23 +50,26 @@ double overlap(double a, double b, double c, double d) {
 }
 
 // Share of the layer between z = `low` and `high` that the cut leaves, by the midpoint rule across
-// the bed: exact to 1/strips of the width, as the outline is made of straight lines.
+// the bed: exact to 1/strips of the width, as the outline is made of straight lines. The outline
+// cuts centres; a sleeper takes away all that touches it, so it counts as larger by a stone's
+// radius.
 double share_left(const Model& model, const Cut& cut, double low, double high) {
   constexpr int strips = 2000;
   const bed::BedParameters& bed = model.bed;
   const track::SleeperParameters& s = model.sleepers;
   const bool plane = model.dimension == Dimension::plane;
   const double width = bed.y[1] - bed.y[0];
-  const double covered =
-      std::min(1.0, static_cast<double>(s.count) * s.width / (bed.x[1] - bed.x[0]));
+  const double covered = std::min(
+      1.0, static_cast<double>(s.count) * (s.width + 2 * cut.stone) / (bed.x[1] - bed.x[0]));
   double left = 0;
   for (int k = 0; k < strips; ++k) {
     const double y = bed.y[0] + (k + 0.5) * width / strips;
     const double top = cut.crest > 0 ? std::clamp(bed.top_at(y, cut.crest), low, high) : high;
     double height = top - low;
-    const bool below_sleeper = plane || std::abs(y - s.y) < s.length / 2;
+    const bool below_sleeper = plane || std::abs(y - s.y) < s.length / 2 + cut.stone;
     if (cut.sleepers_from >= 0 && below_sleeper)
-      height -= covered * overlap(low, top, cut.sleepers_from, cut.sleepers_from + s.height);
+      height -= covered * overlap(low, top, cut.sleepers_from - cut.stone,
+                                  cut.sleepers_from + s.height + cut.stone);
     left += height / strips;
   }
   return left / (high - low);
@@ -125,7 +135,9 @@ std::vector<LayerForecast> forecast(const World& world) {
   const Model& model = world.model;
   const par::Comm& comm = world.comm;
   std::vector<LayerForecast> layers;
-  const Cut cut = cut_of(model);
+  Cut cut = cut_of(model);
+  const double area = (model.bed.x[1] - model.bed.x[0]) *
+                      (model.dimension == Dimension::plane ? 1 : model.bed.y[1] - model.bed.y[0]);
   double low = 0;
   for (const Stage& stage : model.stages) {
     if (stage.kind != StageKind::fill) continue;
@@ -135,6 +147,7 @@ std::vector<LayerForecast> forecast(const World& world) {
     layer.made = copies ? world.particles.totals().particles
                         : bed::stones_of(comm, bed, model.domain()).count;
     const auto made = static_cast<double>(layer.made);
+    cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
     layer.left = std::llround(share_left(model, cut, low, low + bed.height) * made);
     layer.step_time = step_time(comm, bed, model.dimension) * made;
     layers.push_back(layer);
