@@ -70,7 +70,7 @@ void declare_layers(const Model& model, input::Section& s) {
            {.weight = input::Weight::warning, .reads = {"stage", "bed.layer"}});
 }
 
-// Half-width of a slope's foot over its crest: slope * height of the crest.
+// A slope needs slope * height of run beside the crest; with less, a wall of the bed holds it.
 void declare_profile(const Model& model, input::Section& s) {
   const auto& crest = model.bed.crest;
   const auto& y = model.bed.y;
