@@ -17,6 +17,9 @@ set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CO
     OMPI_MCA_mpi_yield_when_idle=1 ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1
     MPLBACKEND=Agg)
 
+# Where tests with the label verify keep the rows of docs/verification.md.
+set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
+
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <room>... [LABELS <label>...] [TIMEOUT <s>])
 # One executable per file, run once for each number of ranks as <file>_on_<n>.
 function(trackbed_test name)
@@ -37,5 +40,10 @@ function(trackbed_test name)
     set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
       LABELS "${TEST_LABELS}"
       ENVIRONMENT "${TRACKBED_TEST_ENVIRONMENT};TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
+    if("verify" IN_LIST TEST_LABELS)
+      set_property(TEST ${test} APPEND PROPERTY
+                   ENVIRONMENT "TRACKBED_VERIFICATION=${TRACKBED_VERIFICATION}")
+      set_tests_properties(${test} PROPERTIES FIXTURES_SETUP verification)
+    endif()
   endforeach()
 endfunction()

@@ -10,6 +10,9 @@ import generated_docs  # noqa: E402
 import layering  # noqa: E402
 import words  # noqa: E402
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "verify"))
+import table as verification  # noqa: E402
+
 TABLE = """
 | room | may include | library kept inside | what it is for |
 |---|---|---|---|
@@ -95,3 +98,23 @@ def test_generated_docs_finds(tmp_path):
     found = generated_docs.differences("input.md", "new\n", tmp_path / "input.md")
     assert "-old" in found and "+new" in found
     assert generated_docs.differences("input.md", "new\n", tmp_path / "missing.md")
+
+
+def test_verification_page_finds(tmp_path):
+    row = "ground\tColumn.FrontArrives/plane\tarrival\ts\t{}\t=\t1.5\t0.1\n"
+    (tmp_path / "a_test_2.tsv").write_text(row.format("9"))  # of more ranks: not taken
+    (tmp_path / "a_test_1.tsv").write_text(row.format("1.52"))
+    rows = verification.rows_of(tmp_path)
+    page = verification.page_of(rows)
+    assert "| Column: front arrives (plane) | arrival | 1.52 s | 1.5 s | 0.1 s |" in page
+    assert not verification.differences(rows, page)
+    (tmp_path / "a_test_1.tsv").write_text(row.format("1.53"))  # another machine's digits
+    assert not verification.differences(verification.rows_of(tmp_path), page)
+    for changed, said in ((page.replace("1.52 s", "1.7 s"), "measured 1.52"),
+                          (page.replace("| 0.1 s", "| 0.2 s"), "the test"),
+                          (page.replace("| arrival", "| leave"), "not measured"),
+                          (page.replace("| arrival", "| leave"), "not on the page")):
+        assert any(said in line for line in verification.differences(rows, changed)), said
+    (tmp_path / "a_test_1.tsv").write_text(2 * row.format("1.52"))
+    with pytest.raises(SystemExit, match="two rows"):
+        verification.rows_of(tmp_path)

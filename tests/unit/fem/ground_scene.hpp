@@ -1,12 +1,18 @@
 // Small grounds for tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <string>
 #include <vector>
 
 #include "trackbed/fem/ground.hpp"
 
 namespace trackbed::fem {
+
+inline std::string dimension_name(const ::testing::TestParamInfo<Dimension>& info) {
+  return info.param == Dimension::plane ? "plane" : "space";
+}
 
 inline GroundParameters box(const Vec3& size, std::array<std::int64_t, 3> zones,
                             const Elastic& solid) {

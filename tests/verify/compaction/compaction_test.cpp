@@ -2,6 +2,7 @@
 // coupler: pressure and porosity are reached, balances close, and ranks make no difference.
 #include <gtest/gtest.h>
 
+#include "support/verified.hpp"
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/couple/coupler.hpp"
 
@@ -109,16 +110,16 @@ TEST(CompactionOfABed, ReachesThePressureOnAnyNumberOfRanks) {
   EXPECT_EQ(world.sum(std::int64_t{shared.particles().trouble().empty() ? 0 : 1}), 0);
   constexpr double target = 200e3;  // Pa
   EXPECT_TRUE(shared.platen().steady());
-  EXPECT_NEAR(shared.platen().pressure(), target, 0.02 * target);
-  EXPECT_LT(shared.peak(), 1.1 * target);
+  verified::near("pressure of the platen", "Pa", shared.platen().pressure(), target, 0.02 * target);
+  verified::below("largest pressure on the way", "Pa", shared.peak(), 1.1 * target);
   // A long bed packs to 0.27 with friction 0.7; under a flat plate the voids between the highest
   // stones count as well, half a stone on 0.2 m. A packing of 40 stones scatters by 0.05.
-  EXPECT_NEAR(shared.porosity(), 0.31, 0.06);
+  verified::near("porosity", "-", shared.porosity(), 0.31, 0.06);
   constexpr double closed = 1e-10;  // promise of the coupling: rounding of forces to quanta
-  EXPECT_LT(shared.balance().force, closed);
-  EXPECT_LT(shared.balance().moment, closed);
-  EXPECT_LT(shared.balance().work, closed);
-  EXPECT_LT(shared.balance().impulse, closed);
+  verified::below("imbalance of force", "-", shared.balance().force, closed);
+  verified::below("imbalance of moment", "-", shared.balance().moment, closed);
+  verified::below("imbalance of work", "-", shared.balance().work, closed);
+  verified::below("imbalance of impulse", "-", shared.balance().impulse, closed);
   if (world.size() == 1) return;
   Compaction alone(par::Comm::self());
   alone.press();
@@ -140,7 +141,7 @@ TEST(CompactionOfABed, GoesFurtherUnderAPlateThatVibrates) {
   // Lower by more than the amplitude: no matter where in its period it ended.
   EXPECT_LT(shaken.platen().z(), rest.platen().z() - 4 * shaking.vibration);
   // The servo is slower than its blows: its mean swings about the target.
-  EXPECT_NEAR(shaken.late(), still.pressure, 0.15 * still.pressure);
+  verified::near("mean pressure", "Pa", shaken.late(), still.pressure, 0.15 * still.pressure);
 }
 
 }  // namespace

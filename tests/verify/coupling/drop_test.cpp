@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 #include "verify/coupling/coupled.hpp"
 
@@ -90,10 +91,10 @@ TEST(Drop, AgreesWithAReferenceOfHighResolution) {
                   difference(found.deflection, reference.deflection));
   }
   // First order: halving takes away about half, a little more against a reference that errs too.
-  EXPECT_LT(error[1], 0.65 * error[0]);
-  EXPECT_LT(error[2], 0.65 * error[1]);
+  verified::below("error left by half the window", "-", error[1] / error[0], 0.65);
+  verified::below("error left by half of that", "-", error[2] / error[1], 0.65);
   constexpr double fine = 0.05;  // of the largest, at a hundredth of the collision
-  EXPECT_LT(error[2], fine);
+  verified::below("error, window of 0.1 ms", "-", error[2], fine);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/verified.hpp"
 #include "verify/coupling/disks.hpp"
 
 namespace trackbed {
@@ -59,15 +60,15 @@ TEST(LongRun, ImpulseAndEnergyBalance) {
   // The sleeper moves under the force of the window before: at the two ends one window in 1e5 is
   // counted with a force that has changed by up to 1 %.
   constexpr double ends = 1e-6;
-  EXPECT_LT(std::abs(gap), ends);
+  verified::below("gap of the impulse over 1e5 windows", "-", std::abs(gap), ends);
   constexpr double closed = 1e-10;  // promise of the coupling
-  EXPECT_LT(balance.force, closed);
-  EXPECT_LT(balance.moment, closed);
-  EXPECT_LT(balance.work, closed);
-  EXPECT_LT(balance.impulse, closed);
+  verified::below("imbalance of force", "-", balance.force, closed);
+  verified::below("imbalance of moment", "-", balance.moment, closed);
+  verified::below("imbalance of work", "-", balance.work, closed);
+  verified::below("imbalance of impulse", "-", balance.impulse, closed);
   // The disks rattle a little: the energy at the same phase scatters by 3e-4 from cycle to cycle.
   constexpr double drift = 5e-3;
-  EXPECT_NEAR(late / early, 1, drift);
+  verified::near("energy at the end over the beginning", "-", late / early, 1, drift);
 }
 
 }  // namespace

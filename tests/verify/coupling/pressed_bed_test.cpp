@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "support/verified.hpp"
 #include "verify/coupling/disks.hpp"
 
 namespace trackbed {
@@ -72,14 +73,15 @@ TEST(PressedBed, ForcesAtRestFindTheirCounterparts) {
               base_reaction(scene) / whole - 1);
   // A weight left out would be 10 % or more.
   constexpr double rest = 1e-5;
-  EXPECT_NEAR(scene.sleepers->reaction(0).z(), sleeper, rest * sleeper);
-  EXPECT_NEAR(-scene.on_ground(), whole, rest * whole);
-  EXPECT_NEAR(base_reaction(scene), whole, rest * whole);
+  verified::near("force of the stones on the sleeper", "N", scene.sleepers->reaction(0).z(),
+                 sleeper, rest * sleeper);
+  verified::near("force on the ground", "N", -scene.on_ground(), whole, rest * whole);
+  verified::near("reaction of the base", "N", base_reaction(scene), whole, rest * whole);
   constexpr double closed = 1e-10;  // promise of the coupling
-  EXPECT_LT(scene.coupler.balance().force, closed);
-  EXPECT_LT(scene.coupler.balance().moment, closed);
-  EXPECT_LT(scene.coupler.balance().work, closed);
-  EXPECT_LT(scene.coupler.balance().impulse, closed);
+  verified::below("imbalance of force", "-", scene.coupler.balance().force, closed);
+  verified::below("imbalance of moment", "-", scene.coupler.balance().moment, closed);
+  verified::below("imbalance of work", "-", scene.coupler.balance().work, closed);
+  verified::below("imbalance of impulse", "-", scene.coupler.balance().impulse, closed);
 }
 
 // Displacements of all top nodes; those of other ranks add zero, which is exact.

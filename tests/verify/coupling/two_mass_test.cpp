@@ -2,12 +2,14 @@
 // of one element, and a sleeper on a sphere on a floor. Frequency and motion are known in closed
 // form; the error must shrink in proportion to the window, because each side moves under the mean
 // force of the window before (docs/decisions/interface.md).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
+#include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 #include "verify/coupling/coupled.hpp"
 
@@ -163,18 +165,18 @@ void check_order(const TwoMasses& exact, const Of& swing) {
   for (const double dt : {coarse, coarse / 2, coarse / 4}) {
     const Swing found = swing(dt);
     error.push_back(found.error);
-    std::printf("window %.1e s: frequency off by %.2e, motion by %.2e\n", dt,
-                found.omega / exact.omega - 1, found.error);
     // Second order in omega dt, about 0.05 in the coarsest window.
     constexpr double frequency = 2e-3;
-    EXPECT_NEAR(found.omega / exact.omega, 1, frequency);
+    verified::near(fmt::format("angular frequency, window of {:.2g} s", dt), "rad/s", found.omega,
+                   exact.omega, frequency * exact.omega);
   }
   for (std::size_t k = 0; k < 2; ++k) {
     const double order = std::log2(error[k] / error[k + 1]);
-    EXPECT_GT(order, 0.85);
+    verified::above(fmt::format("order in the window, {:.2g} s", coarse / std::pow(2, k)), "-",
+                    order, 0.85);
     EXPECT_LT(order, 1.3);
   }
-  EXPECT_LT(error[2], 0.15);
+  verified::below("error of the motion, shortest window", "-", error[2], 0.15);
 }
 
 TEST(TwoMasses, DiskOnAnElasticColumn) { check_order(disk_on_column(), swing_of_disk); }

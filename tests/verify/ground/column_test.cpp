@@ -1,9 +1,11 @@
 // Waves in a column (reference case "Column"): 1 kPa step on top of 10 m, plane strain and space.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::fem {
@@ -33,7 +35,8 @@ double top_displacement(const Comm& comm, const Ground& ground) {
 }
 
 class Column : public ::testing::TestWithParam<Dimension> {};
-INSTANTIATE_TEST_SUITE_P(, Column, ::testing::Values(Dimension::plane, Dimension::space));
+INSTANTIATE_TEST_SUITE_P(, Column, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
 
 TEST_P(Column, FrontArrivesInTimeWithTheRightVelocity) {
   const Comm comm = Comm::world();
@@ -57,8 +60,11 @@ TEST_P(Column, FrontArrivesInTimeWithTheRightVelocity) {
   }
   // The front is smeared over about two of the 200 zones: 0.1 m / c_p.
   constexpr double front = 0.1 / wave_speed;
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(arrival[i], exact[i], front) << depth[i];
-  EXPECT_NEAR(sum / samples / particle_velocity, 1, 0.005);  // ringing of the front, averaged
+  for (std::size_t i = 0; i < 3; ++i)
+    verified::near(fmt::format("arrival at {:g} m", depth[i]), "s", arrival[i], exact[i], front);
+  // Ringing of the front, averaged.
+  verified::near("particle velocity", "m/s", sum / samples, particle_velocity,
+                 0.005 * particle_velocity);
 }
 
 // Nothing comes back from the quiet base: the whole column keeps the particle velocity.
@@ -78,7 +84,9 @@ TEST_P(Column, QuietBaseAbsorbs) {
     ground.advance(travel / samples, load);
     sum += downward_velocity(comm, ground, -5.0);
   }
-  EXPECT_NEAR(sum / samples / particle_velocity, 1, 0.002);  // left ringing after four travels
+  // Left ringing after four travels.
+  verified::near("particle velocity", "m/s", sum / samples, particle_velocity,
+                 0.002 * particle_velocity);
 }
 
 // An interface reflects (1 - a)/(1 + a) of the velocity, a = impedance below over above; the free
@@ -100,7 +108,9 @@ TEST_P(Column, ImpedanceJumpReflectsItsShare) {
     sum += downward_velocity(comm, ground, 0);
   }
   const double a = 2, expected = 1 + 2 * (1 - a) / (1 + a);
-  EXPECT_NEAR(sum / samples / particle_velocity, expected, 0.02);  // ringing of the fronts
+  // Ringing of the fronts.
+  verified::near("velocity of the top over the first one", "-", sum / samples / particle_velocity,
+                 expected, 0.02);
 }
 
 TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {
@@ -116,9 +126,9 @@ TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {
     if (back == 0 && w * dt > 0.75 * period && u > before) back = w * dt;  // turned upward
     before = u;
   }
-  EXPECT_NEAR(largest, 0.297143e-3, 0.01 * 0.297143e-3);
-  EXPECT_NEAR(when, 0.5 * period, 0.01 * period);
-  EXPECT_NEAR(back, period, 0.02 * period);
+  verified::near("largest displacement", "m", largest, 0.297143e-3, 0.01 * 0.297143e-3);
+  verified::near("time of the largest", "s", when, 0.5 * period, 0.01 * period);
+  verified::near("period", "s", back, period, 0.02 * period);
 }
 
 }  // namespace

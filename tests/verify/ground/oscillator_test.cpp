@@ -1,11 +1,13 @@
 // One zone between rollers on a fixed base is an oscillator with one freedom, whose discrete
 // frequency and decay are known in closed form: Newmark's and the explicit scheme's periods
 // (reference "Integrators"), energy, Rayleigh damping, springs below the base.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::fem {
@@ -59,26 +61,29 @@ double phase_per_step(const std::vector<double>& u) {
 }
 
 class Oscillator : public ::testing::TestWithParam<Dimension> {};
-INSTANTIATE_TEST_SUITE_P(, Oscillator, ::testing::Values(Dimension::plane, Dimension::space));
+INSTANTIATE_TEST_SUITE_P(, Oscillator, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
 
 TEST_P(Oscillator, NewmarkHasItsPeriodErrorAndKeepsEnergy) {
   const double period = 2 * std::numbers::pi / angular_frequency();
   const auto u = swing(oscillator(Integrator::newmark), GetParam(), 0.1 * period, 400);
   const double error = 0.2 * std::numbers::pi / phase_per_step(u) - 1;
-  EXPECT_NEAR(error, 0.03207, 5e-6);  // the reference has five decimals
+  verified::near("period error at dt/T = 0.1", "-", error, 0.03207, 5e-6);  // five decimals given
   double early = 0, late = 0;
   for (std::size_t n = 0; n < 100; ++n) {
     early = std::max(early, std::abs(u[n + 1]));
     late = std::max(late, std::abs(u[n + 300]));
   }
-  EXPECT_NEAR(late / early, 1, 1e-3);  // spectral radius 1; peaks are sampled ten times a period
+  // Spectral radius 1; peaks are sampled ten times a period.
+  verified::near("amplitude kept over 30 periods", "-", late / early, 1, 1e-3);
 }
 
 TEST_P(Oscillator, ExplicitSchemeHasItsPeriodError) {
   const double period = 2 * std::numbers::pi / angular_frequency();
   const auto u = swing(oscillator(Integrator::explicit_), GetParam(), 0.1 * period, 400);
   // sin(W/2) = w h / 2.
-  EXPECT_NEAR(phase_per_step(u), 2 * std::asin(0.1 * std::numbers::pi), 1e-9);
+  verified::near("phase per step at dt/T = 0.1", "rad", phase_per_step(u),
+                 2 * std::asin(0.1 * std::numbers::pi), 1e-9);
 }
 
 TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
@@ -98,8 +103,10 @@ TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
       };
       const double decay = std::log(amplitude(50) / amplitude(550));
       // First order in dt for the lagged stiffness part: w dt / 2 = 6 % at most.
-      EXPECT_NEAR(decay / (ratio * omega * 500 * dt), 1, 0.02)
-          << (by_mass ? "mass" : "stiffness") << static_cast<int>(integrator);
+      verified::near(
+          fmt::format("decay over the exact one, by {}, {}", by_mass ? "mass" : "stiffness",
+                      integrator == Integrator::newmark ? "Newmark" : "explicit"),
+          "-", decay / (ratio * omega * 500 * dt), 1, 0.02);
     }
 }
 
@@ -116,7 +123,9 @@ TEST_P(Oscillator, BlockSinksIntoBaseSprings) {
   for (const auto n : ground.own_top())
     mine = std::max(mine, -ground.top_state(n).displacement.z());
   const double expected = 1.0 / p.base_stiffness * (1 - std::exp(-1.0));
-  EXPECT_NEAR(Comm::world().max(mine) / expected, 1, 0.01);  // inertia: 0.5 % of the constant
+  // Inertia: 0.5 % of the constant.
+  verified::near("settlement after one time constant", "m", Comm::world().max(mine), expected,
+                 0.01 * expected);
 }
 
 // The springs that are chosen: G / depth, and a load that stays is carried.
@@ -136,7 +145,8 @@ TEST_P(Oscillator, ChosenBaseSpringsCarryALoad) {
   for (const auto n : ground.own_top())
     mine = std::max(mine, -ground.top_state(n).displacement.z());
   const double expected = 1.0 / spring + depth / modulus();  // springs and the block itself
-  EXPECT_NEAR(Comm::world().max(mine) / expected, 1, 1e-3);  // after 20 time constants
+  // After 20 time constants.
+  verified::near("settlement", "m", Comm::world().max(mine), expected, 1e-3 * expected);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <map>
 
 #include "support/stone_pairs.hpp"
+#include "support/verified.hpp"
 
 namespace trackbed {
 namespace {
@@ -167,13 +168,16 @@ TEST(StoneEnergy, ThousandCollisionsKeepIt) {
   const auto largest = [&](const auto& errors, double share) {
     return *std::max_element(errors.at(share).begin(), errors.at(share).end());
   };
-  EXPECT_LT(median(by_lighter[0.1]), wanted_median);
-  EXPECT_LT(median(by_effective[0.1]), wanted_median / 5);
-  EXPECT_LT(largest(by_lighter, 0.1), wanted_largest);
-  EXPECT_LT(largest(by_lighter, 0.05), wanted_largest / 4);
-  EXPECT_LT(largest(by_effective, 0.1), wanted_with_effective);
-  EXPECT_GT(order(by_lighter), wanted_order);
-  EXPECT_GT(order(by_effective), wanted_order);
+  verified::below("median error, dt = 0.1 sqrt(m/k)", "-", median(by_lighter[0.1]), wanted_median);
+  verified::below("median error, m effective", "-", median(by_effective[0.1]), wanted_median / 5);
+  verified::below("largest error, dt = 0.1 sqrt(m/k)", "-", largest(by_lighter, 0.1),
+                  wanted_largest);
+  verified::below("largest error, dt = 0.05 sqrt(m/k)", "-", largest(by_lighter, 0.05),
+                  wanted_largest / 4);
+  verified::below("largest error, m effective", "-", largest(by_effective, 0.1),
+                  wanted_with_effective);
+  verified::above("order in dt", "-", order(by_lighter), wanted_order);
+  verified::above("order in dt, m effective", "-", order(by_effective), wanted_order);
 }
 
 TEST(StoneEnergy, BoxesFaceToFace) {
@@ -203,8 +207,11 @@ TEST(StoneEnergy, BoxesFaceToFace) {
     printf("faces, dt = %.3f sqrt(m/k): median %.2e, largest %.2e\n", share, median(e),
            *std::max_element(e.begin(), e.end()));
   constexpr double wanted = 1e-3, wanted_order = 1.8;
-  EXPECT_LT(*std::max_element(errors[0.025].begin(), errors[0.025].end()), wanted);
-  EXPECT_GT(std::log(median(errors[0.1]) / median(errors[0.025])) / std::log(4.0), wanted_order);
+  verified::below("largest error, dt = 0.025 sqrt(m/k)", "-",
+                  *std::max_element(errors[0.025].begin(), errors[0.025].end()), wanted);
+  verified::above("order in dt", "-",
+                  std::log(median(errors[0.1]) / median(errors[0.025])) / std::log(4.0),
+                  wanted_order);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // Particles against closed forms and published values.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/scene.hpp"
+#include "support/verified.hpp"
 
 namespace trackbed {
 namespace {
@@ -53,6 +55,14 @@ Course collide(dem::Particles& p, double dt) {
   return course;
 }
 
+void check_course(const Course& course, const std::string& which, double overlap, double force,
+                  double duration) {
+  constexpr double digits = 1e-3;  // of the values given, and 1/2000 of the collision per step
+  verified::near("overlap" + which, "m", course.overlap, overlap, digits * overlap);
+  verified::near("force" + which, "N", course.force, force, digits * force);
+  verified::near("duration" + which, "s", course.duration, duration, 2 * digits * duration);
+}
+
 TEST(Collision, TwoElasticHertzSpheres) {
   struct Case {
     Solid solid;
@@ -73,11 +83,9 @@ TEST(Collision, TwoElasticHertzSpheres) {
     }
     p.add(two);
     const Course course = collide(p, 2e-8);
-    constexpr double digits = 1e-3;  // of the values given, and 1/2000 of the collision per step
-    EXPECT_NEAR(course.overlap, c.overlap, digits * c.overlap);
-    EXPECT_NEAR(course.force, c.force, digits * c.force);
-    EXPECT_NEAR(course.duration, c.duration, 2 * digits * c.duration);
-    EXPECT_NEAR(course.velocity.x(), -10, 10 * digits);
+    const std::string which = fmt::format(", {:g} GPa", c.solid.young * 1e-9);
+    check_course(course, which, c.overlap, c.force, c.duration);
+    verified::near("velocity afterwards" + which, "m/s", course.velocity.x(), -10, 1e-2);
   }
 }
 
@@ -103,17 +111,15 @@ TEST(Collision, ElasticHertzSphereOnARigidPlane) {
   for (const Case& c : {Case{{70e9, 0.30, 2699}, 49.72e-6, 11.370e3, 0.7316e-3},
                         Case{{40e9, 0.35, 1800}, 52.12e-6, 7.233e3, 0.7671e-3}}) {
     const Course course = thrown(hertz(c.solid, 1, 0), 0.1, Vec3(0, 0, -0.2), 4e-7);
-    constexpr double digits = 1e-3;
-    EXPECT_NEAR(course.overlap, c.overlap, digits * c.overlap);
-    EXPECT_NEAR(course.force, c.force, digits * c.force);
-    EXPECT_NEAR(course.duration, c.duration, 2 * digits * c.duration);
+    check_course(course, fmt::format(", {:g} GPa", c.solid.young * 1e-9), c.overlap, c.force,
+                 c.duration);
   }
 }
 
 TEST(Restitution, HertzGivesWhatIsAskedFor) {
   for (const double e : {0.2, 0.4, 0.6, 0.8, 0.98, 1.0}) {
     const Course course = thrown(hertz({380e9, 0.23, 4000}, e, 0), 2.5e-3, Vec3(0, 0, -3.9), 2e-9);
-    EXPECT_NEAR(course.velocity.z() / 3.9, e, 1e-3) << e;
+    verified::near(fmt::format("v'/v for e = {:g}", e), "-", course.velocity.z() / 3.9, e, 1e-3);
   }
 }
 
@@ -132,10 +138,11 @@ TEST(Restitution, LinearFollowsItsClosedForm) {
     const double root = std::sqrt(1 - zeta * zeta);
     return std::exp(-zeta / root * (M_PI - std::atan2(2 * zeta * root, 1 - 2 * zeta * zeta)));
   };
-  EXPECT_NEAR(measured(0.25, true), 0.44434, 1e-3);
-  EXPECT_NEAR(measured(0.45595, true), 0.2, 1e-3);
+  verified::near("e for zeta = 0.25", "-", measured(0.25, true), 0.44434, 1e-3);
+  verified::near("e for zeta = 0.45595", "-", measured(0.45595, true), 0.2, 1e-3);
   for (const double zeta : {0.0, 0.1, 0.25, 0.45595})
-    EXPECT_NEAR(measured(zeta, false), cut(zeta), 1e-3) << zeta;
+    verified::near(fmt::format("e without attraction, zeta = {:g}", zeta), "-",
+                   measured(zeta, false), cut(zeta), 1e-3);
 }
 
 TEST(Collision, ObliqueImpact) {
@@ -153,13 +160,15 @@ TEST(Collision, ObliqueImpact) {
     const double kept = course.velocity.x() / (v * std::sin(a));
     const double turn = -course.spin.y();  // the source turns the other way
     constexpr double digitised = 0.035;
-    EXPECT_NEAR(kept, c.restitution, digitised) << c.degrees;
-    EXPECT_NEAR(turn, c.spin, digitised * 620) << c.degrees;
+    const std::string at = fmt::format(" at {:g} degrees", c.degrees);
+    verified::near("tangential restitution" + at, "-", kept, c.restitution, digitised);
+    verified::near("spin" + at, "rad/s", turn, c.spin, digitised * 620);
     if (c.degrees <= 30) continue;  // sliding throughout: closed form
-    EXPECT_NEAR(kept, 1 - mu * (1 + e) / std::tan(a), 1e-3) << c.degrees;
+    verified::near("restitution, closed form," + at, "-", kept, 1 - mu * (1 + e) / std::tan(a),
+                   1e-3);
     // The last of the elastic tangential spring is still released at the end of the contact.
     const double closed = -5 * mu * (1 + e) * v * std::cos(a) / (2 * r);
-    EXPECT_NEAR(turn, closed, 5e-3 * std::abs(closed)) << c.degrees;
+    verified::near("spin, closed form," + at, "rad/s", turn, closed, 5e-3 * std::abs(closed));
   }
 }
 
@@ -188,8 +197,8 @@ TEST(Friction, SlipTurnsIntoRolling) {
     p.advance(10 * dt, 10);
     if (std::abs(p[0].velocity.x() - p[0].spin.y() * r) < 1e-3 * v0) began = (k + 1) * 10 * dt;
   }
-  EXPECT_NEAR(began, rolls, 0.01 * rolls);
-  EXPECT_NEAR(p[0].velocity.x(), 5.0 / 7.0 * v0, 2e-3 * v0);
+  verified::near("begin of rolling", "s", began, rolls, 0.01 * rolls);
+  verified::near("velocity when rolling", "m/s", p[0].velocity.x(), 5.0 / 7.0 * v0, 2e-3 * v0);
 }
 
 TEST(Friction, ABlockSlipsExactlyBeyondItsAngle) {
@@ -216,10 +225,11 @@ TEST(Friction, ABlockSlipsExactlyBeyondItsAngle) {
     p.advance(0.1, 20000);
     return (p[0].position - before).norm();
   };
-  EXPECT_LT(slides(0.49), 1e-9);  // m: holds
+  verified::below("way of the block in 0.1 s, tan a = 0.98 mu", "m", slides(0.49), 1e-9);  // holds
   const double a = std::atan(0.51);
   const double free = 0.5 * gravity * (std::sin(a) - 0.5 * std::cos(a)) * 0.01;
-  EXPECT_GT(slides(0.51), free);  // m: slips (it was moving already)
+  // Slips; it was moving already.
+  verified::above("way of the block in 0.1 s, tan a = 1.02 mu", "m", slides(0.51), free);
 }
 
 // Largest energy error over many bounces at dt = fraction * sqrt(m/k), over the energy.
@@ -250,8 +260,8 @@ double bounce_error(double fraction) {
 TEST(Energy, ADroppedBallBouncesToItsHeight) {
   // A contact opens and closes between two steps: each time up to (dt w)^2 / 2 of the energy.
   const double coarse = bounce_error(0.1), fine = bounce_error(0.0125);
-  EXPECT_LT(coarse, 0.1 * 0.1);
-  EXPECT_LT(fine, 0.0125 * 0.0125);
+  verified::below("energy error at dt = 0.1 sqrt(m/k)", "-", coarse, 0.1 * 0.1);
+  verified::below("energy error at dt = 0.0125 sqrt(m/k)", "-", fine, 0.0125 * 0.0125);
 }
 
 }  // namespace
