@@ -186,7 +186,9 @@ class Doubts {
         continue;
       }
       std::set<std::string> met = used;
-      met.insert(model_.ground.present ? model_.ground_material : model_.wall_material);
+      met.insert(model_.ground_material);
+      if (model_.uses_walls()) met.insert(model_.wall_material);
+      if (model_.uses_sleepers()) met.insert(model_.sleepers.material);
       for (const std::string& other : met)
         if (model_.material(other) >= 0 && !model_.physics.has_law(name, other))
           add("bed.cell", fmt::format("has stones of \"{}\" that meet \"{}\", but no [[contact]] "

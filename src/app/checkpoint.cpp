@@ -70,10 +70,9 @@ void save_warnings(const par::Comm& comm, io::File& file, const std::vector<std:
                            {"-", "warnings of the run, UTF-8, each with a line feed"});
 }
 
-// Checkpoints of older versions have none. Collective.
+// Collective.
 std::vector<std::string> load_warnings(const io::File& file) {
   std::vector<std::string> all;
-  if (!file.has("run/warnings")) return all;
   const auto letters = file.read_all<std::uint8_t>("run/warnings");
   std::istringstream lines(std::string(letters.begin(), letters.end()));
   for (std::string line; std::getline(lines, line);) all.push_back(line);
@@ -131,10 +130,7 @@ void save_surfaces(World& world, io::File& file) {
 
 // `meet` first, since the coupler must know the surfaces before it can take their forces.
 void load_surfaces(World& world, const io::File& file) {
-  if (file.has("run/walls"))
-    world.walls.load(file, "run");
-  else if (const double height = file.read_all<double>("run/wall_height").at(0); height > 0)
-    world.walls.raise(height);  // of a version whose walls never moved
+  world.walls.load(file, "run");
   if (world.ground && file.has("run/support")) {
     world.support = read_nodes(file, "run/support");
     Surface& top = world.ground->top();

@@ -72,7 +72,7 @@ bool matters(std::string_view key, const Holds& holds) {
       "ground.y",      "ground.zones_x", "ground.zones_y", "ground.zones_z"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
                                         "sleepers.width", "sleepers.height", "sleepers.length",
-                                        "sleepers.bevel"};
+                                        "sleepers.bevel", "sleepers.y"};
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;

@@ -188,6 +188,12 @@ bool Model::has_stage(StageKind kind) const {
                      [&](const Stage& stage) { return stage.kind == kind; });
 }
 
+// Walls stand at sides that are not periodic. The floor is of the ground's material.
+bool Model::uses_walls() const {
+  const bool open = !periodic_in("x") || (dimension == Dimension::space && !periodic_in("y"));
+  return open || has_stage(StageKind::compact);
+}
+
 bool Model::uses_sleepers() const {
   return has_stage(StageKind::sleepers) || has_stage(StageKind::cribs) ||
          has_stage(StageKind::load) || has_stage(StageKind::passage);

@@ -32,7 +32,7 @@ enum class StageKind {
 struct Stage {
   std::string name;
   StageKind kind = StageKind::run;
-  std::string layer;          // fill: name of a layer of the bed; none: the uppermost
+  std::string layer = {};     // fill: name of a layer of the bed; none: the uppermost
   double duration = 0;        // s; passage: 0 means until the last axle has left
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
   double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
@@ -98,6 +98,7 @@ struct Model {
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
+  bool uses_walls() const;     // or the platen, which is of their material
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;

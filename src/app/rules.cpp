@@ -20,19 +20,12 @@ namespace {
 // A border given as 0.1 + 0.2 may touch one given as 0.3.
 constexpr double rounding = 1e-9;  // m
 
-// Walls at sides that are not periodic and the platen: one material. The floor has the ground's.
-bool uses_walls(const Model& model) {
-  const bool open =
-      !model.periodic_in("x") || (model.dimension == Dimension::space && !model.periodic_in("y"));
-  return open || model.has_stage(StageKind::compact);
-}
-
 // Materials that the parts of the model are made of exist, and those that meet have a law.
 // Parts count only if the model has them: a deck without ground need not say what its surface is
 // made of.
 void declare_materials(const Model& model, input::Section& s) {
   std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
-  if (uses_walls(model)) parts.emplace_back("wall_material", model.wall_material);
+  if (model.uses_walls()) parts.emplace_back("wall_material", model.wall_material);
   parts.emplace_back("ground_material", model.ground_material);
   if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
   // A law between misspelt names would make every missing law a second sentence about one slip.

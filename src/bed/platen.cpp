@@ -149,11 +149,8 @@ void Platen::save(io::File& file, const std::string& group, const par::Comm& com
 
 void Platen::load(const io::File& file, const std::string& group) {
   const auto row = file.read_all<double>(group + "/servo");
-  // Older versions had seven: no learnt speed, no vibration.
-  if (row.size() != 7 && row.size() != 9)
-    throw RunError(group + "/servo does not hold the state of a platen");
-  state_ = {row[0], row[1], row[2], row[3], row[4], row[5], row[6]};
-  if (row.size() == 9) state_.drift = row[7], state_.shaken = row[8];
+  if (row.size() != 9) throw RunError(group + "/servo does not hold the state of a platen");
+  state_ = {row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8]};
   show(0);
 }
 

@@ -6,6 +6,8 @@
 // once, from the system's cache.
 #include "trackbed/io/checkpoint.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -43,9 +45,10 @@ void verify(const File& file, const std::string& path) {
       file.text_attribute("/", "kind") != kind)
     refuse(path + ": is not a trackbed checkpoint");
   const std::int64_t format = file.integer_attribute("/", "format");
-  if (format > checkpoint_format)
-    refuse(path + ": was written by a newer trackbed (checkpoint format " + std::to_string(format) +
-           "; this one reads up to " + std::to_string(checkpoint_format) + ")");
+  if (format != checkpoint_format)
+    refuse(fmt::format("{}: was written by {} trackbed (checkpoint format {}; this one reads {})",
+                       path, format > checkpoint_format ? "a newer" : "an older", format,
+                       checkpoint_format));
   // Every byte of numbers is read, each rank its share, before anything is made from it.
   for (const std::string& dataset : datasets_of(file))
     if (!has_attribute(file, dataset, checksum_name) ||

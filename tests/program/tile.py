@@ -115,6 +115,19 @@ def check_sentences(bench):
         'dimension = "space"', 'dimension = "space"\nwall_material = "granite"\n'
         'ground_material = "granite"').replace(
             'cell = "../../results/cell"', ""), encoding="utf-8")
+    # The deck's own stones have a law with the floor, those of the cell have none.
+    floor = bench.folder / "floor.toml"
+    contact = text[text.index("[[contact]]"):text.index("[dem]")]
+    floor.write_text(text.replace('cell = "../../results/cell"', 'material = "granite"').replace(
+        'dimension = "space"', 'dimension = "space"\nground_material = "lead"').replace(
+            contact, contact + "".join(
+                contact.replace('first = "ballast"', f'first = "{first}"').replace(
+                    'second = "ballast"', f'second = "{second}"')
+                for first, second in (("granite", "granite"), ("granite", "lead"),
+                                      ("granite", "ballast")))).replace(
+                "[[contact]]", "".join(f'[[material]]\nname = "{name}"\ndensity = 2650\n\n'
+                                       for name in ("granite", "lead")) + "[[contact]]", 1),
+                     encoding="utf-8")
     deck = bench.decks / "tile.toml"
     for changes, words, of in (
             (["bed.x=[0, 1.7]"], ["bed.x is 1.7 m long, 2.833 cells of 0.6 m",
@@ -132,7 +145,8 @@ def check_sentences(bench):
             (["time.step=2e-5"], ["time.step = 2e-05 s is above the stable"], deck),
             (["bed.cell=nowhere.h5"], ["bed.cell", "does not exist"], deck),
             ([], ["of which there may be one only"], twice),
-            ([], ['stones of "ballast"', "no [[material]]"], granite)):
+            ([], ['stones of "ballast"', "no [[material]]"], granite),
+            ([], ['stones of "ballast" that meet "lead"'], floor)):
         # Of two overrides of one parameter the last one counts.
         ran = bench.program(1, "check", of, f"bed.cell={bench.cell}", *TILE, *changes)
         if ran.returncode != 2 or any(word not in ran.stderr for word in words):

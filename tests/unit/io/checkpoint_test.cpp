@@ -120,7 +120,7 @@ TEST(Checkpoint, SaysWhatIsWrongWithAFile) {
   EXPECT_EQ(refusal(scratch.folder()), path + ": does not exist");
 }
 
-TEST(Checkpoint, NamesTheDamagedDatasetAndTheNewerFormat) {
+TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
   const Scratch scratch("altered");
   const std::string path = scratch / "c.h5";
   write(scratch, "c.h5", 1);
@@ -141,15 +141,18 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndTheNewerFormat) {
     file.put('\1');
   });
   EXPECT_EQ(refusal(path), path + ": is damaged: its structure does not match its seal");
-  {
-    File file(world(), path, Mode::create);
-    file.attribute("/", "kind", std::string("trackbed checkpoint"));
-    file.attribute("/", "format", checkpoint_format + 1);
+  for (const bool newer : {true, false}) {
+    const std::int64_t format = checkpoint_format + (newer ? 1 : -1);
+    {
+      File file(world(), path, Mode::create);
+      file.attribute("/", "kind", std::string("trackbed checkpoint"));
+      file.attribute("/", "format", format);
+    }
+    on_root([&] { EXPECT_EQ(seal(path, {}), ""); });
+    EXPECT_EQ(refusal(path), path + ": was written by " + (newer ? "a newer" : "an older") +
+                                 " trackbed (checkpoint format " + std::to_string(format) +
+                                 "; this one reads " + std::to_string(checkpoint_format) + ")");
   }
-  on_root([&] { EXPECT_EQ(seal(path, {}), ""); });
-  EXPECT_EQ(refusal(path), path +
-                               ": was written by a newer trackbed (checkpoint format 2; this "
-                               "one reads up to 1)");
 }
 
 TEST(Checkpoint, LeavesThePreviousOneWhenWritingFails) {
