@@ -45,6 +45,9 @@ void Stage::declare(input::Section& s) {
   s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 100},
            "Simulated time, at most; passage: of all its trains together, 0 means until the last "
            "axle has left.");
+  s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
+           "Fill: time in which stones grow to their size in place, begun so small that they fill "
+           "the height of the bed loosely, instead of falling from far above it; 0: they fall.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: the materials' own.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
@@ -87,6 +90,9 @@ void Stage::declare(input::Section& s) {
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
   s.rule("profile", kind != StageKind::fill || profile == 0,
          "cuts nothing while stones still fall; give it to a later stage");
+  s.rule("growth", growth <= duration,
+         fmt::format("is longer than the stage ({:g} s): stones would stay small", duration),
+         {.reads = {"duration", "growth"}});
   s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
          {.reads = {"kind", "layer"}});
   const bool loaded = kind == StageKind::load || kind == StageKind::passage;

@@ -122,6 +122,7 @@ void Simulation::move_stones(double dt) {
   }
   {
     const auto timing = timers_.scope(Verb::dem);
+    actions_.grow(stage(), static_cast<double>(course_.clock.window()) * dt, dt);
     world_.particles.advance(dt, course_.steps.substeps);
   }
   const auto timing = timers_.scope(Verb::coupling);

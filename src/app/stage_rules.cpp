@@ -78,6 +78,10 @@ void declare_uses(const Model& model, input::Section& s) {
     };
     only("lift", stage.lift != none.lift, {release, lift_walls}, "release and lift_walls");
     only("height", stage.height != none.height, {sleepers}, "sleepers");
+    only("growth", stage.growth != none.growth, {fill}, "fill");
+    const std::string growth = fmt::format("stage[{}].growth", i);
+    s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
+           "copies of a cell lie packed already: leave it out", {.reads = {growth, "bed.cell"}});
     only("load", stage.load != none.load, {load}, "load");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear}, "load, compact and shear");
     const bool loaded = stage.kind == load || stage.kind == passage;

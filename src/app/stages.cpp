@@ -19,6 +19,10 @@ namespace trackbed::app {
 
 namespace {
 
+// Of the height of the bed: stones that have grown lie looser than they will, and their heap has
+// waves.
+constexpr double grown_height = 2;
+
 // How often rest is looked for: it costs a sum over all contacts.
 constexpr std::int64_t windows_between_checks = 250;
 
@@ -92,9 +96,15 @@ void StageActions::begin(const Stage& stage) {
 void StageActions::pour(const Stage& stage) {
   const bed::BedParameters layer = model_.bed.of_layer(stage.layer);
   const double below = std::max(0.0, world_.top_of_stones());  // minus infinity without stones
-  const double height = model_.bed.cell.empty() ? bed::fill(world_.particles, world_.comm, layer,
-                                                            model_.material(layer.material), below)
-                                                : lay_cells(world_);
+  const int material = model_.material(layer.material);
+  if (stage.growth > 0) {
+    const double top = bed::fill_to_grow(world_.particles, world_.comm, layer, material, below);
+    world_.walls.raise(below + grown_height * (top - below));
+    return;
+  }
+  const double height = model_.bed.cell.empty()
+                            ? bed::fill(world_.particles, world_.comm, layer, material, below)
+                            : lay_cells(world_);
   // A tenth above the lattice, for stones that jump when they meet.
   world_.walls.raise(1.1 * height);
 }
@@ -115,6 +125,18 @@ void StageActions::fill_cribs(const Stage& stage) {
                                         model_.material(model_.bed.material),
                                         cribs(world_, stage.profile), world_.top_of_stones());
   if (1.1 * height > world_.walls.height()) world_.walls.raise(1.1 * height);
+}
+
+// Fast at first, while they have room, and to an end without speed: what presses on each other then
+// should come to rest with them. With T the time of growth,
+//   1 - g = (1 - g0)(1 - t/T)^2,
+// from one window to the next, so that a resumed run needs nothing but the share it has.
+void StageActions::grow(const Stage& stage, double time, double dt) {
+  const double share = world_.particles.grown();
+  if (stage.growth <= 0 || share >= 1) return;
+  const double left = 1 - time / stage.growth, then = std::max(0.0, left - dt / stage.growth);
+  const double ratio = left > 0 ? then / left : 0;
+  world_.particles.grow_to(1 - (1 - share) * ratio * ratio);
 }
 
 // Heights are looked at when a cycle ends: the rest of the windows cost nothing.
@@ -151,7 +173,7 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
   if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
   if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
     return true;
-  if (!looks_for_rest(stage) || clock.window() == 0) return false;
+  if (!looks_for_rest(stage) || clock.window() == 0 || world_.particles.grown() < 1) return false;
   if (clock.window() % windows_between_checks != 0) return false;
   return at_rest(world_.particles.totals(), stage.until_ratio);
 }

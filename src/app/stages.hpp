@@ -20,6 +20,8 @@ class StageActions {
 
   // Stones poured, sleepers placed, platen lowered, ground let go. Collective.
   void begin(const Stage& stage);
+  // Stones that grow, to the end of a window that begins `time` s after the stage did.
+  void grow(const Stage& stage, double time, double dt);
   void watch(const Stage& stage, const Clock& clock);  // after every window
   double duration(const Stage& stage) const;           // s
   // Force on each rail seat, N downwards, `time` s after the stage began.

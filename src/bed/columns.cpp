@@ -101,15 +101,19 @@ std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed)
 // The number of stones follows from the solid volume wanted,
 //   N = A h (1 - porosity)/mean volume,   A the floor
 // in a plane with areas per unit of thickness.
-Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix)
-    : mix_(mix), dimension_(domain.dimension), seed_(static_cast<std::uint64_t>(parameters.seed)) {
+Columns::Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix,
+                 double share)
+    : mix_(mix),
+      dimension_(domain.dimension),
+      seed_(static_cast<std::uint64_t>(parameters.seed)),
+      share_(share) {
   const bool plane = dimension_ == Dimension::plane;
   const double length = parameters.x[1] - parameters.x[0];
   const double width = parameters.y[1] - parameters.y[0];
   const double floor = plane ? length : parameters.container_in(domain).area();
   const double solid = floor * parameters.height * (1 - parameters.porosity);
   stones_ = std::max<std::int64_t>(1, std::llround(solid / mix.mean_volume()));
-  const double cell = 2 * gap * mix.largest_bound();
+  const double cell = 2 * gap * share * mix.largest_bound();
   along_ = fitting(length, cell, "x");
   across_ = plane ? 1 : fitting(width, cell, "y");
   if (!plane) along_ = wider(along_), across_ = wider(across_);
@@ -131,7 +135,7 @@ double Columns::build(std::int64_t c, std::vector<dem::NewParticle>& to) const {
   double top = 0;
   for (std::int64_t i = c * stones_ / count(); i < (c + 1) * stones_ / count(); ++i) {
     dem::NewParticle stone = make(i);
-    const double room = gap * mix_.bound({stone.shape, stone.scale});
+    const double room = gap * share_ * mix_.bound({stone.shape, stone.scale});
     const Vec3 at = dimension_ == Dimension::plane ? on_top(i, room, top) : lowest(i, room, balls);
     balls.push_back({at, room});
     top = std::max(top, at.z() + room);

@@ -14,8 +14,9 @@ namespace trackbed::bed {
 // Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.
 class Columns {
  public:
-  // Throws InputError if the bed is narrower than a stone.
-  Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix);
+  // For stones of this share of their size. Throws InputError if the bed is narrower than a stone.
+  Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix,
+          double share = 1);
 
   std::int64_t stones() const { return stones_; }
   std::int64_t count() const { return along_ * across_; }
@@ -34,6 +35,7 @@ class Columns {
   const Mix& mix_;
   Dimension dimension_;
   std::uint64_t seed_;
+  double share_;
   std::int64_t stones_ = 0, along_ = 1, across_ = 1;
   double clear_ = 0;  // m, radius free of the walls of a cylinder; 0: a box
   Vec3 low_ = Vec3::Zero(), size_ = Vec3::Zero();  // m, corner and size of the first column

@@ -107,6 +107,38 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
                 .foot = foot}});
 }
 
+namespace {
+
+// m, that loose columns of stones of this share of their size reach. Collective.
+double reach_of(const par::Comm& comm, const Columns& columns) {
+  const auto [begin, count] =
+      io::share(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
+  double top = 0;
+  build({{.columns = columns}}, begin, count, top);
+  return comm.max(top);
+}
+
+}  // namespace
+
+// The share by its own law, height ~ share^3 (in a plane ^2), a few times over, as the number of
+// columns changes with it too.
+double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
+                    const BedParameters& parameters, int material, double foot) {
+  const dem::Domain& domain = particles.domain();
+  const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
+  const double power = domain.dimension == Dimension::plane ? 2 : 3;
+  constexpr int rounds = 4;
+  double share = 1;
+  for (int round = 0; round < rounds; ++round) {
+    const double top = reach_of(comm, Columns(parameters, domain, mix, share));
+    share = std::min(1.0, share * std::pow(parameters.height / top, 1 / power));
+  }
+  const Id first = first_free_id(particles, comm);
+  particles.grow_from(first, share);
+  return pour(particles, comm, mix, material,
+              {{.columns = Columns(parameters, domain, mix, share), .first = first, .foot = foot}});
+}
+
 // All ranks go through all boxes, so that ids agree; only the stones are shared out.
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot) {

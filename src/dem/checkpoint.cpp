@@ -52,6 +52,8 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.attribute(group, "steps", r.steps);
   file.attribute(group, "rebuilds", r.rebuilds);
   file.attribute(group, "local_damping", r.local_damping);
+  file.attribute(group, "growing", r.state.growing);
+  file.attribute(group, "grown", r.state.grown);
   file.attribute(group, "load_quantum", r.load_quantum);
 }
 
@@ -89,6 +91,8 @@ void Particles::load(const io::File& file, const std::string& group) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
     unflatten(file.read_share<T>(group + "/" + quantity.name), array, quantity.columns);
   });
+  r.state.growing = file.integer_attribute(group, "growing");
+  r.state.grown = file.number_attribute(group, "grown");
   // A share by number of rows, not by place; the rebuild sends each to its owner.
   r.state.own = r.state.id.size();
   r.sort_own();

@@ -23,10 +23,10 @@ ParticleView Particles::operator[](std::size_t b) const {
   return {s.id[b],
           static_cast<int>(s.shape[b]),
           static_cast<int>(s.material[b]),
-          s.scale[b],
+          s.scale_now(b),
           s.v[b].w,
-          mass_of(room_->shapes[s.shape[b]], s.scale[b], 1, room_->domain),
-          room_->shapes[s.shape[b]].sieve * s.scale[b],
+          mass_of(room_->shapes[s.shape[b]], s.scale_now(b), 1, room_->domain),
+          room_->shapes[s.shape[b]].sieve * s.scale_now(b),
           s.x[b].vec3(),
           s.v[b].vec3(),
           q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
@@ -40,7 +40,7 @@ void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, doub
   const Quat q = quat(s.q[b]);
   for (std::size_t k = room_->shapes.begin(s.shape[b]); k < room_->shapes.end(s.shape[b]); ++k) {
     const Vec4& piece = room_->shapes.piece(k);
-    see(s.x[b].vec3() + s.scale[b] * (q * piece.vec3()), s.scale[b] * piece.w);
+    see(s.x[b].vec3() + s.scale_now(b) * (q * piece.vec3()), s.scale_now(b) * piece.w);
   }
 }
 
@@ -50,7 +50,7 @@ void Particles::corners(std::size_t b, const std::function<void(const Vec3&, dou
   for (std::size_t k = room_->shapes.begin(s.shape[b]); k < room_->shapes.end(s.shape[b]); ++k) {
     const Core& core = room_->shapes.core(k);
     for (const Vec4& corner : core.corners)
-      see(s.x[b].vec3() + s.scale[b] * (q * corner.vec3()), s.scale[b] * core.radius);
+      see(s.x[b].vec3() + s.scale_now(b) * (q * corner.vec3()), s.scale_now(b) * core.radius);
   }
 }
 
@@ -64,7 +64,7 @@ void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& se
     known[shape] = geom::points_within(room_->shapes[s.shape[b]], points_of_particle,
                                        room_->domain.dimension == Dimension::plane);
   const Quat q = quat(s.q[b]);
-  for (const Vec3& point : known[shape]) see(s.x[b].vec3() + s.scale[b] * (q * point));
+  for (const Vec3& point : known[shape]) see(s.x[b].vec3() + s.scale_now(b) * (q * point));
 }
 
 namespace {

@@ -187,7 +187,7 @@ double Particles::stable_step(std::string* limit) const {
   double lightest = std::numeric_limits<double>::infinity(), largest = 0;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     lightest = std::min(lightest, r.mass(b));
-    largest = std::max(largest, r.state.x[b].w);
+    largest = std::max(largest, r.radius(b));
   }
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
   return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);

@@ -14,10 +14,10 @@ void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
   for (std::size_t b = 0; b < state.size(); ++b) {
     for (std::size_t k = shapes.begin(state.shape[b]); k < shapes.end(state.shape[b]); ++k) {
       pieces.body.push_back(static_cast<std::int32_t>(b));
-      pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale[b]});
+      pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale_now(b)});
       if (!stones) continue;
       pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
-      pieces.rounding.push_back(shapes.core(k).radius * state.scale[b]);
+      pieces.rounding.push_back(shapes.core(k).radius * state.scale_now(b));
       pieces.corners.resize(pieces.corners.size() + shapes.core(k).corners.size());
     }
     pieces.begin.push_back(pieces.body.size());
@@ -56,7 +56,7 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   const bool stones = shapes.any_stones();
   for (std::size_t b = 0; b < state.size(); ++b) {
     const Vec4& centre = state.x[b];
-    const Mat3 turn = state.scale[b] * quat(state.q[b]).toRotationMatrix();
+    const Mat3 turn = state.scale_now(b) * quat(state.q[b]).toRotationMatrix();
     const std::size_t first = shapes.begin(state.shape[b]);
     for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
       const std::size_t k = first + p - pieces.begin[b];

@@ -62,14 +62,17 @@ void Particles::Room::derive(std::size_t begin) {
   state.inertia.resize(state.size());
   for (std::size_t b = begin; b < state.size(); ++b) {
     const Template& shape = shapes[state.shape[b]];
-    const double scale = state.scale[b];
     const double density = physics.materials[static_cast<std::size_t>(state.material[b])].density;
-    const double m = mass_of(shape, scale, density, domain);
-    state.v[b].w = m;
-    state.x[b].w = shapes.bound(state.shape[b]) * scale;
-    state.inertia[b].set(m * scale * scale * shape.gyration);
+    state.v[b].w = mass_of(shape, state.scale[b], density, domain);
+    derive_size(b);
     update_spin(b);
   }
+}
+
+void Particles::Room::derive_size(std::size_t b) {
+  const double scale = state.scale_now(b);
+  state.x[b].w = shapes.bound(state.shape[b]) * scale;
+  state.inertia[b].set(mass(b) * scale * scale * shapes[state.shape[b]].gyration);
 }
 
 // By id: rows of the lists, histories and look-ups by bisection rest on it.
@@ -282,6 +285,7 @@ void Particles::Room::choose_quantum() {
 void Particles::Room::remember_reference() {
   reference_x.assign(state.x.begin(), state.x.begin() + static_cast<std::ptrdiff_t>(state.own));
   reference_q.assign(state.q.begin(), state.q.begin() + static_cast<std::ptrdiff_t>(state.own));
+  reference_grown = state.grown;
   largest_motion = surface_motion = 0;
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     surface_reference[k].resize(surfaces[k]->nodes());

@@ -69,7 +69,9 @@ struct Particles::Room {
   void find_ghosts();
   void update_ghosts();
   void sort_own();
-  void derive(std::size_t begin);  // masses, inertias, radii of particles from `begin` on
+  void derive(std::size_t begin);   // masses, inertias, radii of particles from `begin` on
+  void derive_size(std::size_t b);  // what follows from mass and size
+  void grow_to(double share);       // grow.cpp
   void choose_quantum();
   // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
   // (m).
@@ -91,6 +93,7 @@ struct Particles::Room {
     return shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
   }
   double mass(std::size_t b) const { return state.v[b].w; }
+  // Of a particle that has grown up: grid and levels are made for that.
   double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
   // The first problem of a window is the cause, later ones mostly its effects. Ranks agree on it at
   // the window's end.
@@ -130,6 +133,7 @@ struct Particles::Room {
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
+  double reference_grown = 1;                  // share of their size then
   double largest_motion = 0;  // m, of a surface point of an own particle since then
 
   // Not owned.

@@ -29,7 +29,14 @@ struct State {
   std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
   std::vector<Vec4> inertia;  // kg m^2, principal moments
 
+  // Particles with this id and higher ones grow: share of their size that they have. Their mass is
+  // full from the first, so that the sub-step need not be that of small ones.
+  Id growing = 0;
+  double grown = 1;
+
   std::size_t size() const { return id.size(); }
+  double share(std::size_t b) const { return id[b] < growing ? 1 : grown; }
+  double scale_now(std::size_t b) const { return scale[b] * share(b); }
 };
 
 // What a ghost gets of a quantity: nothing; its value when the ghost is made; its value in each

@@ -155,8 +155,10 @@ double Particles::Room::surface_motion_since_rebuild() const {
 }
 
 bool Particles::Room::lists_are_old() const {
-  // Two particles may close twice the largest way, a particle and a surface the sum of both ways.
-  const double closer = std::max(2 * largest_motion, largest_motion + surface_motion);
+  // Two particles may close twice the largest way, a particle and a surface the sum of both ways;
+  // and what they have grown comes on top.
+  const double closer = std::max(2 * largest_motion, largest_motion + surface_motion) +
+                        2 * bound * (state.grown - reference_grown);
   // Written so that a position that is not a number asks for a rebuild, which reports it.
   const bool old = !(closer <= skin);
   return comm.max(static_cast<std::int64_t>(old)) > 0;

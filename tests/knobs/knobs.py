@@ -179,6 +179,7 @@ KNOBS = {
     "stage.[].layer": ("stage.fill.layer=lower", ["bed.layer.0.porosity=0.4"]),
     "stage.[].duration": ("stage.fill.duration=0.14", []),
     "stage.[].friction": ("stage.load.friction=0.1", []),
+    "stage.[].growth": ("stage.fill.growth=0.05", []),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
     "stage.[].until_ratio": ("stage.compact.until_ratio=1e3", []),
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),

@@ -68,7 +68,8 @@ def page_of(rows):
             unit = "" if unit == "-" else f" {unit}"
             reference = reference if sign == "=" else f"{sign} {reference}"
             margin = f"{tolerance}{unit}" if sign == "=" else ""
-            text += (f"| {case} | {quantity} | {digits(measured, tolerance)}{unit} | {reference}{unit} | "
+            said = digits(measured, tolerance)
+            text += (f"| {case} | {quantity} | {said}{unit} | {reference}{unit} | "
                      f"{margin} |\n")
         text += "\n"
     return text.rstrip() + "\n"

@@ -154,6 +154,12 @@ class Particles {
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: back to theirs
   void set_friction(double mu);          // overrides that of all contacts; < 0: back to theirs
   void stop();                           // all velocities to zero (end of a packing stage)
+  // Particles with this id and higher ones, which are still to be added, have this share of their
+  // size, in (0, 1], and all of their mass; then all of these grow to a larger one. Local, to be
+  // called alike on all ranks. At most one batch grows at a time.
+  void grow_from(Id first, double share);
+  void grow_to(double share);
+  double grown() const;  // that share
 
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;
