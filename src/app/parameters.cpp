@@ -26,7 +26,8 @@ constexpr double room_beside_floor = 0.25;  // m
 
 // One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
 // end say what a kind cannot do without.
-void Stage::declare(input::Section& s) {
+// What every kind has, and how stones are poured.
+void Stage::declare_course(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
   s.choice(
       "kind", kind,
@@ -56,6 +57,10 @@ void Stage::declare(input::Section& s) {
   s.number("until_ratio", until_ratio, {.at_least = 0},
            "The stage ends early once the mean unbalanced force over the mean contact force is "
            "below this; 0: never. Not used by load and passage.");
+}
+
+// What moves beside the stones, and where they are cut.
+void Stage::declare_bodies(input::Section& s) {
   s.flag("ground_moves", ground_moves, "Whether the ground moves; else its surface is held still.");
   s.number("lift", lift, {.unit = "m/s", .above = 0},
            "Release: speed of the platen upwards. Lift_walls: of the walls.");
@@ -70,6 +75,9 @@ void Stage::declare(input::Section& s) {
       "Height of the crest (see bed.crest): stones with their centre above it, or above the slopes "
       "beside it, are taken away when the stage begins; 0: none. Cribs: the height they are filled "
       "to, and what lies higher goes at the end. Not for fill.");
+}
+
+void Stage::declare_loads(input::Section& s) {
   s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
            "Constant force on each rail seat, downwards.");
   s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
@@ -85,6 +93,10 @@ void Stage::declare(input::Section& s) {
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
            "Load and passage with cycles: the stage ends early once no sleeper has gone down by "
            "more than this in the last cycle; 0: never.");
+}
+
+void Stage::declare(input::Section& s) {
+  declare_course(s), declare_bodies(s), declare_loads(s);
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");

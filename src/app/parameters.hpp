@@ -50,6 +50,11 @@ struct Stage {
   std::int64_t cycles = 0;  // load: haversines in the duration; passage: trains; 0: see `declare`
   double settlement = 0;    // m, load, passage: stop early once a cycle leaves less; 0: never
   void declare(input::Section& s);
+
+ private:
+  void declare_course(input::Section& s);
+  void declare_bodies(input::Section& s);
+  void declare_loads(input::Section& s);
 };
 
 // None of these changes the motion: a run may be resumed with others.

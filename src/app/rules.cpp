@@ -117,79 +117,101 @@ void declare_sleepers(const Model& model, input::Section& s) {
       {.weight = input::Weight::warning, .reads = reads});
 }
 
-// Where the axles of one train are at the ends of its passage, against the sleepers. A table of
-// loads has its own times and no axles. Axles move along +x: axle k is at start - behind_k + speed
-// t. It loads a sleeper when it stands above it; a passage in which none does would compute the bed
-// at rest for a whole train's time.
-void declare_passage(const Model& model, std::size_t number, input::Section& s) {
+// Where the axles of one train are at the ends of its passage, against the sleepers. Axles move
+// along +x: axle k is at start - behind_k + speed t. It loads a sleeper when it stands above it.
+struct Passing {
+  double first, last;  // m, x of sleepers
+  double rear, lead;   // m behind the first axle: the largest and the smallest of all axles
+  double time, way;    // s, m, of one train
+  bool any = false;    // axle passes a sleeper
+  std::string where;   // sleepers stand
+
+  Passing(const Model& model, const Stage& stage);
+};
+
+Passing::Passing(const Model& model, const Stage& stage)
+    : first(model.sleepers.first), last(last_sleeper(model.sleepers)) {
   const auto& load = model.load;
-  const auto& sleepers = model.sleepers;
-  const Stage& stage = model.stages[number];
-  const double last = last_sleeper(sleepers);
-  // Axles are named by their distance behind the first: the largest is the rear one.
-  const double rear = *std::max_element(load.axles.begin(), load.axles.end());
-  const double lead = *std::min_element(load.axles.begin(), load.axles.end());
+  rear = *std::max_element(load.axles.begin(), load.axles.end());
+  lead = *std::min_element(load.axles.begin(), load.axles.end());
   const double trains = static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
-  const double time = stage.duration > 0 ? stage.duration / trains
-                                         : track::SeatLoad(load, sleepers.spacing).duration(last);
-  const double way = load.speed * time;
-  // An axle passes a sleeper if it stands there at some time between begin and end.
-  bool passes = false;
-  for (std::int64_t i = 0; i < sleepers.count; ++i)
+  time = stage.duration > 0 ? stage.duration / trains
+                            : track::SeatLoad(load, model.sleepers.spacing).duration(last);
+  way = load.speed * time;
+  for (std::int64_t i = 0; i < model.sleepers.count; ++i)
     for (const double behind : load.axles) {
-      const double on = sleepers.first + static_cast<double>(i) * sleepers.spacing -
+      const double on = first + static_cast<double>(i) * model.sleepers.spacing -
                         (load.start - behind);  // m the axle has to go
-      passes = passes || (on >= 0 && on <= way);
+      any = any || (on >= 0 && on <= way);
     }
-  const std::string duration = fmt::format("stage[{}].duration", number);
-  const std::vector<std::string> reads = {"load", "sleepers.count", "sleepers.first",
-                                          "sleepers.spacing", duration};
-  const std::string where =
-      fmt::format("sleepers stand from x = {:g} to {:g} m", sleepers.first, last);
+  where = fmt::format("sleepers stand from x = {:g} to {:g} m", first, last);
+}
+
+// A passage in which no axle loads a sleeper would compute the bed at rest for a whole train's
+// time.
+void declare_load(const Model& model, const Stage& stage, const std::string& duration,
+                  const input::About& about, input::Section& s) {
+  const Passing p(model, stage);
+  const double start = model.load.start;
   // Which parameter is to blame: a start beyond the track cannot be mended by more time.
-  const bool too_late = load.start - rear > last;
-  s.rule(too_late ? "load.start" : duration, passes,
+  const bool too_late = start - p.rear > p.last;
+  s.rule(too_late ? "load.start" : duration, p.any,
          too_late
              ? fmt::format("no axle passes a sleeper: the last one begins at x = {:g} m and "
                            "moves along +x, {}; start before them",
-                           load.start - rear, where)
+                           start - p.rear, p.where)
              : fmt::format("no axle passes a sleeper: the first one goes from x = {:g} to {:g} "
                            "m{}, {}; give more time, or 0 for the whole passage",
-                           load.start - lead, load.start - lead + way,
+                           start - p.lead, start - p.lead + p.way,
                            stage.cycles > 1 ? fmt::format(" in {:g} s, one of {} trains' share of "
                                                           "the duration",
-                                                          time, stage.cycles)
+                                                          p.time, stage.cycles)
                                             : "",
-                           where),
-         {.reads = reads});
-  if (!passes) return;
-  s.rule("load.start", load.start - lead <= sleepers.first,
-         fmt::format("the first axle begins beyond the first sleeper: its load begins with a jump "
-                     "({})",
-                     where),
-         {.weight = input::Weight::warning, .reads = reads});
-  // A bed that is loaded at one instant rings.
-  constexpr double unnoticed = 0.02;  // of the peak, what `duration` leaves behind the last axle
-  const double at_first = track::SeatLoad(load, sleepers.spacing).at(sleepers.first, 0);
-  const double jump = load.peak > 0 ? at_first / load.peak : 0;
-  s.rule(
-      "load.start", load.start - lead > sleepers.first || std::abs(jump) <= unnoticed,
-      fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
-                  "further away ({})",
-                  jump, where),
-      {.weight = input::Weight::warning, .reads = reads});
-  s.rule(duration, load.start - rear + way >= last,
-         fmt::format("ends before the last axle has passed the last sleeper ({})", where),
-         {.weight = input::Weight::warning, .reads = reads});
+                           p.where),
+         about);
+  if (!p.any) return;
+  s.rule(duration, start - p.rear + p.way >= p.last,
+         fmt::format("ends before the last axle has passed the last sleeper ({})", p.where),
+         {.weight = input::Weight::warning, .reads = about.reads});
 }
 
-// Decks whose axles or sleepers are missing have been told so elsewhere.
+// A bed that is loaded at one instant rings.
+void declare_begin(const Model& model, const Stage& stage, const input::About& about,
+                   input::Section& s) {
+  constexpr double unnoticed = 0.02;  // of the peak, what `duration` leaves behind the last axle
+  const Passing p(model, stage);
+  if (!p.any) return;
+  const auto& load = model.load;
+  const bool beyond = load.start - p.lead > p.first;
+  s.rule("load.start", !beyond,
+         fmt::format("the first axle begins beyond the first sleeper: its load begins with a jump "
+                     "({})",
+                     p.where),
+         {.weight = input::Weight::warning, .reads = about.reads});
+  const double at_first = track::SeatLoad(load, model.sleepers.spacing).at(p.first, 0);
+  const double jump = load.peak > 0 ? at_first / load.peak : 0;
+  s.rule(
+      "load.start", beyond || std::abs(jump) <= unnoticed,
+      fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
+                  "further away ({})",
+                  jump, p.where),
+      {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+// Decks whose axles or sleepers are missing have been told so elsewhere; a table of loads has its
+// own times and no axles.
 void declare_passages(const Model& model, input::Section& s) {
   const auto& load = model.load;
   if (load.kind == track::SeatLoadKind::table || load.axles.empty() || model.sleepers.count < 1)
     return;
-  for (std::size_t i = 0; i < model.stages.size(); ++i)
-    if (model.stages[i].kind == StageKind::passage) declare_passage(model, i, s);
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    if (model.stages[i].kind != StageKind::passage) continue;
+    const std::string duration = fmt::format("stage[{}].duration", i);
+    const input::About about{
+        .reads = {"load", "sleepers.count", "sleepers.first", "sleepers.spacing", duration}};
+    declare_load(model, model.stages[i], duration, about, s);
+    declare_begin(model, model.stages[i], about, s);
+  }
 }
 
 // What is valid but moves the track in a way nobody means.

@@ -1,0 +1,82 @@
+// What a run leaves behind while it goes on: rows, pictures, checkpoints in between, the summary.
+// None of it changes a result.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/simulation.hpp"
+#include "app/summary.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// The check is a reduction, and work moves between ranks only as stones do.
+constexpr std::int64_t windows_between_balance_checks = 100;
+
+}  // namespace
+
+// Collective.
+void Simulation::write_summary(bool finished) {
+  app::write_summary({.deck = name_,
+                      .folder = folder_,
+                      .world = world_,
+                      .course = course_,
+                      .regions = model_.regions,
+                      .timers = timers_,
+                      .measured = measured_,
+                      .wall_time = progress_.wall_time(),
+                      .finished = finished});
+}
+
+// Counted in whole windows of the stage, so that it needs no state and does not drift.
+// A resumed run therefore writes in the same windows.
+bool Simulation::every(double interval) const {
+  if (interval <= 0) return false;
+  const auto windows = std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
+  return course_.clock.window() % windows == 0;
+}
+
+// Rows, pictures, and the balance of work over ranks; none of them changes a result.
+// Collective. A new split of the stones changes who computes what, not a bit of it.
+void Simulation::observe() {
+  if (every(model_.output.history_interval)) sample();
+  if (model_.output.fields && every(model_.output.fields_interval)) {
+    const auto timing = timers_.scope(Verb::output);
+    observe::write_pictures(comm_, folder_ + "/fields",
+                            fmt::format("{}_{:06d}", stage().name, course_.clock.window()),
+                            world_.scene());
+  }
+  if (course_.windows % windows_between_balance_checks == 0) world_.rebalance();
+}
+
+// The seat force of a row is the one that moved the sleepers in the window before it. Collective.
+void Simulation::sample() {
+  const auto timing = timers_.scope(Verb::observe);
+  const std::vector<observe::WallState> walls = world_.wall_states();
+  const observe::PlatenState platen = world_.platen_state();
+  const bool presses = model_.has_stage(StageKind::compact) || model_.has_stage(StageKind::shear);
+  results_.sample(world_.scene(), {.time = course_.clock.time(),
+                                   .stage = static_cast<std::int64_t>(course_.stage),
+                                   .seat_force = seat_force_,
+                                   .walls = walls,
+                                   .platen = presses ? &platen : nullptr});
+}
+
+// At most two of a run's own are kept. Those of a run that was stopped and resumed are not known
+// here and stay.
+void Simulation::checkpoint_if_due() {
+  if (!every(model_.output.checkpoint_interval)) return;
+  const std::string name = fmt::format("checkpoint_{:010d}.h5", course_.windows);
+  checkpoint(name);
+  // The one before stays too: a disk that fills up while writing must not cost both.
+  periodic_checkpoints_.push_back(last_checkpoint_);
+  if (periodic_checkpoints_.size() <= 2) return;
+  std::error_code ignored;
+  if (comm_.root()) std::filesystem::remove(periodic_checkpoints_.front(), ignored);
+  periodic_checkpoints_.erase(periodic_checkpoints_.begin());
+}
+
+}  // namespace trackbed::app
