@@ -83,7 +83,7 @@ def sleepers(runs):
     panels[0].legend(fontsize=7, ncol=len(runs))
     stage = "passage" if all(run.has_passage() for run in runs) else "last stage"
     panels[-1].set_xlabel(f"time since the {stage} began (s)")
-    panels[0].set_title(f"Sleepers during the {stage}; lowest: " + ", ".join(
+    panels[0].set_title(f"Sleepers during the {stage}; lowest of all: " + ", ".join(
         f"{run.name} {low:.3f} mm" for run, low in zip(runs, deepest)))
     return figure
 
@@ -100,9 +100,7 @@ def envelope(runs):
         if "displacement_min" in run.sleeper_envelope:
             upper.plot(run.sleepers_x, run.sleeper_envelope["displacement_min"].values * 1e3, "o-",
                        color=colour, lw=1, ms=4, label=run.name)
-        found = measures.transition(run)
-        text.append(f"{run.name}: {-np.min(ground):.3f} mm"
-                    + (f", transition {found.width:.2f} m" if found else ""))
+        text.append(f"{run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
         panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, from the passage's begin)")
@@ -334,6 +332,7 @@ def draw_all(runs, folder):
         plt.close(figure)
         write.whole(paths[-1], picture.getvalue())
     text = measures.table(runs) + "".join(measures.region_table(run) for run in runs)
+    text += "".join(f"warning of {run.name}: {line}\n" for run in runs for line in run.warnings)
     write.whole(folder / "table.txt", text.encode())
     return paths
 

@@ -10,6 +10,7 @@ one sentence and code 2.
 """
 import contextlib
 import dataclasses
+import json
 import pathlib
 import sys
 import tomllib
@@ -64,6 +65,7 @@ class Results:
     ground_envelope: dict
     chains: dict
     stones: dict
+    warnings: tuple             # sentences of the run, from summary.json beside
     surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
 
     def _last_passage(self):
@@ -132,6 +134,13 @@ def _regions(file):
     return found
 
 
+def _warnings(summary):
+    """What the run warned of; nothing while it has not ended."""
+    if not summary.is_file():
+        return ()
+    return tuple(json.loads(summary.read_text(encoding="utf-8")).get("warnings", ()))
+
+
 def _walls(file):
     return {name: _quantities(file, group.name)
             for name, group in (file["history/wall"].items() if "history/wall" in file else ())}
@@ -192,6 +201,7 @@ def _results(file_path, file):
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
         walls=_walls(file),
+        warnings=_warnings(file_path.parent / "summary.json"),
         platen=_platen(file),
         regions=_regions(file),
         sleeper_envelope=_quantities(file, "envelope/sleeper"),

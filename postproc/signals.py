@@ -63,7 +63,11 @@ def spectrum(time, values, resolution=0.05):
 
 
 def peak_near(frequency, amplitude, target, reach=0.3):
-    """Frequency of the highest *inner* maximum within `reach` (relative) of target, or None."""
+    """Frequency of the *inner* maximum nearest to target within `reach` (relative), of those at
+    least half as high as the highest of them; None without any."""
     peaks, _ = scipy.signal.find_peaks(amplitude)
     near = [k for k in peaks if abs(frequency[k] - target) <= reach * target]
-    return float(frequency[max(near, key=lambda k: amplitude[k])]) if near else None
+    if not near:
+        return None
+    high = [k for k in near if amplitude[k] >= 0.5 * max(amplitude[near])]
+    return float(frequency[min(high, key=lambda k: abs(frequency[k] - target))])

@@ -211,6 +211,9 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
     const io::File file = io::open_checkpoint(comm, checkpoint);
     require_can_go_on(file, checkpoint, model, deck);
     if (is_finished(comm, file, model, own)) {
+      if (!arguments.overrides.empty())
+        throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
+                                      fmt::join(arguments.overrides, " "))});
       print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
       return static_cast<int>(ExitCode::success);
     }

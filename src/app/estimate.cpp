@@ -104,7 +104,7 @@ std::string sentence_of(const LayerForecast& layer) {
 }
 
 // MB that the histories will have if all stages take their whole time.
-double size_of_histories(const Model& model, const StageActions& actions) {
+double size_of_histories(const Model& model, const StageActions& actions, double windows) {
   double seconds = 0;
   for (const Stage& stage : model.stages) seconds += actions.duration(stage);
   double numbers = 5 + 5 * static_cast<double>(model.uses_sleepers() ? model.sleepers.count : 0);
@@ -114,7 +114,7 @@ double size_of_histories(const Model& model, const StageActions& actions) {
     const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
     numbers += 18 * cells;
   }
-  return 8e-6 * numbers * seconds / model.output.history_interval;
+  return 8e-6 * numbers * std::min(windows, seconds / model.output.history_interval);
 }
 
 // Nothing if they are few, as usual: their cost then is small beside the stones'.
@@ -167,13 +167,14 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (!layer.layer.empty() || layer.left != layer.made) lines.push_back(sentence_of(layer));
-  double seconds = 0, step_time = 0, longest = 0;
+  double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
   std::size_t filled = 0;
   std::string shared, numbers;  // of the stages since the limits changed
   for (const Stage& stage : model.stages) {
     if (stage.kind == StageKind::fill) step_time += layers[filled++].step_time;
     const Steps steps = choose_steps(world, model, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
+    all_windows += windows;
     if (stage.ground_moves) longest = std::max(longest, steps.window);
     seconds += step_time * windows * steps.substeps / comm.size();
     // Stages with the same limits share one line.
@@ -186,13 +187,14 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   }
   lines.push_back(shared + "  " + numbers);
   lines.push_back(fmt::format(
-      "estimated wall time on {} rank{}: {:.0f} s (assumed: idle cores; {:.0f} ns per stone and "
+      "estimated wall time on {} rank{}: {:.2g} s (assumed: idle cores; {:.0f} ns per stone and "
       "sub-step, {:.0f} ns per ball and {:.0f} ns per polyhedron of it; stages of full length; "
       "ground, coupling and output not counted)",
       comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
       time_per_polyhedron * 1e9));
   for (const std::string& line : word_of_ground_steps(world, longest)) lines.push_back(line);
-  lines.push_back(fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions)));
+  lines.push_back(
+      fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));
   return lines;
 }
 

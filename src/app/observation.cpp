@@ -42,7 +42,9 @@ bool Simulation::every(double interval) const {
 // Rows, pictures, and the balance of work over ranks; none of them changes a result.
 // Collective. A new split of the stones changes who computes what, not a bit of it.
 void Simulation::observe() {
-  if (every(model_.output.history_interval)) sample();
+  // The first row of a stage, to which envelopes and figures are relative, is that of its first
+  // window: before it bodies have come or gone, and nobody knows yet who touches whom.
+  if (course_.clock.window() == 1 || every(model_.output.history_interval)) sample();
   if (model_.output.fields && every(model_.output.fields_interval)) {
     const auto timing = timers_.scope(Verb::output);
     observe::write_pictures(comm_, folder_ + "/fields",

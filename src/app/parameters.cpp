@@ -97,6 +97,11 @@ void Stage::declare_loads(input::Section& s) {
 
 void Stage::declare(input::Section& s) {
   declare_course(s), declare_bodies(s), declare_loads(s);
+  constexpr double least = 100;  // N, of a load that means something to a sleeper
+  for (const auto& [key, force] : {std::pair{"seat_force", seat_force}, {"load", load}})
+    s.rule(key, force == 0 || std::abs(force) >= least,
+           "is next to nothing for a rail seat: is it in N?",
+           {.weight = input::Weight::warning, .reads = {key}});
   s.rule("duration", kind == StageKind::passage || duration > 0,
          "must be above 0 s for this kind of stage");
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
@@ -126,6 +131,10 @@ void TimeParameters::declare(input::Section& s) {
       "step", step <= 2 * rough_step,
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
                   rough_step));
+  s.rule("step", step == 0 || step >= 1e-3 * rough_step,
+         fmt::format("is less than a thousandth of what stability asks for, about {:.3g} s",
+                     rough_step),
+         {.weight = input::Weight::warning, .reads = {"step"}});
   s.rule("step", window == 0 || step <= window,
          fmt::format("is longer than the window of {:g} s, which is taken in one sub-step", window),
          {.weight = input::Weight::warning, .reads = {"window", "step"}});
@@ -161,9 +170,10 @@ void Output::declare(input::Section& s) {
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
-  s.number("thickness", thickness,
-           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
-           "Extent of a plane model across the track.");
+  s.number(
+      "thickness", thickness, {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
+      "Extent of a plane model across the track: that of half a sleeper if seat loads are those of "
+      "one rail.");
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file(
       "start", start,

@@ -229,8 +229,6 @@ void Simulation::begin_stage() {
   measured_ = measure_from(stage().name, timers_, world_);
   stage_begin_ = progress_.wall_time();
   progress_.stage_begins(stage(), course_, world_);
-  // A row at the very begin, to which envelopes and figures are relative.
-  sample();
 }
 
 // The checkpoint comes last: it holds the state after the end of the stage.

@@ -117,7 +117,8 @@ void LayerParameters::declare(input::Section& s) {
            "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
            "convex pieces; library: the shapes of a file, each as often (space).");
   s.text("material", material, "Contact material of the stones.");
-  s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.02, .usually_to = 5},
+  s.number("height", height,
+           {.unit = "m", .above = 0, .at_most = 1e3, .usually_from = 0.02, .usually_to = 5},
            "Height wanted after compaction: with the porosity it sets the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Share of voids expected after compaction.");

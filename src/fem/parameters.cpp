@@ -12,6 +12,9 @@ using input::Section;
 
 namespace {
 
+// Every rank splits all of them alone, with 40 bytes for each.
+constexpr double most_zones = 1e8;
+
 // Lowest accepted corner count of an outline; two numbers per corner.
 constexpr std::size_t fewest_corners = 3;
 // Beyond this the bulk modulus is 1700 times the shear modulus and rounding eats the pressure.
@@ -141,6 +144,12 @@ void GroundParameters::declare(Section& s) {
   s.integer("zones_y", zones_y, {.at_least = 1, .at_most = 1e5},
             "Elements across; a plane model has one.");
   s.integer("zones_z", zones_z, {.at_least = 1, .at_most = 1e5}, "Elements over the depth.");
+  const double zones =
+      static_cast<double>(zones_x) * static_cast<double>(zones_y) * static_cast<double>(zones_z);
+  s.rule("zones_x", !present || zones <= most_zones,
+         fmt::format("makes {:.3g} zones with zones_y and zones_z: at most {:g} can be shared out",
+                     zones, most_zones),
+         {.reads = {"zones_x", "zones_y", "zones_z"}});
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
   s.rule("layer", !present || !layers.empty(), "must be given at least once: the ground is empty");
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
@@ -154,7 +163,10 @@ void GroundParameters::declare(Section& s) {
            "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
   s.choice("sides", sides, {"free", "roller", "quiet"},
            "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out.");
-  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0},
+  s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
+         "is next to nothing below a track: is it in Pa/m?",
+         {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
            "Rayleigh damping: share of the stiffness matrix; lowers the stable explicit step.");

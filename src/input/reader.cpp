@@ -223,9 +223,10 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
     return false;
   }
   if (!usual(limits, found))
-    problems_.warn(&node, fmt::format("{} = {} is far from the usual values ({} {}); is its unit "
+    problems_.warn(&node, fmt::format("{} = {} is far from the usual values ({}{}); is its unit "
                                       "right?",
-                                      path, shown(found), usual_in_words(limits), limits.unit));
+                                      path, shown(found), usual_in_words(limits),
+                                      limits.unit == "-" ? "" : fmt::format(" {}", limits.unit)));
   value = found;
   return true;
 }

@@ -1,7 +1,7 @@
 // How a checkpoint stays whole:
 //   write `name.part`, each dataset with a checksum, and seal its structure (seal.hpp) -> close ->
-//   open again, compare -> fsync -> rename -> fsync the folder -> the same way for the one-line
-//   text file `latest`.
+//   open again, compare -> fsync -> rename -> fsync the folder -> the same way for the text file
+//   `latest`, which names the newest in its first line.
 // So a reader meets either the old file or the new one (replace.cpp). Cost: the file is read back
 // once, from the system's cache.
 #include "trackbed/io/checkpoint.hpp"
@@ -27,11 +27,24 @@ constexpr const char* kind = "trackbed checkpoint";
 
 [[noreturn]] void refuse(const std::string& sentence) { throw InputError({sentence}); }
 
-// Last of all: `latest` never names a file that is not whole. On rank 0.
+// The checkpoints that the text file `latest` names, the newest first.
+std::vector<std::string> listed_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::ifstream in(folder / "latest");
+  for (std::string name; std::getline(in, name);)
+    if (!name.empty()) names.push_back(name);
+  return names;
+}
+
+// Last of all: `latest` never names first a file that is not whole. The ones before follow, as
+// their order cannot be told from the files: copies have other dates. On rank 0.
 std::string write_latest(const fs::path& folder, const std::string& name) {
   const fs::path part = folder / "latest.part";
   std::ofstream out(part);
   out << name << '\n';
+  std::error_code ignored;
+  for (const std::string& before : listed_in(folder))
+    if (before != name && fs::exists(folder / before, ignored)) out << before << '\n';
   out.close();
   if (!out) return part.string() + ": cannot be written";
   return put_in_place(part, folder / "latest");
@@ -67,14 +80,6 @@ std::string why_not_there(const std::string& path) {
   return damage.empty() ? "" : path + ": " + damage;
 }
 
-// What the text file `latest` says, or nothing.
-std::string latest_of(const fs::path& folder) {
-  std::string name;
-  std::ifstream in(folder / "latest");
-  std::getline(in, name);
-  return name;
-}
-
 // Files of others may lie beside: what has neither a name that runs give nor the seal of a
 // checkpoint is none of ours, and not worth a word.
 bool is_ours(const fs::path& file) {
@@ -84,21 +89,26 @@ bool is_ours(const fs::path& file) {
          why_not_whole(file.string()).empty();
 }
 
-// All checkpoints of the folder, the newest first.
-// By time of writing: names of stages say nothing about it. Equal times (coarse file systems) fall
-// back on names, so that the choice is always the same.
+// All checkpoints of the folder, the newest first: those that `latest` names in its order, then
+// others by time of writing, which copies change. Equal times (coarse file systems) fall back on
+// names, so that the choice is always the same.
 std::vector<std::string> newest_first(const fs::path& folder) {
   struct Found {
+    std::ptrdiff_t place;
     fs::file_time_type time;
     std::string name;
   };
+  const std::vector<std::string> listed = listed_in(folder);
   std::vector<Found> found;
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
     if (is_ours(entry.path()))
-      found.push_back({entry.last_write_time(ignored), entry.path().filename().string()});
+      found.push_back({std::find(listed.begin(), listed.end(), name) - listed.begin(),
+                       entry.last_write_time(ignored), name});
   }
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    if (a.place != b.place) return a.place < b.place;
     return a.time != b.time ? a.time > b.time : a.name > b.name;
   });
   std::vector<std::string> names;
@@ -107,14 +117,15 @@ std::vector<std::string> newest_first(const fs::path& folder) {
 }
 
 // What `path` may mean, best first; on rank 0. Paths, one per line.
-// The one `latest` names comes first, whatever the times of the files say: copies change those.
+// The one `latest` names first comes first, even if it is not there: then that is said.
 std::string candidates(const std::string& path, IfDamaged if_damaged) {
   std::error_code ignored;
   // The text file `latest` stands for the folder whose newest checkpoint it names.
   const bool names_latest = fs::path(path).filename() == "latest" && fs::is_regular_file(path);
   if (!names_latest && !fs::is_directory(path, ignored)) return path + "\n";
   const fs::path folder = names_latest ? fs::path(path).parent_path() : fs::path(path);
-  const std::string latest = latest_of(folder);
+  const std::vector<std::string> listed = listed_in(folder);
+  const std::string latest = listed.empty() ? "" : listed.front();
   std::string lines = latest.empty() ? "" : (folder / latest).string() + "\n";
   if (if_damaged == IfDamaged::refuse) return lines;
   for (const std::string& name : newest_first(folder))

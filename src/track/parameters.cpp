@@ -57,7 +57,7 @@ void SeatLoadParameters::declare(input::Section& s) {
            "Rail-seat load of one axle right above the sleeper (winkler, power). For a wheel load "
            "Q on a "
            "beam on a Winkler bed: Q decay spacing / 2.");
-  s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 170},
+  s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 0.1, .usually_to = 98},
            "Speed of the axles along x.");
   s.numbers("axles", axles, {.unit = "m", .at_least = 0, .usually_to = 500},
             "Distance of each axle behind the first (winkler, power).");

@@ -44,8 +44,13 @@ def main():
         last = {name: group["stress"][-1].reshape(-1, 6)[:, 2]
                 for name, group in file["history/region"].items()}
         width = file["history/region/layers/porosity"].shape[1]
+        # Stones touch before the platen comes: no row, not even a stage's first, may say otherwise.
+        number = file["history/stage"][()].ravel()
+        later = file["history/energy/elastic"][()].ravel()[number == number[-1]]
     deck = tomllib.loads(Path(deck).read_text(encoding="utf-8"))
     wrong = []
+    if not np.all(later > 0):
+        wrong.append(f"elastic energy {later[:3]} J when the platen comes")
     if not stage["aim_reached"] or abs(pressed / deck["platen"]["pressure"] - 1) > 0.02:
         wrong.append(f"the platen presses by {pressed} Pa")
     # Weight of what lies above: below a per cent of the pressure, and known.

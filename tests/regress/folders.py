@@ -129,7 +129,7 @@ def check_damaged(program, deck, folder):
     files = sorted((path for path in made.glob("*.h5") if path.name != "results.h5"),
                    key=lambda path: path.stat().st_mtime_ns)
     latest, before = files[-1], files[-2]
-    if (made / "latest").read_text(encoding="utf-8").strip() != latest.name:
+    if (made / "latest").read_text(encoding="utf-8").splitlines()[0] != latest.name:
         raise SystemExit(f"{latest} is not the latest")
     if str(latest) not in program.done(2, "info", made).stdout:
         raise SystemExit(f"info {made} must say which file it is about")

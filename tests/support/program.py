@@ -8,7 +8,7 @@ class Program:
     def __init__(self, path):
         self.path = path
 
-    def __call__(self, ranks, *arguments, timeout=240):
+    def __call__(self, ranks, *arguments, timeout=3600):
         command = [self.path, *map(str, arguments)]
         if ranks != 1:
             command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *command]

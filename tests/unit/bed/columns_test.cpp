@@ -99,6 +99,28 @@ TEST(Columns, InSpaceStonesLieClose) {
   EXPECT_LT(top, 3 * scene.bed.height * (1 - scene.bed.porosity));
 }
 
+// Of even rotations every axis of the body points everywhere alike: the means of R_ij and of
+// R_ij R_kl are 0, those of R_ij^2 are 1/3, those of the fourth powers 1/5.
+TEST(Columns, AttitudesAreEvenOverAllRotations) {
+  Scene scene(Dimension::space, StoneKind::clump);
+  scene.bed.height = 0.3;
+  const auto stones = scene.build();
+  ASSERT_GT(stones.size(), 5000U);
+  Mat3 mean = Mat3::Zero(), square = Mat3::Zero(), fourth = Mat3::Zero();
+  for (const dem::NewParticle& stone : stones) {
+    const Mat3 turn = stone.attitude.normalized().toRotationMatrix();
+    const Mat3 squared = turn.cwiseProduct(turn);
+    mean += turn, square += squared, fourth += squared.cwiseProduct(squared);
+  }
+  const auto n = static_cast<double>(stones.size());
+  // Four standard errors: those of R, R^2 and R^4 are sqrt(1/3), sqrt(4/45) and sqrt(16/225).
+  EXPECT_LT((mean / n).cwiseAbs().maxCoeff(), 4 * std::sqrt(1.0 / 3 / n));
+  EXPECT_LT((square / n - Mat3::Constant(1.0 / 3)).cwiseAbs().maxCoeff(),
+            4 * std::sqrt(4.0 / 45 / n));
+  EXPECT_LT((fourth / n - Mat3::Constant(1.0 / 5)).cwiseAbs().maxCoeff(),
+            4 * std::sqrt(16.0 / 225 / n));
+}
+
 TEST(Columns, SeedDecides) {
   Scene scene(Dimension::plane, StoneKind::pebbles);
   const auto first = scene.build(), again = scene.build();

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "bed/mix.hpp"
@@ -53,6 +55,27 @@ TEST(Grading, QuantilesMeetTheSieves) {
     for (int i = 0; i < many; ++i)
       mean += std::pow(grading.by_number((i + 0.5) / many), dimension) / many;
     EXPECT_NEAR(mean / grading.mean_power(), 1, 1e-6);  // midpoint rule of 20000 points
+  }
+}
+
+// As the standards have them: sieve, least and most that passes. EN 13450:2002, category A, which
+// the Chinese special class equals; TB/T 2140, first class for new lines; AS 2758.7:1996, nominal
+// 60 from memory.
+TEST(Grading, LimitsAreThoseOfTheStandards) {
+  using Rows = std::vector<std::array<double, 3>>;
+  const Rows en13450 = {{22.4, 0, 3}, {31.5, 1, 25}, {40, 30, 65}, {50, 70, 99}, {63, 100, 100}};
+  const std::map<GradingKind, Rows> published = {
+      {GradingKind::en13450_a, en13450},
+      {GradingKind::china_special, en13450},
+      {GradingKind::china_first,
+       {{16, 0, 5}, {25, 5, 15}, {35.5, 25, 40}, {45, 55, 75}, {56, 92, 97}, {63, 97, 100}}},
+      {GradingKind::as2758_60,
+       {{13.2, 0, 2}, {19, 0, 5}, {26.5, 0, 20}, {37.5, 20, 65}, {53, 85, 100}, {63, 100, 100}}}};
+  for (const auto& [kind, rows] : published) {
+    const GradingLimits& limits = limits_of(kind);
+    ASSERT_EQ(limits.sieve.size(), rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      EXPECT_EQ((std::array{limits.sieve[k], limits.low[k], limits.high[k]}), rows[k]);
   }
 }
 
