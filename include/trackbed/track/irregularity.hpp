@@ -1,0 +1,56 @@
+// The rail's running surface: how far it lies above (m) the straight line, along x.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+
+namespace trackbed::track {
+
+// Vertical profile, one-sided power spectral density.
+enum class Spectrum { erri_low, erri_high, fra_1, fra_2, fra_3, fra_4, fra_5, fra_6, china };
+// m^2/(rad/m) at the wave number (rad/m).
+double density_of(Spectrum spectrum, double wave_number);
+// m, root mean square of the part between two wavelengths (m).
+double rms_of(Spectrum spectrum, double shortest, double longest);
+
+// versine: smooth; vee: two straight ramps; joint: two parabolas that meet in a point, as rails at
+// a weld or joint do; waves: versines one after the other.
+enum class IrregularityKind { none, versine, vee, joint, waves, spectrum, file };
+
+struct IrregularityParameters {
+  IrregularityKind kind = IrregularityKind::none;
+  double at = 30;       // m, middle of a dip, begin of waves
+  double depth = 1e-3;  // m, below the line
+  double length = 1;    // m, of a dip or of one wave
+  std::int64_t waves = 1;
+  Spectrum spectrum = Spectrum::erri_low;
+  double shortest = 1, longest = 70;  // m, wavelengths of the spectrum
+  std::int64_t seed = 1;
+  double fade = 10;  // m from the begin of the track over which spectrum and file fade in
+  std::string file;  // CSV
+  void declare(input::Section& s);
+};
+
+class Irregularity {
+ public:
+  // Valid for x from 0 to `length` m, zero before and as at the end beyond. Throws InputError for a
+  // bad file.
+  Irregularity(const IrregularityParameters& parameters, double length);
+  double at(double x) const;  // m, upwards
+  // m, of the sampled profile of kind `spectrum` between 3 and 25 m, from its lines.
+  double d1_rms() const { return d1_; }
+
+ private:
+  void draw(double length);
+  void read(double length);
+  double sampled(double x) const;
+  double dip(double x) const;
+  IrregularityParameters parameters_;
+  double spacing_ = 0, d1_ = 0;         // m
+  std::vector<double> height_, slope_;  // m, -
+};
+
+}  // namespace trackbed::track

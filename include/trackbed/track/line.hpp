@@ -1,0 +1,106 @@
+// The track as one linear structure: a rail on a Kelvin bed, or on pads, sleepers and ballast.
+// Vertical motion in the plane of one rail. What stands here is that of one rail: half a sleeper's
+// mass, the pad and the ballast below one rail seat. Upwards is positive.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+#include "trackbed/track/rail.hpp"
+
+namespace trackbed::track {
+
+using Sparse = Eigen::SparseMatrix<double>;
+using Vector = Eigen::VectorXd;
+
+// M a + C v + K u = f; kg, N s/m, N/m and the like for rotations.
+struct LinearSystem {
+  Sparse mass, damping, stiffness;
+};
+
+// none: the rail hangs at its ends, as a bridge does.
+enum class Support { sleepers, continuous, none };
+enum class RailEnds { free, pinned };
+
+struct PadParameters {
+  double stiffness = 120e6, damping = 25e3;  // N/m, N s/m, of one rail seat
+  void declare(input::Section& s);
+};
+
+// Under one rail seat: a Kelvin spring, or two with a ballast mass between (Zhai et al. 2004).
+struct BallastParameters {
+  double stiffness = 60e6, damping = 60e3;              // N/m, N s/m
+  double mass = 0;                                      // kg; 0: none, and nothing below
+  double below_stiffness = 80e6, below_damping = 30e3;  // N/m, N s/m
+  void declare(input::Section& s);
+};
+
+// Where the track differs from the rest.
+struct TrackZone {
+  double from = 0, to = 0;   // m
+  double rail = 1, bed = 1;  // factors of E I, k G A and mass; of bed or ballast
+  void declare(input::Section& s);
+};
+
+struct TrackParameters {
+  Support support = Support::sleepers;
+  RailEnds ends = RailEnds::free;
+  std::int64_t rails = 2;       // alike, sharing vehicles and sleepers evenly
+  double length = 60;           // m, from x = 0
+  double spacing = 0.6;         // m, of sleepers
+  std::int64_t elements = 4;    // in a spacing
+  double sleeper_mass = 300;    // kg, whole
+  double bed_stiffness = 50e6;  // N/m^2, continuous
+  double bed_damping = 50e3;    // N s/m^2, continuous
+  double run_in = 6;            // m, at both ends
+  double run_in_factor = 100;   // of all springs and dampers at the very end
+  std::vector<TrackZone> zones;
+  void declare(input::Section& s);
+};
+
+struct LineParameters {
+  RailParameters rail;
+  PadParameters pad;
+  BallastParameters ballast;
+  TrackParameters track;
+};
+
+// A point of the rail: its deflection is sum value_k u[unknown_k] plus `local` times a force there.
+// Beyond the ends the rail is rigid: no unknowns, no flexibility. An unknown of -1 is held.
+struct RailPoint {
+  std::array<std::int32_t, 4> unknown{-1, -1, -1, -1};
+  std::array<double, 4> value{};
+  double local = 0;  // m/N
+  double deflection(const Vector& u) const;
+  void add(double force, Vector& to) const;  // N upwards
+};
+
+class Line {
+ public:
+  explicit Line(const LineParameters& parameters);
+  ~Line();
+  Line(Line&&) noexcept;
+
+  const LinearSystem& system() const;
+  double length() const;  // m
+  RailPoint at(double x) const;
+  std::size_t sleepers() const;  // 0 unless supported by sleepers
+  double sleeper_x(std::size_t i) const;
+  std::int32_t sleeper_unknown(std::size_t i) const;
+  std::size_t nearest_sleeper(double x) const;
+  // N, of the pad on sleeper i, compression positive.
+  double seat_force(std::size_t i, const Vector& u, const Vector& v) const;
+  // N m in the rail just left of x, which should be a node; positive where it is bent upwards
+  // (sagging). From element forces, so that a bed's share is in it.
+  double bending_moment(double x, const Vector& u) const;
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
+};
+
+}  // namespace trackbed::track

@@ -1,0 +1,57 @@
+// A train on a track, in time: wheels, rail and everything on springs, coupled by the contact of
+// each wheel. Small enough that every rank computes all of it alike, so that no bit depends on the
+// number of ranks.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+#include "trackbed/track/irregularity.hpp"
+#include "trackbed/track/line.hpp"
+#include "trackbed/track/newmark.hpp"
+#include "trackbed/track/train.hpp"
+#include "trackbed/track/wheel_rail.hpp"
+
+namespace trackbed::track {
+
+struct PassageParameters {
+  double step = 2e-4;        // s
+  double duration = 0;       // s; 0: until the last axle has left the track
+  double tolerance = 1e-12;  // m, of the approach of wheel and rail
+  void declare(input::Section& s);
+};
+
+class Passage {
+ public:
+  // Keeps references to `line` and `train`; they outlive it. Begins in static equilibrium, the
+  // train moving at its speed. Throws RunError if there is none.
+  Passage(const Line& line, const Train& train, const WheelRail& law,
+          const Irregularity& irregularity, const TrainParameters& motion,
+          const PassageParameters& parameters);
+  ~Passage();
+  Passage(Passage&&) noexcept;
+
+  // One step. Throws RunError if the contact cannot be solved or something is no number.
+  void advance();
+
+  double time() const;                       // s
+  double duration() const;                   // s, as asked for or until the last axle has left
+  double wheel_x(std::size_t i) const;       // m
+  double wheel_force(std::size_t i) const;   // N, on the rail, of one wheel
+  double wheel_height(std::size_t i) const;  // m, of a wheelset; 0 for a constant force
+  double rail_displacement(double x) const;  // m, upwards
+  const Newmark& line_motion() const;
+  const Newmark& train_motion() const;
+  std::int64_t iterations() const;  // Newton steps so far
+  std::int64_t steps() const;
+  std::int64_t lost() const;  // steps of wheels that had left the rail
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
+};
+
+}  // namespace trackbed::track

@@ -1,0 +1,48 @@
+// Rails: sections by name or by numbers, and what a beam made of one needs.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+
+namespace trackbed::track {
+
+// One rail. `source` says where each number was read.
+struct RailSection {
+  std::string_view name;
+  double area, inertia, mass;  // m^2, m^4 about the horizontal axis, kg/m
+  std::string_view source;
+};
+const std::vector<RailSection>& rail_sections();
+// Throws InputError with the names there are.
+const RailSection& rail_section(std::string_view name);
+
+enum class BeamTheory { timoshenko, euler };
+
+// Numbers of 0 are those of the section.
+struct RailParameters {
+  std::string section = "60E1";
+  BeamTheory theory = BeamTheory::timoshenko;
+  double young = 210e9, poisson = 0.3;     // Pa, -
+  double shear_factor = 0.4;               // -, kappa of k G A
+  double area = 0, inertia = 0, mass = 0;  // m^2, m^4, kg/m
+  void declare(input::Section& s);
+};
+
+// What the element sees. shear_stiffness and rotary_inertia are 0 for an Euler-Bernoulli beam,
+// which then means: rigid in shear, without rotary inertia.
+struct Beam {
+  double bending_stiffness = 0;  // N m^2, E I
+  double shear_stiffness = 0;    // N, k G A
+  double mass = 0;               // kg/m
+  double rotary_inertia = 0;     // kg m, rho I
+  Beam times(double factor) const {
+    return {bending_stiffness * factor, shear_stiffness * factor, mass * factor,
+            rotary_inertia * factor};
+  }
+};
+Beam beam_of(const RailParameters& rail);
+
+}  // namespace trackbed::track

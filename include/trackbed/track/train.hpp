@@ -1,0 +1,80 @@
+// Vehicles as rigid bodies on springs and dampers in the vertical plane, and trains of them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+#include "trackbed/track/line.hpp"
+
+namespace trackbed::track {
+
+// coach: body and two bogies (bounce and pitch), four wheelsets. sprung: a mass on a spring on one
+// wheelset. wheel: one wheelset alone. forces: axles of constant force.
+enum class VehicleKind { coach, sprung, wheel, forces };
+
+// A whole vehicle, both sides together; numbers of 0 are those of `like`.
+struct VehicleParameters {
+  std::string name = {};
+  std::string like = {};  // a vehicle of the library
+  VehicleKind kind = VehicleKind::coach;
+  double length = 0;                                        // m, between couplings
+  double body_mass = 0, bogie_mass = 0, wheelset_mass = 0;  // kg
+  double body_inertia = 0, bogie_inertia = 0;  // kg m^2, pitch; 0: of a uniform bar, see `complete`
+  double primary_stiffness = 0, primary_damping = 0;      // N/m, N s/m, of one wheelset
+  double secondary_stiffness = 0, secondary_damping = 0;  // N/m, N s/m, of one bogie
+  double bogie_distance = 0, wheelbase = 0;               // m, between centres of bogies, of axles
+  std::vector<double> axles = {}, loads = {};  // forces: m behind the front, N of each axle
+  std::string_view source = {};                // of the library's
+  void declare(input::Section& s);
+};
+
+const std::vector<VehicleParameters>& vehicle_library();
+// With everything `like` gives, and inertias of bars where none is given. What still lacks a number
+// it needs is named in the second.
+VehicleParameters complete(const VehicleParameters& given);
+std::vector<std::string> lacking(const VehicleParameters& complete);
+
+struct TrainParameters {
+  std::vector<std::string> vehicles = {"manchester_1"};  // front first
+  double speed = 50;                                     // m/s
+  double start = 10;                                     // m, x of the first axle
+  void declare(input::Section& s);
+};
+
+// Hz, undamped, of the vehicle with its wheelsets held, rising.
+std::vector<double> natural_frequencies(const VehicleParameters& vehicle);
+
+// Its share of one rail of `rails` alike.
+class Train {
+ public:
+  struct Wheel {
+    double behind;         // m, behind the first axle
+    std::int32_t unknown;  // of its wheelset's height; -1: constant force
+    double force;          // N downwards on the rail, if constant
+    double share;          // N, vehicle's weight per wheel: a first guess
+  };
+  // `known`: vehicles beside the library, which they come before. Throws InputError for unknown
+  // names.
+  Train(const TrainParameters& parameters, const std::vector<VehicleParameters>& known,
+        std::int64_t rails);
+
+  const LinearSystem& system() const { return system_; }
+  const Vector& weight() const { return weight_; }  // N on each unknown, upwards
+  const std::vector<Wheel>& wheels() const { return wheels_; }
+  const std::vector<VehicleParameters>& vehicles() const { return vehicles_; }
+  // First unknown of each vehicle: body height (and pitch) come first.
+  const std::vector<std::int32_t>& first_unknown() const { return first_; }
+  double axle_distance() const;  // m, first to last axle
+
+ private:
+  LinearSystem system_;
+  Vector weight_;
+  std::vector<Wheel> wheels_;
+  std::vector<VehicleParameters> vehicles_;
+  std::vector<std::int32_t> first_;
+};
+
+}  // namespace trackbed::track

@@ -1,0 +1,48 @@
+// Wheel on rail: Hertz's contact from radii, and the shape of the rail's running surface.
+#pragma once
+
+#include "trackbed/input/section.hpp"
+
+namespace trackbed::track {
+
+// Two elastic bodies whose principal curvatures lie in the same planes: a wheel (rolling radius,
+// conical tread) on a rail head (its radius across the track).
+struct HertzBodies {
+  double wheel_radius = 0.46, rail_radius = 0.30;  // m
+  double young = 210e9, poisson = 0.3;             // Pa, -, both bodies
+};
+
+// Elliptic contact at normal force F (N): approach = (F/constant)^(2/3).
+struct HertzContact {
+  double constant = 0;                  // N/m^1.5
+  double half_axis_a = 0;               // m/N^(1/3), times F^(1/3): the longer
+  double half_axis_b = 0;               // m/N^(1/3)
+  double pressure(double force) const;  // Pa, largest
+};
+HertzContact hertz_contact(const HertzBodies& bodies);
+
+enum class WheelRailLaw { hertz, linear };
+
+struct WheelRailParameters {
+  WheelRailLaw law = WheelRailLaw::hertz;
+  HertzBodies bodies;
+  double constant = 0;       // N/m^1.5; 0: from the bodies
+  double stiffness = 1.3e9;  // N/m, linear
+  void declare(input::Section& s);
+};
+
+// Force on a wheel from its approach to the rail; zero where they part. Local, pure.
+class WheelRail {
+ public:
+  explicit WheelRail(const WheelRailParameters& parameters);
+  double force(double approach) const;  // N
+  double slope(double approach) const;  // N/m
+  double approach(double force) const;  // m
+  double constant() const { return constant_; }
+
+ private:
+  WheelRailLaw law_;
+  double constant_;  // N/m^1.5, linear: N/m
+};
+
+}  // namespace trackbed::track

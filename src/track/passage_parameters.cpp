@@ -1,0 +1,96 @@
+// Parameters of the track as a structure and of the run of a train over it, each declared once.
+#include <cmath>
+
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+// Of lengths that are meant to be multiples, written with few digits.
+constexpr double rounding = 1e-6;
+
+bool is_multiple(double length, double of) {
+  const double ratio = length / of;
+  return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < rounding * ratio;
+}
+
+}  // namespace
+
+void PadParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
+           "Of the pads on one rail seat.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},
+           "Of the pads on one rail seat.");
+}
+
+void BallastParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
+           "Of the ballast below one rail seat.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
+           "Of the ballast below one rail seat.");
+  s.number("mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
+           "Of the ballast that moves with one rail seat; 0: none, and the ballast stands on rigid "
+           "ground.");
+  s.number("below_stiffness", below_stiffness, {.unit = "N/m", .above = 0},
+           "Below the ballast mass.");
+  s.number("below_damping", below_damping, {.unit = "N s/m", .at_least = 0},
+           "Below the ballast mass.");
+}
+
+void TrackZone::declare(input::Section& s) {
+  s.number("from", from, {.unit = "m", .required = true}, "x where the zone begins.");
+  s.number("to", to, {.unit = "m", .required = true}, "x where it ends.");
+  s.number("rail", rail, {.above = 0, .usually_to = 100},
+           "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
+  s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
+           "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
+  s.rule("to", to > from, "must lie beyond from");
+}
+
+void TrackParameters::declare(input::Section& s) {
+  s.choice(
+      "support", support, {"sleepers", "continuous", "none"},
+      "sleepers: pads, sleepers, ballast; continuous: a Kelvin bed right under the rail; none: "
+      "held at its ends alone, as a bridge.");
+  s.choice("ends", ends, {"free", "pinned"}, "Ends of the rail.");
+  s.integer("rails", rails, {.at_least = 1, .at_most = 2},
+            "Rails alike that share vehicles and sleepers evenly; 1: a beam carries it all.");
+  s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
+           "Of the track, from x = 0; beyond it wheels roll on rigid rails.");
+  s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
+           "Of sleepers; the length is a multiple of it.");
+  s.integer("elements", elements, {.at_least = 1, .at_most = 100}, "Of the rail in a spacing.");
+  s.number("sleeper_mass", sleeper_mass, {.unit = "kg", .above = 0, .usually_to = 2000},
+           "Of a whole sleeper (sleepers).");
+  s.number("bed_stiffness", bed_stiffness,
+           {.unit = "N/m2", .above = 0, .usually_from = 1e5, .usually_to = 1e10},
+           "Below one rail, per length (continuous).");
+  s.number("bed_damping", bed_damping, {.unit = "N s/m2", .at_least = 0, .usually_to = 1e7},
+           "Below one rail, per length (continuous).");
+  s.number("run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
+           "Length at both ends over which pads and bed become stiffer towards the rigid rail.");
+  s.number("run_in_factor", run_in_factor, {.at_least = 1},
+           "Stiffness and damping of pads and bed at the very ends over that of the track.");
+  s.tables("zone", zones, "Where the track differs; factors of zones that overlap multiply.");
+  s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
+         {.reads = {"length", "spacing"}});
+  s.rule("ends", support != Support::none || ends == RailEnds::pinned,
+         "must be pinned: the rail is held by nothing else");
+  s.rule("run_in", 2 * run_in <= length, "must be at most half the length");
+}
+
+void PassageParameters::declare(input::Section& s) {
+  s.number("step", step, {.unit = "s", .above = 0, .usually_from = 1e-6, .usually_to = 1e-2},
+           "Time step.");
+  s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 1000},
+           "Simulated time; 0: until the last axle has left the track.");
+  s.number("tolerance", tolerance,
+           {.unit = "m", .above = 0, .usually_from = 1e-16, .usually_to = 1e-8},
+           "Of the approach of wheel and rail in each step; a stiffness of 1e9 N/m makes 1e-12 m "
+           "1 mN.");
+}
+
+}  // namespace trackbed::track

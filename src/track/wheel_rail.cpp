@@ -1,0 +1,114 @@
+// Hertz's elliptic contact without tables: the ratio of the half axes follows from one equation in
+// complete elliptic integrals, which the arithmetic-geometric mean gives to rounding.
+//   A = 1/(2 R_wheel), B = 1/(2 R_rail) (the larger is B),  e^2 = 1 - b^2/a^2,
+//   B/A = (E/(1 - e^2) - K)/(K - E)              -> e
+//   a^3 = 3 F (K - E)/(2 pi E* e^2 A),   delta = 3 F K/(2 pi a E*),   1/E* = 2 (1 - nu^2)/E
+// (Johnson 1985, Contact Mechanics, section 4.2, doi:10.1017/CBO9781139171731.)
+// Rejected: Hertz's table of m and n, whose four digits show in C_H.
+#include "trackbed/track/wheel_rail.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace trackbed::track {
+
+namespace {
+
+struct Elliptic {
+  double k, e;  // complete integrals of first and second kind
+};
+
+// From the parameter m = e^2 by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
+Elliptic elliptic(double m) {
+  double a = 1, b = std::sqrt(1 - m), c = std::sqrt(m), power = 0.5, sum = power * c * c;
+  while (std::abs(c) > 1e-16 * a) {
+    const double mean = (a + b) / 2;
+    c = (a - b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+    power *= 2;
+    sum += power * c * c;
+  }
+  const double k = std::numbers::pi / (2 * a);
+  return {k, k * (1 - sum)};
+}
+
+// Ratio of curvatures that an ellipse of parameter m belongs to; rises from 1 to infinity.
+double curvature_ratio(double m) {
+  const Elliptic i = elliptic(m);
+  return (i.e / (1 - m) - i.k) / (i.k - i.e);
+}
+
+// Bisection: monotone, and done once per run.
+double parameter_of(double ratio) {
+  double low = 1e-8, high = 1 - 1e-12;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    (curvature_ratio(middle) < ratio ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace
+
+double HertzContact::pressure(double force) const {
+  return 3 * std::cbrt(force) / (2 * std::numbers::pi * half_axis_a * half_axis_b);
+}
+
+// For F = 1 N: half axes go with F^(1/3), the approach with F^(2/3).
+HertzContact hertz_contact(const HertzBodies& bodies) {
+  const double one = 1 / (2 * bodies.wheel_radius), other = 1 / (2 * bodies.rail_radius);
+  const double a_curvature = std::min(one, other), b_curvature = std::max(one, other);
+  const double modulus = bodies.young / (2 * (1 - bodies.poisson * bodies.poisson));
+  // Equal radii: a circle, where the formula is 0/0.
+  const double m = std::max(parameter_of(b_curvature / a_curvature), 1e-8);
+  const Elliptic i = elliptic(m);
+  HertzContact contact;
+  contact.half_axis_a =
+      std::cbrt(3 * (i.k - i.e) / (2 * std::numbers::pi * modulus * m * a_curvature));
+  contact.half_axis_b = contact.half_axis_a * std::sqrt(1 - m);
+  const double unit = 3 * i.k / (2 * std::numbers::pi * contact.half_axis_a * modulus);
+  contact.constant = std::pow(unit, -1.5);
+  return contact;
+}
+
+void WheelRailParameters::declare(input::Section& s) {
+  s.choice("law", law, {"hertz", "linear"},
+           "Hertz: F = C approach^1.5. Linear: F = stiffness approach. Both only push.");
+  s.number("wheel_radius", bodies.wheel_radius, {.unit = "m", .above = 0, .usually_to = 1},
+           "Rolling radius of the wheels (hertz).");
+  s.number("rail_radius", bodies.rail_radius, {.unit = "m", .above = 0, .usually_to = 1},
+           "Radius of the rail head across the track (hertz).");
+  s.number("young", bodies.young, {.unit = "Pa", .above = 0, .usually_from = 1e9},
+           "Young's modulus of wheel and rail in their contact (hertz).");
+  s.number("poisson", bodies.poisson, {.above = -1, .at_most = 0.5},
+           "Poisson's ratio of wheel and rail in their contact (hertz).");
+  s.number("constant", constant, {.unit = "N/m^1.5", .at_least = 0, .usually_from = 1e10},
+           "C of F = C approach^1.5 (hertz); 0: from radii and moduli.");
+  s.number("stiffness", stiffness, {.unit = "N/m", .above = 0},
+           "Of one wheel on one rail (linear).");
+}
+
+WheelRail::WheelRail(const WheelRailParameters& p)
+    : law_(p.law),
+      constant_(p.law == WheelRailLaw::linear ? p.stiffness
+                : p.constant > 0              ? p.constant
+                                              : hertz_contact(p.bodies).constant) {}
+
+double WheelRail::force(double approach) const {
+  if (approach <= 0) return 0;
+  return constant_ * (law_ == WheelRailLaw::linear ? approach : approach * std::sqrt(approach));
+}
+
+double WheelRail::slope(double approach) const {
+  if (approach <= 0) return 0;
+  return law_ == WheelRailLaw::linear ? constant_ : 1.5 * constant_ * std::sqrt(approach);
+}
+
+double WheelRail::approach(double force) const {
+  const double ratio = force / constant_;
+  return law_ == WheelRailLaw::linear ? ratio : std::pow(ratio, 2.0 / 3);
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,129 @@
+// The rail at rest and under a harmonic force against closed forms: Winkler's beam after Euler and
+// Bernoulli and after Timoshenko, discrete supports, a single span.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr double load = 100e3;  // N
+constexpr double middle = 30;   // m
+
+// References have seven digits. Elements of 75 mm leave (beta h)^4/720 = 9e-8 of the deflection.
+constexpr double digits = 2e-6;
+
+TEST(Winkler, EulerBernoulli) {
+  const Line line(winkler(60, BeamTheory::euler, 8));
+  const Vector u = at_rest(line, middle, load);
+  const auto down = [&](double x) { return -line.at(middle + x).deflection(u); };
+  verified::near("w(0)", "m", down(0), 1.183082e-3, 1.183082e-3 * digits);
+  verified::near("w(0.6 m)", "m", down(0.6), 0.820362e-3, 1.2e-3 * digits);
+  verified::near("w(1.2 m)", "m", down(1.2), 0.325852e-3, 1.2e-3 * digits);
+  verified::near("uplift at pi/beta", "m", -down(std::numbers::pi / 1.183082), 5.1126e-5, 5e-9);
+  verified::near("M(0)", "N m", line.bending_moment(middle, u), 21131.24, 21131.24 * 1e-5);
+}
+
+// The element is exact for forces at nodes, but a bed pushes between them: second order, 8e-6 for
+// elements of 25 mm.
+TEST(Winkler, Timoshenko) {
+  const Line line(winkler(60, BeamTheory::timoshenko, 24));
+  const Vector u = at_rest(line, middle, load);
+  verified::near("w(0)", "m", -line.at(middle).deflection(u), 1.246102e-3, 1.246e-3 * 1e-5);
+  verified::near("M(0)", "N m", line.bending_moment(middle, u), 20760.45, 20760.45 * 1e-5);
+}
+
+TEST(Winkler, TimoshenkoConverges) {
+  const auto error = [](std::int64_t elements) {
+    const Line line(winkler(60, BeamTheory::timoshenko, elements));
+    return std::abs(-line.at(middle).deflection(at_rest(line, middle, load)) / 1.2461022e-3 - 1);
+  };
+  verified::below("error with elements of 0.15 m", "-", error(4), 5e-4);
+  verified::near("order in element length", "-", std::log2(error(2) / error(4)), 2, 0.1);
+}
+
+// Pad and ballast of twice the stiffness in series are the support.
+TEST(DiscreteSupports, SeatRatios) {
+  const std::vector<std::pair<double, std::vector<double>>> cases = {
+      {30e6, {0.3508, 0.2450, 0.0990, 0.0148}}, {60e6, {0.4162, 0.2553, 0.0702, -0.0072}}};
+  for (const auto& [support, ratios] : cases) {
+    LineParameters p;
+    p.rail.theory = BeamTheory::euler;
+    p.rail.inertia = 6.6238e6 / p.rail.young;
+    p.pad.stiffness = p.ballast.stiffness = 2 * support;
+    p.track.run_in = 0;
+    const Line line(p);
+    const Vector u = at_rest(line, middle, load), rest = Vector::Zero(u.size());
+    const std::size_t below = line.nearest_sleeper(middle);
+    for (std::size_t i = 0; i < ratios.size(); ++i)
+      verified::near(fmt::format("R{}, {:g} MN/m", i, support / 1e6), "-",
+                     line.seat_force(below + i, u, rest) / load, ratios[i], 5e-5);
+    double sum = 0;
+    for (std::size_t i = 0; i < line.sleepers(); ++i) sum += line.seat_force(i, u, rest);
+    verified::near(fmt::format("sum of seats, {:g} MN/m", support / 1e6), "-", sum / load, 1, 1e-9);
+  }
+}
+
+// A single span of two elements, P at any place: exact, also between nodes, through the local
+// flexibility. w = P a^2 b^2/(3 E I L) + P a b/(k G A L).
+TEST(SingleSpan, DeflectionIsExactBetweenNodes) {
+  LineParameters p = span(210e9, 3038.3e-8, 60.21);
+  p.rail.theory = BeamTheory::timoshenko;
+  p.track.length = 1.2;
+  p.track.spacing = 1.2;
+  p.track.elements = 2;
+  const Line line(p);
+  const Beam beam = beam_of(p.rail);
+  for (const double a : {0.6, 0.3, 0.85}) {
+    const double b = 1.2 - a;
+    const double exact =
+        load * (a * a * b * b / (3 * beam.bending_stiffness) + a * b / beam.shear_stiffness) / 1.2;
+    const RailPoint point = line.at(a);
+    verified::near(fmt::format("w under P at {:g} m of 1.2 m", a), "m",
+                   -point.deflection(at_rest(line, a, load)) + point.local * load, exact,
+                   1e-9 * exact);
+  }
+}
+
+// E I w'''' + (k + i w c - m w^2) w = F delta(x): w(0) = F/(8 E I l^3), 4 l^4 = (...)/E I, the root
+// with both parts positive. In time: the force rises smoothly, then sine and cosine are fitted over
+// whole periods. Damping keeps waves from coming back from the ends.
+TEST(Winkler, Receptance) {
+  LineParameters p = winkler(60, BeamTheory::euler);
+  p.track.bed_damping = 50e3;
+  const Line line(p);
+  const Beam beam = beam_of(p.rail);
+  for (const double frequency : {50.0, 145.0, 300.0}) {
+    const double w = 2 * std::numbers::pi * frequency;
+    const std::complex<double> bed(p.track.bed_stiffness - beam.mass * w * w,
+                                   w * p.track.bed_damping);
+    const auto root = std::pow(bed / (4 * beam.bending_stiffness), 0.25);
+    const auto exact = 1.0 / (8 * beam.bending_stiffness * std::pow(root, 3));
+    const int per_period = 200, periods = 30;
+    const double dt = 1 / (frequency * per_period);
+    Newmark motion(line.system(), dt);
+    std::complex<double> sum = 0;
+    for (int i = 1; i <= per_period * periods; ++i) {
+      Vector force = Vector::Zero(motion.displacement.size());
+      line.at(middle).add(std::min(1.0, i / (5.0 * per_period)) * std::cos(w * i * dt), force);
+      motion.accept(motion.free_change(force));
+      if (i > per_period * (periods - 5))
+        sum += line.at(middle).deflection(motion.displacement) * std::polar(1.0, -w * i * dt);
+    }
+    const auto measured = sum * 2.0 / (5.0 * per_period);
+    // Newmark's period error at 200 steps, (w dt)^2/12 = 8e-5, and elements of 0.15 m.
+    verified::near(fmt::format("|w|/F at {:g} Hz", frequency), "m/N", std::abs(measured),
+                   std::abs(exact), 5e-4 * std::abs(exact));
+    verified::near(fmt::format("phase at {:g} Hz", frequency), "rad", std::arg(measured),
+                   std::arg(exact), 5e-4);
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::track

@@ -1,0 +1,44 @@
+// Tracks and trains of the verification cases.
+#pragma once
+
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::track {
+
+// 60E1 on 50 MPa, without run-ins; m.
+inline LineParameters winkler(double length, BeamTheory theory, std::int64_t elements = 4) {
+  LineParameters p;
+  p.rail.theory = theory;
+  p.track.support = Support::continuous;
+  p.track.length = length;
+  p.track.elements = elements;
+  p.track.bed_stiffness = 50e6;
+  p.track.bed_damping = 0;
+  p.track.run_in = 0;
+  return p;
+}
+
+// A beam of one span that carries everything; E in Pa, I in m^4, mass in kg/m.
+inline LineParameters span(double young, double inertia, double mass) {
+  LineParameters p;
+  p.rail.theory = BeamTheory::euler;
+  p.rail.young = young;
+  p.rail.inertia = inertia;
+  p.rail.mass = mass;
+  p.track.support = Support::none;
+  p.track.ends = RailEnds::pinned;
+  p.track.rails = 1;
+  p.track.length = 25;
+  p.track.spacing = 2.5;
+  p.track.run_in = 0;
+  return p;
+}
+
+// Displacements at rest under `force` N downwards at x.
+inline Vector at_rest(const Line& line, double x, double force) {
+  Vector load = Vector::Zero(line.system().mass.rows());
+  line.at(x).add(-force, load);
+  return Statics(line.system()).flexibility(load);
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,123 @@
+// Constant forces that move: on a Winkler bed against the steady state, on a single span against
+// the sum of modes.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr double static_deflection = 1.183082e-3;  // m, under 100 kN
+constexpr double critical_speed = 770.257;         // m/s
+
+// Largest deflection (m, averaged over `hold` s) around a force that moves at `speed` m/s and has
+// grown smoothly from zero over `rise` s: no transient is left even without damping.
+double steady(const LineParameters& parameters, double speed, double rise, double hold) {
+  const Line line(parameters);
+  const double dt = 1e-2 / speed;  // a wave follows the load in 1/(beta v)
+  Newmark motion(line.system(), dt);
+  double sum = 0;
+  std::int64_t counted = 0;
+  for (std::int64_t i = 1; static_cast<double>(i) * dt <= rise + hold; ++i) {
+    const double time = static_cast<double>(i) * dt, x = 20 + speed * time;
+    const double s = std::min(1.0, time / rise);
+    Vector force = Vector::Zero(motion.displacement.size());
+    line.at(x).add(-100e3 * s * s * s * (10 - 15 * s + 6 * s * s), force);
+    motion.accept(motion.free_change(force));
+    if (time <= rise + hold / 2) continue;
+    double largest = 0;
+    for (int k = -20; k <= 20; ++k)
+      largest = std::max(largest, -line.at(x + 0.02 * k).deflection(motion.displacement));
+    sum += largest;
+    ++counted;
+  }
+  return sum / static_cast<double>(counted);
+}
+
+// 1/sqrt(1 - (v/v_cr)^2). Steps of 10 mm and elements of 0.15 m leave 1e-4.
+TEST(MovingLoad, AmplificationOnAWinklerBed) {
+  constexpr double tolerance = 2e-4;
+  verified::near("critical speed", "m/s",
+                 std::pow(4 * 50e6 * 210e9 * 3038.3e-8 / (60.21 * 60.21), 0.25), critical_speed,
+                 1e-3);
+  verified::near("at 100 m/s", "-",
+                 steady(winkler(120, BeamTheory::euler), 100, 0.4, 0.2) / static_deflection,
+                 1.008536, tolerance);
+  verified::near("at 200 m/s", "-",
+                 steady(winkler(150, BeamTheory::euler), 200, 0.3, 0.2) / static_deflection,
+                 1.035516, tolerance);
+}
+
+// c = 2 zeta sqrt(k m).
+TEST(MovingLoad, DampedHalfTheCriticalSpeed) {
+  LineParameters p = winkler(180, BeamTheory::euler);
+  p.track.bed_damping = 2 * 0.05 * std::sqrt(50e6 * 60.21);
+  verified::near("at 0.5 v_cr, zeta 0.05", "-",
+                 steady(p, critical_speed / 2, 0.15, 0.15) / static_deflection, 1.15358, 3e-4);
+}
+
+// One axle of constant force.
+TrainParameters one_axle(double speed) {
+  TrainParameters train;
+  train.vehicles = {"axle"};
+  train.speed = speed;
+  train.start = 0;
+  return train;
+}
+
+std::vector<VehicleParameters> axle(double force) {
+  VehicleParameters v;
+  v.name = "axle";
+  v.kind = VehicleKind::forces;
+  v.length = 1;
+  v.axles = {0};
+  v.loads = {force};
+  return {v};
+}
+
+TEST(MovingLoad, SingleSpan) {
+  const Line line(span(210e9, 1e-4, 0.01 * 7850));
+  const TrainParameters motion = one_axle(10);
+  const Train train(motion, axle(1e3), 1);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 25), motion,
+                  {.step = 5e-4, .duration = 2.5});
+  double largest = 0, when = 0, early = 0, late = 0;
+  while (passage.time() < 2.5 - 1e-9) {
+    passage.advance();
+    const double down = -passage.rail_displacement(12.5);
+    if (down > largest) largest = down, when = passage.time();
+    if (std::abs(passage.time() - 0.5) < 1e-9) early = down;
+    if (std::abs(passage.time() - 2.0) < 1e-9) late = down;
+  }
+  // Ten elements in the span and (w dt)^2/12 of the modes that count.
+  verified::near("mid-span at 0.5 s", "m", early, 10.96037e-3, 2e-6);
+  verified::near("mid-span at 2.0 s", "m", late, 10.44064e-3, 2e-6);
+  verified::near("largest at mid-span", "m", largest, 18.15945e-3, 2e-6);
+  verified::near("time of the largest", "s", when, 1.32675, 1e-3);
+}
+
+// EN 1991-2: on a span of 10 m with the axles in the middle.
+TEST(LoadModel71, MomentOfASpan) {
+  LineParameters p = span(210e9, 1e-2, 1000);
+  p.track.length = 10;
+  const Line line(p);
+  TrainParameters motion = one_axle(1);
+  motion.vehicles = {"load_model_71"};
+  const Train train(motion, {}, 1);
+  Vector load = Vector::Zero(line.system().mass.rows());
+  // The middle of the pattern in the middle of the span.
+  for (const Train::Wheel& wheel : train.wheels())
+    if (const double x = 5 + train.axle_distance() / 2 - wheel.behind; x > 0 && x < 10)
+      line.at(x).add(-wheel.force, load);
+  const Vector u = Statics(line.system()).flexibility(load);
+  // No load stands in the elements beside the middle (0.625 m), so the moment there is exact.
+  verified::near("moment at mid-span", "N m", line.bending_moment(5, u), 1829.60e3, 1);
+}
+
+}  // namespace
+}  // namespace trackbed::track

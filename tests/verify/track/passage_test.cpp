@@ -1,0 +1,121 @@
+// Train and track together: equilibrium, order in time, loss and regain of contact.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+// A train that does not move stays where it is.
+TEST(Passage, EquilibriumIsKept) {
+  LineParameters p;
+  p.ballast.mass = 500;
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 1e-12, .start = 40};
+  const Train train(motion, {}, 2);
+  IrregularityParameters rough;
+  rough.kind = IrregularityKind::spectrum;
+  Passage passage(line, train, WheelRail({}), Irregularity(rough, 60), motion, {.duration = 1});
+  const Vector rail = passage.line_motion().displacement,
+               body = passage.train_motion().displacement;
+  const double force = passage.wheel_force(0);
+  while (passage.time() < 1) passage.advance();
+  verified::below("change of a wheel force in 1 s", "N", std::abs(passage.wheel_force(0) - force),
+                  1e-3);
+  verified::below("largest motion of the track", "m",
+                  (passage.line_motion().displacement - rail).cwiseAbs().maxCoeff(), 1e-12);
+  verified::below("largest motion of the train", "m",
+                  (passage.train_motion().displacement - body).cwiseAbs().maxCoeff(), 1e-11);
+}
+
+// Newmark's period error at dt/T = 0.1, (2 pi/(w dt) of the discrete oscillator)/T - 1; no damping.
+TEST(Newmark, PeriodAndEnergyOfAnOscillator) {
+  const double w = 2 * std::numbers::pi;  // rad/s: a period of 1 s
+  Sparse one(1, 1);
+  one.insert(0, 0) = 1;
+  const LinearSystem system{one, 0 * one, w * w * one};
+  Newmark motion(system, 0.1);
+  motion.displacement[0] = 1;
+  motion.acceleration[0] = -w * w;
+  const double energy = motion.energy();
+  double before = 1, crossing = 0;
+  int crossings = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    motion.accept(motion.free_change(Vector::Zero(1)));
+    const double now = motion.displacement[0];
+    if (before < 0 && now >= 0) {
+      const double time = 0.1 * (i - now / (now - before));
+      if (crossings++ == 0)
+        crossing = time;
+      else if (crossings == 91)
+        crossing = (time - crossing) / 90;
+    }
+    before = now;
+  }
+  // Crossings are found by straight lines between steps: 1e-3 s in 90 periods.
+  verified::near("period error at dt/T = 0.1", "-", crossing - 1, 0.03207, 5e-5);
+  verified::near("energy after 1000 steps over that before", "-", motion.energy() / energy, 1,
+                 1e-10);
+}
+
+// A coach over a smooth dip on an even bed: everything is smooth, so the error is one of the step.
+double force_after(double dt) {
+  LineParameters p = winkler(60, BeamTheory::euler, 6);
+  p.track.bed_damping = 50e3;
+  p.track.run_in = 6;
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 35};
+  const Train train(motion, {}, 2);
+  IrregularityParameters dip;
+  dip.kind = IrregularityKind::versine;
+  dip.at = 37;
+  dip.length = 3;
+  Passage passage(line, train, WheelRail({}), Irregularity(dip, 60), motion,
+                  {.step = dt, .duration = 0.05});
+  for (int i = 0; i < std::lround(0.05 / dt); ++i) passage.advance();
+  return passage.wheel_force(0);
+}
+
+TEST(Passage, IsOfSecondOrderInTheStep) {
+  const double a = force_after(4e-4), b = force_after(2e-4), c = force_after(1e-4);
+  verified::near("order from steps of 0.4, 0.2, 0.1 ms", "-",
+                 std::log2(std::abs((a - b) / (b - c))), 2, 0.2);
+  verified::below("change of the wheel force from 0.2 to 0.1 ms", "N", std::abs(b - c), 100);
+}
+
+// A wheel leaves the rail over a deep short dip, comes back, and settles at its static load.
+TEST(Passage, ContactIsLostAndRegained) {
+  const Line line(winkler(60, BeamTheory::timoshenko));
+  LineParameters damped = winkler(60, BeamTheory::timoshenko);
+  damped.track.bed_damping = 100e3;
+  const Line soft(damped);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 30};
+  const Train train(motion, {}, 2);
+  IrregularityParameters dip;
+  dip.kind = IrregularityKind::joint;
+  dip.at = 32;
+  dip.length = 1;
+  dip.depth = 4e-3;
+  Passage passage(soft, train, WheelRail({}), Irregularity(dip, 60), motion,
+                  {.step = 1e-4, .duration = 0.3});
+  const double at_rest = passage.wheel_force(0);
+  double least = at_rest, most = at_rest;
+  while (passage.time() < 0.3) {
+    passage.advance();
+    least = std::min(least, passage.wheel_force(0));
+    most = std::max(most, passage.wheel_force(0));
+  }
+  verified::near("least force of the first wheel", "N", least, 0, 1e-9);
+  verified::above("largest over static force", "-", most / at_rest, 2);
+  verified::above("steps of wheels off the rail", "-", static_cast<double>(passage.lost()), 10);
+  verified::near("force 10 m behind the dip over static", "-", passage.wheel_force(0) / at_rest, 1,
+                 0.1);
+}
+
+}  // namespace
+}  // namespace trackbed::track

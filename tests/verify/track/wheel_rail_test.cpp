@@ -1,0 +1,70 @@
+// Hertz's contact of wheel and rail, and the irregularities of the rail.
+#include "trackbed/track/wheel_rail.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/verified.hpp"
+#include "trackbed/track/irregularity.hpp"
+
+namespace trackbed::track {
+namespace {
+
+// References have five digits.
+TEST(Hertz, WheelOfHalfAMetreOnARail) {
+  const HertzContact contact = hertz_contact({});
+  const WheelRail law((WheelRailParameters()));
+  const double force = 76e3, approach = law.approach(force);
+  verified::near("C_H", "N/m^1.5", contact.constant, 9.4125e10, 5e6);
+  verified::near("approach at 76 kN", "m", approach, 86.711e-6, 5e-9);
+  verified::near("k_H at 76 kN", "N/m", law.slope(approach), 1.3147e9, 1e5);
+  verified::near("p0 at 76 kN", "Pa", contact.pressure(force), 1129.4e6, 1e5);
+}
+
+// Equal radii: a sphere on a plane, C = 4/3 E* sqrt(R) with 1/E* of two bodies and R = the radius
+// of the equivalent sphere.
+TEST(Hertz, EqualRadiiAreASphere) {
+  const HertzBodies bodies{.wheel_radius = 0.4, .rail_radius = 0.4};
+  const double modulus = bodies.young / (2 * (1 - bodies.poisson * bodies.poisson));
+  const double sphere = 4.0 / 3 * modulus * std::sqrt(0.4);
+  verified::near("C_H, crossed cylinders", "N/m^1.5", hertz_contact(bodies).constant, sphere,
+                 1e-6 * sphere);
+}
+
+TEST(Irregularities, RootMeanSquareInD1) {
+  const std::vector<std::tuple<const char*, Spectrum, double, double>> cases = {
+      {"ERRI low", Spectrum::erri_low, 0.9843e-3, 5e-8},
+      {"ERRI high", Spectrum::erri_high, 1.6109e-3, 5e-8},
+      {"FRA 1", Spectrum::fra_1, 8.541e-3, 5e-7},
+      {"FRA 6", Spectrum::fra_6, 1.429e-3, 5e-7},
+      {"China", Spectrum::china, 0.2864e-3, 5e-8}};
+  for (const auto& [name, spectrum, reference, tolerance] : cases) {
+    verified::near(fmt::format("{}, of the spectrum", name), "m", rms_of(spectrum, 3, 25),
+                   reference, tolerance);
+    IrregularityParameters p;
+    p.kind = IrregularityKind::spectrum;
+    p.spectrum = spectrum;
+    // Lines are 1 % apart: at each end of D1 up to half a line is in or out.
+    verified::near(fmt::format("{}, of the profile's lines", name), "m",
+                   Irregularity(p, 100).d1_rms(), reference, 0.005 * reference);
+  }
+}
+
+// What wheels read has the power of the spectrum: 20 km of profile, 70 m at most in a wave.
+TEST(Irregularities, SamplesHaveThePowerOfTheSpectrum) {
+  IrregularityParameters p;
+  p.kind = IrregularityKind::spectrum;
+  p.fade = 0;
+  const Irregularity profile(p, 20000);
+  double sum = 0;
+  const int samples = 100000;
+  for (int i = 0; i < samples; ++i) sum += std::pow(profile.at(0.2 * (i + 0.5)), 2);
+  const double expected = rms_of(p.spectrum, p.shortest, p.longest);
+  verified::near("root mean square over 20 km", "m", std::sqrt(sum / samples), expected,
+                 0.03 * expected);
+}
+
+}  // namespace
+}  // namespace trackbed::track
