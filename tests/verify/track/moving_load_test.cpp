@@ -42,9 +42,6 @@ double steady(const LineParameters& parameters, double speed, double rise, doubl
 // 1/sqrt(1 - (v/v_cr)^2). Steps of 10 mm and elements of 0.15 m leave 1e-4.
 TEST(MovingLoad, AmplificationOnAWinklerBed) {
   constexpr double tolerance = 2e-4;
-  verified::near("critical speed", "m/s",
-                 std::pow(4 * 50e6 * 210e9 * 3038.3e-8 / (60.21 * 60.21), 0.25), critical_speed,
-                 1e-3);
   verified::near("at 100 m/s", "-",
                  steady(winkler(120, BeamTheory::euler), 100, 0.4, 0.2) / static_deflection,
                  1.008536, tolerance);

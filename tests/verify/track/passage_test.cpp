@@ -64,36 +64,48 @@ TEST(Newmark, PeriodAndEnergyOfAnOscillator) {
 }
 
 // A coach over a smooth dip on an even bed: everything is smooth, so the error is one of the step.
-double force_after(double dt) {
+// Forces of the first wheel every 0.4 ms, N.
+std::vector<double> forces_with(double dt) {
   LineParameters p = winkler(60, BeamTheory::euler, 6);
   p.track.bed_damping = 50e3;
   p.track.run_in = 6;
   const Line line(p);
-  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 35};
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 34};
   const Train train(motion, {}, 2);
   IrregularityParameters dip;
   dip.kind = IrregularityKind::versine;
   dip.at = 37;
-  dip.length = 3;
+  dip.length = 5;
   Passage passage(line, train, WheelRail({}), Irregularity(dip, 60), motion,
-                  {.step = dt, .duration = 0.05});
-  for (int i = 0; i < std::lround(0.05 / dt); ++i) passage.advance();
-  return passage.wheel_force(0);
+                  {.step = dt, .duration = 0.1});
+  const auto every = std::lround(4e-4 / dt);
+  std::vector<double> forces;
+  for (int i = 1; i <= std::lround(0.1 / dt); ++i) {
+    passage.advance();
+    if (i % every == 0) forces.push_back(passage.wheel_force(0));
+  }
+  return forces;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 TEST(Passage, IsOfSecondOrderInTheStep) {
-  const double a = force_after(4e-4), b = force_after(2e-4), c = force_after(1e-4);
-  verified::near("order from steps of 0.4, 0.2, 0.1 ms", "-",
-                 std::log2(std::abs((a - b) / (b - c))), 2, 0.2);
-  verified::below("change of the wheel force from 0.2 to 0.1 ms", "N", std::abs(b - c), 100);
+  const auto a = forces_with(2e-4), b = forces_with(1e-4), c = forces_with(5e-5);
+  verified::near("order from steps of 0.2, 0.1, 0.05 ms", "-",
+                 std::log2(distance(a, b) / distance(b, c)), 2, 0.2);
+  verified::below("root mean square change of the wheel force from 0.1 to 0.05 ms", "N",
+                  distance(b, c), 100);
 }
 
 // A wheel leaves the rail over a deep short dip, comes back, and settles at its static load.
 TEST(Passage, ContactIsLostAndRegained) {
-  const Line line(winkler(60, BeamTheory::timoshenko));
   LineParameters damped = winkler(60, BeamTheory::timoshenko);
   damped.track.bed_damping = 100e3;
-  const Line soft(damped);
+  const Line line(damped);
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 30};
   const Train train(motion, {}, 2);
   IrregularityParameters dip;
@@ -101,7 +113,7 @@ TEST(Passage, ContactIsLostAndRegained) {
   dip.at = 32;
   dip.length = 1;
   dip.depth = 4e-3;
-  Passage passage(soft, train, WheelRail({}), Irregularity(dip, 60), motion,
+  Passage passage(line, train, WheelRail({}), Irregularity(dip, 60), motion,
                   {.step = 1e-4, .duration = 0.3});
   const double at_rest = passage.wheel_force(0);
   double least = at_rest, most = at_rest;
@@ -113,7 +125,7 @@ TEST(Passage, ContactIsLostAndRegained) {
   verified::near("least force of the first wheel", "N", least, 0, 1e-9);
   verified::above("largest over static force", "-", most / at_rest, 2);
   verified::above("steps of wheels off the rail", "-", static_cast<double>(passage.lost()), 10);
-  verified::near("force 10 m behind the dip over static", "-", passage.wheel_force(0) / at_rest, 1,
+  verified::near("force 13 m behind the dip over static", "-", passage.wheel_force(0) / at_rest, 1,
                  0.1);
 }
 
