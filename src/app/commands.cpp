@@ -19,6 +19,7 @@
 #include "app/result_folder.hpp"
 #include "app/simulation.hpp"
 #include "app/spent.hpp"
+#include "app/track_run.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
@@ -78,6 +79,16 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
   return chosen.file;
 }
 
+// A refused run has removed nothing: all checks are done before the folder is touched.
+int run_alone(const par::Comm& comm, const Model& model, const Arguments& arguments,
+              const std::string& folder) {
+  const FolderLock lock =
+      prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, "");
+  run_track(comm, model.track,
+            {.deck = arguments.deck, .effective = effective_deck(model), .folder = folder});
+  return static_cast<int>(ExitCode::success);
+}
+
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before
 // anything is made or removed.
 std::string checked_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
@@ -107,11 +118,12 @@ std::string effective_deck(const Model& model) {
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
-  const std::string start = checked_start(comm, model, deck);
-  require_stones(comm, model, deck);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
+  if (model.kind == ModelKind::track) return run_alone(comm, model, arguments, folder);
+  const std::string start = checked_start(comm, model, deck);
+  require_stones(comm, model, deck);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
   const FolderLock lock =
@@ -189,6 +201,7 @@ void look_for_histories(const par::Comm& comm, const io::File& file,
 // run. A start from a checkpoint refuses instead, since there the user named one state and means
 // it.
 int resume(const par::Comm& comm, const Arguments& arguments) {
+  refuse_to_resume_track(comm, arguments.file);
   const std::string own = folder_of_checkpoint(arguments.file);
   const std::string folder = arguments.folder.empty() ? own : arguments.folder;
   const bool at_home = same_folder(comm, own, folder);
@@ -240,6 +253,11 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
+  if (model.kind == ModelKind::track) {
+    check_track(comm, model.track);
+    print(comm, arguments.deck + " is valid\n");
+    return static_cast<int>(ExitCode::success);
+  }
   const std::string start = checked_start(comm, model, deck);
   require_stones(comm, model, deck);
   World world(comm, model);

@@ -169,6 +169,10 @@ void Output::declare(input::Section& s) {
 // The rough limits follow when all they depend on has been read, so `time` is declared last.
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
+  s.choice("model", kind, {"bed", "track"},
+           "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
+           "alone, made of title and the sections that say so.");
+  if (kind == ModelKind::track) return track.declare(s);
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
   s.number(
       "thickness", thickness, {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
@@ -205,6 +209,11 @@ void Model::declare(input::Section& s) {
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
   declare_intervals(*this, s);
+  track.declare(s);
+  s.rule(
+      "model", track.untouched(),
+      "must be \"track\": a section of such a model is given (rail, pad, ballast, track, vehicle, "
+      "train, wheel_rail, irregularity, passage), and these have no effect on a bed");
 }
 
 bool Model::periodic_in(const std::string& axis) const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
@@ -80,9 +81,13 @@ struct TimeParameters {
   void declare(input::Section& s);
 };
 
+// bed: stones, ground, sleepers and seat loads; track: a train on a rail and springs alone.
+enum class ModelKind { bed, track };
+
 // Read once, then constant: what a run changes lives in World and Course.
 struct Model {
   std::string title;
+  ModelKind kind = ModelKind::bed;
   Dimension dimension = Dimension::plane;
   double thickness = 1.3;             // m, plane models
   std::vector<std::string> periodic;  // "x", "y"
@@ -100,6 +105,7 @@ struct Model {
   std::vector<observe::Region> regions;
   TimeParameters time;
   std::vector<Stage> stages;
+  TrackModel track;
   void declare(input::Section& s);
 
   bool periodic_in(const std::string& axis) const;

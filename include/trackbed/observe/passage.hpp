@@ -1,0 +1,46 @@
+// Histories of a train on a track alone: kept in memory and written once, at the end. A passage has
+// a few thousand rows of a few dozen numbers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trackbed/io/file.hpp"
+#include "trackbed/observe/results.hpp"
+#include "trackbed/par/comm.hpp"
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::observe {
+
+class PassageHistories {
+ public:
+  // Rail displacements at `points` (m); sleepers nearest to them, each once, if there are any.
+  PassageHistories(const track::Line& line, const track::Train& train, std::vector<double> points);
+  // A row. Local.
+  void sample(const track::Passage& passage);
+  std::int64_t rows() const { return static_cast<std::int64_t>(times_.size()); }
+  // Of all rows: lowest rail displacement at each point, m.
+  std::vector<double> lowest() const;
+  // Writes results.h5 at `path`, in place of what is there. Collective; throws RunError.
+  void write(const par::Comm& comm, const std::string& path, const About& about) const;
+
+ private:
+  // One dataset: rows of one number for each of some things.
+  struct Column {
+    std::string path;
+    io::Label label;
+    std::size_t width;
+    std::vector<double> values;
+  };
+  void put(std::size_t column, double value) { columns_[column].values.push_back(value); }
+
+  const track::Line& line_;
+  const track::Train& train_;
+  std::vector<double> points_;
+  std::vector<std::size_t> sleepers_;
+  std::vector<double> times_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace trackbed::observe

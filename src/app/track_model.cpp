@@ -1,0 +1,80 @@
+// Sections of a track alone, and the rules that tie them together.
+#include "app/track_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+std::vector<std::string> names_of(const std::vector<track::VehicleParameters>& own) {
+  std::vector<std::string> names;
+  for (const auto* list : {&own, &track::vehicle_library()})
+    for (const track::VehicleParameters& vehicle : *list) names.push_back(vehicle.name);
+  return names;
+}
+
+void declare_vehicles(const TrackModel& model, input::Section& s) {
+  const std::vector<std::string> known = names_of(model.vehicles);
+  for (const std::string& name : model.train.vehicles) {
+    const std::string near = input::nearest(name, known);
+    s.rule("train.vehicles", std::find(known.begin(), known.end(), name) != known.end(),
+           fmt::format("there is no vehicle \"{}\"{}; there are {}", name,
+                       near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
+                       fmt::join(known, ", ")),
+           {.reads = {"train.vehicles", "vehicle"}});
+  }
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i)
+    s.rule(fmt::format("vehicle[{}].name", i),
+           std::count(known.begin(), known.end(), model.vehicles[i].name) == 1,
+           "is the name of another vehicle, of the deck or of the library, already",
+           {.reads = {"vehicle"}});
+}
+
+}  // namespace
+
+void TrackOutput::declare(input::Section& s) {
+  PassageParameters::declare(s);
+  s.number("history_interval", history_interval, {.unit = "s", .above = 0, .usually_to = 1},
+           "Simulated time between rows of the histories, rounded to steps.");
+  s.numbers("points", points, {.unit = "m", .at_least = 0},
+            "x of points of the rail, and of sleepers nearest to them, in the histories.");
+}
+
+void TrackModel::declare(input::Section& s) {
+  s.table("rail", line.rail, "Both rails, model = \"track\" only.");
+  s.table("pad", line.pad, "Rail pads, model = \"track\" only.");
+  s.table("ballast", line.ballast, "Ballast as springs, model = \"track\" only.");
+  s.table("track", line.track, "The track as a whole, model = \"track\" only.");
+  s.tables("vehicle", vehicles, "A vehicle beside those of the library, model = \"track\" only.");
+  s.table("train", train, "Vehicles and their motion, model = \"track\" only.");
+  s.table("wheel_rail", wheel_rail, "Contact of wheels and rail, model = \"track\" only.");
+  s.table("irregularity", irregularity,
+          "How even the rail's running surface is, model = \"track\" only.");
+  s.table("passage", passage, "The run, model = \"track\" only.");
+  declare_vehicles(*this, s);
+  const double length = line.track.length;
+  for (const double x : passage.points)
+    s.rule("passage.points", x <= length,
+           fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
+           {.reads = {"passage.points", "track.length"}});
+  s.rule("train.start", train.start < length,
+         fmt::format("lies beyond the track, which is {:g} m long", length),
+         {.reads = {"train.start", "track.length"}});
+  s.rule("passage.history_interval", passage.history_interval >= passage.step,
+         "is less than a time step; every step makes a row",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
+}
+
+bool TrackModel::untouched() const {
+  const auto text = [](TrackModel model) {
+    return input::effective([&model](input::Section& s) { model.declare(s); });
+  };
+  return text(*this) == text(TrackModel{});
+}
+
+}  // namespace trackbed::app

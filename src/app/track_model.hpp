@@ -1,0 +1,31 @@
+// What a deck with model = "track" says: a train on a rail, its supports given as springs and
+// dampers, without stones and ground.
+#pragma once
+
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::app {
+
+// What of a passage is written.
+struct TrackOutput : track::PassageParameters {
+  double history_interval = 1e-3;       // s
+  std::vector<double> points = {30.0};  // m
+  void declare(input::Section& s);
+};
+
+struct TrackModel {
+  track::LineParameters line;
+  std::vector<track::VehicleParameters> vehicles;
+  track::TrainParameters train;
+  track::WheelRailParameters wheel_rail;
+  track::IrregularityParameters irregularity;
+  TrackOutput passage;
+  void declare(input::Section& s);
+  // Whether every parameter has its default.
+  bool untouched() const;
+};
+
+}  // namespace trackbed::app

@@ -1,0 +1,107 @@
+// Rows of a passage. All ranks hold the same ones; rank 0 writes.
+#include "trackbed/observe/passage.hpp"
+
+#include <algorithm>
+
+#include "observe/room.hpp"
+#include "trackbed/io/replace.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+// Order of `columns_`.
+enum Which : std::size_t {
+  wheel_force,
+  wheel_x,
+  rail_displacement,
+  sleeper_displacement,
+  sleeper_acceleration,
+  seat_force,
+  body_displacement,
+  body_acceleration
+};
+
+}  // namespace
+
+PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
+                                   std::vector<double> points)
+    : line_(line), train_(train), points_(std::move(points)) {
+  for (const double x : points_)
+    if (line.sleepers() > 0) sleepers_.push_back(line.nearest_sleeper(x));
+  std::sort(sleepers_.begin(), sleepers_.end());
+  sleepers_.erase(std::unique(sleepers_.begin(), sleepers_.end()), sleepers_.end());
+  const std::size_t wheels = train.wheels().size(), bodies = train.vehicles().size();
+  columns_ = {
+      {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
+      {"history/wheel/x", {"m", "where it is"}, wheels, {}},
+      {"history/rail/displacement", {"m", "vertical, up positive"}, points_.size(), {}},
+      {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_.size(), {}},
+      {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_.size(), {}},
+      {"history/sleeper/seat_force",
+       {"N", "of the pad, compression positive"},
+       sleepers_.size(),
+       {}},
+      {"history/body/displacement",
+       {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
+       bodies,
+       {}},
+      {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}}};
+}
+
+void PassageHistories::sample(const track::Passage& passage) {
+  times_.push_back(passage.time());
+  for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
+    put(wheel_force, passage.wheel_force(i));
+    put(wheel_x, passage.wheel_x(i));
+  }
+  for (const double x : points_) put(rail_displacement, passage.rail_displacement(x));
+  const track::Newmark& rail = passage.line_motion();
+  for (const std::size_t i : sleepers_) {
+    const std::int32_t unknown = line_.sleeper_unknown(i);
+    put(sleeper_displacement, rail.displacement[unknown]);
+    put(sleeper_acceleration, rail.acceleration[unknown]);
+    put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity));
+  }
+  const track::Newmark& train = passage.train_motion();
+  for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {
+    const bool forces = train_.vehicles()[i].kind == track::VehicleKind::forces;
+    const std::int32_t body = train_.first_unknown()[i];
+    put(body_displacement, forces ? 0 : train.displacement[body]);
+    put(body_acceleration, forces ? 0 : train.acceleration[body]);
+  }
+}
+
+std::vector<double> PassageHistories::lowest() const {
+  std::vector<double> lowest(points_.size(), 0);
+  const std::vector<double>& w = columns_[rail_displacement].values;
+  for (std::size_t i = 0; i < w.size(); ++i)
+    lowest[i % points_.size()] = std::min(lowest[i % points_.size()], w[i]);
+  return lowest;
+}
+
+void PassageHistories::write(const par::Comm& comm, const std::string& path,
+                             const About& about) const {
+  const auto own = [&](const std::vector<double>& values) {
+    return std::span(values).first(comm.root() ? values.size() : 0);
+  };
+  std::vector<double> sleeper_x;
+  for (const std::size_t i : sleepers_) sleeper_x.push_back(line_.sleeper_x(i));
+  io::replace_file(comm, path, [&](const std::string& part) {
+    io::File file(comm, part, io::Mode::create);
+    file.attribute("/", "kind", std::string(results_kind));
+    file.attribute("/", "version", about.version);
+    file.attribute("/", "deck", about.deck);
+    file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
+    file.write<double>("rail/x", own(points_), 1, {"m", "points of the rail that are watched"});
+    if (!sleeper_x.empty())
+      file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "sleepers that are watched"});
+    file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
+    for (const Column& column : columns_)
+      if (column.width > 0)
+        file.write<double>(column.path, own(column.values), column.width, column.label);
+    file.close();
+  });
+}
+
+}  // namespace trackbed::observe
