@@ -213,7 +213,8 @@ void Model::declare(input::Section& s) {
   s.rule(
       "model", track.untouched(),
       "must be \"track\": a section of such a model is given (rail, pad, ballast, track, vehicle, "
-      "train, wheel_rail, irregularity, passage), and these have no effect on a bed");
+      "train, wheel_rail, irregularity, passage), and these have no effect on a bed",
+      {.reads = {"model"}});
 }
 
 bool Model::periodic_in(const std::string& axis) const {

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""As knobs.py, for the parameters of a track alone (model = "track"), which have a deck of their
+own.
+
+    track_knobs.py PROGRAM DECK FOLDER
+"""
+import concurrent.futures
+import pathlib
+import re
+import shutil
+import sys
+
+import h5py
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+# Surroundings in which some parameters count.
+EVEN = ["track.support=continuous"]
+MASS = ["ballast.mass=500"]
+CUSTOM = ["train.vehicles=[\"own\"]"]
+COACH = [*CUSTOM, "vehicle.own.like=manchester_1"]
+AXLES = [*CUSTOM, "vehicle.own.kind=forces", "vehicle.own.axles=[1, 3]",
+         "vehicle.own.loads=[1e5, 1e5]"]
+LINEAR = ["wheel_rail.law=linear"]
+DIP = ["irregularity.kind=versine"]
+WAVES = ["irregularity.kind=waves"]
+RANDOM = ["irregularity.kind=spectrum"]
+FILE = ["irregularity.kind=file", "irregularity.file={folder}/one.csv"]
+
+# Parameter of the schema -> (change, surroundings).
+KNOBS = {
+    "model": ("model=bed", []),
+    "rail.section": ("rail.section=CHN60", []),
+    "rail.theory": ("rail.theory=euler", []),
+    "rail.young": ("rail.young=200e9", []),
+    "rail.poisson": ("rail.poisson=0.25", []),
+    "rail.shear_factor": ("rail.shear_factor=0.34", []),
+    "rail.area": ("rail.area=7e-3", []),
+    "rail.inertia": ("rail.inertia=2.5e-5", []),
+    "rail.mass": ("rail.mass=55", []),
+    "pad.stiffness": ("pad.stiffness=60e6", []),
+    "pad.damping": ("pad.damping=10e3", []),
+    "ballast.stiffness": ("ballast.stiffness=30e6", []),
+    "ballast.damping": ("ballast.damping=30e3", []),
+    "ballast.mass": ("ballast.mass=500", []),
+    "ballast.below_stiffness": ("ballast.below_stiffness=60e6", MASS),
+    "ballast.below_damping": ("ballast.below_damping=10e3", MASS),
+    "track.support": ("track.support=continuous", []),
+    "track.ends": ("track.ends=pinned", []),
+    "track.rails": ("track.rails=1", []),
+    "track.length": ("track.length=13.2", []),
+    "track.spacing": ("track.spacing=0.75", []),
+    "track.elements": ("track.elements=3", []),
+    "track.sleeper_mass": ("track.sleeper_mass=250", []),
+    "track.bed_stiffness": ("track.bed_stiffness=60e6", EVEN),
+    "track.bed_damping": ("track.bed_damping=20e3", EVEN),
+    "track.run_in": ("track.run_in=3", []),
+    "track.run_in_factor": ("track.run_in_factor=10", []),
+    "track.zone.[].from": ("track.zone.0.from=5.5", []),
+    "track.zone.[].to": ("track.zone.0.to=6.7", []),
+    "track.zone.[].rail": ("track.zone.0.rail=2", []),
+    "track.zone.[].bed": ("track.zone.0.bed=2", []),
+    "vehicle.[].name": ("vehicle.0.name=manchester_1", []),
+    "vehicle.[].like": ("vehicle.own.like=alfa_pendular", COACH),
+    "vehicle.[].kind": ("vehicle.own.kind=wheel", CUSTOM),
+    "vehicle.[].length": ("vehicle.own.length=1.5", ["train.vehicles=[\"own\", \"own\"]"]),
+    "vehicle.[].body_mass": ("vehicle.own.body_mass=30e3", COACH),
+    "vehicle.[].bogie_mass": ("vehicle.own.bogie_mass=3e3", COACH),
+    "vehicle.[].wheelset_mass": ("vehicle.own.wheelset_mass=1500", COACH),
+    "vehicle.[].body_inertia": ("vehicle.own.body_inertia=1e6", COACH),
+    "vehicle.[].bogie_inertia": ("vehicle.own.bogie_inertia=2e3", COACH),
+    "vehicle.[].primary_stiffness": ("vehicle.own.primary_stiffness=3e6", COACH),
+    "vehicle.[].primary_damping": ("vehicle.own.primary_damping=9e3", COACH),
+    "vehicle.[].secondary_stiffness": ("vehicle.own.secondary_stiffness=1e6", COACH),
+    "vehicle.[].secondary_damping": ("vehicle.own.secondary_damping=30e3", COACH),
+    "vehicle.[].bogie_distance": ("vehicle.own.bogie_distance=18", COACH),
+    "vehicle.[].wheelbase": ("vehicle.own.wheelbase=2.5", COACH),
+    "vehicle.[].axles": ("vehicle.own.axles=[1, 4]", AXLES),
+    "vehicle.[].loads": ("vehicle.own.loads=[1e5, 2e5]", AXLES),
+    "train.vehicles": ("train.vehicles=[\"freight_wagon\"]", []),
+    "train.speed": ("train.speed=60", []),
+    "train.start": ("train.start=7", []),
+    "wheel_rail.law": ("wheel_rail.law=linear", []),
+    "wheel_rail.wheel_radius": ("wheel_rail.wheel_radius=0.5", []),
+    "wheel_rail.rail_radius": ("wheel_rail.rail_radius=0.2", []),
+    "wheel_rail.young": ("wheel_rail.young=200e9", []),
+    "wheel_rail.poisson": ("wheel_rail.poisson=0.25", []),
+    "wheel_rail.constant": ("wheel_rail.constant=8e10", []),
+    "wheel_rail.stiffness": ("wheel_rail.stiffness=1e9", LINEAR),
+    "irregularity.kind": ("irregularity.kind=vee", []),
+    "irregularity.at": ("irregularity.at=7", DIP),
+    "irregularity.depth": ("irregularity.depth=2e-4", DIP),
+    "irregularity.length": ("irregularity.length=0.8", DIP),
+    "irregularity.waves": ("irregularity.waves=2", WAVES),
+    "irregularity.spectrum": ("irregularity.spectrum=china", RANDOM),
+    "irregularity.shortest": ("irregularity.shortest=2", RANDOM),
+    "irregularity.longest": ("irregularity.longest=60", RANDOM),
+    "irregularity.seed": ("irregularity.seed=2", RANDOM),
+    "irregularity.fade": ("irregularity.fade=5", RANDOM),
+    "irregularity.file": ("irregularity.file={folder}/other.csv", FILE),
+    "passage.step": ("passage.step=4e-4", []),
+    "passage.duration": ("passage.duration=0.08", []),
+    "passage.tolerance": ("passage.tolerance=1e-5", []),
+    "passage.history_interval": ("passage.history_interval=2e-3", []),
+    "passage.points": ("passage.points=[6.6]", []),
+}
+
+
+class Bench:
+    def __init__(self, program, deck, folder):
+        self.program, self.deck, self.folder, self.known = program, deck, folder, {}
+
+    def seen(self, overrides):
+        """State after the run and what is written of it."""
+        place = self.folder / (re.sub(r"\W+", "_", "".join(overrides)) or "base")
+        overrides = [o.replace("{folder}", str(self.folder)) for o in overrides]
+        ran = self.program(1, "run", self.deck, *overrides, "--force", "-o", place)
+        if ran.returncode != 0:
+            return {"code": ran.returncode, "refused": ran.stderr}
+        track = summary(place)["track"]
+        with h5py.File(place / "results.h5") as file:
+            rows = len(file["history/time"])
+        return {"code": 0, "track": track, "rows": rows}
+
+
+def verdict(bench, parameter):
+    """Empty if the knob does something."""
+    change, around = KNOBS[parameter]
+    before = bench.known[tuple(around)]
+    if before["code"] != 0:
+        return f"{around}: the base does not run: {before}"
+    after = bench.seen([*around, change])
+    if after["code"] == 2 and parameter.rpartition(".")[2] not in after["refused"]:
+        return f"{parameter}: refused, but not by name: {after['refused']}"
+    return f"{parameter}: {change} changes nothing" if after == before else ""
+
+
+def main():
+    program, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name, depth in (("one", -1e-4), ("other", -2e-4)):
+        (folder / f"{name}.csv").write_text(f"x_m,z_m\n0,0\n6,{depth}\n7,{depth}\n12,0\n")
+    bench = Bench(program, sys.argv[2], folder)
+    again = bench.seen([])
+    if again != bench.seen([]):
+        raise SystemExit("the same run twice differs: this test would prove nothing")
+    surroundings = sorted({tuple(around) for _, around in KNOBS.values()})
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        bench.known = dict(zip(surroundings, pool.map(bench.seen, surroundings)))
+        problems = list(pool.map(lambda parameter: verdict(bench, parameter), KNOBS))
+    print(f"{len(KNOBS)} parameters")
+    if any(problems):
+        raise SystemExit("\n".join(filter(None, problems)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""A track alone: what is refused and how, the same bits on any number of ranks, files, resume.
+
+    track.py PROGRAM DECKS FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+SHORT = ["passage.duration=0.05", "train.start=25"]
+# Changes of the plain deck and words of the refusal.
+REFUSED = {
+    "model=bed": 'must be "track"',
+    "bed.height=0.3": "bed is not a section",
+    "rail.section=60E2": "must be 46E3, 54E1, 60E1 or CHN60",
+    'train.vehicles=["manchester"]': "did you mean manchester_1?",
+    "train.vehicles=[]": "must name at least one vehicle",
+    "train.start=61": "train.start = 61: lies beyond the track, which is 60 m long",
+    "track.length=60.1": "must be a multiple of track.spacing",
+    "track.support=none": "must be pinned: the rail is held by nothing else",
+    "track.run_in=31": "must be at most half the length",
+    "irregularity.kind=file": "is needed for kind",
+    "irregularity.longest=0.5": "must be longer than the shortest",
+    "passage.points=[70]": "70 m lies beyond the track",
+}
+TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all named at once
+VEHICLE = """
+[[vehicle]]
+name = "{name}"
+kind = "{kind}"
+length = 20
+wheelset_mass = 1000
+
+[[track.zone]]
+from = 30
+to = {to}
+"""
+
+
+def refuse(program, deck, changes, words):
+    ran = program(1, "check", deck, *changes)
+    if ran.returncode != 2 or words not in ran.stderr:
+        raise SystemExit(f"{changes} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+    return ran.stderr.splitlines()
+
+
+def check_refusals(program, decks, folder):
+    for change, words in REFUSED.items():
+        refuse(program, decks / "plain.toml", [change], words)
+    lines = refuse(program, decks / "plain.toml", TOGETHER, "must be above 0")
+    if len(lines) != len(TOGETHER):
+        raise SystemExit(f"one sentence for each of {TOGETHER} is wanted: {lines}")
+    text = (decks / "plain.toml").read_text(encoding="utf-8")
+    for name, kind, to, words in (("own", "sprung", 31, "needs body_mass, primary_stiffness too"),
+                                  ("manchester_1", "wheel", 31, "is the name of another vehicle"),
+                                  ("own", "wheel", 30, "must lie beyond from")):
+        path = folder / "changed.toml"
+        path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
+        refuse(program, path, [], words)
+    ran = program.done(1, "check", decks / "plain.toml", "passage.history_interval=1e-6")
+    if "every step makes a row" not in ran.stdout:
+        raise SystemExit(f"a row more often than a step must warn:\n{ran.stdout}")
+
+
+def check_runs(program, decks, folder):
+    hashes = set()
+    for ranks in (1, 2, 3):
+        program.done(ranks, "run", decks / "plain.toml", *SHORT, "--force", "-o", folder / "run")
+        hashes.add(summary(folder / "run")["track"]["state_hash"])
+    if len(hashes) != 1:
+        raise SystemExit(f"the state depends on the number of ranks: {hashes}")
+    with h5py.File(folder / "run/results.h5") as file:
+        force, time = file["history/wheel/force"][()], file["history/time"][()]
+        seats = file["history/sleeper/seat_force"][()]
+        if force.shape != (51, 4) or abs(time[-1] - 0.05) > 1e-12 or seats.shape != (51, 2):
+            raise SystemExit(f"histories have other shapes: {force.shape}, {seats.shape}")
+        # 109.09 kN on an axle.
+        if not np.allclose(force[0], 54545, atol=10):
+            raise SystemExit(f"forces at rest: {force[0]}")
+    ran = program(1, "resume", folder / "run")
+    if ran.returncode != 2 or "these are not resumed" not in ran.stderr:
+        raise SystemExit(f"a track alone is not resumed: {ran.stderr}")
+    ran = program(1, "run", decks / "plain.toml", *SHORT, "-o", folder / "run")
+    if ran.returncode != 2 or "--force" not in ran.stderr:
+        raise SystemExit(f"older results must not be replaced: {ran.stderr}")
+
+
+def check_targets(program, decks, folder):
+    """Of the deck's head: rail 0.8, rail against sleeper 0.2, ground 0.6 mm, to a tenth."""
+    program.done(1, "run", decks / "netirail_plain.toml", "passage.duration=0.8",
+                 "train.vehicles=[\"alfa_pendular\"]", "-o", folder / "train")
+    with h5py.File(folder / "train/results.h5") as file:
+        rail = file["history/rail/displacement"][()].ravel()
+        sleeper = file["history/sleeper/displacement"][()].ravel()
+    found = [-rail.min(), (sleeper - rail).max(), -sleeper.min()]
+    if not np.allclose(found, [0.8e-3, 0.2e-3, 0.6e-3], rtol=0.1):
+        raise SystemExit(f"displacements of the train: {found} m")
+
+
+def main():
+    program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
+        sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_refusals(program, decks, folder)
+    check_runs(program, decks, folder)
+    check_targets(program, decks, folder)
+
+
+if __name__ == "__main__":
+    main()

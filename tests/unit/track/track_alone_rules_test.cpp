@@ -1,0 +1,94 @@
+// Values of a deck of a track alone that do not go together are named; the libraries are complete.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/track/passage.hpp"
+#include "unit/bed/rules.hpp"
+
+namespace trackbed::track {
+namespace {
+
+using Names = std::set<std::string>;
+
+template <class T>
+Names broken(const std::function<void(T&)>& change) {
+  T parameters;
+  change(parameters);
+  return BrokenRules::of(parameters);
+}
+
+TEST(TrackAloneRules, DefaultsHold) {
+  EXPECT_EQ(BrokenRules::of(TrackParameters{}), Names{});
+  EXPECT_EQ(BrokenRules::of(TrainParameters{}), Names{});
+  EXPECT_EQ(BrokenRules::of(IrregularityParameters{}), Names{});
+}
+
+TEST(TrackAloneRules, TheTrackIsHeldAndFits) {
+  using T = TrackParameters;
+  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none; }), Names{"ends"});
+  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none, p.ends = RailEnds::pinned; }), Names{});
+  EXPECT_EQ(broken<T>([](T& p) { p.length = 60.1; }), Names{"length"});
+  EXPECT_EQ(broken<T>([](T& p) { p.length = 0.2; }), (Names{"length", "run_in"}));
+  EXPECT_EQ(broken<T>([](T& p) { p.run_in = 31; }), Names{"run_in"});
+  EXPECT_EQ(broken<TrackZone>([](TrackZone& z) { z.from = 2, z.to = 2; }), Names{"to"});
+}
+
+TEST(TrackAloneRules, VehiclesHaveWhatTheirKindNeeds) {
+  using V = VehicleParameters;
+  EXPECT_EQ(broken<V>([](V& v) { v.like = "manchester_1"; }), Names{});
+  EXPECT_EQ(broken<V>([](V& v) { v.kind = VehicleKind::wheel, v.length = 1; }), Names{"kind"});
+  EXPECT_EQ(broken<V>([](V& v) { v.kind = VehicleKind::forces, v.length = 1, v.axles = {0}; }),
+            Names{"kind"});
+  for (const V& known : vehicle_library()) EXPECT_TRUE(lacking(complete(known)).empty());
+}
+
+TEST(TrackAloneRules, IrregularitiesHaveTheirFileAndBand) {
+  using I = IrregularityParameters;
+  EXPECT_EQ(broken<I>([](I& p) { p.kind = IrregularityKind::file; }), Names{"file"});
+  EXPECT_EQ(broken<I>([](I& p) { p.longest = 1; }), Names{"longest"});
+}
+
+// Nothing reaches the model unchecked.
+TEST(TrackAloneRules, UnknownNamesAreInputErrors) {
+  EXPECT_THROW(rail_section("60E2"), InputError);
+  EXPECT_THROW(Train({.vehicles = {"nobody"}}, {}, 2), InputError);
+  VehicleParameters empty;
+  empty.name = "empty";
+  EXPECT_THROW(Train({.vehicles = {"empty"}}, {empty}, 2), InputError);
+}
+
+// A rail that hangs on nothing has no equilibrium.
+TEST(TrackAlone, ATrackThatNothingHoldsIsAnError) {
+  LineParameters p;
+  p.track.support = Support::none;
+  const Line line(p);
+  EXPECT_THROW(Statics{line.system()}, RunError);
+}
+
+// Shapes of the running surface where they begin, end and are deepest, m.
+TEST(TrackAlone, DipsAreWhereTheyShouldBe) {
+  IrregularityParameters p;
+  p.at = 10;
+  p.length = 2;
+  p.depth = 1e-3;
+  for (const auto kind :
+       {IrregularityKind::versine, IrregularityKind::vee, IrregularityKind::joint}) {
+    p.kind = kind;
+    const Irregularity dip(p, 20);
+    EXPECT_DOUBLE_EQ(dip.at(10), -1e-3);
+    EXPECT_EQ(dip.at(9), 0);
+    EXPECT_EQ(dip.at(11.5), 0);
+    EXPECT_DOUBLE_EQ(dip.at(9.5), kind == IrregularityKind::joint ? -0.25e-3 : -0.5e-3);
+  }
+  p.kind = IrregularityKind::waves;
+  p.waves = 2;
+  const Irregularity waves(p, 20);
+  EXPECT_NEAR(waves.at(11), -1e-3, 1e-15);
+  EXPECT_NEAR(waves.at(13), -1e-3, 1e-15);
+  EXPECT_EQ(waves.at(14.5), 0);
+}
+
+}  // namespace
+}  // namespace trackbed::track
