@@ -27,7 +27,16 @@ struct Sleeper {
   double x;
   std::int32_t unknown;
   Kelvin pad;
+  double beyond;  // N/m, what the pad adds beyond its knee
 };
+
+// Pushes `lower` down and `upper` up when they come together by more than the gap.
+Stop stop_between(const Kelvin& element, double gap) {
+  RailPoint point;
+  point.unknown = {element.upper, element.lower, -1, -1};
+  point.value = {-1, 1, 0, 0};
+  return {point, gap, element.stiffness, element.damping};
+}
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -52,6 +61,7 @@ struct Line::Room {
   void add_sleeper(std::size_t node);
   double node_x(std::size_t node) const { return static_cast<double>(node) * element_length; }
   double run_in(double x) const;
+  double gap_below(double x) const;
   double bed_factor(double x) const;
   BeamElement element(std::size_t e) const;
   std::array<std::int32_t, 4> unknowns_of(std::size_t e) const;
@@ -66,6 +76,7 @@ struct Line::Room {
   std::int32_t unknowns = 0;
   Triplets mass, damping, stiffness;
   LinearSystem system;
+  std::vector<Stop> stops;
 };
 
 // The length was checked to be a whole number of spacings.
@@ -90,7 +101,7 @@ void Line::Room::number() {
     const std::int32_t w = held ? -1 : unknowns++;
     node.push_back({w, unknowns++});
     if (!bears(n)) continue;
-    sleepers.push_back({node_x(n), unknowns++, {}});
+    sleepers.push_back({node_x(n), unknowns++, {}, 0});
     if (parameters.ballast.mass > 0) ++unknowns;
   }
 }
@@ -112,6 +123,14 @@ double Line::Room::bed_factor(double x) const {
   for (const TrackZone& zone : parameters.track.zones)
     if (x >= zone.from && x <= zone.to) factor *= zone.bed;
   return factor;
+}
+
+// Of zones that overlap the widest.
+double Line::Room::gap_below(double x) const {
+  double gap = 0;
+  for (const TrackZone& zone : parameters.track.zones)
+    if (x >= zone.from && x <= zone.to) gap = std::max(gap, zone.gap);
+  return gap;
 }
 
 BeamElement Line::Room::element(std::size_t e) const {
@@ -165,14 +184,23 @@ void Line::Room::add_sleeper(std::size_t index) {
   const BallastParameters& ballast = parameters.ballast;
   const double factor = bed_factor(sleeper.x);
   const std::size_t at = index * static_cast<std::size_t>(parameters.track.elements);
+  const PadParameters& pad = parameters.pad;
   const double stiffer = run_in(sleeper.x);
-  sleeper.pad = {node[at][0], sleeper.unknown, parameters.pad.stiffness * stiffer,
-                 parameters.pad.damping * stiffer};
+  sleeper.pad = {node[at][0], sleeper.unknown, pad.stiffness * stiffer, pad.damping * stiffer};
   connect(sleeper.pad);
+  if (pad.knee > 0) {
+    sleeper.beyond = (pad.beyond - pad.stiffness) * stiffer;
+    stops.push_back(
+        stop_between({node[at][0], sleeper.unknown, sleeper.beyond, 0}, pad.knee / stiffer));
+  }
   add(mass, sleeper.unknown, sleeper.unknown,
       parameters.track.sleeper_mass / static_cast<double>(parameters.track.rails));
   const std::int32_t below = ballast.mass > 0 ? sleeper.unknown + 1 : -1;
-  connect({sleeper.unknown, below, ballast.stiffness * factor, ballast.damping * factor});
+  const Kelvin bed = {sleeper.unknown, below, ballast.stiffness * factor, ballast.damping * factor};
+  if (const double gap = gap_below(sleeper.x); gap > 0)
+    stops.push_back(stop_between(bed, gap));
+  else
+    connect(bed);
   if (below < 0) return;
   add(mass, below, below, ballast.mass);
   connect({below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor});
@@ -183,6 +211,19 @@ void Line::Room::assemble() {
   for (std::size_t i = 0; i < sleepers.size(); ++i) add_sleeper(i);
   system = {matrix_of(mass, unknowns), matrix_of(damping, unknowns),
             matrix_of(stiffness, unknowns)};
+}
+
+double Stop::force(double approach, double rate) const {
+  if (approach <= 0) return 0;
+  const double spring = stiffness * approach;
+  return spring + std::clamp(damping * rate, -spring, spring);
+}
+
+double Stop::slope(double approach, double rate, double rate_slope) const {
+  if (approach <= 0) return 0;
+  const double spring = stiffness * approach, damper = damping * rate;
+  if (std::abs(damper) < spring) return stiffness + damping * rate_slope;
+  return damper > 0 ? 2 * stiffness : 0;
 }
 
 double RailPoint::deflection(const Vector& u) const {
@@ -202,6 +243,7 @@ Line::~Line() = default;
 Line::Line(Line&&) noexcept = default;
 
 const LinearSystem& Line::system() const { return room_->system; }
+const std::vector<Stop>& Line::stops() const { return room_->stops; }
 double Line::length() const { return room_->parameters.track.length; }
 std::size_t Line::sleepers() const { return room_->sleepers.size(); }
 double Line::sleeper_x(std::size_t i) const { return room_->sleepers.at(i).x; }
@@ -228,11 +270,14 @@ std::size_t Line::nearest_sleeper(double x) const {
 }
 
 double Line::seat_force(std::size_t i, const Vector& u, const Vector& v) const {
-  const Kelvin& pad = room_->sleepers.at(i).pad;
+  const Sleeper& sleeper = room_->sleepers.at(i);
+  const Kelvin& pad = sleeper.pad;
   const auto of = [&](const Vector& y) {
     return y[pad.lower] - (pad.upper >= 0 ? y[pad.upper] : 0.0);
   };
-  return pad.stiffness * of(u) + pad.damping * of(v);
+  // Over a run-in all is as much stiffer as the knee comes earlier.
+  const double knee = room_->parameters.pad.knee / room_->run_in(sleeper.x);
+  return pad.stiffness * of(u) + pad.damping * of(v) + sleeper.beyond * std::max(0.0, of(u) - knee);
 }
 
 // The element's own end moment is exact for its loads at nodes; of a bed's force between nodes it

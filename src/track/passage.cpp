@@ -1,10 +1,13 @@
-// Wheel-rail contact condensed onto the wheels. Track and train are linear, so what contact forces
-// F do to the approach d of each wheel by the end of a step is linear too:
-//   d = d0 - A F(d),   A_ij = rail_i per F_j + wheel_i per F_j   (m/N)
+// Contacts condensed onto themselves: wheels on the rail, and stops (hanging sleepers, pads with a
+// knee). Track and train are linear, so what contact forces F do to the approach d of each contact
+// by the end of a step is linear too:
+//   d = d0 - A F(d),   A_ij = track_i per F_j + wheel_i per F_j   (m/N)
 // with d0 from a step without contact forces. Newton's method solves these few equations; A is
-// symmetric and positive, F rises with d, so there is one solution and it is found from anywhere.
+// symmetric and positive, F rises with d, so there is one solution.
 // Cost per step: one band solve of the track with a right side for each wheel on it, which is
-// nearly all of it; linear in length of track and number of wheels.
+// nearly all of it; linear in length of track and number of wheels. Stops stand still: their
+// columns are solved once. Many of them (a knee in every pad) make Newton's equations the larger
+// part, with the third power of their number.
 //
 // The rail moves as its shape functions say plus the local flexibility of its element (beam.hpp),
 // whose inertia is left out; of two wheels in one element each feels its own alone.
@@ -26,6 +29,7 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 constexpr int most_iterations = 100;
+constexpr double most_change = 1e300;  // m, of what is no number
 
 }  // namespace
 
@@ -38,13 +42,18 @@ struct Passage::Room {
   }
   double time() const { return static_cast<double>(steps) * parameters.step; }
   void place_wheels();
-  Columns rail_columns() const;
   Matrix rail_matrix(const Columns& columns) const;
   void start();
   void step();
   void solve_contacts(const Vector& without, const Matrix& flexibility);
+  void put_wheels(Columns& into) const;
+  Vector approaches(const Vector& of_track, const Vector& of_train) const;
+  double improve_rest(Vector& u, const Matrix& g, const Vector& without);
+  double rate(Eigen::Index stop) const;
   Vector forces() const;
   Vector slopes() const;
+  Eigen::Index wheels_rolling() const { return static_cast<Eigen::Index>(rolling.size()); }
+  Eigen::Index contacts() const { return approach.size(); }
 
   const Line& line;
   const Train& train;
@@ -54,11 +63,16 @@ struct Passage::Room {
   PassageParameters parameters;
   Newmark track, vehicles;
   std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
-  Columns wheel_columns;             // forces on the train's unknowns by unit forces on `rolling`
-  Columns wheel_change;              // their changes of displacement in a step
-  std::vector<RailPoint> point;      // below each wheel, at the end of the step
-  Vector approach;                   // m, of `rolling`
-  Vector constant_load;              // N on the track's unknowns
+  // Contacts are wheels that roll, then stops. Of each a column: the train's unknowns per unit of
+  // its force, and their change in a step; the same for the track.
+  Columns wheel_columns, wheel_change;
+  Columns track_columns, track_change;
+  std::vector<RailPoint> point;     // below each wheel, at the end of the step
+  std::vector<RailPoint> touching;  // of each contact
+  Vector approach;                  // m, of each contact
+  Vector stop_before, stop_rate;    // m, m/s, of the stops' approach at the begin of the step
+  double rate_slope = 0;            // 1/s, of the rate per approach: 2/h, at rest 0
+  Vector constant_load;             // N on the track's unknowns
   std::int64_t steps = 0, iterations = 0, lost = 0;
 };
 
@@ -74,11 +88,21 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irr
       vehicles(t.system(), p.step) {
   for (std::size_t k = 0; k < train.wheels().size(); ++k)
     if (train.wheels()[k].unknown >= 0) rolling.push_back(k);
-  wheel_columns = Columns::Zero(train.weight().size(), static_cast<Eigen::Index>(rolling.size()));
+  const auto stops = static_cast<Eigen::Index>(line.stops().size());
+  const Eigen::Index n = wheels_rolling() + stops;
+  approach = Vector::Zero(n);
+  stop_before = stop_rate = Vector::Zero(stops);
+  wheel_columns = Columns::Zero(train.weight().size(), n);
   for (std::size_t k = 0; k < rolling.size(); ++k)
     wheel_columns(train.wheels()[rolling[k]].unknown, static_cast<Eigen::Index>(k)) = 1;
   wheel_change = vehicles.flexibility(wheel_columns);
-  approach = Vector::Zero(static_cast<Eigen::Index>(rolling.size()));
+  track_columns = Columns::Zero(line.system().mass.rows(), n);
+  for (Eigen::Index k = 0; k < stops; ++k) {
+    const RailPoint& p = line.stops()[static_cast<std::size_t>(k)].point;
+    for (std::size_t i = 0; i < 2; ++i)
+      if (p.unknown[i] >= 0) track_columns(p.unknown[i], wheels_rolling() + k) = p.value[i];
+  }
+  track_change = track.flexibility(track_columns);
 }
 
 // Where the wheels are now, and what constant forces do there.
@@ -89,27 +113,28 @@ void Passage::Room::place_wheels() {
     point.push_back(line.at(x(k)));
     if (train.wheels()[k].unknown < 0) point.back().add(-train.wheels()[k].force, constant_load);
   }
+  touching.clear();
+  for (const std::size_t k : rolling) touching.push_back(point[k]);
+  for (const Stop& stop : line.stops()) touching.push_back(stop.point);
+  put_wheels(track_columns);
 }
 
-// Unit forces upwards at the rolling wheels.
-Columns Passage::Room::rail_columns() const {
-  Columns columns =
-      Columns::Zero(line.system().mass.rows(), static_cast<Eigen::Index>(rolling.size()));
+// Unit forces upwards at the rolling wheels, in the first columns.
+void Passage::Room::put_wheels(Columns& into) const {
+  into.leftCols(wheels_rolling()).setZero();
   for (std::size_t k = 0; k < rolling.size(); ++k) {
     const RailPoint& p = point[rolling[k]];
     for (std::size_t n = 0; n < 4; ++n)
-      if (p.unknown[n] >= 0) columns(p.unknown[n], static_cast<Eigen::Index>(k)) = p.value[n];
+      if (p.unknown[n] >= 0) into(p.unknown[n], static_cast<Eigen::Index>(k)) = p.value[n];
   }
-  return columns;
 }
 
-// m/N, deflection below wheel i per force at wheel j, from the displacements `columns` of the
+// m/N, deflection at contact i per force of contact j, from the displacements `columns` of the
 // track.
 Matrix Passage::Room::rail_matrix(const Columns& columns) const {
-  const auto n = static_cast<Eigen::Index>(rolling.size());
-  Matrix matrix = Matrix::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const RailPoint& p = point[rolling[static_cast<std::size_t>(i)]];
+  Matrix matrix = Matrix::Zero(contacts(), contacts());
+  for (Eigen::Index i = 0; i < contacts(); ++i) {
+    const RailPoint& p = touching[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < 4; ++k)
       if (p.unknown[k] >= 0) matrix.row(i) += p.value[k] * columns.row(p.unknown[k]);
     matrix(i, i) += p.local;
@@ -117,69 +142,98 @@ Matrix Passage::Room::rail_matrix(const Columns& columns) const {
   return matrix;
 }
 
+// m/s, of a stop's approach at the end of the step, as Newmark's formula has velocities.
+double Passage::Room::rate(Eigen::Index stop) const {
+  return rate_slope * (approach[wheels_rolling() + stop] - stop_before[stop]) - stop_rate[stop];
+}
+
 Vector Passage::Room::forces() const {
-  return approach.unaryExpr([this](double d) { return law.force(d); });
+  Vector force(contacts());
+  for (Eigen::Index i = 0; i < wheels_rolling(); ++i) force[i] = law.force(approach[i]);
+  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
+    force[i] = line.stops()[static_cast<std::size_t>(k)].force(approach[i], rate(k));
+  return force;
 }
 
 Vector Passage::Room::slopes() const {
-  return approach.unaryExpr([this](double d) { return law.slope(d); });
+  Vector slope(contacts());
+  for (Eigen::Index i = 0; i < wheels_rolling(); ++i) slope[i] = law.slope(approach[i]);
+  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
+    slope[i] = line.stops()[static_cast<std::size_t>(k)].slope(approach[i], rate(k), rate_slope);
+  return slope;
 }
 
-// Equilibrium of train and track with the wheels where they are, Newton's method on the train's
-// unknowns u (m) and the approaches d (m):
-//   K u - E F(d) = weight,   E' u + d + G F(d) = rail under constant forces + irregularity
-// E puts wheel forces on unknowns, G is the track's static flexibility, m/N. The train alone is not
-// held, but together with the contacts it is.
+// m, the approach of each contact if track and train stood like this.
+Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train) const {
+  Vector result(contacts());
+  for (Eigen::Index i = 0; i < contacts(); ++i)
+    result[i] = touching[static_cast<std::size_t>(i)].deflection(of_track);
+  for (Eigen::Index i = 0; i < wheels_rolling(); ++i) {
+    const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
+    result[i] += irregularity.at(x(wheel)) - of_train[train.wheels()[wheel].unknown];
+  }
+  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
+    result[i] -= line.stops()[static_cast<std::size_t>(k)].gap;
+  return result;
+}
+
+// One step of Newton's method towards
+//   K u - E F(d) = weight,   E' u + d + G F(d) = approaches without train and forces
+// for the train's unknowns u (m) and the approaches d (m); E puts forces on unknowns, G is the
+// track's static flexibility, m/N. The train alone is not held, but with its wheels it is.
+// Returns the largest change of an approach.
+double Passage::Room::improve_rest(Vector& u, const Matrix& g, const Vector& without) {
+  const Eigen::Index m = u.size(), n = contacts(), wheels = wheels_rolling();
+  const Matrix e = wheel_columns, k = train.system().stiffness;
+  const Matrix slope = slopes().asDiagonal();
+  Matrix jacobian(m + n, m + n);
+  jacobian << k, -e * slope, e.transpose(), Matrix::Identity(n, n) + g * slope;
+  Vector wrong(m + n);
+  wrong << k * u - e * forces() - train.weight(),
+      e.transpose() * u + approach + g * forces() - without;
+  const Vector change = jacobian.partialPivLu().solve(wrong);
+  u -= change.head(m);
+  // Wheels never out of contact on the way: the train would be held by nothing.
+  const Vector least = approach.head(wheels) / 10;
+  approach -= change.tail(n);
+  approach.head(wheels) = approach.head(wheels).cwiseMax(least);
+  return change.allFinite() ? change.tail(n).cwiseAbs().maxCoeff() : most_change;
+}
+
+// Equilibrium of train and track with the wheels where they are.
 void Passage::Room::start() {
   place_wheels();
   const Statics statics(line.system());
-  const Columns columns = statics.flexibility(rail_columns());
-  const Vector under_constant = statics.flexibility(constant_load);
-  track.displacement = under_constant;
-  const auto n = static_cast<Eigen::Index>(rolling.size());
-  const Eigen::Index m = train.weight().size();
-  if (n == 0) return;
-  const Matrix g = rail_matrix(columns), e = wheel_columns, k = train.system().stiffness;
-  Vector rail(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
-    rail[i] = point[wheel].deflection(under_constant) + irregularity.at(x(wheel));
-    approach[i] = law.approach(train.wheels()[wheel].share);
-  }
-  Vector u = Vector::Zero(m);
-  for (int round = 0; round < most_iterations; ++round) {
-    Matrix jacobian(m + n, m + n);
-    const Matrix slope = slopes().asDiagonal();
-    jacobian << k, -e * slope, e.transpose(), Matrix::Identity(n, n) + g * slope;
-    Vector wrong(m + n);
-    wrong << k * u - e * forces() - train.weight(),
-        e.transpose() * u + approach + g * forces() - rail;
-    const Vector change = jacobian.partialPivLu().solve(wrong);
-    u -= change.head(m);
-    // Never out of contact on the way: the train would be held by nothing.
-    approach = (approach - change.tail(n)).cwiseMax(approach / 10);
-    if (!(change.tail(n).cwiseAbs().maxCoeff() > parameters.tolerance)) {
-      if (!u.allFinite()) break;
-      vehicles.displacement = u;
-      track.displacement -= columns * forces();
-      return;
-    }
-  }
-  throw RunError("the train finds no static equilibrium on the track: is every wheel loaded?");
+  track.displacement = statics.flexibility(constant_load);
+  if (contacts() == 0) return;
+  const Columns columns = statics.flexibility(track_columns);
+  Vector u = Vector::Zero(train.weight().size());
+  const Vector without = approaches(track.displacement, u);
+  for (Eigen::Index i = 0; i < wheels_rolling(); ++i)
+    approach[i] = law.approach(train.wheels()[rolling[static_cast<std::size_t>(i)]].share);
+  const Matrix g = rail_matrix(columns);
+  int round = 0;
+  while (improve_rest(u, g, without) > parameters.tolerance)
+    if (++round == most_iterations)
+      throw RunError("the train finds no static equilibrium on the track: is every wheel loaded?");
+  vehicles.displacement = u;
+  track.displacement -= columns * forces();
+  stop_before = approach.tail(contacts() - wheels_rolling());
+  rate_slope = 2 / parameters.step;
 }
 
 // Newton's method from the approaches of the last step; where they part the slope is zero and the
 // equation is linear. Ends when no approach changes by more than the tolerance.
 void Passage::Room::solve_contacts(const Vector& without, const Matrix& flexibility) {
-  const auto n = static_cast<Eigen::Index>(rolling.size());
   for (int round = 0; round < most_iterations; ++round) {
     const Vector wrong = approach + flexibility * forces() - without;
-    const Matrix jacobian = Matrix::Identity(n, n) + flexibility * Matrix(slopes().asDiagonal());
+    const Matrix jacobian =
+        Matrix::Identity(contacts(), contacts()) + flexibility * Matrix(slopes().asDiagonal());
     const Vector change = jacobian.partialPivLu().solve(wrong);
     approach -= change;
     ++iterations;
     const double largest = change.cwiseAbs().maxCoeff();
-    if (!std::isfinite(largest)) break;
+    if (!change.allFinite()) break;
     if (largest <= parameters.tolerance) return;
   }
   throw RunError(
@@ -192,24 +246,21 @@ void Passage::Room::solve_contacts(const Vector& without, const Matrix& flexibil
 void Passage::Room::step() {
   ++steps;
   place_wheels();
-  Vector track_change = track.free_change(constant_load);
-  const auto n = static_cast<Eigen::Index>(rolling.size());
-  if (n == 0) return track.accept(track_change);
-  Vector train_change = vehicles.free_change(train.weight());
-  const Columns rail_change = track.flexibility(rail_columns());
-  const Vector track_free = track.displacement + track_change;
-  const Vector train_free = vehicles.displacement + train_change;
-  Vector without(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
-    without[i] = point[wheel].deflection(track_free) + irregularity.at(x(wheel)) -
-                 train_free[train.wheels()[wheel].unknown];
-  }
-  solve_contacts(without, rail_matrix(rail_change) + wheel_columns.transpose() * wheel_change);
+  const Vector of_track = track.free_change(constant_load);
+  if (contacts() == 0) return track.accept(of_track);
+  const Eigen::Index wheels = wheels_rolling();
+  const Vector of_train = vehicles.free_change(train.weight());
+  track_change.leftCols(wheels) = track.flexibility(track_columns.leftCols(wheels));
+  solve_contacts(approaches(track.displacement + of_track, vehicles.displacement + of_train),
+                 rail_matrix(track_change) + wheel_columns.transpose() * wheel_change);
   const Vector force = forces();
-  track.accept(track_change - rail_change * force);
-  vehicles.accept(train_change + wheel_change * force);
-  lost += (approach.array() <= 0).count();
+  for (Eigen::Index k = 0; k < stop_rate.size(); ++k) {
+    stop_rate[k] = rate(k);
+    stop_before[k] = approach[wheels + k];
+  }
+  track.accept(of_track - track_change * force);
+  vehicles.accept(of_train + wheel_change * force);
+  lost += (approach.head(wheels).array() <= 0).count();
 }
 
 Passage::Passage(const Line& line, const Train& train, const WheelRail& law,

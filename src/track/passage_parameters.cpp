@@ -1,4 +1,6 @@
 // Parameters of the track as a structure and of the run of a train over it, each declared once.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "trackbed/track/passage.hpp"
@@ -23,6 +25,12 @@ void PadParameters::declare(input::Section& s) {
            "Of the pads on one rail seat.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},
            "Of the pads on one rail seat.");
+  s.number("knee", knee, {.unit = "m", .at_least = 0, .usually_to = 5e-3},
+           "Compression at which a pad becomes stiffer; 0: it does not.");
+  s.number("beyond", beyond, {.unit = "N/m", .at_least = 0, .usually_to = 1e10},
+           "Stiffness beyond the knee.");
+  s.rule("beyond", knee == 0 || beyond > stiffness, "must be above pad.stiffness",
+         {.reads = {"stiffness", "knee", "beyond"}});
 }
 
 void BallastParameters::declare(input::Section& s) {
@@ -47,6 +55,8 @@ void TrackZone::declare(input::Section& s) {
            "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
            "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
+  s.number("gap", gap, {.unit = "m", .at_least = 0, .usually_to = 0.02},
+           "Between sleepers and ballast while nothing is on the track: these sleepers hang.");
   s.rule("to", to > from, "must lie beyond from");
 }
 
@@ -79,6 +89,9 @@ void TrackParameters::declare(input::Section& s) {
          {.reads = {"length", "spacing"}});
   s.rule("ends", support != Support::none || ends == RailEnds::pinned,
          "must be pinned: the rail is held by nothing else");
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
+           "is for sleepers that hang; there are none", {.reads = {"support", "zone"}});
   s.rule("run_in", 2 * run_in <= length, "must be at most half the length");
 }
 

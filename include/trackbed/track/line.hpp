@@ -28,6 +28,8 @@ enum class RailEnds { free, pinned };
 
 struct PadParameters {
   double stiffness = 120e6, damping = 25e3;  // N/m, N s/m, of one rail seat
+  double knee = 0;                           // m of compression; 0: linear
+  double beyond = 0;                         // N/m, stiffness beyond the knee
   void declare(input::Section& s);
 };
 
@@ -43,6 +45,7 @@ struct BallastParameters {
 struct TrackZone {
   double from = 0, to = 0;   // m
   double rail = 1, bed = 1;  // factors of E I, k G A and mass; of bed or ballast
+  double gap = 0;            // m, between sleepers and ballast while nothing is on the track
   void declare(input::Section& s);
 };
 
@@ -79,6 +82,17 @@ struct RailPoint {
   void add(double force, Vector& to) const;  // N upwards
 };
 
+// A spring that only pushes, and only once its point has given way by more than the gap: ballast
+// below a hanging sleeper, the part of a pad beyond its knee. approach = deflection(u) - gap, m.
+// The damper adds or takes at most what the spring has, so that the force begins at zero.
+struct Stop {
+  RailPoint point;
+  double gap, stiffness, damping;  // m, N/m, N s/m
+  double force(double approach, double rate) const;
+  // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
+  double slope(double approach, double rate, double rate_slope) const;
+};
+
 class Line {
  public:
   explicit Line(const LineParameters& parameters);
@@ -88,7 +102,8 @@ class Line {
   const LinearSystem& system() const;
   double length() const;  // m
   RailPoint at(double x) const;
-  std::size_t sleepers() const;  // 0 unless supported by sleepers
+  const std::vector<Stop>& stops() const;  // not part of `system`
+  std::size_t sleepers() const;            // 0 unless supported by sleepers
   double sleeper_x(std::size_t i) const;
   std::int32_t sleeper_unknown(std::size_t i) const;
   std::size_t nearest_sleeper(double x) const;

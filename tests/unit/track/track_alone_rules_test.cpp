@@ -32,6 +32,13 @@ TEST(TrackAloneRules, TheTrackIsHeldAndFits) {
   EXPECT_EQ(broken<T>([](T& p) { p.length = 60.1; }), Names{"length"});
   EXPECT_EQ(broken<T>([](T& p) { p.length = 0.2; }), (Names{"length", "run_in"}));
   EXPECT_EQ(broken<T>([](T& p) { p.run_in = 31; }), Names{"run_in"});
+  EXPECT_EQ(broken<T>([](T& p) {
+              p.support = Support::continuous;
+              p.zones.resize(1);
+              p.zones[0] = {.from = 1, .to = 2, .gap = 1e-3};
+            }),
+            Names{"zone[0].gap"});
+  EXPECT_EQ(broken<PadParameters>([](PadParameters& p) { p.knee = 1e-4; }), Names{"beyond"});
   EXPECT_EQ(broken<TrackZone>([](TrackZone& z) { z.from = 2, z.to = 2; }), Names{"to"});
 }
 

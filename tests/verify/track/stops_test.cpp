@@ -1,0 +1,121 @@
+// Supports that are not linear: sleepers that hang above the ballast, pads with a knee.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr double wheel = 60e3;  // N
+constexpr double place = 12;    // m, below a sleeper
+
+std::vector<VehicleParameters> axle() {
+  VehicleParameters v;
+  v.name = "axle";
+  v.kind = VehicleKind::forces;
+  v.length = 1;
+  v.axles = {0};
+  v.loads = {2 * wheel};
+  return {v};
+}
+
+// At rest under one constant force above the sleeper at 12 m.
+struct AtRest {
+  explicit AtRest(const LineParameters& p)
+      : line(p),
+        train(motion, axle(), 2),
+        passage(line, train, WheelRail({}), Irregularity({}, 24), motion, {.duration = 1}) {}
+  double rail(double x = place) const { return -passage.rail_displacement(x); }
+  double seat(double x = place) const {
+    const Newmark& u = passage.line_motion();
+    return line.seat_force(line.nearest_sleeper(x), u.displacement, u.velocity);
+  }
+  TrainParameters motion{.vehicles = {"axle"}, .speed = 1e-12, .start = place};
+  Line line;
+  Train train;
+  Passage passage;
+};
+
+LineParameters sleepers(double gap) {
+  LineParameters p;
+  p.track.length = 24;
+  p.track.zones = {{.from = 11.9, .to = 12.1, .gap = gap}};
+  return p;
+}
+
+// A gap wider than the rail can bend: as if the sleeper had no ballast. One of nothing: linear.
+// Between them the rail's displacement is linear in the ballast's force f, which is
+// k (w_s - gap): two linear tracks give the reference.
+TEST(HangingSleeper, LiesBetweenTwoLinearTracks) {
+  LineParameters none = sleepers(0), all = sleepers(0);
+  none.track.zones[0].bed = 1e-9;
+  const AtRest without(none), with(all), open(sleepers(0.02)), hanging(sleepers(0.2e-3));
+  verified::near("rail over an open gap", "m", open.rail(), without.rail(), 1e-9);
+  // Half a sleeper at rest: the seat carries nothing but what the ballast does.
+  verified::near("seat over an open gap", "N", open.seat(), 0, 1e-6);
+  verified::above("rail over a gap of 0.2 mm, beyond the linear track", "m", hanging.rail(),
+                  with.rail());
+  // Unit ballast force lifts rail and sleeper; from no ballast to full ballast the force is
+  // `with.seat()`, so influence lines follow from both: r = (w_0 - w_1)/f_1.
+  const double f1 = with.seat();
+  const auto sleeper = [](const AtRest& at) {
+    return -at.passage.line_motion()
+                .displacement[at.line.sleeper_unknown(at.line.nearest_sleeper(place))];
+  };
+  const double s0 = sleeper(without), influence = (s0 - sleeper(with)) / f1;
+  const double k = all.ballast.stiffness, gap = 0.2e-3;
+  const double f = k * (s0 - gap) / (1 + k * influence);
+  verified::near("seat over a gap of 0.2 mm", "N", hanging.seat(), f, 1e-5 * f);
+  verified::near("rail over a gap of 0.2 mm", "m", hanging.rail(),
+                 without.rail() - f * (without.rail() - with.rail()) / f1, 1e-9);
+}
+
+// Every pad has the knee; a wheel that stands still keeps its equilibrium.
+TEST(PadWithAKnee, FollowsItsTwoStiffnesses) {
+  LineParameters p = sleepers(0);
+  p.pad.knee = 1e-4;
+  p.pad.beyond = 500e6;
+  AtRest at(p);
+  const double rail = at.rail(), seat = at.seat();
+  const std::int32_t unknown = at.line.sleeper_unknown(at.line.nearest_sleeper(place));
+  const double compressed = rail + at.passage.line_motion().displacement[unknown];
+  verified::above("compression of the pad", "m", compressed, p.pad.knee);
+  verified::near("seat force", "N", seat,
+                 p.pad.stiffness * p.pad.knee + p.pad.beyond * (compressed - p.pad.knee),
+                 1e-9 * seat);
+  verified::near("ballast force", "N",
+                 -p.ballast.stiffness * at.passage.line_motion().displacement[unknown], seat,
+                 1e-6 * seat);
+  for (int i = 0; i < 200; ++i) at.passage.advance();
+  verified::below("motion in 200 steps", "m", std::abs(at.rail() - rail), 1e-12);
+}
+
+// A coach over hanging sleepers: they strike the ballast, and the train goes on.
+TEST(HangingSleeper, IsStruckByAPassingCoach) {
+  LineParameters p;
+  p.track.zones = {{.from = 29.9, .to = 31.3, .gap = 0.5e-3}};  // three sleepers
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 26};
+  const Train train(motion, {}, 2);
+  LineParameters sound;
+  const Line even(sound);
+  const auto run = [&](const Line& on) {
+    Passage passage(on, train, WheelRail({}), Irregularity({}, 60), motion, {.duration = 0.2});
+    double most = 0;
+    while (passage.time() < 0.2) {
+      passage.advance();
+      const Newmark& u = passage.line_motion();
+      most = std::max(most, std::abs(u.acceleration[on.sleeper_unknown(on.nearest_sleeper(30.6))]));
+    }
+    return most;
+  };
+  verified::above("largest acceleration of the sleeper over that of a sound track", "-",
+                  run(line) / run(even), 2);
+}
+
+}  // namespace
+}  // namespace trackbed::track
