@@ -106,10 +106,11 @@ void Line::Room::number() {
   }
 }
 
-// Over the run-in all springs and dampers grow smoothly, by equal ratios in equal parts of half a
-// cosine:
+// Over the run-in the rail's stiffness, all springs and dampers grow smoothly, by equal ratios in
+// equal parts of half a cosine:
 //   factor = F^((1 + cos(pi d/L))/2),   d the distance from the end, L the run-in, m.
 // A wheel then comes from a rigid rail onto one that is nearly so, and nothing begins with a jump.
+// Without the rail itself in it, wheels would feel the sleepers of the run-in ten times as much.
 double Line::Room::run_in(double x) const {
   const TrackParameters& track = parameters.track;
   const double distance = std::min(x, track.length - x);
@@ -138,7 +139,10 @@ BeamElement Line::Room::element(std::size_t e) const {
   double factor = 1;
   for (const TrackZone& zone : parameters.track.zones)
     if (middle >= zone.from && middle <= zone.to) factor *= zone.rail;
-  return {beam.times(factor), element_length};
+  Beam here = beam.times(factor);
+  here.bending_stiffness *= run_in(middle);
+  here.shear_stiffness *= run_in(middle);
+  return {here, element_length};
 }
 
 std::array<std::int32_t, 4> Line::Room::unknowns_of(std::size_t e) const {

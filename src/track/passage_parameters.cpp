@@ -65,7 +65,9 @@ void TrackParameters::declare(input::Section& s) {
       "support", support, {"sleepers", "continuous", "none"},
       "sleepers: pads, sleepers, ballast; continuous: a Kelvin bed right under the rail; none: "
       "held at its ends alone, as a bridge.");
-  s.choice("ends", ends, {"free", "pinned"}, "Ends of the rail.");
+  s.choice(
+      "ends", ends, {"free", "pinned"},
+      "Ends of the rail; pinned ones hold its height, so that it meets the rigid rails beyond.");
   s.integer("rails", rails, {.at_least = 1, .at_most = 2},
             "Rails alike that share vehicles and sleepers evenly; 1: a beam carries it all.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
@@ -80,10 +82,12 @@ void TrackParameters::declare(input::Section& s) {
            "Below one rail, per length (continuous).");
   s.number("bed_damping", bed_damping, {.unit = "N s/m2", .at_least = 0, .usually_to = 1e7},
            "Below one rail, per length (continuous).");
-  s.number("run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
-           "Length at both ends over which pads and bed become stiffer towards the rigid rail.");
+  s.number(
+      "run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
+      "Length at both ends over which rail, pads and bed become stiffer towards the rigid rails "
+      "beyond.");
   s.number("run_in_factor", run_in_factor, {.at_least = 1},
-           "Stiffness and damping of pads and bed at the very ends over that of the track.");
+           "Stiffness and damping at the very ends over that of the track.");
   s.tables("zone", zones, "Where the track differs; factors of zones that overlap multiply.");
   s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
          {.reads = {"length", "spacing"}});

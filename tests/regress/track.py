@@ -23,7 +23,6 @@ REFUSED = {
     "train.vehicles=[]": "must name at least one vehicle",
     "train.start=61": "train.start = 61: lies beyond the track, which is 60 m long",
     "track.length=60.1": "must be a multiple of track.spacing",
-    "track.support=none": "must be pinned: the rail is held by nothing else",
     "track.run_in=31": "must be at most half the length",
     "irregularity.kind=file": "is needed for kind",
     "irregularity.longest=0.5": "must be longer than the shortest",
@@ -53,6 +52,8 @@ def refuse(program, deck, changes, words):
 def check_refusals(program, decks, folder):
     for change, words in REFUSED.items():
         refuse(program, decks / "plain.toml", [change], words)
+    refuse(program, decks / "plain.toml", ["track.support=none", "track.ends=free"],
+           "track.ends = \"free\": must be pinned: the rail is held by nothing else")
     lines = refuse(program, decks / "plain.toml", TOGETHER, "must be above 0")
     if len(lines) != len(TOGETHER):
         raise SystemExit(f"one sentence for each of {TOGETHER} is wanted: {lines}")

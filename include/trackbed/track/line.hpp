@@ -51,7 +51,7 @@ struct TrackZone {
 
 struct TrackParameters {
   Support support = Support::sleepers;
-  RailEnds ends = RailEnds::free;
+  RailEnds ends = RailEnds::pinned;
   std::int64_t rails = 2;       // alike, sharing vehicles and sleepers evenly
   double length = 60;           // m, from x = 0
   double spacing = 0.6;         // m, of sleepers
@@ -60,7 +60,7 @@ struct TrackParameters {
   double bed_stiffness = 50e6;  // N/m^2, continuous
   double bed_damping = 50e3;    // N s/m^2, continuous
   double run_in = 6;            // m, at both ends
-  double run_in_factor = 100;   // of all springs and dampers at the very end
+  double run_in_factor = 100;   // of all stiffness and damping at the very end
   std::vector<TrackZone> zones;
   void declare(input::Section& s);
 };

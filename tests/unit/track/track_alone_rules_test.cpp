@@ -27,8 +27,9 @@ TEST(TrackAloneRules, DefaultsHold) {
 
 TEST(TrackAloneRules, TheTrackIsHeldAndFits) {
   using T = TrackParameters;
-  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none; }), Names{"ends"});
-  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none, p.ends = RailEnds::pinned; }), Names{});
+  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none; }), Names{});
+  EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none, p.ends = RailEnds::free; }),
+            Names{"ends"});
   EXPECT_EQ(broken<T>([](T& p) { p.length = 60.1; }), Names{"length"});
   EXPECT_EQ(broken<T>([](T& p) { p.length = 0.2; }), (Names{"length", "run_in"}));
   EXPECT_EQ(broken<T>([](T& p) { p.run_in = 31; }), Names{"run_in"});
@@ -70,6 +71,7 @@ TEST(TrackAloneRules, UnknownNamesAreInputErrors) {
 TEST(TrackAlone, ATrackThatNothingHoldsIsAnError) {
   LineParameters p;
   p.track.support = Support::none;
+  p.track.ends = RailEnds::free;
   const Line line(p);
   EXPECT_THROW(Statics{line.system()}, RunError);
 }

@@ -101,6 +101,27 @@ TEST(Passage, IsOfSecondOrderInTheStep) {
                   distance(b, c), 100);
 }
 
+// On an even rail wheels only feel the sleepers. At the ends, where they come from and go to rigid
+// rails, that is less than twice as much as in the middle.
+TEST(Passage, WheelsEnterAndLeaveWithoutAShock) {
+  const Line line((LineParameters()));
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = -1};
+  const Train train(motion, {}, 2);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 60), motion, {});
+  const double at_rest = passage.wheel_force(0);
+  double inside = 0, ends = 0;
+  while (passage.time() < passage.duration()) {
+    passage.advance();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double x = passage.wheel_x(i), off = std::abs(passage.wheel_force(i) / at_rest - 1);
+      if (x > 12 && x < 48) inside = std::max(inside, off);
+      if (x < 6 || x > 54) ends = std::max(ends, off);
+    }
+  }
+  verified::below("largest change of a wheel force over the sleepers", "-", inside, 0.05);
+  verified::below("within 6 m of the ends over that in the middle", "-", ends / inside, 2);
+}
+
 // A wheel leaves the rail over a deep short dip, comes back, and settles at its static load.
 TEST(Passage, ContactIsLostAndRegained) {
   LineParameters damped = winkler(60, BeamTheory::timoshenko);
