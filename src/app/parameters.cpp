@@ -24,8 +24,6 @@ constexpr double room_beside_floor = 0.25;  // m
 
 }  // namespace
 
-// One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
-// end say what a kind cannot do without.
 // What every kind has, and how stones are poured.
 void Stage::declare_course(input::Section& s) {
   s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
@@ -95,6 +93,8 @@ void Stage::declare_loads(input::Section& s) {
            "more than this in the last cycle; 0: never.");
 }
 
+// One struct for all kinds: a parameter that a kind does not use keeps its default. Rules at the
+// end say what a kind cannot do without.
 void Stage::declare(input::Section& s) {
   declare_course(s), declare_bodies(s), declare_loads(s);
   constexpr double least = 100;  // N, of a load that means something to a sleeper
