@@ -1,0 +1,145 @@
+// Free vibration of a block: modes of a free cube and square, and a cantilever that swings.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "fem/mesh.hpp"
+#include "fem/stiffness.hpp"
+#include "fem/terms.hpp"
+#include "support/verified.hpp"
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+using std::numbers::pi;
+
+constexpr Elastic solid{50e6, 0.3, 2000};
+constexpr double edge = 1;  // m
+
+// All squared angular frequencies of a free block of `zones` along each edge, ascending, rad^2/s^2.
+// M^-1/2 K M^-1/2 column by column from the kernel: a few hundred unknowns.
+Eigen::VectorXd squared_frequencies(Dimension dimension, std::int64_t zones, double* mass) {
+  GroundParameters p = box({edge, edge, edge}, {zones, zones, zones}, solid);
+  p.plane = PlaneState::strain;
+  p.sides = Sides::free;
+  Mesh mesh(Comm::self(), p, dimension, edge);
+  std::vector<ZoneElement> elements = {zone_element(mesh.lattice.size, solid, dimension, p.plane)};
+  const Stiffness stiffness(mesh, elements);
+  const Terms terms(mesh, p, stiffness);
+  const int d = mesh.lattice.components();
+  const auto n = static_cast<Eigen::Index>(mesh.nodes());
+  Eigen::MatrixXd k(d * n, d * n);
+  Nodal u(d, mesh.nodes()), f(d, mesh.nodes());
+  const auto root = [&](Eigen::Index node) {
+    return std::sqrt(terms.mass[static_cast<std::size_t>(node)]);
+  };
+  for (int c = 0; c < d; ++c)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      u[c][j] = 1;
+      stiffness.apply(u, f);
+      u[c][j] = 0;
+      for (int e = 0; e < d; ++e)
+        for (Eigen::Index i = 0; i < n; ++i) k(e * n + i, c * n + j) = f[e][i] / root(i) / root(j);
+    }
+  *mass = 0;
+  for (const double m : terms.mass) *mass += m;
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+class Block : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Block, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
+
+// Lame's mode shears without changing volume and leaves all faces free of traction:
+// u = (sin pi x cos pi z, 0, -cos pi x sin pi z) about a corner, omega = sqrt(2) pi c_s / edge.
+TEST_P(Block, FreeVibration) {
+  const bool plane = GetParam() == Dimension::plane;
+  const double c_s = std::sqrt(solid.young / (2 * (1 + solid.poisson)) / solid.density);
+  const double exact = std::sqrt(2.0) * pi * c_s / edge;  // rad/s
+  std::array<double, 2> error{};
+  double mass = 0;
+  for (const std::int64_t fine : {0, 1}) {
+    const std::int64_t zones = (plane ? 8 : 3) * (fine + 1);
+    const Eigen::VectorXd squared = squared_frequencies(GetParam(), zones, &mass);
+    // The mode nearest to Lame's; six (three) motions of the rigid block cost nothing.
+    double nearest = 0;
+    for (const double s : squared)
+      if (std::abs(std::sqrt(std::abs(s)) - exact) < std::abs(nearest - exact))
+        nearest = std::sqrt(std::abs(s));
+    error[static_cast<std::size_t>(fine)] = nearest / exact - 1;
+    const Eigen::Index rigid = plane ? 3 : 6;
+    const std::string which = fmt::format(", {} zones an edge", zones);
+    verified::below("rigid motions: largest frequency squared over Lame's" + which, "-",
+                    squared.head(rigid).cwiseAbs().maxCoeff() / (exact * exact),
+                    1e-10);  // rounding
+    verified::above("first frequency of deformation over Lame's" + which, "-",
+                    std::sqrt(squared[rigid]) / exact, 0.5);
+  }
+  // A wave of 2 edges on 8 (space: 6) zones each: (pi / 8)^2 / 12 = 1.3 % (2.3 %) low at most.
+  verified::near("frequency of Lame's mode over the exact one", "-", 1 + error[1], 1,
+                 plane ? 0.005 : 0.025);
+  verified::near("order of its error", "-", std::log2(error[0] / error[1]), 2, 0.3);
+  verified::near("mass", "kg", mass, solid.density * edge * edge * edge, 1e-9);  // rounding
+}
+
+// First frequency of a cantilever with shear and rotary inertia, rad/s (Timoshenko 1921; Huang
+// 1961, doi:10.1115/1.3641787): zero of the determinant of its four end conditions. kappa = 5/6.
+double timoshenko(double length, double height) {
+  const double ei = solid.young * std::pow(height, 3) / 12, mass = solid.density * height;
+  const double shear = 5.0 / 6 * height * solid.young / (2 * (1 + solid.poisson));
+  const auto determinant = [&](double omega) {
+    const double b2 = mass * omega * omega * std::pow(length, 4) / ei;
+    const double r2 = height * height / 12 / (length * length), s2 = ei / (shear * length * length);
+    const double root = std::sqrt((r2 - s2) * (r2 - s2) + 4 / b2);
+    const double b = std::sqrt(b2), alpha = std::sqrt(0.5 * (-(r2 + s2) + root)),
+                 beta = std::sqrt(0.5 * (r2 + s2 + root));
+    return 2 + (b2 * (r2 - s2) * (r2 - s2) + 2) * std::cosh(b * alpha) * std::cos(b * beta) -
+           b * (r2 + s2) / std::sqrt(1 - b2 * r2 * s2) * std::sinh(b * alpha) * std::sin(b * beta);
+  };
+  double low = 0.5, high = 1.1 * 3.5160 * std::sqrt(ei / mass) / (length * length);
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (determinant(middle) * determinant(low) > 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+// Released from the shape under a side force, it swings in its first mode.
+TEST(Cantilever, SwingsWithTheFrequencyOfABeam) {
+  constexpr double length = 10, height = 1;
+  GroundParameters p = box({height, 1, length}, {4, 1, 40}, solid);
+  p.plane = PlaneState::stress;
+  p.base = Base::fixed;
+  p.sides = Sides::free;
+  Ground ground(Comm::world(), p, Dimension::plane, 1.0);
+  std::vector<Vec3> push(ground.top().nodes(), Vec3::Zero()), none = push;
+  for (std::size_t n = 0; n < push.size() / 2; ++n) push[n].x() = 20;
+  const double omega = timoshenko(length, height), period = 2 * pi / omega;
+  // A force over half a period moves the first mode most; then free. Zeros of its velocity fit.
+  constexpr int windows = 400;
+  const double dt = period / windows;
+  std::vector<double> crossings;
+  double before = 0;
+  for (int w = 0; w < 6 * windows; ++w) {
+    ground.advance(dt, w < windows / 2 ? push : none);
+    double mine = -1e300;
+    for (const auto n : ground.own_top())
+      if (n == 0) mine = ground.top_state(n).displacement.x();
+    const double u = Comm::world().max(mine);
+    if (w > windows / 2 && before < 0 && u >= 0) crossings.push_back(w - u / (u - before));
+    before = u;
+  }
+  ASSERT_GE(crossings.size(), 4u);
+  const double measured =
+      (crossings.back() - crossings.front()) * dt / static_cast<double>(crossings.size() - 1);
+  // Four zones over the height; a clamp that also holds the width.
+  verified::near("period of the first mode", "s", measured, period, 0.01 * period);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
