@@ -26,7 +26,7 @@ struct Holds {
   bool moved_ground;  // has left its rest
   bool plane;         // a plane model
   bool quiet_base;    // of the ground
-  bool newmark;       // made the ground's last window
+  bool implicit;      // steps made the ground's last window
 };
 
 // From the deck that made the state, not from the new one: it says what the state is.
@@ -39,7 +39,7 @@ Holds holds_of(const io::File& checkpoint, const Values& deck) {
           .moved_ground = checkpoint.has("ground"),
           .plane = is("dimension", "\"plane\""),
           .quiet_base = is("ground.base", "\"quiet\""),
-          .newmark = is("ground.integrator", "\"newmark\"")};
+          .implicit = !is("ground.integrator", "\"explicit\"")};
 }
 
 bool is_one_of(std::string_view key, const auto& keys) {
@@ -50,15 +50,15 @@ bool is_one_of(std::string_view key, const auto& keys) {
 
 // A ground that has moved carries deviations from its state of rest, which borders, springs and
 // plane state made as much as materials did: others would set free forces that nothing holds, and a
-// border held from now on would keep the velocity it has. Newmark goes on from the displacement,
-// velocity and acceleration that explicit steps leave, but leaves the nodal forces of its
-// predictor, which explicit steps would take for those of the present. Damping, tolerances and
-// Newmark's constants are no part of a state.
+// border held from now on would keep the velocity it has. Implicit steps go on from the
+// displacement, velocity and acceleration that explicit ones leave, but leave the nodal forces of
+// their predictor, which explicit steps would take for those of the present. Damping, tolerances
+// and the integrators' constants are no part of a state.
 bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
   if (key == "ground.base" || key == "ground.sides") return true;
   if (key == "ground.base_stiffness") return holds.quiet_base;
   if (key == "ground.plane") return holds.plane;
-  if (key == "ground.integrator") return holds.newmark;
+  if (key == "ground.integrator") return holds.implicit;
   const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[");
   return solid && !key.ends_with("].name");
 }

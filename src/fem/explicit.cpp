@@ -79,11 +79,11 @@ void Ground::Room::move(Part part, double h) {
 
 // What the deformed ground pulls back with: solid and springs below the base. The springs are left
 // out of the stiffness-proportional damping, whose ratio belongs to the solid.
-void Ground::Room::internal_force(const Nodal& w) {
+void Ground::Room::internal_force(const Nodal& w, const Nodal& u) {
   stiffness.apply(w, state.internal);
   for (const Spring& spring : terms.springs)
     for (int c = 0; c < components(); ++c)
-      state.internal[c][spring.node] += spring.stiffness * state.displacement[c][spring.node];
+      state.internal[c][spring.node] += spring.stiffness * u[c][spring.node];
 }
 
 // As many equal steps as fill the window, each at most the stable one. The load is constant in the
@@ -102,7 +102,7 @@ void Ground::Room::explicit_window(double dt) {
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     mesh.exchange(w);
-    internal_force(w);
+    internal_force(w, state.displacement);
   }
   move(Part::kick, h);
   steps += n;

@@ -146,9 +146,9 @@ Ground::Ground(Ground&&) noexcept = default;
 
 // s. The words name what limits it, for the log.
 double Ground::stable_step(std::string* limit) const {
-  const bool implicit = room_->parameters.integrator == Integrator::newmark;
-  if (limit != nullptr) *limit = implicit ? "nothing: Newmark" : room_->limit;
-  // Newmark is stable for any step; accuracy is the caller's choice.
+  const bool implicit = room_->parameters.integrator != Integrator::explicit_;
+  if (limit != nullptr) *limit = implicit ? "nothing: implicit" : room_->limit;
+  // Implicit steps are stable at any length; accuracy is the caller's choice.
   if (implicit) return std::numeric_limits<double>::infinity();
   return room_->parameters.safety * room_->critical;
 }
@@ -163,9 +163,11 @@ void Ground::settle(std::span<const Vec3> top_force) { room_->settle(top_force);
 // simulation for the scheme.
 void Ground::advance(double dt, std::span<const Vec3> top_force) {
   const auto begin = std::chrono::steady_clock::now();
+  const bool implicit = room_->parameters.integrator != Integrator::explicit_;
+  const Nodal before = implicit ? room_->state.load : Nodal();
   room_->set_load(top_force);
-  if (room_->parameters.integrator == Integrator::newmark)
-    room_->newmark_window(dt);
+  if (implicit)
+    room_->implicit_window(dt, before);
   else
     room_->explicit_window(dt);
   room_->publish();

@@ -1,14 +1,15 @@
-// What PETSc solves: the static start and Newmark's time steps.
+// What PETSc solves: the static start and implicit time steps of the family in alpha_scheme.hpp.
 //
-// Newmark (1959, doi:10.1061/JMCEA3.0000098) in the acceleration a at the end of the window:
-//   u* = u + dt v + dt^2 (1/2 - beta) a,   v* = v + dt (1 - gamma) a,
-//   (M + gamma dt C + beta dt^2 K) a' = F - C v* - K u*,   u = u* + beta dt^2 a', v = v* + ...
+// With m = 1 - alpha_m, f = 1 - alpha_f and the predictors u*, v* (u', v' without a'):
+//   (m M + f gamma dt C + f beta dt^2 K) a' = (f F' + alpha_f F) - alpha_m M a
+//     - C (f v* + alpha_f v) - K (f u* + alpha_f u),   u' = u* + beta dt^2 a', v' = v* + ...
 // The load acts as varying linearly from window to window, the matrix is constant and set up once
 // per dt, the last acceleration is the first guess. Mass is lumped as in the explicit scheme.
 //
-// Symbols as in explicit.cpp, but beta is Newmark's; dt the window. Unconditionally stable for 2
-// beta >= gamma >= 1/2; second order for gamma = 1/2, above it waves are damped. One solve per
+// Symbols as in explicit.cpp, but beta is the integrator's; dt the window. Unconditionally stable
+// as declared in parameters.cpp; second order but for Newmark with gamma > 1/2. One solve per
 // window: accuracy, not stability, says how long it may be.
+#include "alpha_scheme.hpp"
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -25,48 +26,63 @@ void add_springs(const std::vector<Spring>& springs, double factor, int componen
 
 }  // namespace
 
-void Ground::Room::newmark_window(double dt) {
-  const double beta = parameters.newmark_beta, gamma = parameters.newmark_gamma;
-  const double rayleigh = parameters.rayleigh_stiffness;
+// The operator and its multigrid hierarchy are kept while the window keeps its length.
+void Ground::Room::prepare_window(double dt, const AlphaScheme& s) {
+  if (implicit_step_ == dt) return;
+  implicit_step_ = dt;
+  const double m = 1 - s.alpha_m, f = 1 - s.alpha_f;
   const std::size_t nodes = mesh.nodes();
-  // The operator and its multigrid hierarchy are kept while the window keeps its length.
-  if (newmark_step_ != dt) {
-    newmark_step_ = dt;
-    LinearSystem::Spec spec{beta * dt * dt + gamma * dt * rayleigh, Nodal(components(), nodes),
-                            terms.held, parameters.tolerance};
-    for (int c = 0; c < components(); ++c)
-      for (std::size_t n = 0; n < nodes; ++n)
-        spec.diagonal[c][n] = terms.mass[n] + gamma * dt * terms.damping[c][n];
-    add_springs(terms.springs, beta * dt * dt, components(), spec.diagonal);
-    newmark_.reset();  // the old one's memory first
-    newmark_ = std::make_unique<LinearSystem>(mesh, stiffness, spec);
-    if (blend_.of[0].empty()) blend_ = Nodal(components(), nodes);
-  }
-  // Predictor, in place: afterwards u and v hold u* and v*.
-  Nodal& w = blend_;
+  const double stiff = f * (s.beta * dt * dt + s.gamma * dt * parameters.rayleigh_stiffness);
+  LinearSystem::Spec spec{stiff, Nodal(components(), nodes), terms.held, parameters.tolerance};
+  for (int c = 0; c < components(); ++c)
+    for (std::size_t n = 0; n < nodes; ++n)
+      spec.diagonal[c][n] = m * terms.mass[n] + f * s.gamma * dt * terms.damping[c][n];
+  add_springs(terms.springs, f * s.beta * dt * dt, components(), spec.diagonal);
+  implicit_.reset();  // the old one's memory first
+  implicit_ = std::make_unique<LinearSystem>(mesh, stiffness, spec);
+  for (Nodal* scratch : {&blend_, &mixed_, &right_})
+    if (scratch->of[0].empty()) *scratch = Nodal(components(), nodes);
+}
+
+// In place: afterwards u and v hold u* and v*, mixed_ and right_ what the equation takes of
+// displacement and velocity, and blend_ what the zones see.
+void Ground::Room::predict(double dt, const AlphaScheme& s) {
+  const double f = 1 - s.alpha_f, rayleigh = parameters.rayleigh_stiffness;
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {
       double &u = state.displacement[c][n], &v = state.velocity[c][n];
-      const double a = state.acceleration[c][n];
-      u += dt * v + dt * dt * (0.5 - beta) * a;
-      v += dt * (1 - gamma) * a;
-      w[c][n] = u + rayleigh * v;
+      const double a = state.acceleration[c][n], u_before = u, v_before = v;
+      u += dt * v + dt * dt * (0.5 - s.beta) * a;
+      v += dt * (1 - s.gamma) * a;
+      mixed_[c][n] = f * u + s.alpha_f * u_before;
+      right_[c][n] = f * v + s.alpha_f * v_before;
+      blend_[c][n] = mixed_[c][n] + rayleigh * right_[c][n];
     }
-  mesh.exchange(w);
-  internal_force(w);
-  Nodal right(components(), nodes);
+}
+
+// `before` holds the load of the last window, state.load this one's.
+void Ground::Room::implicit_window(double dt, const Nodal& before) {
+  const AlphaScheme s = alpha_scheme(parameters);
+  const double f = 1 - s.alpha_f;
+  prepare_window(dt, s);
+  predict(dt, s);
+  mesh.exchange(blend_);
+  internal_force(blend_, mixed_);
   for (int c = 0; c < components(); ++c)
-    for (const std::int32_t n : mesh.own)
-      right[c][n] =
-          state.load[c][n] - state.internal[c][n] - terms.damping[c][n] * state.velocity[c][n];
+    for (const std::int32_t n : mesh.own) {
+      const double load = f * state.load[c][n] + s.alpha_f * before[c][n];
+      const double inertia = s.alpha_m * terms.mass[static_cast<std::size_t>(n)];
+      right_[c][n] = load - state.internal[c][n] - terms.damping[c][n] * right_[c][n] -
+                     inertia * state.acceleration[c][n];
+    }
   // Held freedoms keep a = 0: the solver leaves them out.
-  iterations += newmark_->solve(right, state.acceleration);
+  iterations += implicit_->solve(right_, state.acceleration);
   ++solves;
   ++steps;
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {
-      state.displacement[c][n] += beta * dt * dt * state.acceleration[c][n];
-      state.velocity[c][n] += gamma * dt * state.acceleration[c][n];
+      state.displacement[c][n] += s.beta * dt * dt * state.acceleration[c][n];
+      state.velocity[c][n] += s.gamma * dt * state.acceleration[c][n];
     }
 }
 

@@ -100,6 +100,19 @@ bool crosses_itself(const std::vector<double>& outline) {
   return false;
 }
 
+// Damping of what the windows do not resolve, without loss of order. HHT is unconditionally stable
+// down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak below it too.
+void declare_alphas(GroundParameters& p, Section& s) {
+  s.number("alpha", p.alpha, {.at_least = -1, .at_most = 0},
+           "Numerical damping (hht, bossak): 0 none, more the more negative.");
+  s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
+         "must be at least -1/3 for hht, or the integrator is not stable",
+         {.reads = {"integrator", "alpha"}});
+  s.number("rho_inf", p.rho_inf, {.at_least = 0, .at_most = 1},
+           "Numerical damping (generalized_alpha): amplitude that a step leaves of the highest "
+           "frequencies; 1: none.");
+}
+
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
 }  // namespace
@@ -170,9 +183,9 @@ void GroundParameters::declare(Section& s) {
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
            "Rayleigh damping: share of the stiffness matrix; lowers the stable explicit step.");
-  s.choice("integrator", integrator, {"explicit", "newmark"},
-           "explicit: central differences, as many steps in a window as stability asks for; "
-           "newmark: one implicit step per window.");
+  s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
+           "explicit: central differences, as many steps in a window as stability asks for; the "
+           "others take one implicit step per window.");
   s.number("safety", safety, {.above = 0, .at_most = 1},
            "Longest explicit step over the critical one.");
   s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
@@ -180,8 +193,9 @@ void GroundParameters::declare(Section& s) {
            "Newmark's gamma; above 0.5 it damps (newmark).");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
+  declare_alphas(*this, s);
   s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
-           "Relative residual at which linear solves stop (newmark, and equilibrium at rest).");
+           "Relative residual at which linear solves stop (implicit steps, equilibrium at rest).");
 }
 
 }  // namespace trackbed::fem

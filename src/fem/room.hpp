@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "alpha_scheme.hpp"
 #include "linear_system.hpp"
 #include "mesh.hpp"
 #include "stiffness.hpp"
@@ -37,7 +38,7 @@ struct State {
         offset(components, nodes),
         rest(components, nodes) {}
   Nodal displacement, velocity;  // m, m/s: deviation from rest
-  Nodal acceleration;            // m/s^2 at the end of the last window; Newmark carries it
+  Nodal acceleration;            // m/s^2 at the end of the last window; implicit steps carry it
   Nodal internal;                // N, K (u + rayleigh_stiffness v) + springs at the present time
   Nodal load;                    // N, F - F_0 of the last window
   Nodal settled;                 // N, F_0
@@ -57,7 +58,7 @@ struct Ground::Room {
   int components() const { return mesh.lattice.components(); }
   void set_load(std::span<const Vec3> top_force);  // load = top_force - settled
   void explicit_window(double dt);
-  void newmark_window(double dt);
+  void implicit_window(double dt, const Nodal& load_before);
   void settle(std::span<const Vec3> top_force);
   // Collective.
   void publish();          // ghosts of u current, surface motion of this window
@@ -81,10 +82,13 @@ struct Ground::Room {
 
  private:
   void make_surface();
-  void internal_force(const Nodal& w);
+  // state.internal from what the zones see and what the base springs see.
+  void internal_force(const Nodal& w, const Nodal& u);
   enum class Part { drift, kick_and_drift, kick };
   void move(Part part, double h);
   void prepare_step(double h);
+  void prepare_window(double dt, const AlphaScheme& scheme);
+  void predict(double dt, const AlphaScheme& scheme);
   void check_finite();
 
   // Explicit: derived numbers per node, and the displacement the stiffness acts on.
@@ -92,8 +96,10 @@ struct Ground::Room {
   Nodal blend_;  // u + rayleigh_stiffness v, if that differs
   double prepared_step_ = -1;
   std::vector<Vec3> window_start_;  // displacement of own top nodes as the window began
-  std::unique_ptr<LinearSystem> newmark_;
-  double newmark_step_ = -1;
+  // Implicit: scratch of a window, and the operator.
+  Nodal mixed_, right_;
+  std::unique_ptr<LinearSystem> implicit_;
+  double implicit_step_ = -1;
 };
 
 }  // namespace trackbed::fem

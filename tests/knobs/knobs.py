@@ -132,6 +132,8 @@ KNOBS = {
     "ground.safety": ("ground.safety=0.2", []),
     "ground.newmark_beta": ("ground.newmark_beta=0.3", NEWMARK),
     "ground.newmark_gamma": ("ground.newmark_gamma=0.6", [*NEWMARK, "ground.newmark_beta=0.3025"]),
+    "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
+    "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
     "sleepers.count": ("sleepers.count=2", ["sleepers.width=0.15", "sleepers.spacing=0.2"]),
     "sleepers.first": ("sleepers.first=0.2", []),

@@ -39,7 +39,7 @@ struct Block {
   void declare(input::Section& s);
 };
 
-enum class Integrator { explicit_, newmark };
+enum class Integrator { explicit_, newmark, hht, bossak, generalized_alpha };
 enum class PlaneState { stress, strain };
 enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
 enum class Sides { free, roller, quiet };
@@ -61,6 +61,8 @@ struct GroundParameters {
   Integrator integrator = Integrator::explicit_;
   double safety = 0.8;  // explicit step over the critical one
   double newmark_beta = 0.25, newmark_gamma = 0.5;
+  double alpha = -0.1;      // hht, bossak
+  double rho_inf = 0.8;     // generalized_alpha: spectral radius at infinite frequency
   double tolerance = 1e-8;  // relative residual of linear solves
   void declare(input::Section& s);
 };

@@ -75,13 +75,18 @@ TEST_P(Saved, GroundGoesOnWithTheSameBits) {
   EXPECT_GT(straight.totals().kinetic, 0);
 }
 
-TEST(SavedImplicit, GoesOnWithTheSameBits) {
-  // Newmark's next step needs the acceleration and the last window's load, which no explicit step
+class SavedImplicit : public ::testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(, SavedImplicit,
+                         ::testing::Values(Integrator::newmark, Integrator::hht, Integrator::bossak,
+                                           Integrator::generalized_alpha));
+
+TEST_P(SavedImplicit, GoesOnWithTheSameBits) {
+  // The next implicit step needs the acceleration and the last window's load, which no explicit one
   // does. Same bits on the same number of ranks; the test runs on each rank alone.
   const Comm self = Comm::self();
   const std::string path = "ground_newmark_" + std::to_string(Comm::world().rank()) + ".h5";
   GroundParameters parameters = scene();
-  parameters.integrator = Integrator::newmark;
+  parameters.integrator = GetParam();
   Ground straight(self, parameters, Dimension::plane, 1.0);
   const double dt = 5e-4;
   straight.settle(load_of(straight.top(), 0));

@@ -77,6 +77,11 @@ TEST(GroundDeck, RefusesWhatCannotBe) {
   EXPECT_NE(with("x = [3]"), "");
   EXPECT_NE(with("safety = 1.2").find("safety"), std::string::npos);
   EXPECT_NE(with("newmark_gamma = 0.9").find("half of newmark_gamma"), std::string::npos);
+  EXPECT_EQ(with("integrator = \"bossak\"\nalpha = -0.5"), "");
+  EXPECT_NE(with("integrator = \"hht\"\nalpha = -0.5").find("at least -1/3 for hht"),
+            std::string::npos);
+  EXPECT_NE(with("alpha = 0.1").find("alpha"), std::string::npos);
+  EXPECT_NE(with("rho_inf = 1.1").find("rho_inf"), std::string::npos);
   EXPECT_NE(with("base = \"soft\"").find("base"), std::string::npos);
   EXPECT_NE(problems("[ground]\n").find("the ground is empty"), std::string::npos);
   EXPECT_NE(with("[[ground.block]]\noutline = [0, 0, 1, 1]").find("at least 3 corners"),

@@ -1,8 +1,9 @@
-// Newmark and the static start on several ranks: agreement to the solver's tolerance, agreement
-// with the explicit scheme, rest, failure of a solve.
+// Implicit steps and the static start on several ranks: agreement to the solver's tolerance,
+// agreement with the explicit scheme, rest, failure of a solve.
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include <array>
 #include <cmath>
 
 #include "trackbed/core/error.hpp"
@@ -82,12 +83,32 @@ TEST_P(Implicit, ConvergesToTheExplicitSolution) {
   EXPECT_NEAR(std::log2(with_1ms / with_half), 2, 0.35) << with_1ms << ' ' << with_half;
 }
 
+constexpr std::array integrators = {Integrator::newmark, Integrator::hht, Integrator::bossak,
+                                    Integrator::generalized_alpha};
+
+// All of them, of a ground with springs, dashpots and damping of both kinds.
+TEST_P(Implicit, EveryIntegratorConvergesToTheSameMotion) {
+  const auto error = [&](Integrator integrator, double dt, const std::vector<double>& exact) {
+    Ground ground(Comm::world(), scene(integrator), GetParam(), 1.0);
+    return largest_difference(exact, run(Comm::world(), ground, dt, 0.015));
+  };
+  Ground reference(Comm::world(), scene(Integrator::newmark), GetParam(), 1.0);
+  const auto exact = run(Comm::world(), reference, 0.05e-3, 0.015);
+  for (const Integrator integrator : integrators) {
+    const double whole = error(integrator, 0.5e-3, exact), half = error(integrator, 0.25e-3, exact);
+    EXPECT_LT(half, 0.01) << static_cast<int>(integrator);
+    EXPECT_NEAR(std::log2(whole / half), 2, 0.35) << whole << ' ' << half;
+  }
+}
+
 TEST_P(Implicit, SettledGroundStaysAtRest) {
-  Ground ground(Comm::world(), scene(Integrator::newmark), GetParam(), 1.0);
-  const auto load = pressure(ground, 2e4);
-  ground.settle(load);
-  for (int w = 0; w < 20; ++w) ground.advance(1e-3, load);
-  for (const auto n : ground.own_top()) EXPECT_EQ(ground.top_state(n).displacement.norm(), 0);
+  for (const Integrator integrator : integrators) {
+    Ground ground(Comm::world(), scene(integrator), GetParam(), 1.0);
+    const auto load = pressure(ground, 2e4);
+    ground.settle(load);
+    for (int w = 0; w < 20; ++w) ground.advance(1e-3, load);
+    for (const auto n : ground.own_top()) EXPECT_EQ(ground.top_state(n).displacement.norm(), 0);
+  }
 }
 
 // sigma_z on top is the pressure, once the ground has followed it.
