@@ -55,7 +55,7 @@ bool is_one_of(std::string_view key, const auto& keys) {
 // their predictor, which explicit steps would take for those of the present. Damping, tolerances
 // and the integrators' constants are no part of a state.
 bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
-  if (key == "ground.base" || key == "ground.sides") return true;
+  if (key == "ground.base" || key == "ground.sides" || key == "ground.base_motion") return true;
   if (key == "ground.base_stiffness") return holds.quiet_base;
   if (key == "ground.plane") return holds.plane;
   if (key == "ground.integrator") return holds.implicit;

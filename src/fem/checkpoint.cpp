@@ -42,6 +42,17 @@ void Ground::save(io::File& file, const std::string& group) const {
                        {unit, meaning});
   });
   file.attribute(group, "steps", room_->steps);
+  if (!room_->free_field) return;
+  // The columns beside the model are the same on every rank: the first one writes them.
+  const std::string beside = group + "/free_field";
+  file.write<double>(beside + "/time",
+                     mesh.comm.root() ? std::vector<double>{room_->time} : std::vector<double>{}, 1,
+                     {"s", "since the ground was let go"});
+  room_->free_field->list([&](const char* name, const char* unit, std::vector<double>& values) {
+    if (values.empty()) return;  // no columns: another kind of sides
+    file.write<double>(beside + "/" + name, mesh.comm.root() ? values : std::vector<double>{}, 1,
+                       {unit, "of the columns beside the model, from the base up"});
+  });
 }
 
 // Each rank walks through all rows in pieces and keeps its own: memory stays bounded. Sorting rows
@@ -69,6 +80,13 @@ void Ground::load(const io::File& file, const std::string& group) {
   // Displacement of ghosts comes with refresh_surface; the other arrays matter on own nodes only.
   for (Nodal* values : {&room_->state.offset, &room_->state.rest}) mesh.exchange(*values);
   room_->steps = file.integer_attribute(group, "steps");
+  if (room_->free_field) {
+    const std::string beside = group + "/free_field";
+    room_->time = file.read_rows<double>(beside + "/time", 0, 1)[0];
+    room_->free_field->list([&](const char* name, const char*, std::vector<double>& values) {
+      if (!values.empty()) values = file.read_rows<double>(beside + "/" + name, 0, values.size());
+    });
+  }
   room_->refresh_surface();
 }
 

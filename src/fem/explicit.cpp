@@ -98,11 +98,14 @@ void Ground::Room::explicit_window(double dt) {
   prepare_step(h);
   // Without stiffness damping the zones see the displacement itself: one array less to move.
   Nodal& w = parameters.rayleigh_stiffness > 0 ? blend_ : state.displacement;
-  // Move, tell the ghosts, pull back: three calls a step.
+  // Move, tell the ghosts, pull back: three calls a step, and what comes from beside and below.
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     mesh.exchange(w);
     internal_force(w, state.displacement);
+    if (!free_field) continue;
+    free_field->explicit_step(h, time + static_cast<double>(s + 1) * h);
+    free_field->act_on(state.internal);
   }
   move(Part::kick, h);
   steps += n;

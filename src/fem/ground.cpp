@@ -39,6 +39,8 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
       terms(mesh, given, stiffness),
       state(components(), mesh.nodes()) {
   critical = critical_step(mesh, parameters, stiffness, limit);
+  if (!parameters.base_motion.empty())
+    free_field = std::make_unique<FreeField>(mesh, parameters, stiffness);
   make_surface();
   refresh_surface();
 }
@@ -170,6 +172,7 @@ void Ground::advance(double dt, std::span<const Vec3> top_force) {
     room_->implicit_window(dt, before);
   else
     room_->explicit_window(dt);
+  room_->time += dt;
   room_->publish();
   room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

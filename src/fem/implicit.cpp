@@ -68,6 +68,10 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
   predict(dt, s);
   mesh.exchange(blend_);
   internal_force(blend_, mixed_);
+  if (free_field) {
+    free_field->implicit_step(dt, s, time + dt);
+    free_field->act_on(state.internal);
+  }
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {
       const double load = f * state.load[c][n] + s.alpha_f * before[c][n];
@@ -95,6 +99,8 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration, &state.internal,
                         &state.load, &state.settled})
     values->fill(0);
+  time = 0;
+  if (free_field) free_field->rest();
   // With nothing settled yet the load is the whole force: the new F_0, bit for bit what set_load
   // will take off later, so that the same force leaves exactly nothing.
   set_load(top_force);

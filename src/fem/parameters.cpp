@@ -100,6 +100,27 @@ bool crosses_itself(const std::vector<double>& outline) {
   return false;
 }
 
+// Without a wave from below the ground beside the model is at rest, and what holds the model is a
+// quiet side.
+void declare_sides(GroundParameters& p, Section& s) {
+  s.choice(
+      "sides", p.sides, {"free", "roller", "quiet", "free_field"},
+      "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out; "
+      "free_field: the same, against columns of the ground beside that move with base_motion.");
+  s.file(
+      "base_motion", p.base_motion,
+      "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
+      "that comes up through a quiet base, half of an outcrop's; empty: none.");
+  const input::About about{.reads = {"base", "sides", "base_motion"}};
+  s.rule("base_motion", p.base_motion.empty() || p.base == Base::quiet,
+         "needs base = \"quiet\": a wave comes in through its dashpots", about);
+  const input::About odd{.weight = input::Weight::warning, .reads = about.reads};
+  s.rule("sides", p.sides != Sides::free_field || !p.base_motion.empty(),
+         "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
+  s.rule("sides", p.base_motion.empty() || p.sides != Sides::quiet,
+         "hold back the wave of base_motion; take free_field", odd);
+}
+
 // Damping of what the windows do not resolve, without loss of order. HHT is unconditionally stable
 // down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak below it too.
 void declare_alphas(GroundParameters& p, Section& s) {
@@ -174,11 +195,10 @@ void GroundParameters::declare(Section& s) {
   s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
            "Springs beside the dashpots of a quiet base: the ground below; below 0: shear modulus "
            "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
-  s.choice("sides", sides, {"free", "roller", "quiet"},
-           "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out.");
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is next to nothing below a track: is it in Pa/m?",
          {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
+  declare_sides(*this, s);
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "alpha_scheme.hpp"
+#include "free_field.hpp"
 #include "linear_system.hpp"
 #include "mesh.hpp"
 #include "stiffness.hpp"
@@ -73,6 +74,8 @@ struct Ground::Room {
   Stiffness stiffness;
   Terms terms;
   State state;
+  std::unique_ptr<FreeField> free_field;  // if a wave comes from below
+  double time = 0;                        // s since `settle`, for that wave
   Surface surface;
   std::vector<TopNode> own_top;
   double critical = 0;  // s, without safety

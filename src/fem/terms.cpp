@@ -41,22 +41,13 @@ struct Builder {
   const Mesh& mesh;
   const GroundParameters& parameters;
   Terms& terms;
-
-  // Share of one corner in the face normal to `component`, m^2.
-  // Faces are rectangles: each corner has an equal share.
-  double face_share(int component) const {
-    const Lattice& lattice = mesh.lattice;
-    const double face = lattice.size.prod() / lattice.size[lattice.axis(component)];
-    return face / (lattice.corners() / 2);
-  }
+  Border border = Border(mesh.lattice, parameters);
 
   // Lysmer's dashpots on one corner of a border face, for all components.
   void dashpots(std::size_t z, std::int32_t node, int normal) const {
-    const bool stress = mesh.lattice.plane && parameters.plane == PlaneState::stress;
     const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
-    const Impedance of = impedance(solid, stress);
     for (int c = 0; c < mesh.lattice.components(); ++c)
-      terms.damping[c][node] += (c == normal ? of.normal : of.tangential) * face_share(normal);
+      terms.damping[c][node] += border.dashpot(solid, normal, c);
   }
 
   // Held, or quiet with or without springs.
@@ -69,14 +60,14 @@ struct Builder {
     const int up = mesh.lattice.components() - 1;
     if (!quiet) terms.held[n] |= all;
     const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
-    const double spring = base_spring(parameters, solid, depth_of(mesh.lattice));
+    const double spring = border.spring(solid);
     if (!quiet || spring == 0) terms.held_at_rest[n] |= all;
     if (!quiet) return;
     dashpots(z, node, up);
-    if (spring > 0) terms.springs.push_back({node, spring * face_share(up)});
+    if (spring > 0) terms.springs.push_back({node, spring});
   }
 
-  // A quiet side gives no static support across it; at rest it acts as a roller.
+  // Quiet and free-field sides give no static support across them; at rest they act as rollers.
   void side(std::size_t z, std::int32_t node, int normal) const {
     if (parameters.sides == Sides::free) return;
     const auto n = static_cast<std::size_t>(node);
@@ -93,14 +84,11 @@ struct Builder {
     const Lattice& lattice = mesh.lattice;
     const Index3 at = lattice.zone_index(mesh.zone[z]);
     const int up = lattice.components() - 1;
-    for (int k = 0; k < lattice.corners(); ++k)
-      for (int c = 0; c <= up; ++c) {
-        const auto axis = static_cast<std::size_t>(lattice.axis(c));
-        const bool high = (k >> c & 1) != 0;
-        if (at[axis] != (high ? lattice.zones[axis] - 1 : 0)) continue;
-        if (c < up) side(z, mesh.corner(z, k), c);
-        if (c == up && !high) base(z, mesh.corner(z, k));
-      }
+    for (int k = 0; k < lattice.corners(); ++k) {
+      for (int c = 0; c < up; ++c)
+        if (border.on_side(at, k, c)) side(z, mesh.corner(z, k), c);
+      if (border.on_base(at, k)) base(z, mesh.corner(z, k));
+    }
   }
 };
 
@@ -133,6 +121,30 @@ double base_spring(const GroundParameters& parameters, const Elastic& solid, dou
   return parameters.base_stiffness < 0 ? shear / depth : parameters.base_stiffness;
 }
 
+bool Border::on_side(const Index3& zone, int corner, int normal) const {
+  const auto axis = static_cast<std::size_t>(lattice_.axis(normal));
+  return zone[axis] == ((corner >> normal & 1) != 0 ? lattice_.zones[axis] - 1 : 0);
+}
+
+bool Border::on_base(const Index3& zone, int corner) const {
+  return zone[2] == 0 && (corner >> (lattice_.components() - 1) & 1) == 0;
+}
+
+// Faces are rectangles: each corner has an equal share.
+double Border::face(int normal) const {
+  return lattice_.size.prod() / lattice_.size[lattice_.axis(normal)] / (lattice_.corners() / 2);
+}
+
+double Border::dashpot(const Elastic& solid, int normal, int along) const {
+  const bool stress = lattice_.plane && parameters_.plane == PlaneState::stress;
+  const Impedance of = impedance(solid, stress);
+  return (along == normal ? of.normal : of.tangential) * face(normal);
+}
+
+double Border::spring(const Elastic& solid) const {
+  return base_spring(parameters_, solid, depth_of(lattice_)) * face(lattice_.components() - 1);
+}
+
 Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness)
     : mass(mesh.nodes(), 0.0),
       damping(mesh.lattice.components(), mesh.nodes()),
@@ -156,8 +168,8 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
 double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit) {
   const Lattice& lattice = mesh.lattice;
+  const Border border(lattice, parameters);
   const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;
-  const double share = lattice.size.prod() / lattice.size.z() / (lattice.corners() / 2);
   double highest = 0;  // square of the largest angular frequency
   // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
   const std::size_t solids = mesh.solids.solid.size();
@@ -171,8 +183,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     if (used[at] == 0) continue;
     const ZoneElement& element = stiffness.element(static_cast<std::int32_t>(at / 2));
     Eigen::MatrixXd k = element.stiffness;
-    const double spring =
-        share * base_spring(parameters, mesh.solids.solid[at / 2], depth_of(lattice));
+    const double spring = border.spring(mesh.solids.solid[at / 2]);
     for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // low corners come first
       k(f, f) += spring;
     const double squared = largest_eigenvalue(k) / element.corner_mass;

@@ -16,6 +16,23 @@ struct Spring {
   double stiffness;  // N/m, the same along every axis
 };
 
+// The share of one corner of a zone in what acts on the borders of the model.
+struct Border {
+  Border(const Lattice& lattice, const GroundParameters& parameters)
+      : lattice_(lattice), parameters_(parameters) {}
+
+  // Whether a corner lies on a lateral border normal to a component, or on the base.
+  bool on_side(const Index3& zone, int corner, int normal) const;
+  bool on_base(const Index3& zone, int corner) const;
+  double face(int normal) const;                                      // m^2
+  double dashpot(const Elastic& solid, int normal, int along) const;  // N s/m, Lysmer's
+  double spring(const Elastic& solid) const;                          // N/m, below a quiet base
+
+ private:
+  const Lattice& lattice_;
+  const GroundParameters& parameters_;
+};
+
 // Local; computed anew in each run, not in checkpoints.
 struct Terms {
   Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness);

@@ -42,7 +42,8 @@ struct Block {
 enum class Integrator { explicit_, newmark, hht, bossak, generalized_alpha };
 enum class PlaneState { stress, strain };
 enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
-enum class Sides { free, roller, quiet };
+// free_field: dashpots against columns that feel only what comes from below.
+enum class Sides { free, roller, quiet, free_field };
 
 struct GroundParameters {
   bool present = true;
@@ -57,6 +58,7 @@ struct GroundParameters {
   // as `base_spring` says.
   double base_stiffness = -1;
   Sides sides = Sides::roller;
+  std::string base_motion;  // file: velocity of a wave that comes up through a quiet base
   double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s
   Integrator integrator = Integrator::explicit_;
   double safety = 0.8;  // explicit step over the critical one

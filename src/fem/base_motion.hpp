@@ -1,0 +1,31 @@
+// The wave that comes up through a quiet base: its velocity at the base as a function of time.
+//
+// Given is the motion of the wave alone, as it would pass in a ground that goes on below: half of
+// what an outcrop of that ground shows. Its displacement, for the springs, is the exact integral of
+// the linearly interpolated velocity.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::fem {
+
+class BaseMotion {
+ public:
+  // Table with columns time_s, vx_m_s, vz_m_s; throws InputError. Local: every rank reads it.
+  explicit BaseMotion(const std::string& path);
+
+  struct Motion {
+    Vec3 velocity, displacement;  // m/s, m
+  };
+  // `time` (s) since the ground began to move. Before the table rest, after it the last place.
+  Motion at(double time) const;
+
+ private:
+  std::vector<double> times_;
+  std::vector<Motion> rows_;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,256 @@
+// Columns: building, stepping, and their hold on the model. Cost per step: a few operations per
+// level of a column and per border corner of the model.
+#include "free_field.hpp"
+
+#include "terms.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+// Two levels tied: corner motion from (lower, upper) motion, then corner forces less their mean
+// over each level.
+Eigen::MatrixXd hold_of(const Eigen::MatrixXd& stiffness, int components) {
+  const Eigen::Index corners = stiffness.rows() / components, half = corners / 2;
+  Eigen::MatrixXd tie = Eigen::MatrixXd::Zero(stiffness.rows(), 2 * components);
+  for (Eigen::Index k = 0; k < corners; ++k)
+    for (int c = 0; c < components; ++c) tie(k * components + c, k / half * components + c) = 1;
+  const Eigen::MatrixXd force = stiffness * tie;
+  return force - tie * (tie.transpose() * force) / static_cast<double>(half);
+}
+
+// N/m between the levels for motion along `c`: the upper corners' resistance to moving together.
+double chain_stiffness(const Eigen::MatrixXd& stiffness, int components, int c) {
+  const Eigen::Index corners = stiffness.rows() / components;
+  double sum = 0;
+  for (Eigen::Index a = corners / 2; a < corners; ++a)
+    for (Eigen::Index b = corners / 2; b < corners; ++b)
+      sum += stiffness(a * components + c, b * components + c);
+  return sum;
+}
+
+}  // namespace
+
+FreeField::FreeField(const Mesh& mesh, const GroundParameters& parameters,
+                     const Stiffness& stiffness)
+    : motion_(parameters.base_motion),
+      components_(mesh.lattice.components()),
+      zones_(static_cast<std::size_t>(mesh.lattice.zones[2])) {
+  if (parameters.sides == Sides::free_field) {
+    const std::int64_t last = mesh.lattice.zones[0] - 1, step = mesh.lattice.plane ? last : 1;
+    for (std::int64_t i = 0; i <= last; i += std::max<std::int64_t>(step, 1))
+      make_column(mesh, parameters, stiffness, i);
+    for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s)
+      hold_.push_back(
+          hold_of(stiffness.element(static_cast<std::int32_t>(s)).stiffness, components_));
+  }
+  find_corners(mesh, parameters);
+  for (auto* numbers : {&displacement_, &velocity_, &acceleration_, &force_, &seen_.displacement,
+                        &seen_.damped, &seen_.velocity})
+    numbers->assign(mass_.size(), 0.0);
+  rest();
+}
+
+void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters,
+                            const Stiffness& stiffness, std::int64_t i) {
+  const Lattice& lattice = mesh.lattice;
+  const int half = lattice.corners() / 2;  // corners of a level
+  mass_.resize(index(columns_ + 1, 0, 0), 0.0);
+  damping_.resize(mass_.size(), 0.0);
+  for (std::size_t k = 0; k < zones_; ++k) {
+    const Id zone = lattice.zone({i, 0, static_cast<std::int64_t>(k)});
+    const auto solid = static_cast<std::int32_t>(solid_at(parameters, lattice.centre(zone)));
+    const ZoneElement& element = stiffness.element(solid);
+    Chain chain{solid, parameters.rayleigh_stiffness, {}};
+    for (int c = 0; c < components_; ++c) {
+      chain.stiffness[c] = chain_stiffness(element.stiffness, components_, c);
+      for (const std::size_t level : {k, k + 1}) {
+        mass_[index(columns_, level, c)] += half * element.corner_mass;
+        damping_[index(columns_, level, c)] +=
+            parameters.rayleigh_mass * half * element.corner_mass;
+      }
+    }
+    chains_.push_back(chain);
+  }
+  const Elastic& low =
+      mesh.solids.solid[static_cast<std::size_t>(chains_[columns_ * zones_].solid)];
+  const Border border(lattice, parameters);
+  for (int c = 0; c < components_; ++c) {
+    foot_.push_back(half * border.dashpot(low, components_ - 1, c));
+    damping_[index(columns_, 0, c)] += foot_.back();
+  }
+  spring_.push_back(half * border.spring(low));
+  ++columns_;
+}
+
+// Zones in ascending order, as in Terms: nodal sums have the same bits on any number of ranks.
+void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameters) {
+  const Lattice& lattice = mesh.lattice;
+  const Border border(lattice, parameters);
+  const int up = components_ - 1;
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    const Index3 at = lattice.zone_index(mesh.zone[z]);
+    const Elastic& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
+    for (int k = 0; k < lattice.corners(); ++k) {
+      const std::int32_t node = mesh.corner(z, k);
+      if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
+      SideCorner side{node, mesh.solid[z], k, 0, {}};
+      bool beside = false;
+      for (int n = 0; n < up && columns_ > 0; ++n) {
+        if (!border.on_side(at, k, n)) continue;
+        beside = true;
+        for (int c = 0; c <= up; ++c) side.dashpots[c] += border.dashpot(solid, n, c);
+      }
+      const bool end = lattice.plane && at[0] > 0;  // a plane model's second column
+      const auto column =
+          static_cast<std::size_t>(lattice.plane ? (end ? columns_ - 1 : 0) : at[0]);
+      side.chain = column * zones_ + static_cast<std::size_t>(at[2]);
+      if (beside) sides_.push_back(side);
+      if (!border.on_base(at, k)) continue;
+      BaseCorner low{node, {}, border.spring(solid)};
+      for (int c = 0; c <= up; ++c) low.dashpots[c] = border.dashpot(solid, up, c);
+      base_.push_back(low);
+    }
+  }
+}
+
+void FreeField::rest() {
+  list([](const char*, const char*, std::vector<double>& values) {
+    std::fill(values.begin(), values.end(), 0.0);
+  });
+  seen_.wave = motion_.at(0);
+}
+
+void FreeField::list(const Visit& visit) {
+  visit("displacement", "m", displacement_);
+  visit("velocity", "m/s", velocity_);
+  visit("acceleration", "m/s^2", acceleration_);
+}
+
+// force_ from what is seen: chains, spring and wave at the foot; dashpots of the column itself are
+// left to the schemes. A wave v_in stretches the foot's dashpots by 2 v_in - v, since the ground
+// below both brings it and lets it out (Joyner, Chen 1975); the springs by u_in - u.
+void FreeField::pull() {
+  std::fill(force_.begin(), force_.end(), 0.0);
+  const BaseMotion::Motion& wave = seen_.wave;
+  for (std::size_t column = 0; column < columns_; ++column)
+    for (int c = 0; c < components_; ++c) {
+      const int axis = components_ == 3 ? c : 2 * c;
+      const std::size_t foot = index(column, 0, c);
+      const std::size_t at =
+          column * static_cast<std::size_t>(components_) + static_cast<std::size_t>(c);
+      force_[foot] = 2 * foot_[at] * wave.velocity[axis] +
+                     spring_[column] * (wave.displacement[axis] - seen_.displacement[foot]);
+      for (std::size_t k = 0; k < zones_; ++k) {
+        const Chain& chain = chains_[column * zones_ + k];
+        const std::size_t low = index(column, k, c), high = index(column, k + 1, c);
+        const double stretch = seen_.displacement[high] - seen_.displacement[low] +
+                               chain.damping * (seen_.damped[high] - seen_.damped[low]);
+        const double force = chain.stiffness[c] * stretch;
+        force_[low] += force;
+        force_[high] -= force;
+      }
+    }
+}
+
+// As explicit.cpp: stiffness damping sees the velocity at mid-step, dashpots that at the end.
+void FreeField::explicit_step(double h, double end) {
+  const double half = 0.5 * h;
+  for (std::size_t n = 0; n < mass_.size(); ++n) {
+    velocity_[n] += half * acceleration_[n];
+    displacement_[n] += h * velocity_[n];
+  }
+  seen_.displacement = displacement_;
+  seen_.damped = velocity_;
+  seen_.wave = motion_.at(end);
+  pull();
+  for (std::size_t n = 0; n < mass_.size(); ++n) {
+    const double push = force_[n] / mass_[n], rate = damping_[n] / mass_[n];
+    velocity_[n] = (velocity_[n] + half * push) / (1 + half * rate);
+    acceleration_[n] = push - rate * velocity_[n];
+  }
+  seen_.velocity = velocity_;
+}
+
+// As implicit.cpp: the column's equation is the model's, with chains for zones.
+void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
+  const double f = 1 - s.alpha_f, g = s.alpha_f;
+  const BaseMotion::Motion now = motion_.at(end), before = motion_.at(end - dt);
+  seen_.wave = {f * now.velocity + g * before.velocity,
+                f * now.displacement + g * before.displacement};
+  const auto u_before = displacement_, v_before = velocity_;
+  for (std::size_t n = 0; n < mass_.size(); ++n) {
+    displacement_[n] += dt * velocity_[n] + dt * dt * (0.5 - s.beta) * acceleration_[n];
+    velocity_[n] += dt * (1 - s.gamma) * acceleration_[n];
+    seen_.displacement[n] = f * displacement_[n] + g * u_before[n];
+    seen_.velocity[n] = f * velocity_[n] + g * v_before[n];
+  }
+  seen_.damped = seen_.velocity;
+  pull();
+  for (std::size_t n = 0; n < mass_.size(); ++n)
+    force_[n] -= damping_[n] * seen_.velocity[n] + s.alpha_m * mass_[n] * acceleration_[n];
+  for (std::size_t column = 0; column < columns_; ++column)
+    for (int c = 0; c < components_; ++c) solve(column, c, dt, s);
+  for (std::size_t n = 0; n < mass_.size(); ++n) {
+    displacement_[n] += s.beta * dt * dt * acceleration_[n];
+    velocity_[n] += s.gamma * dt * acceleration_[n];
+    seen_.displacement[n] = f * displacement_[n] + g * u_before[n];
+    seen_.velocity[n] = f * velocity_[n] + g * v_before[n];
+  }
+  seen_.damped = seen_.velocity;
+}
+
+// Acceleration of one column along one component: three diagonals, eliminated from the base up.
+void FreeField::solve(std::size_t column, int c, double dt, const AlphaScheme& s) {
+  const double f = 1 - s.alpha_f;
+  std::vector<double> diagonal(zones_ + 1), above(zones_ + 1, 0.0);
+  for (std::size_t level = 0; level <= zones_; ++level) {
+    const std::size_t n = index(column, level, c);
+    diagonal[level] = (1 - s.alpha_m) * mass_[n] + f * s.gamma * dt * damping_[n];
+  }
+  diagonal[0] += f * s.beta * dt * dt * spring_[column];
+  for (std::size_t k = 0; k < zones_; ++k) {
+    const Chain& chain = chains_[column * zones_ + k];
+    const double stiff = f * (s.beta * dt * dt + s.gamma * dt * chain.damping) * chain.stiffness[c];
+    diagonal[k] += stiff, diagonal[k + 1] += stiff;
+    above[k] = -stiff;
+  }
+  for (std::size_t k = 0; k < zones_; ++k) {
+    const double ratio = above[k] / diagonal[k];
+    diagonal[k + 1] -= ratio * above[k];
+    force_[index(column, k + 1, c)] -= ratio * force_[index(column, k, c)];
+  }
+  for (std::size_t level = zones_ + 1; level-- > 0;) {
+    const std::size_t n = index(column, level, c);
+    const double next = level < zones_ ? acceleration_[index(column, level + 1, c)] : 0.0;
+    acceleration_[n] = (force_[n] - above[level] * next) / diagonal[level];
+  }
+}
+
+void FreeField::act_on(Nodal& internal) const {
+  const int half = (1 << components_) / 2;
+  for (const SideCorner& side : sides_) {
+    const Chain& chain = chains_[side.chain];
+    const Eigen::MatrixXd& hold = hold_[static_cast<std::size_t>(side.solid)];
+    const std::size_t column = side.chain / zones_, k = side.chain % zones_;
+    const std::size_t level = k + static_cast<std::size_t>(side.corner / half);
+    for (int c = 0; c < components_; ++c) {
+      double force = side.dashpots[c] * seen_.velocity[index(column, level, c)];
+      for (int d = 0; d < 2 * components_; ++d) {
+        const std::size_t n =
+            index(column, k + static_cast<std::size_t>(d / components_), d % components_);
+        force += hold(side.corner * components_ + c, d) *
+                 (seen_.displacement[n] + chain.damping * seen_.damped[n]);
+      }
+      internal[c][side.node] -= force;
+    }
+  }
+  for (const BaseCorner& base : base_)
+    for (int c = 0; c < components_; ++c) {
+      const int axis = components_ == 3 ? c : 2 * c;
+      internal[c][base.node] -= 2 * base.dashpots[c] * seen_.wave.velocity[axis] +
+                                base.spring * seen_.wave.displacement[axis];
+    }
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,142 @@
+// A wave from below and the columns beside the model: the same bits on any number of ranks and
+// after a restart, and sides that do not disturb a level ground.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+#include "trackbed/io/file.hpp"
+#include "unit/fem/ground_scene.hpp"
+#include "unit/fem/wave.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+// Two layers off the zone borders, springs, damping of both kinds, waves of both kinds.
+GroundParameters level(const std::string& table, Integrator integrator) {
+  GroundParameters p = box({5, 3, 4}, {5, 3, 9}, {});
+  p.layers = {{"soft", 1.3, {60e6, 0.4, 1700}}, {"stiff", 2.7, {200e6, 0.3, 2000}}};
+  p.base_stiffness = 1e7;
+  p.sides = Sides::free_field;
+  p.base_motion = table;
+  p.rayleigh_mass = 3, p.rayleigh_stiffness = 2e-5;
+  p.integrator = integrator;
+  p.tolerance = 1e-12;
+  return p;
+}
+
+std::string table_of(const Comm& comm) {
+  return wave_table(comm, "free_field", {50, 0.03}, 1.0, 0.7, 5e-4);
+}
+
+std::vector<Vec3> none(Ground& ground) {
+  return std::vector<Vec3>(ground.top().nodes(), Vec3::Zero());
+}
+
+// Own part, with the number of the node: the same sum for any split.
+std::uint64_t bits(const Comm& comm, const Ground& ground) {
+  std::uint64_t sum = 0;
+  for (const std::int32_t n : ground.own_top()) {
+    const auto state = ground.top_state(n);
+    sum += mix(hash_bytes(state.displacement.data(), 24, static_cast<std::uint64_t>(n)));
+    sum += mix(hash_bytes(state.velocity.data(), 24, static_cast<std::uint64_t>(n) + 1000));
+  }
+  return static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum)));
+}
+
+class FreeField : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, FreeField, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
+
+// All top nodes move as one, with every integrator: the sides are not felt.
+TEST_P(FreeField, LevelGroundMovesAsOne) {
+  const Comm comm = Comm::world();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark, Integrator::hht,
+                                      Integrator::bossak, Integrator::generalized_alpha}) {
+    Ground ground(comm, level(table_of(comm), integrator), GetParam(), 1.0);
+    ground.settle(none(ground));
+    double apart = 0, largest = 0;
+    for (int w = 0; w < 60; ++w) {
+      ground.advance(1e-3, none(ground));
+      Vec3 low = Vec3::Constant(1e300), high = -low;
+      for (const auto n : ground.own_top()) {
+        low = low.cwiseMin(ground.top_state(n).displacement);
+        high = high.cwiseMax(ground.top_state(n).displacement);
+      }
+      for (int c = 0; c < 3; ++c) {
+        const double top = comm.max(high[c]), bottom = -comm.max(-low[c]);
+        apart = std::max(apart, top - bottom), largest = std::max(largest, std::abs(top));
+      }
+    }
+    EXPECT_GT(largest, 1e-6);
+    // Rounding of 1e-16 each over 60 windows; implicit: the solver's tolerance.
+    EXPECT_LT(apart / largest, integrator == Integrator::explicit_ ? 1e-11 : 1e-8)
+        << static_cast<int>(integrator);
+  }
+}
+
+TEST_P(FreeField, ExplicitRunHasTheSameBitsOnAnyRankCount) {
+  const Comm world = Comm::world();
+  auto p = level(table_of(world), Integrator::explicit_);
+  p.blocks = {{"wall", true, {-1, 0.1, 1.3, 0.1, 0.7, -2, -1, -2}, {3e9, 0.2, 2500}}};
+  Ground alone(Comm::self(), p, GetParam(), 1.3), spread(world, p, GetParam(), 1.3);
+  for (Ground* ground : {&alone, &spread}) {
+    ground->settle(none(*ground));
+    const auto load = pressure(*ground, 2e3);
+    for (int w = 0; w < 50; ++w) ground->advance(1e-3, load);
+  }
+  EXPECT_EQ(bits(Comm::self(), alone), bits(world, spread));
+  EXPECT_GT(alone.totals().kinetic, 0);
+}
+
+TEST_P(FreeField, GoesOnWithTheSameBits) {
+  const Comm world = Comm::world(), self = Comm::self();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::bossak}) {
+    const auto p = level(table_of(world), integrator);
+    // Implicit bits hang on the ranks: each rank for itself.
+    const bool apart = integrator != Integrator::explicit_;
+    const Comm& comm = apart ? self : world;
+    const std::string path =
+        fmt::format("free_field_{}_{}.h5", world.size(), apart ? world.rank() + 1 : 0);
+    Ground straight(comm, p, GetParam(), 1.0), resumed(comm, p, GetParam(), 1.0);
+    straight.settle(none(straight));
+    for (int w = 0; w < 27; ++w) straight.advance(1e-3, none(straight));
+    {
+      io::File file(comm, path, io::Mode::create);
+      straight.save(file, "ground");
+    }
+    {
+      const io::File file(comm, path, io::Mode::read);
+      resumed.load(file, "ground");
+    }
+    for (Ground* ground : {&straight, &resumed})
+      for (int w = 0; w < 20; ++w) ground->advance(1e-3, none(*ground));
+    EXPECT_EQ(bits(comm, straight), bits(comm, resumed));
+  }
+}
+
+// What no table may do.
+TEST(BaseMotion, RefusesWavesThatBeginOrEndInMotion) {
+  const auto words = [](const std::string& rows) {
+    const std::string path = fmt::format("refused_{}.csv", Comm::world().rank());
+    std::ofstream(path) << "time_s,vx_m_s,vz_m_s\n" << rows;
+    try {
+      const auto p = level(path, Integrator::explicit_);
+      Ground ground(Comm::self(), p, Dimension::plane, 1.0);
+    } catch (const InputError& error) {
+      return error.problems().front();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(words("0,0,0\n1,1,0\n2,0,0\n"), "");
+  EXPECT_NE(words("0,0,0\n1,1,0\n").find("begin and end at rest"), std::string::npos);
+  EXPECT_NE(words("0,0,0.1\n1,0,0\n").find("begin and end at rest"), std::string::npos);
+  EXPECT_NE(words("0,0,0\n").find("at least two rows"), std::string::npos);
+  EXPECT_NE(words("0,0,0\n0,0,0\n"), "");
+}
+
+}  // namespace
+}  // namespace trackbed::fem
