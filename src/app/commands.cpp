@@ -82,6 +82,7 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
 // A refused run has removed nothing: all checks are done before the folder is touched.
 int run_alone(const par::Comm& comm, const Model& model, const Arguments& arguments,
               const std::string& folder) {
+  require_files(model.track);
   const FolderLock lock =
       prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, "");
   run_track(comm, model.track,

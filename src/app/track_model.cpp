@@ -11,6 +11,7 @@ namespace trackbed::app {
 
 namespace {
 
+// Of the deck and of the library.
 std::vector<std::string> names_of(const std::vector<track::VehicleParameters>& own) {
   std::vector<std::string> names;
   for (const auto* list : {&own, &track::vehicle_library()})
@@ -18,6 +19,7 @@ std::vector<std::string> names_of(const std::vector<track::VehicleParameters>& o
   return names;
 }
 
+// The nearest name is worth saying: vehicles are long words.
 void declare_vehicles(const TrackModel& model, input::Section& s) {
   const std::vector<std::string> known = names_of(model.vehicles);
   for (const std::string& name : model.train.vehicles) {
@@ -45,6 +47,7 @@ void TrackOutput::declare(input::Section& s) {
             "x of points of the rail, and of sleepers nearest to them, in the histories.");
 }
 
+// The sentences name the model, since the reference shows these sections beside those of a bed.
 void TrackModel::declare(input::Section& s) {
   s.table("rail", line.rail, "Both rails, model = \"track\" only.");
   s.table("pad", line.pad, "Rail pads, model = \"track\" only.");
@@ -70,6 +73,7 @@ void TrackModel::declare(input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"passage"}});
 }
 
+// Compared as text, which visits every parameter: none can be forgotten here.
 bool TrackModel::untouched() const {
   const auto text = [](TrackModel model) {
     return input::effective([&model](input::Section& s) { model.declare(s); });

@@ -40,7 +40,8 @@ double seconds_since(Watch::time_point begin) {
   return std::chrono::duration<double>(Watch::now() - begin).count();
 }
 
-// The model built from its parameters.
+// The model built from its parameters. Members stand in the order they need each other: the passage
+// keeps references to line and train.
 struct Built {
   explicit Built(const TrackModel& m)
       : line(m.line),
@@ -55,6 +56,7 @@ struct Built {
   track::Passage passage;
 };
 
+// Frequencies show at once whether a mass or a spring was meant per side, per axle or in all.
 std::string words_of(const track::VehicleParameters& vehicle) {
   std::string text = fmt::format("  vehicle {}:", vehicle.name);
   if (vehicle.kind == track::VehicleKind::forces)
@@ -94,6 +96,7 @@ void introduce(const par::Comm& comm, const TrackModel& model, const Built& buil
                           1e3 * track::rms_of(model.irregularity.spectrum, 3, 25)));
 }
 
+// Whole steps: the last one may go a little beyond the duration.
 std::int64_t steps_of(const TrackModel& model, const Built& built) {
   return static_cast<std::int64_t>(std::ceil(built.passage.duration() / model.passage.step - 1e-9));
 }
@@ -145,6 +148,7 @@ Json figures(const TrackModel& model, const Built& built, const Extremes& wheels
   return json;
 }
 
+// On rank 0; a disk that is full may show only when the file is closed.
 void write_json(const par::Comm& comm, const std::string& path, const Json& json) {
   std::string problem;
   if (comm.root()) {
@@ -186,6 +190,13 @@ Extremes pass(const par::Comm& comm, const TrackModel& model, Built& built,
 
 }  // namespace
 
+// Read again when the model is built: they are small.
+void require_files(const TrackModel& model) {
+  if (model.irregularity.kind == track::IrregularityKind::file)
+    track::Irregularity(model.irregularity, model.line.track.length);
+}
+
+// Histories and summary come at the end: a run that is killed has left nothing, and is repeated.
 void run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run) {
   const Watch::time_point begin = Watch::now();
   say(comm, fmt::format("trackbed: {} on {} rank{}", run.deck, comm.size(),
@@ -234,6 +245,7 @@ void check_track(const par::Comm& comm, const TrackModel& model) {
                         built.passage.duration(), steps, each * static_cast<double>(steps)));
 }
 
+// Rank 0 looks; the summary says what kind of run it was. A file that is no summary says nothing.
 void refuse_to_resume_track(const par::Comm& comm, const std::string& path) {
   namespace fs = std::filesystem;
   std::string found;

@@ -13,6 +13,9 @@ struct TrackRunOf {
   std::string deck, effective, folder;  // name, effective input, result folder
 };
 
+// Reads the files the deck names, so that a bad one is refused before anything is touched. Local;
+// throws InputError.
+void require_files(const TrackModel& model);
 // The folder is there and held. Collective; throws InputError, RunError.
 void run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run);
 // Says what the model is made of and, from some steps, how long a run takes. Collective.

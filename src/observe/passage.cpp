@@ -24,6 +24,7 @@ enum Which : std::size_t {
 
 }  // namespace
 
+// Columns stand in the order of `Which`. Points may share their nearest sleeper: it is kept once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
                                    std::vector<double> points)
     : line_(line), train_(train), points_(std::move(points)) {
@@ -49,6 +50,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}}};
 }
 
+// All at one time level, the end of a step.
 void PassageHistories::sample(const track::Passage& passage) {
   times_.push_back(passage.time());
   for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
@@ -80,6 +82,7 @@ std::vector<double> PassageHistories::lowest() const {
   return lowest;
 }
 
+// Under another name first: a reader meets the old file or the whole new one.
 void PassageHistories::write(const par::Comm& comm, const std::string& path,
                              const About& about) const {
   const auto own = [&](const std::vector<double>& values) {

@@ -52,6 +52,7 @@ double china(double w) {
   return amount[band] * std::pow(f, -power[band]) * square_metre / two_pi;
 }
 
+// From 0 to 1 with level ends.
 double smooth_step(double s) {
   const double t = std::clamp(s, 0.0, 1.0);
   return t * t * (3 - 2 * t);
@@ -59,6 +60,7 @@ double smooth_step(double s) {
 
 }  // namespace
 
+// One-sided: the mean square of a band is the integral over positive wave numbers.
 double density_of(Spectrum spectrum, double wave_number) {
   switch (spectrum) {
     case Spectrum::erri_low:
@@ -86,6 +88,7 @@ double rms_of(Spectrum spectrum, double shortest, double longest) {
   return std::sqrt(sum);
 }
 
+// Each kind uses some of these; brackets and the kind's words say which.
 void IrregularityParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"none", "versine", "vee", "joint", "waves", "spectrum", "file"},
            "Shape of the running surface: even; a dip that is smooth, of two ramps, or of two "
@@ -112,6 +115,7 @@ void IrregularityParameters::declare(input::Section& s) {
   s.rule("longest", longest > shortest, "must be longer than the shortest");
 }
 
+// Closed forms need no samples.
 Irregularity::Irregularity(const IrregularityParameters& parameters, double length)
     : parameters_(parameters) {
   if (parameters.kind == IrregularityKind::spectrum) draw(length);
@@ -179,6 +183,8 @@ double Irregularity::sampled(double x) const {
   return parameters_.fade > 0 ? value * smooth_step(x / parameters_.fade) : value;
 }
 
+// All three are `depth` deep in the middle and nothing at their ends. vee and joint have a kink
+// there, on purpose: it is what makes a wheel strike.
 double Irregularity::dip(double x) const {
   const IrregularityParameters& p = parameters_;
   const double s = std::abs(x - p.at) / (p.length / 2);  // 0 in the middle, 1 at both ends
@@ -193,6 +199,7 @@ double Irregularity::dip(double x) const {
   }
 }
 
+// Upwards, so that a dip is negative.
 double Irregularity::at(double x) const {
   const IrregularityParameters& p = parameters_;
   const double behind = (x - p.at) / p.length;  // waves

@@ -38,8 +38,10 @@ Stop stop_between(const Kelvin& element, double gap) {
   return {point, gap, element.stiffness, element.damping};
 }
 
+// Entries of a matrix in any order; those of one place add up.
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
+// Rows and columns of -1 are held or are the ground: nothing is kept of them.
 void add(Triplets& to, std::int32_t row, std::int32_t column, double value) {
   if (row >= 0 && column >= 0 && value != 0) to.emplace_back(row, column, value);
 }
@@ -90,11 +92,13 @@ Line::Room::Room(const LineParameters& given) : parameters(given), beam(beam_of(
   assemble();
 }
 
+// Sleepers stand at the first node of each spacing and at the very end.
 bool Line::Room::bears(std::size_t node) const {
   return parameters.track.support == Support::sleepers &&
          node % static_cast<std::size_t>(parameters.track.elements) == 0;
 }
 
+// Pinned ends have no unknown for their height; they still turn.
 void Line::Room::number() {
   for (std::size_t n = 0; n <= elements; ++n) {
     const bool held = parameters.track.ends == RailEnds::pinned && (n == 0 || n == elements);
@@ -119,6 +123,7 @@ double Line::Room::run_in(double x) const {
   return std::pow(track.run_in_factor, share);
 }
 
+// Of bed or ballast at x: zones that overlap multiply.
 double Line::Room::bed_factor(double x) const {
   double factor = run_in(x);
   for (const TrackZone& zone : parameters.track.zones)
@@ -134,6 +139,8 @@ double Line::Room::gap_below(double x) const {
   return gap;
 }
 
+// An element belongs to the zone its middle lies in: a border between nodes moves to the next one.
+// Made anew at each call, which costs less than keeping one per element in step with its zone.
 BeamElement Line::Room::element(std::size_t e) const {
   const double middle = (static_cast<double>(e) + 0.5) * element_length;
   double factor = 1;
@@ -149,6 +156,8 @@ std::array<std::int32_t, 4> Line::Room::unknowns_of(std::size_t e) const {
   return {node[e][0], node[e][1], node[e + 1][0], node[e + 1][1]};
 }
 
+// Rail and, if it is continuous, the bed below it. The bed's damping is that of dampers side by
+// side, so it has the same shape functions.
 void Line::Room::assemble_element(std::size_t e) {
   const BeamElement rail = element(e);
   Matrix4 k = rail.stiffness(), c = Matrix4::Zero();
@@ -169,6 +178,8 @@ void Line::Room::assemble_element(std::size_t e) {
     }
 }
 
+// Of a spring and a damper side by side: pulls as well as it pushes, since what it pulls is the
+// weight of the track, which is not in the model.
 void Line::Room::connect(const Kelvin& element) {
   const auto into = [&](Triplets& to, double value) {
     add(to, element.upper, element.upper, value);
@@ -210,6 +221,8 @@ void Line::Room::add_sleeper(std::size_t index) {
   connect({below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor});
 }
 
+// Sleepers after elements: the order does not matter to sums of triplets, which Eigen adds in the
+// order of their places.
 void Line::Room::assemble() {
   for (std::size_t e = 0; e < elements; ++e) assemble_element(e);
   for (std::size_t i = 0; i < sleepers.size(); ++i) add_sleeper(i);
@@ -217,12 +230,15 @@ void Line::Room::assemble() {
             matrix_of(stiffness, unknowns)};
 }
 
+// A damper that began with its full force would make a jump at touching, which Newton's method of
+// the contacts cannot find its way around.
 double Stop::force(double approach, double rate) const {
   if (approach <= 0) return 0;
   const double spring = stiffness * approach;
   return spring + std::clamp(damping * rate, -spring, spring);
 }
 
+// The derivative of the force above, piece by piece.
 double Stop::slope(double approach, double rate, double rate_slope) const {
   if (approach <= 0) return 0;
   const double spring = stiffness * approach, damper = damping * rate;
@@ -253,6 +269,7 @@ std::size_t Line::sleepers() const { return room_->sleepers.size(); }
 double Line::sleeper_x(std::size_t i) const { return room_->sleepers.at(i).x; }
 std::int32_t Line::sleeper_unknown(std::size_t i) const { return room_->sleepers.at(i).unknown; }
 
+// The last element also holds the end itself.
 RailPoint Line::at(double x) const {
   RailPoint point;
   if (x < 0 || x > length()) return point;
@@ -273,6 +290,7 @@ std::size_t Line::nearest_sleeper(double x) const {
   return static_cast<std::size_t>(std::clamp(number, 0.0, last));
 }
 
+// What the pad gives to the sleeper; its inertia is none, so the rail gets the same.
 double Line::seat_force(std::size_t i, const Vector& u, const Vector& v) const {
   const Sleeper& sleeper = room_->sleepers.at(i);
   const Kelvin& pad = sleeper.pad;

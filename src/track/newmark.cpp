@@ -46,6 +46,7 @@ Newmark::Newmark(const LinearSystem& system, double step)
 Newmark::~Newmark() = default;
 Newmark::Newmark(Newmark&&) noexcept = default;
 
+// `force` is that at the end of the step: the scheme asks for equilibrium there.
 Vector Newmark::free_change(const Vector& force) const {
   const LinearSystem& s = room_->system;
   const double h = room_->step;
@@ -58,6 +59,7 @@ Vector Newmark::free_change(const Vector& force) const {
 
 Columns Newmark::flexibility(const Columns& forces) const { return room_->factor.solve(forces); }
 
+// All three stay at one time level: a step can be judged, and a run stopped, between any two.
 void Newmark::accept(const Vector& change) {
   const double h = room_->step;
   displacement += change;
@@ -65,6 +67,7 @@ void Newmark::accept(const Vector& change) {
   velocity = 2 / h * change - velocity;
 }
 
+// Kept to rounding without dampers and forces: the scheme is the trapezoidal rule.
 double Newmark::energy() const {
   return (velocity.dot(room_->system.mass * velocity) +
           displacement.dot(room_->system.stiffness * displacement)) /

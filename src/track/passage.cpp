@@ -76,6 +76,7 @@ struct Passage::Room {
   std::int64_t steps = 0, iterations = 0, lost = 0;
 };
 
+// What does not change from step to step: which wheels roll, columns of the train and of the stops.
 Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irregularity& i,
                     const TrainParameters& m, const PassageParameters& p)
     : line(l),
@@ -147,6 +148,7 @@ double Passage::Room::rate(Eigen::Index stop) const {
   return rate_slope * (approach[wheels_rolling() + stop] - stop_before[stop]) - stop_rate[stop];
 }
 
+// N, of each contact at its present approach.
 Vector Passage::Room::forces() const {
   Vector force(contacts());
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i) force[i] = law.force(approach[i]);
@@ -155,6 +157,7 @@ Vector Passage::Room::forces() const {
   return force;
 }
 
+// N/m, derivatives of the forces above.
 Vector Passage::Room::slopes() const {
   Vector slope(contacts());
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i) slope[i] = law.slope(approach[i]);
@@ -282,6 +285,7 @@ std::int64_t Passage::iterations() const { return room_->iterations; }
 std::int64_t Passage::steps() const { return room_->steps; }
 std::int64_t Passage::lost() const { return room_->lost; }
 
+// Until the last axle is beyond the track, which it may never have been on.
 double Passage::duration() const {
   const Room& room = *room_;
   if (room.parameters.duration > 0) return room.parameters.duration;
@@ -289,6 +293,7 @@ double Passage::duration() const {
   return std::max(way, 0.0) / room.motion.speed;
 }
 
+// `rolling` is sorted, so a wheel's contact is found by its number.
 double Passage::wheel_force(std::size_t i) const {
   const Room& room = *room_;
   const auto& wheel = room.train.wheels().at(i);

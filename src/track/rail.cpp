@@ -20,6 +20,7 @@ const std::vector<RailSection>& rail_sections() {
   return sections;
 }
 
+// Decks are checked before; this is for whoever builds a track by hand.
 const RailSection& rail_section(std::string_view name) {
   std::vector<std::string> known;
   for (const RailSection& section : rail_sections()) {
@@ -30,6 +31,7 @@ const RailSection& rail_section(std::string_view name) {
       {fmt::format("rail.section = \"{}\": there are {}", name, fmt::join(known, ", "))});
 }
 
+// A worn or special rail: give its numbers; the section then fills what is left at 0.
 void RailParameters::declare(input::Section& s) {
   std::vector<std::string_view> names;
   for (const RailSection& known : rail_sections()) names.push_back(known.name);

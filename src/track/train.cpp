@@ -26,6 +26,7 @@ struct Point {
   double ahead;
 };
 
+// Collects bodies and springs; both know only unknowns, so a vehicle of any layout can be built.
 class Builder {
  public:
   explicit Builder(double share) : share_(share) {}
@@ -43,6 +44,7 @@ class Builder {
     return first;
   }
 
+  // Stretch of the spring = row . u; its share of K is stiffness row row^T, of C likewise.
   void join(const Point& upper, const Point& lower, double stiffness, double damping) {
     const std::pair<std::int32_t, double> row[] = {{upper.height, 1},
                                                    {upper.pitch, upper.ahead},
@@ -93,6 +95,7 @@ std::vector<std::int32_t> add_coach(Builder& to, const VehicleParameters& v) {
   return wheelsets;
 }
 
+// A wheelset stands for both its wheels: roll is not modelled.
 std::vector<std::int32_t> add_bodies(Builder& to, const VehicleParameters& v) {
   if (v.kind == VehicleKind::coach) return add_coach(to, v);
   if (v.kind == VehicleKind::wheel) return {to.body(v.wheelset_mass, 0)};
@@ -124,6 +127,7 @@ VehicleParameters found(const std::string& name, const std::vector<VehicleParame
                                 fmt::join(names, ", "))});
 }
 
+// kg, of the whole vehicle.
 double mass_of(const VehicleParameters& v) {
   switch (v.kind) {
     case VehicleKind::coach:
@@ -137,6 +141,8 @@ double mass_of(const VehicleParameters& v) {
 
 }  // namespace
 
+// Vehicles stand coupling to coupling. Distances count from the first axle, which is what a train
+// is placed by; the front of the first vehicle is out of the model.
 Train::Train(const TrainParameters& parameters, const std::vector<VehicleParameters>& known,
              std::int64_t rails) {
   const double share = 1 / static_cast<double>(rails);
@@ -164,6 +170,7 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
   weight_ = builder.weight();
 }
 
+// The last axle need not be the last wheel of the list: patterns of forces come in any order.
 double Train::axle_distance() const {
   double last = 0;
   for (const Wheel& wheel : wheels_) last = std::max(last, wheel.behind);

@@ -11,6 +11,7 @@ namespace trackbed::track {
 
 namespace {
 
+// Of one side: 1.22 MN/m and 4 kN s/m per axle box, 0.43 MN/m and 20 kN s/m secondary.
 VehicleParameters manchester_1() {
   return {.name = "manchester_1",
           .length = 26,
@@ -46,6 +47,7 @@ VehicleParameters alfa_pendular() {
           .source = "NeTIRail-INFRA D2.10, Table 1; inertias of uniform bars"};
 }
 
+// Given for half a train: axle load 22.5 t.
 VehicleParameters freight_wagon() {
   return {.name = "freight_wagon",
           .length = 17,
@@ -106,6 +108,7 @@ constexpr double VehicleParameters::*numbers[] = {&VehicleParameters::length,
 
 }  // namespace
 
+// The order is that of the list of names in messages.
 const std::vector<VehicleParameters>& vehicle_library() {
   static const std::vector<VehicleParameters> library = {
       manchester_1(), alfa_pendular(), freight_wagon(), hxd1_unit(), load_model_71()};
@@ -129,6 +132,7 @@ VehicleParameters complete(const VehicleParameters& given) {
   return v;
 }
 
+// What cannot be 0: masses and springs without which a body would have no place to be. Dampers may.
 std::vector<std::string> lacking(const VehicleParameters& v) {
   std::vector<std::string> names;
   const auto need = [&](const char* name, bool there) {
@@ -151,6 +155,7 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
   return names;
 }
 
+// Zeros mean "as `like` says", so limits that a kind needs are checked on the completed vehicle.
 void VehicleParameters::declare(input::Section& s) {
   std::vector<std::string_view> library = {""};
   for (const VehicleParameters& known : vehicle_library()) library.push_back(known.name);
@@ -192,6 +197,7 @@ void VehicleParameters::declare(input::Section& s) {
     s.rule("kind", false, fmt::format("needs {} too", fmt::join(missing, ", ")));
 }
 
+// Names are checked where both lists are known (app/track_model.cpp).
 void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles, "Names of [[vehicle]] or of the library, front first.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 1, .usually_to = 170},

@@ -52,6 +52,7 @@ double parameter_of(double ratio) {
 
 }  // namespace
 
+//   p0 = 3 F/(2 pi a b)
 double HertzContact::pressure(double force) const {
   return 3 * std::cbrt(force) / (2 * std::numbers::pi * half_axis_a * half_axis_b);
 }
@@ -73,6 +74,7 @@ HertzContact hertz_contact(const HertzBodies& bodies) {
   return contact;
 }
 
+// A linear law serves to compare with closed forms, and as the spring of a sprung mass.
 void WheelRailParameters::declare(input::Section& s) {
   s.choice("law", law, {"hertz", "linear"},
            "Hertz: F = C approach^1.5. Linear: F = stiffness approach. Both only push.");
@@ -90,6 +92,7 @@ void WheelRailParameters::declare(input::Section& s) {
            "Of one wheel on one rail (linear).");
 }
 
+// Chosen once: a step asks for forces some dozen times.
 WheelRail::WheelRail(const WheelRailParameters& p)
     : law_(p.law),
       constant_(p.law == WheelRailLaw::linear ? p.stiffness
@@ -101,11 +104,13 @@ double WheelRail::force(double approach) const {
   return constant_ * (law_ == WheelRailLaw::linear ? approach : approach * std::sqrt(approach));
 }
 
+// The tangent stiffness k_H = dF/d(approach), N/m.
 double WheelRail::slope(double approach) const {
   if (approach <= 0) return 0;
   return law_ == WheelRailLaw::linear ? constant_ : 1.5 * constant_ * std::sqrt(approach);
 }
 
+// Only for a force that pushes.
 double WheelRail::approach(double force) const {
   const double ratio = force / constant_;
   return law_ == WheelRailLaw::linear ? ratio : std::pow(ratio, 2.0 / 3);

@@ -69,6 +69,19 @@ def check_refusals(program, decks, folder):
         raise SystemExit(f"a row more often than a step must warn:\n{ran.stdout}")
 
 
+def check_files(program, decks, folder):
+    """A bad profile is refused by its line, and older results stay."""
+    place, bad = folder / "kept", folder / "bad.csv"
+    program.done(1, "run", decks / "plain.toml", *SHORT, "-o", place)
+    bad.write_text("x_m,z_m\n0,0\n1,high\n", encoding="utf-8")
+    ran = program(1, "run", decks / "plain.toml", *SHORT, "irregularity.kind=file",
+                  f"irregularity.file={bad.resolve()}", "--force", "-o", place)
+    if ran.returncode != 2 or "bad.csv:3" not in ran.stderr:
+        raise SystemExit(f"a bad profile must be refused by its line:\n{ran.stdout}{ran.stderr}")
+    if not (place / "summary.json").exists():
+        raise SystemExit("a refused run has removed results")
+
+
 def check_runs(program, decks, folder):
     hashes = set()
     for ranks in (1, 2, 3):
@@ -110,6 +123,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_refusals(program, decks, folder)
+    check_files(program, decks, folder)
     check_runs(program, decks, folder)
     check_targets(program, decks, folder)
 
