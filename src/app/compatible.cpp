@@ -60,7 +60,7 @@ bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
   if (key == "ground.plane") return holds.plane;
   if (key == "ground.integrator") return holds.implicit;
   const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[");
-  return solid && !key.ends_with("].name");
+  return solid && !key.ends_with("].name") && key.find("].rayleigh_") == key.npos;
 }
 
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that

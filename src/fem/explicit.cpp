@@ -103,6 +103,10 @@ void Ground::Room::explicit_window(double dt) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     mesh.exchange(w);
     internal_force(w, state.displacement);
+    if (stiffness.damps()) {
+      mesh.exchange(state.velocity);
+      stiffness.add_damping(state.velocity, state.internal);
+    }
     if (!free_field) continue;
     free_field->explicit_step(h, time + static_cast<double>(s + 1) * h);
     free_field->act_on(state.internal);

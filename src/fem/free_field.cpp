@@ -59,15 +59,15 @@ void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters
   damping_.resize(mass_.size(), 0.0);
   for (std::size_t k = 0; k < zones_; ++k) {
     const Id zone = lattice.zone({i, 0, static_cast<std::int64_t>(k)});
-    const auto solid = static_cast<std::int32_t>(solid_at(parameters, lattice.centre(zone)));
+    const auto solid = static_cast<std::int32_t>(mesh.solids.of(parameters, lattice, zone));
     const ZoneElement& element = stiffness.element(solid);
-    Chain chain{solid, parameters.rayleigh_stiffness, {}};
+    const Elastic& of = mesh.solids.solid[static_cast<std::size_t>(solid)];
+    Chain chain{solid, of.rayleigh_stiffness, {}};
     for (int c = 0; c < components_; ++c) {
       chain.stiffness[c] = chain_stiffness(element.stiffness, components_, c);
       for (const std::size_t level : {k, k + 1}) {
         mass_[index(columns_, level, c)] += half * element.corner_mass;
-        damping_[index(columns_, level, c)] +=
-            parameters.rayleigh_mass * half * element.corner_mass;
+        damping_[index(columns_, level, c)] += of.rayleigh_mass * half * element.corner_mass;
       }
     }
     chains_.push_back(chain);

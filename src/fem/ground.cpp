@@ -35,7 +35,7 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
     : parameters(given),
       dimension(dim),
       mesh(comm, given, dim, thickness),
-      stiffness(mesh, elements_of(mesh, given)),
+      stiffness(mesh, elements_of(mesh, given), given.rayleigh_stiffness),
       terms(mesh, given, stiffness),
       state(components(), mesh.nodes()) {
   critical = critical_step(mesh, parameters, stiffness, limit);

@@ -32,8 +32,10 @@ void Ground::Room::prepare_window(double dt, const AlphaScheme& s) {
   implicit_step_ = dt;
   const double m = 1 - s.alpha_m, f = 1 - s.alpha_f;
   const std::size_t nodes = mesh.nodes();
-  const double stiff = f * (s.beta * dt * dt + s.gamma * dt * parameters.rayleigh_stiffness);
-  LinearSystem::Spec spec{stiff, Nodal(components(), nodes), terms.held, parameters.tolerance};
+  LinearSystem::Spec spec{{}, Nodal(components(), nodes), terms.held, parameters.tolerance};
+  for (const Elastic& solid : mesh.solids.solid)
+    spec.stiffness_factor.push_back(f *
+                                    (s.beta * dt * dt + s.gamma * dt * solid.rayleigh_stiffness));
   for (int c = 0; c < components(); ++c)
     for (std::size_t n = 0; n < nodes; ++n)
       spec.diagonal[c][n] = m * terms.mass[n] + f * s.gamma * dt * terms.damping[c][n];
@@ -68,6 +70,10 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
   predict(dt, s);
   mesh.exchange(blend_);
   internal_force(blend_, mixed_);
+  if (stiffness.damps()) {
+    mesh.exchange(right_);
+    stiffness.add_damping(right_, state.internal);
+  }
   if (free_field) {
     free_field->implicit_step(dt, s, time + dt);
     free_field->act_on(state.internal);
@@ -112,7 +118,8 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   for (const std::int32_t n : mesh.own)
     right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
   // Plain K: damping and mass have no part in rest.
-  LinearSystem::Spec spec{1.0, Nodal(components(), mesh.nodes()), terms.held_at_rest,
+  LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
+                          Nodal(components(), mesh.nodes()), terms.held_at_rest,
                           parameters.tolerance};
   add_springs(terms.springs, 1.0, components(), spec.diagonal);
   LinearSystem statics(mesh, stiffness, spec);

@@ -4,9 +4,14 @@
 // a slope becomes a staircase, whose steps shrink with the zones.
 #include "lattice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <span>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/input/table.hpp"
 
 namespace trackbed::fem {
 
@@ -31,6 +36,31 @@ double depth_of(const GroundParameters& parameters) {
   return std::accumulate(parameters.layers.begin(), parameters.layers.end(), 0.0,
                          [](double sum, const Layer& layer) { return sum + layer.thickness; });
 }
+
+// Young's modulus along x from a table, Pa: linear between its rows, held beyond them.
+class Modulus {
+ public:
+  explicit Modulus(const std::string& path) {
+    const auto columns = input::read_table(path, {"x_m", "young_Pa"}, "x_m");
+    x_ = columns[0], young_ = columns[1];
+    if (x_.empty()) throw InputError({fmt::format("{}: needs at least one row", path)});
+    for (std::size_t r = 0; r < x_.size(); ++r)
+      if (!(young_[r] > 0))
+        throw InputError({fmt::format("{}: young_Pa = {:g} at x = {:g} m: must be above 0", path,
+                                      young_[r], x_[r])});
+  }
+  double at(double x) const {
+    if (x <= x_.front()) return young_.front();
+    if (x >= x_.back()) return young_.back();
+    const auto hi =
+        static_cast<std::size_t>(std::upper_bound(x_.begin(), x_.end(), x) - x_.begin());
+    const double share = (x - x_[hi - 1]) / (x_[hi] - x_[hi - 1]);
+    return young_[hi - 1] + share * (young_[hi] - young_[hi - 1]);
+  }
+
+ private:
+  std::vector<double> x_, young_;
+};
 
 }  // namespace
 
@@ -83,21 +113,9 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
   return lattice;
 }
 
-Solids solids_of(const GroundParameters& parameters) {
-  Solids solids;
-  for (const Layer& layer : parameters.layers) {
-    solids.solid.push_back(layer.solid);
-    solids.name.push_back("layer " + layer.name);
-  }
-  for (const Block& block : parameters.blocks) {
-    solids.solid.push_back(block.solid);
-    solids.name.push_back("block " + block.name);
-  }
-  return solids;
-}
-
-// Linear in blocks and layers: a handful each, asked once per held zone.
-int solid_at(const GroundParameters& parameters, const Vec3& point) {
+// Layers in turn, then blocks in turn. Linear in blocks and layers: a handful each, asked once per
+// held zone.
+int region_at(const GroundParameters& parameters, const Vec3& point) {
   for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
     // From the last block backwards: later ones win.
     const Block& block = parameters.blocks[b];
@@ -111,6 +129,44 @@ int solid_at(const GroundParameters& parameters, const Vec3& point) {
   }
   // Only rounding of the lowest centre can lead here.
   return static_cast<int>(parameters.layers.size()) - 1;
+}
+
+// Damping that a solid does not name is the ground's.
+Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
+  const auto add = [&](Elastic one, const std::string& called) {
+    if (one.rayleigh_mass < 0) one.rayleigh_mass = parameters.rayleigh_mass;
+    if (one.rayleigh_stiffness < 0) one.rayleigh_stiffness = parameters.rayleigh_stiffness;
+    solid.push_back(one);
+    name.push_back(called);
+    return static_cast<int>(solid.size()) - 1;
+  };
+  for (const Layer& layer : parameters.layers) {
+    std::vector<int>& columns = columns_.emplace_back();
+    const std::string called = "layer " + layer.name;
+    if (layer.young_file.empty()) {
+      columns.push_back(add(layer.solid, called));
+      continue;
+    }
+    // Plateaus share a solid, so that the force kernel keeps its long runs there.
+    const Modulus modulus(layer.young_file);
+    for (std::int64_t i = 0; i < lattice.zones[0]; ++i) {
+      const double x = lattice.centre(lattice.zone({i, 0, 0})).x();
+      Elastic one = layer.solid;
+      one.young = modulus.at(x);
+      const bool same = i > 0 && solid.back().young == one.young;
+      columns.push_back(same ? columns.back()
+                             : add(one, fmt::format("{} at x = {:.4g} m", called, x)));
+    }
+  }
+  for (const Block& block : parameters.blocks)
+    columns_.push_back({add(block.solid, "block " + block.name)});
+}
+
+int Solids::of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const {
+  const auto& columns =
+      columns_[static_cast<std::size_t>(region_at(parameters, lattice.centre(zone)))];
+  if (columns.size() == 1) return columns.front();
+  return columns[static_cast<std::size_t>(lattice.zone_index(zone)[0])];
 }
 
 }  // namespace trackbed::fem

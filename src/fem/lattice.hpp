@@ -54,12 +54,22 @@ struct Lattice {
 
 Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness);
 
-// Solids of the ground: layers in turn, then blocks in turn, and which one a point has.
+// Number of the layer or, after all layers, block that a point lies in.
+int region_at(const GroundParameters& parameters, const Vec3& point);
+
+// Solids of the ground: layers in turn, then blocks in turn, and which one a zone has. A layer
+// whose modulus changes along x has one for each column of zones, or several if they are equal.
+// Damping is the solid's own or the ground's.
 struct Solids {
+  Solids(const GroundParameters& parameters, const Lattice& lattice);
+  // Local: any rank may ask for any zone.
+  int of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const;
+
   std::vector<Elastic> solid;
   std::vector<std::string> name;
+
+ private:
+  std::vector<std::vector<int>> columns_;  // of each layer or block: one solid, or one per column
 };
-Solids solids_of(const GroundParameters& parameters);
-int solid_at(const GroundParameters& parameters, const Vec3& point);
 
 }  // namespace trackbed::fem

@@ -112,7 +112,8 @@ void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k,
           if (is_held(spec, mesh.corner(zone, b), d)) continue;
           columns[static_cast<std::size_t>(count)] = row(mesh.corner(zone, b), d);
           values[static_cast<std::size_t>(count++)] =
-              spec.stiffness_factor * k(a * components + c, b * components + d);
+              spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[zone])] *
+              k(a * components + c, b * components + d);
         }
       const PetscInt at = row(node, c);
       check(MatSetValues(matrix, 1, &at, count, columns.data(), values.data(), ADD_VALUES),
@@ -130,7 +131,8 @@ void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spe
   // A held unknown keeps a row of its own, as stiff as its neighbours for the multigrid's sake.
   double stiff = 0;
   for (std::size_t z = 0; z < mesh.zone.size() && stiff == 0; ++z)
-    stiff = spec.stiffness_factor * stiffness.element(mesh.solid[z]).stiffness(0, 0);
+    stiff = spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])] *
+            stiffness.element(mesh.solid[z]).stiffness(0, 0);
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) {
       const PetscInt at = row(node, c);

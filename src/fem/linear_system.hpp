@@ -1,4 +1,5 @@
-// Distributed linear system s K + diagonal by PETSc: assembled once, solved many times.
+// Distributed linear system sum of s K over the solids + diagonal by PETSc: assembled once, solved
+// many times.
 //
 // Default: conjugate gradients with hypre's BoomerAMG on the single unknowns, 12 iterations for the
 // static start of a transition zone; its nodal variants took six times more. The rigid body motions
@@ -19,7 +20,7 @@ namespace trackbed::fem {
 class LinearSystem {
  public:
   struct Spec {
-    double stiffness_factor = 1;            // s
+    std::vector<double> stiffness_factor;   // s of each solid
     Nodal diagonal;                         // N/m per component and node
     const std::vector<std::uint8_t>& held;  // bit c: the unknown is zero
     double tolerance = 1e-8;                // residual over right-hand side

@@ -45,7 +45,7 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
            double thickness)
     : comm(communicator),
       lattice(make_lattice(parameters, dimension, thickness)),
-      solids(solids_of(parameters)) {
+      solids(parameters, lattice) {
   const std::vector<int> owner = node_owners(lattice, comm.size());
   hold(owner, parameters);
   connect(owner);
@@ -70,7 +70,7 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
       touches = owner[static_cast<std::size_t>(lattice.corner(at, k))] == comm.rank();
     if (!touches) continue;
     zone.push_back(z);
-    solid.push_back(solid_at(parameters, lattice.centre(z)));
+    solid.push_back(solids.of(parameters, lattice, z));
     for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
   }
   // Local numbers follow global ones. Along a row of zones all nodes are held, so neighbours along

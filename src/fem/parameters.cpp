@@ -145,6 +145,10 @@ void Elastic::declare(Section& s) {
   s.number("density", density,
            {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4},
            "Mass per volume.");
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
+           "Rayleigh damping: share of the mass matrix; below 0: that of the ground.");
+  s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = -1},
+           "Rayleigh damping: share of the stiffness matrix; below 0: that of the ground.");
 }
 
 void Layer::declare(Section& s) {
@@ -153,6 +157,9 @@ void Layer::declare(Section& s) {
            {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 200},
            "Height of the layer; its borders need not lie on element borders.");
   solid.declare(s);
+  s.file("young_file", young_file,
+         "CSV with columns x_m, young_Pa: Young's modulus along the track, linear between rows and "
+         "held beyond them; wins over young; empty: none.");
 }
 
 void Block::declare(Section& s) {

@@ -158,7 +158,7 @@ Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
 
 }  // namespace
 
-Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements)
+Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping)
     : elements_(std::move(elements)), nodes_(mesh.nodes()), components_(mesh.lattice.components()) {
   for (const ZoneElement& element : elements_)
     blocks_.push_back(blocks_of(element.stiffness, components_));
@@ -174,6 +174,24 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements)
       runs_.push_back({1, mesh.solid[z], mesh.line[z]});
   }
   runs_.shrink_to_fit();
+  for (std::size_t s = 0; s < blocks_.size(); ++s) {
+    const double more = mesh.solids.solid[s].rayleigh_stiffness - common_damping;
+    damps_ = damps_ || more != 0;
+    damping_.push_back(blocks_[s]);
+    for (auto& block : damping_[s].block)
+      for (auto& row : block)
+        for (double& value : row) value *= more;
+    for (const Run& run : runs_)
+      if (more != 0 && static_cast<std::size_t>(run.solid) == s) damped_runs_.push_back(run);
+  }
+}
+
+// Solid by solid, within each in the order of zones: the same order of sums on any number of ranks.
+void Stiffness::add_damping(const Nodal& v, Nodal& f) const {
+  if (components_ == 2)
+    apply_runs<2>(damped_runs_, damping_, v, f);
+  else
+    apply_runs<3>(damped_runs_, damping_, v, f);
 }
 
 // Forces of ghosts are sums over the zones held here alone, and not complete.

@@ -18,10 +18,15 @@ namespace trackbed::fem {
 // Constant once made; local. Cost: 288 flops per zone and the forces' assembly.
 class Stiffness {
  public:
-  Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements);
+  Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping = 0);
 
   // f = K w on own nodes; ghosts of w must be current, f of ghosts is not meaningful.
   void apply(const Nodal& w, Nodal& f) const;
+  // f += (beta - common_damping) K v over the zones of solids with another stiffness damping beta
+  // (s): what `apply` on u + common_damping v leaves out. The same on all ranks whether there are
+  // any.
+  bool damps() const { return damps_; }
+  void add_damping(const Nodal& v, Nodal& f) const;
   const ZoneElement& element(std::int32_t solid) const {
     return elements_[static_cast<std::size_t>(solid)];
   }
@@ -44,6 +49,9 @@ class Stiffness {
   std::vector<ZoneElement> elements_;
   std::vector<Blocks> blocks_;  // of each solid
   std::vector<Run> runs_;
+  std::vector<Blocks> damping_;   // of each solid, blocks_ times what it damps more
+  std::vector<Run> damped_runs_;  // of solids that damp more or less than the others
+  bool damps_ = false;
   std::size_t nodes_;
   int components_;
 };

@@ -152,10 +152,16 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
       held_at_rest(mesh.nodes(), 0) {
   // Masses first by zones, then what hangs on them.
   const Builder builder{mesh, parameters, *this};
+  // Mass damping that differs from the ground's is added zone by zone.
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    for (int k = 0; k < mesh.lattice.corners(); ++k)
-      mass[static_cast<std::size_t>(mesh.corner(z, k))] +=
-          stiffness.element(mesh.solid[z]).corner_mass;
+    const double share = stiffness.element(mesh.solid[z]).corner_mass;
+    const double more = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])].rayleigh_mass -
+                        parameters.rayleigh_mass;
+    for (int k = 0; k < mesh.lattice.corners(); ++k) {
+      const std::int32_t node = mesh.corner(z, k);
+      mass[static_cast<std::size_t>(node)] += share;
+      for (int c = 0; c < mesh.lattice.components(); ++c) damping[c][node] += more * share;
+    }
     builder.borders(z);
   }
   for (int c = 0; c < mesh.lattice.components(); ++c)
@@ -170,7 +176,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
   const Lattice& lattice = mesh.lattice;
   const Border border(lattice, parameters);
   const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;
-  double highest = 0;  // square of the largest angular frequency
+  double shortest = std::numeric_limits<double>::infinity();  // s
   // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
   const std::size_t solids = mesh.solids.solid.size();
   std::vector<std::int64_t> used(2 * solids, 0);  // inside, at the base
@@ -187,17 +193,19 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // low corners come first
       k(f, f) += spring;
     const double squared = largest_eigenvalue(k) / element.corner_mass;
-    if (squared <= highest) continue;
-    highest = squared;
+    //   h = 2/w (sqrt(1 + z^2) - z),  z = beta w/2,  w^2 = largest eigenvalue of K over the corner
+    //   mass. The bound holds zone by zone (h^2 K / 4 + h C / 2 <= M), each with its own damping.
+    const double omega = std::sqrt(squared);
+    const double z = 0.5 * mesh.solids.solid[at / 2].rayleigh_stiffness * omega;
+    const double step = 2 / omega * (std::sqrt(1 + z * z) - z);
+    if (step >= shortest) continue;
+    shortest = step;
     limit = fmt::format("zones of {}{} ({:.4g} x {:.4g} x {:.4g} m)", mesh.solids.name[at / 2],
                         at % 2 == 1 ? " on base springs" : "", lattice.size.x(), lattice.size.y(),
                         lattice.size.z());
+    if (z > 0.1) limit += ", lowered by rayleigh_stiffness";
   }
-  //   h = 2/w (sqrt(1 + z^2) - z),  z = beta w/2,  w^2 = largest eigenvalue of K over the corner
-  //   mass.
-  const double omega = std::sqrt(highest), z = 0.5 * parameters.rayleigh_stiffness * omega;
-  if (z > 0.1) limit += ", lowered by rayleigh_stiffness";
-  return 2 / omega * (std::sqrt(1 + z * z) - z);
+  return shortest;
 }
 
 }  // namespace trackbed::fem

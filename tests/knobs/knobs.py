@@ -132,6 +132,12 @@ KNOBS = {
     "ground.safety": ("ground.safety=0.2", []),
     "ground.newmark_beta": ("ground.newmark_beta=0.3", NEWMARK),
     "ground.newmark_gamma": ("ground.newmark_gamma=0.6", [*NEWMARK, "ground.newmark_beta=0.3025"]),
+    "ground.base_motion": ("ground.base_motion={folder}/wave.csv", []),
+    "ground.layer.[].young_file": ("ground.layer.0.young_file={folder}/young.csv", []),
+    "ground.layer.[].rayleigh_mass": ("ground.layer.0.rayleigh_mass=10", []),
+    "ground.layer.[].rayleigh_stiffness": ("ground.layer.0.rayleigh_stiffness=1e-5", []),
+    "ground.block.[].rayleigh_mass": ("ground.block.0.rayleigh_mass=10", []),
+    "ground.block.[].rayleigh_stiffness": ("ground.block.0.rayleigh_stiffness=1e-5", []),
     "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
     "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
@@ -296,6 +302,8 @@ def main():
     folder.mkdir(parents=True)
     for name, force in (("weak", 2000), ("strong", 4000)):
         (folder / f"{name}.csv").write_text(f"time_s,force_N\n0,{force}\n1,{force}\n")
+    (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0.01,0.01\n0.02,0,0\n")
+    (folder / "young.csv").write_text("x_m,young_Pa\n0,50e6\n0.5,90e6\n")
     for name, flatness in (("round", 0.9), ("flat", 0.6)):
         program.done(1, "shapes", "--stones", 4, "--flatness", flatness, "--library",
                      folder / f"{name}.h5")

@@ -18,6 +18,7 @@ namespace trackbed::fem {
 
 struct Elastic {
   double young = 150e6, poisson = 0.35, density = 1850;  // Pa, -, kg/m^3
+  double rayleigh_mass = -1, rayleigh_stiffness = -1;    // 1/s, s; below 0: the ground's
   void declare(input::Section& s);
 };
 
@@ -26,6 +27,7 @@ struct Layer {
   std::string name;
   double thickness = 1;  // m
   Elastic solid;
+  std::string young_file = {};  // Young's modulus along x instead of one number
   void declare(input::Section& s);
 };
 
@@ -59,7 +61,7 @@ struct GroundParameters {
   double base_stiffness = -1;
   Sides sides = Sides::roller;
   std::string base_motion;  // file: velocity of a wave that comes up through a quiet base
-  double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s
+  double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s; of solids without their own
   Integrator integrator = Integrator::explicit_;
   double safety = 0.8;  // explicit step over the critical one
   double newmark_beta = 0.25, newmark_gamma = 0.5;

@@ -68,16 +68,16 @@ TEST_P(Kernel, RigidShiftGivesNoForceAtAll) {
 
 TEST(Mesh, SolidsFollowLayersAndBlocks) {
   const GroundParameters p = two_layers(4);
-  EXPECT_EQ(solid_at(p, {1.9, 0, -0.39}), 0);
-  EXPECT_EQ(solid_at(p, {1.9, 0, -0.41}), 1);
-  EXPECT_EQ(solid_at(p, {0.8, 0, -0.2}), 2);
-  EXPECT_EQ(solid_at(p, {0.55, 0, -0.9}), 1);  // beside the wedge's tip
+  EXPECT_EQ(region_at(p, {1.9, 0, -0.39}), 0);
+  EXPECT_EQ(region_at(p, {1.9, 0, -0.41}), 1);
+  EXPECT_EQ(region_at(p, {0.8, 0, -0.2}), 2);
+  EXPECT_EQ(region_at(p, {0.55, 0, -0.9}), 1);  // beside the wedge's tip
   GroundParameters without = p;
   without.blocks[0].present = false;
-  EXPECT_EQ(solid_at(without, {0.8, 0, -0.2}), 0);
+  EXPECT_EQ(region_at(without, {0.8, 0, -0.2}), 0);
   GroundParameters twice = p;
   twice.blocks.push_back({"d", true, {0, 0, 2, 0, 2, -0.3, 0, -0.3}, {}});
-  EXPECT_EQ(solid_at(twice, {0.8, 0, -0.2}), 3);  // the later one wins
+  EXPECT_EQ(region_at(twice, {0.8, 0, -0.2}), 3);  // the later one wins
 }
 
 TEST_P(Kernel, EveryNodeHasOneOwnerAndGhostsFollowIt) {

@@ -62,7 +62,7 @@ TEST(Cantilever, BendsWithoutLocking) {
     Mesh mesh(Comm::world(), p, Dimension::space, 1.0);
     const Stiffness stiffness(mesh, elements(mesh));
     const Terms terms(mesh, p, stiffness);
-    LinearSystem::Spec spec{1.0, Nodal(3, mesh.nodes()), terms.held, p.tolerance};
+    LinearSystem::Spec spec{{1.0}, Nodal(3, mesh.nodes()), terms.held, p.tolerance};
     LinearSystem system(mesh, stiffness, spec);
     Nodal force(3, mesh.nodes()), u(3, mesh.nodes());
     for (const auto n : mesh.own)
@@ -123,7 +123,7 @@ double manufactured_error(Dimension dimension, std::int64_t zones, double nu) {
       force[i][n] = terms.mass[n] * value;  // density 1
     }
   }
-  LinearSystem::Spec spec{1.0, Nodal(d, mesh.nodes()), held, 1e-11};
+  LinearSystem::Spec spec{{1.0}, Nodal(d, mesh.nodes()), held, 1e-11};
   LinearSystem(mesh, stiffness, spec).solve(force, u);
   double sum = 0, count = 0;
   for (const auto n : mesh.own)
