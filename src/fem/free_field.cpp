@@ -51,6 +51,8 @@ FreeField::FreeField(const Mesh& mesh, const GroundParameters& parameters,
   rest();
 }
 
+// The column at zone `i` along the track: zones from the base up, the same on every rank whether it
+// holds them or not. Level k lies below zone k.
 void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters,
                             const Stiffness& stiffness, std::int64_t i) {
   const Lattice& lattice = mesh.lattice;
@@ -114,6 +116,7 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
   }
 }
 
+// As the ground when it is let go. The wave may be under way before that: its table decides.
 void FreeField::rest() {
   list([](const char*, const char*, std::vector<double>& values) {
     std::fill(values.begin(), values.end(), 0.0);
@@ -156,6 +159,7 @@ void FreeField::pull() {
 // As explicit.cpp: stiffness damping sees the velocity at mid-step, dashpots that at the end.
 void FreeField::explicit_step(double h, double end) {
   const double half = 0.5 * h;
+  // The kick of the step before and this one's drift.
   for (std::size_t n = 0; n < mass_.size(); ++n) {
     velocity_[n] += half * acceleration_[n];
     displacement_[n] += h * velocity_[n];
@@ -164,6 +168,7 @@ void FreeField::explicit_step(double h, double end) {
   seen_.damped = velocity_;
   seen_.wave = motion_.at(end);
   pull();
+  // The new velocity stands on both sides, as in the model's kick.
   for (std::size_t n = 0; n < mass_.size(); ++n) {
     const double push = force_[n] / mass_[n], rate = damping_[n] / mass_[n];
     velocity_[n] = (velocity_[n] + half * push) / (1 + half * rate);
@@ -185,6 +190,7 @@ void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
     seen_.displacement[n] = f * displacement_[n] + g * u_before[n];
     seen_.velocity[n] = f * velocity_[n] + g * v_before[n];
   }
+  // Predicted motion pulls; what is left is a tridiagonal system for the acceleration.
   seen_.damped = seen_.velocity;
   pull();
   for (std::size_t n = 0; n < mass_.size(); ++n)
@@ -227,6 +233,8 @@ void FreeField::solve(std::size_t column, int c, double dt, const AlphaScheme& s
   }
 }
 
+// Local, on own nodes; corners in the order of zones. Forces from outside count against the
+// internal ones, so that neither scheme needs another array.
 void FreeField::act_on(Nodal& internal) const {
   const int half = (1 << components_) / 2;
   for (const SideCorner& side : sides_) {
