@@ -13,6 +13,13 @@ namespace trackbed::dem {
 
 namespace {
 
+// Modulo 2^64, which is defined and as associative: the quantum keeps the sums of a window clear of
+// it, but a surface whose load nobody takes may go round.
+void add_to(std::int64_t& sum, double quanta) {
+  sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) +
+                                  static_cast<std::uint64_t>(std::llrint(quanta)));
+}
+
 // Rounded once for each force and added as an integer (core/exact_sum.hpp): stones of several ranks
 // load one node, in any order. `first` weighs with the share s of the window; with both sums the
 // moment about any point is known although the node moves.
@@ -21,8 +28,8 @@ void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s)
   NodeLoad& load = surface.load[static_cast<std::size_t>(node)];
   for (int a = 0; a < 3; ++a) {
     const double part = force[a] * over;
-    load.force[static_cast<std::size_t>(a)] += std::llrint(part);
-    load.first[static_cast<std::size_t>(a)] += std::llrint(s * part);
+    add_to(load.force[static_cast<std::size_t>(a)], part);
+    add_to(load.first[static_cast<std::size_t>(a)], s * part);
   }
 }
 
