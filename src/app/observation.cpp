@@ -34,17 +34,20 @@ void Simulation::write_summary(bool finished) {
 // Counted in whole windows of the stage, so that it needs no state and does not drift.
 // A resumed run therefore writes in the same windows.
 bool Simulation::every(double interval) const {
-  if (interval <= 0) return false;
-  const auto windows = std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
-  return course_.clock.window() % windows == 0;
+  return interval > 0 && course_.clock.window() % windows_in(interval) == 0;
+}
+
+std::int64_t Simulation::windows_in(double interval) const {
+  return std::max<std::int64_t>(1, std::llround(interval / course_.clock.dt()));
 }
 
 // Rows, pictures, and the balance of work over ranks; none of them changes a result.
 // Collective. A new split of the stones changes who computes what, not a bit of it.
 void Simulation::observe() {
   // The first row of a stage, to which envelopes and figures are relative, is that of its first
-  // window: before it bodies have come or gone, and nobody knows yet who touches whom.
-  if (course_.clock.window() == 1 || every(model_.output.history_interval)) sample();
+  // window: before it bodies have come or gone, and nobody knows yet who touches whom. The others
+  // follow at even steps, as spectra want them.
+  if ((course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0) sample();
   if (model_.output.fields && every(model_.output.fields_interval)) {
     const auto timing = timers_.scope(Verb::output);
     observe::write_pictures(comm_, folder_ + "/fields",

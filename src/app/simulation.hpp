@@ -56,7 +56,9 @@ class Simulation {
   void sample();
   void checkpoint_if_due();
   void checkpoint(const std::string& name);
-  bool every(double interval) const;  // whether the present window ends a multiple of `interval` s
+  bool every(double interval) const;
+  std::int64_t windows_in(double interval)
+      const;  // at least 1  // whether the present window ends a multiple of `interval` s
 
   void save(io::File& file);
   void load(const io::File& file);
