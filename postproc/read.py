@@ -235,7 +235,8 @@ def checkpoint(path):
     """Every dataset of a checkpoint; a folder stands for the file its text file `latest` names."""
     path = pathlib.Path(path)
     if path.is_dir():
-        path = path / _place(path, "latest").read_text(encoding="utf-8").strip()
+        names = _place(path, "latest").read_text(encoding="utf-8").splitlines()
+        path = path / (names[0] if names else "latest is empty")
     return datasets(path)
 
 
