@@ -159,7 +159,7 @@ def transition(results, wedge=0.0):
     start = float(np.max(down[way <= TINY]))
     end = _plain(way, down, max(wedge, wedge_length(results)) + reach, reach)
     steepest, where, at_edge = _slopes(way, smooth, reach)
-    # As many nodes on both sides: that of the edge belongs to both.
+    # As many nodes on both sides: that of the edge belongs to neither.
     before = (way < -TINY) & (way >= -reach - TINY)
     behind = (way > TINY) & (way <= reach + TINY)
     sleeper, lasting = results.sleeper_envelope.get("displacement_min"), \

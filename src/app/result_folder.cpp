@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <vector>
 
@@ -185,6 +186,21 @@ FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldR
   FolderLock lock(comm, folder);
   comm.agree(removed(old));
   return lock;
+}
+
+// On rank 0; a disk that is full may show only when the file is closed.
+void write_summary_file(const par::Comm& comm, const std::string& folder, const std::string& text) {
+  std::string problem;
+  if (comm.root()) {
+    errno = 0;
+    std::ofstream file(folder + "/summary.json");
+    file << text << "\n";
+    file.close();
+    if (!file)
+      problem = fmt::format("{}/summary.json: cannot be written ({})", folder,
+                            errno != 0 ? std::strerror(errno) : "no reason given");
+  }
+  comm.agree(problem);
 }
 
 }  // namespace trackbed::app

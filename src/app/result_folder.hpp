@@ -43,4 +43,7 @@ FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldR
 // be called while the folder is held. Throws RunError if a file cannot be removed. Collective.
 void remove_parts(const par::Comm& comm, const std::string& folder);
 
+// Writes the text of summary.json. Collective; throws RunError.
+void write_summary_file(const par::Comm& comm, const std::string& folder, const std::string& text);
+
 }  // namespace trackbed::app

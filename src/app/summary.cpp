@@ -9,12 +9,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <ctime>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/result_folder.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::app {
@@ -227,18 +225,7 @@ void write_summary(const SummaryOf& run) {
   json["stages"] = stage_list(run.course);
   if (!run.regions.empty()) json["regions"] = region_list(run);
   json["warnings"] = run.course.warnings;
-  std::string problem;
-  if (comm.root()) {
-    errno = 0;
-    std::ofstream file(run.folder + "/summary.json");
-    file << json.dump(2) << "\n";
-    // A full disk may show only when the file is closed.
-    file.close();
-    if (!file)
-      problem = fmt::format("{}/summary.json: cannot be written ({})", run.folder,
-                            errno != 0 ? std::strerror(errno) : "no reason given");
-  }
-  comm.agree(problem);
+  write_summary_file(comm, run.folder, json.dump(2));
 }
 
 }  // namespace trackbed::app

@@ -6,17 +6,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/commands.hpp"
+#include "app/result_folder.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
@@ -148,21 +147,6 @@ Json figures(const TrackModel& model, const Built& built, const Extremes& wheels
   return json;
 }
 
-// On rank 0; a disk that is full may show only when the file is closed.
-void write_json(const par::Comm& comm, const std::string& path, const Json& json) {
-  std::string problem;
-  if (comm.root()) {
-    errno = 0;
-    std::ofstream file(path);
-    file << json.dump(2) << "\n";
-    file.close();
-    if (!file)
-      problem = fmt::format("{}: cannot be written ({})", path,
-                            errno != 0 ? std::strerror(errno) : "no reason given");
-  }
-  comm.agree(problem);
-}
-
 // Steps, with a row of the histories when one is due and a line for those who wait.
 Extremes pass(const par::Comm& comm, const TrackModel& model, Built& built,
               observe::PassageHistories& histories) {
@@ -221,7 +205,7 @@ void run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf&
   json["share"] = {{"track", comm.max(stepping) / wall}, {"other", 1 - comm.max(stepping) / wall}};
   json["energy"] = {{"track_j", built.passage.line_motion().energy()}};
   json["warnings"] = Json::array();
-  write_json(comm, run.folder + "/summary.json", json);
+  write_summary_file(comm, run.folder, json.dump(2));
   for (std::size_t i = 0; i < lowest.size(); ++i)
     say(comm, fmt::format("  rail at {:g} m: down to {:.4f} mm", model.passage.points[i],
                           -1e3 * lowest[i]));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/core/types.hpp"
 #include "trackbed/track/train.hpp"
 
 namespace trackbed::track {
@@ -67,7 +68,7 @@ VehicleParameters freight_wagon() {
 
 // 25 t axles of one unit; masses and springs are not published with them.
 VehicleParameters hxd1_unit() {
-  constexpr double axle = 25e3 * 9.81;  // N
+  constexpr double axle = 25e3 * gravity;  // N
   return {.name = "hxd1_unit",
           .kind = VehicleKind::forces,
           .length = 17.611,
