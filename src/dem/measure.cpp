@@ -327,6 +327,7 @@ Memory Particles::memory() const {
   count(r.pieces.x, r.pieces.body, r.pieces.begin);
   count(r.pieces.corners, r.pieces.first_corner, r.pieces.rounding);
   count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);
+  count(r.pieces.pace, r.pieces.last_path);
   to = &memory.contacts;
   for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
     count(list->rows, list->entries, list->xi, list->roll);

@@ -26,8 +26,9 @@ struct Pieces {
   std::vector<Vec4> corners;                // m, from the particle's centre of mass
   std::vector<double> rounding;             // m
   std::vector<Vec4> last_x, last_q;         // poses of the particles at the last `place`
-  std::vector<double> path;  // m, that no surface point of a particle exceeded since `lay_out`
-  std::vector<double> pace;  // m, in the last sub-step
+  std::vector<double> path;       // m, that no surface point of a particle exceeded since `lay_out`
+  std::vector<double> pace;       // m, in the last sub-step
+  std::vector<double> last_path;  // m, at the last `place`
 };
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
 void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step

@@ -26,6 +26,7 @@ void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
   pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
   pieces.last_x = state.x, pieces.last_q = state.q;
   pieces.path.assign(state.size(), 0), pieces.pace.assign(state.size(), 0);
+  pieces.last_path.assign(state.size(), 0);
 }
 
 namespace {
@@ -70,8 +71,9 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
     if (!stones) continue;
     // Lengths of paths are added up, not the distance from the begin: the sum of two of them bounds
     // how much a pair may have closed, without a look at directions.
-    pieces.pace[b] = way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
-    pieces.path[b] += pieces.pace[b];
+    pieces.path[b] += way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
+    pieces.pace[b] = pieces.path[b] - pieces.last_path[b];  // with what it has grown
+    pieces.last_path[b] = pieces.path[b];
     pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];
   }
 }

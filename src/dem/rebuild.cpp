@@ -308,7 +308,7 @@ void Particles::Room::rebuild() {
   lay_out(state, shapes, pieces);
   place(state, shapes, pieces);
   find_pairs(scene(), carried, pairs, stones);
-  stone_contacts.reset(stones);
+  stone_contacts.reset(scene(), stones);
   find_approaches(scene(), surfaces, surface_names, carried, approaches);
   remember_reference();
   ++rebuilds;

@@ -107,7 +107,7 @@ struct Particles::Room {
   }
   void forget_contacts() {
     approaches.clear(), pairs.clear(), stones.clear();
-    stone_contacts.reset(stones);
+    stone_contacts.reset(scene(), stones);
   }
   par::Comm comm;
   Physics physics;

@@ -15,13 +15,15 @@ namespace {
 // Distance a pair may close before its features are found anew: what it goes in so many sub-steps
 // at its present pace (finding costs many times a sub-step), within these shares of the sum of
 // its radii. The fewer features lie within the margin, the less each sub-step has to compute.
-constexpr double margin_steps = 200, least_margin = 0.02, most_margin = 0.3;
+constexpr double margin_steps = 100, least_margin = 0.02, most_margin = 0.15;
 // Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is
 // a small part of it.
 constexpr double close = 0.05;
 // Cores that overlap are felt as if they were this far apart, over the sum of radii: near enough to
 // touching that the energy does not jump, far enough that every normal is known.
 constexpr double apart_by = 1e-3;
+// Below this share of it a margin counts as used up: what is left would be asked after at once.
+constexpr double used_up = 0.1;
 constexpr std::size_t block = 256;  // features computed together: stays in the first-level cache
 
 }  // namespace
@@ -105,10 +107,80 @@ double furthest_along(const Placed& core, const Vec3& direction) {
 
 }  // namespace
 
-// Every pair is found anew: numbers of entries and pieces have changed.
-void StoneContacts::reset(const StoneList& list) {
-  reaches_.assign(list.entries.size(), {});
-  words_.clear(), live_ = 0;
+StoneContacts::Pose StoneContacts::pose(const Scene& scene, const StoneList& list, std::int32_t p,
+                                        const Entry& other) {
+  const auto i = Sight::body(scene, p), j = Sight::body(scene, other.piece);
+  const State& s = scene.state;
+  const Quat back = quat(s.q[i]).conjugate(), q = back * quat(s.q[j]);
+  const Vec3 x = back * (s.x[j].vec3() - s.x[i].vec3() + list.shifts[other.shift].vec3());
+  return {{static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z())},
+          {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
+           static_cast<float>(q.w())},
+          static_cast<float>(s.x[i].w + s.x[j].w)};
+}
+
+// By how much two surface points can have come closer at most, m, with r the radius of the ball
+// around j: the way of its centre and the arc of its farthest point seen from i, and growth. What
+// both do together is not in it, nor ways that went back. Roundings are those of `float`.
+double StoneContacts::closed(const Pose& a, const Pose& b, double r) {
+  double way = 0, turn = 0, far = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double d = static_cast<double>(b.x[k]) - static_cast<double>(a.x[k]);
+    way += d * d, far += std::abs(static_cast<double>(b.x[k]));
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double d = static_cast<double>(b.q[k]) - static_cast<double>(a.q[k]);
+    turn += d * d;
+  }
+  constexpr double rounding = 1e-6;  // several units in the last place of each number
+  const double grown = static_cast<double>(b.size) - static_cast<double>(a.size);
+  return std::sqrt(way) + 2.1 * r * std::sqrt(turn) + std::abs(grown) +
+         rounding * (far + static_cast<double>(b.size));
+}
+
+// Both paths together are only a bound, and a poor one where stones move with each other or to and
+// fro, as in a bed that is pressed or shaken. So when they have used up a margin, the pose tells
+// how much of it is left, for a fraction of what finding features anew costs.
+bool StoneContacts::still_good(const Scene& scene, const StoneList& list, std::int32_t p,
+                               std::uint32_t e, double path) {
+  Reach& reach = reaches_[e];
+  const Entry& other = list.entries[e];
+  const double r = scene.state.x[Sight::body(scene, other.piece)].w;
+  const double used = closed(poses_[e], pose(scene, list, p, other), r);
+  const double left = reach.slack - used, quiet = reach.gap - used;
+  // A gap that is used up is not asked after again: distances tell from now on.
+  if (!(quiet > used_up * reach.gap)) reach.gap = 0;
+  if (!(left > used_up * reach.slack)) return false;
+  reach.until = std::max(reach.until, path + left);
+  if (reach.gap > 0) reach.quiet = std::min(reach.until, path + quiet);
+  return true;
+}
+
+// Numbers of entries, pieces and bodies have changed and paths begin at 0; what a pair keeps names
+// corners of its cores only. Lists ascend by both keys, so one pass over old and new finds who was
+// there before. In a bed that moves lists get old every 20 sub-steps, features seldom.
+void StoneContacts::reset(const Scene& scene, const StoneList& list) {
+  const auto key = [&](std::int32_t piece) {
+    const std::size_t b = Sight::body(scene, piece);
+    return piece_key(scene.state.id[b], static_cast<std::size_t>(piece) - scene.pieces.begin[b]);
+  };
+  std::vector<Reach> reaches(list.entries.size());
+  std::vector<Pose> poses(list.entries.size());
+  std::vector<Key> keys;
+  keys.reserve(list.entries.size());
+  std::size_t old = 0;
+  for (const Row& row : list.rows)
+    for (std::uint32_t e = row.begin; e < row.end; ++e) {
+      const Key wanted = keys.emplace_back(key(row.piece), key(list.entries[e].piece));
+      while (old < keys_.size() && keys_[old] < wanted) ++old;
+      if (old == keys_.size() || keys_[old] != wanted) continue;
+      reaches[e] = reaches_[old], poses[e] = poses_[old];
+      reaches[e].until = reaches[e].quiet = -1;
+      ++old;  // a partner met twice, across a periodic side: the second is not the first
+    }
+  reaches_.swap(reaches), poses_.swap(poses), keys_.swap(keys);
+  compact();
+  live_ = words_.size();
   found_.clear();
 }
 
@@ -187,7 +259,9 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
   reach.begin = static_cast<std::uint32_t>(words_.size());
   reach.watch = slab.width < close * sight.reach;
   // Apart: nothing is kept, and nothing is to be looked at before the gap has closed.
-  reach.until = path + (apart ? slab.width - sight.reach : slack);
+  reach.slack = apart ? slab.width - sight.reach : slack;
+  reach.gap = apart ? reach.slack : 0;
+  reach.until = path + reach.slack;
   if (!apart) keep_features(sight, reach, sight.reach + slack - slab.width, sight.reach + slack);
   live_ += reach.count();
 }
@@ -270,6 +344,7 @@ void StoneContacts::flush(const Scene& scene, StoneList& list) {
     // Nothing can touch before the pair has closed the gap that is left.
     Reach& reach = reaches_[p.entry];
     if (!reach.watch) reach.quiet = std::min(reach.until, p.path + (w.closest - p.reach));
+    if (!reach.watch && p.fresh) reach.gap = w.closest - p.reach;
     if (entry.touching) list.forget(p.entry);
   }
   pending_.clear(), corners_.clear(), edges_.clear();
@@ -289,10 +364,18 @@ const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& l
       const std::size_t j = Sight::body(scene, list.entries[e].piece);
       const double path = pieces.path[i] + pieces.path[j];
       if (path < reach.quiet) continue;
+      const bool known = reach.slack > 0, old = !(path < reach.until);
+      const bool good =
+          known && (old || reach.gap > 0) && still_good(scene, list, row.piece, e, path);
+      if (path < reach.quiet) continue;
       const Sight sight(scene, list, row.piece, e);
-      if (!(path < reach.until)) refresh(sight, reach, path, pieces.pace[i] + pieces.pace[j]);
+      const bool fresh = old && !good;
+      if (fresh) {
+        refresh(sight, reach, path, pieces.pace[i] + pieces.pace[j]);
+        poses_[e] = pose(scene, list, row.piece, list.entries[e]);
+      }
       const FeatureSet set = gather(sight, reach, corners_, edges_);
-      pending_.push_back({e, row.piece, set, sight.reach, path});
+      pending_.push_back({e, row.piece, set, sight.reach, path, fresh});
       if (corners_.size() > block || edges_.size() > block) flush(scene, list);
     }
   }
@@ -301,7 +384,8 @@ const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& l
 }
 
 std::size_t StoneContacts::memory() const {
-  return reaches_.capacity() * sizeof(Reach) + words_.capacity() * sizeof(FeatureWord) +
+  return reaches_.capacity() * sizeof(Reach) + poses_.capacity() * sizeof(Pose) +
+         keys_.capacity() * sizeof(Key) + words_.capacity() * sizeof(FeatureWord) +
          found_.capacity() * sizeof(Overlap);
 }
 
