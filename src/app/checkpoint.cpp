@@ -243,6 +243,7 @@ void Simulation::load(const io::File& file) {
   }
   if (course_.begun) actions_.load(file);
   load_surfaces(world_, file);
+  if (world_.platen) world_.platen->cover(world_.walls.area());
 }
 
 // Histories go on in the file beside the checkpoint, or begin anew if it is not there. What a

@@ -78,7 +78,7 @@ std::string doubt_of_bed(const World& world, std::span<const Stage> done) {
   const double level = world.mean_ground_level();
   const double volume = volume_of_stones(world);
   if (!world.platen || volume <= 0) return {};
-  const double area = model.container().area();  // m^2
+  const double area = world.walls.area();  // m^2
   const double height = world.platen->z() - level;
   const Expected expected = expected_of(model, done);
   const double asked = volume / (area * (1 - expected.porosity));

@@ -62,12 +62,11 @@ void Simulation::sample() {
   const auto timing = timers_.scope(Verb::observe);
   const std::vector<observe::WallState> walls = world_.wall_states();
   const observe::PlatenState platen = world_.platen_state();
-  const bool presses = model_.has_stage(StageKind::compact) || model_.has_stage(StageKind::shear);
   results_.sample(world_.scene(), {.time = course_.clock.time(),
                                    .stage = static_cast<std::int64_t>(course_.stage),
                                    .seat_force = seat_force_,
                                    .walls = walls,
-                                   .platen = presses ? &platen : nullptr});
+                                   .platen = model_.uses_platen() ? &platen : nullptr});
 }
 
 // At most two of a run's own are kept. Those of a run that was stopped and resumed are not known

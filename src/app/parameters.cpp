@@ -30,13 +30,14 @@ void Stage::declare_course(input::Section& s) {
   s.choice(
       "kind", kind,
       {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run",
-       "shear", "lift_walls"},
+       "shear", "triaxial", "lift_walls"},
       "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
       "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
       "they are placed and settle; cribs: new stones fall between them and are cut at the "
       "profile; load: the same force on all seats; "
       "passage: axles pass; run: nothing but time; shear: the lower half of divided walls moves "
-      "along x under the platen; lift_walls: walls go up, and away at the end.");
+      "along x under the platen; triaxial: the platen goes down between walls that hold a "
+      "pressure; lift_walls: walls go up, and away at the end.");
   s.text(
       "layer", layer,
       "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
@@ -64,8 +65,12 @@ void Stage::declare_bodies(input::Section& s) {
            "Release: speed of the platen upwards. Lift_walls: of the walls.");
   s.number("pressure", pressure, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
            "Compact and shear: what the platen holds; 0: platen.pressure.");
+  s.number("confinement", confinement, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Compact and triaxial: what the side walls of a box hold on the stones, opposite ones "
+           "going the same way under a servo as the platen's; 0: they stay where they are.");
   s.number("displacement", displacement, {.unit = "m"},
-           "Shear: way of floor and lower half along x in the duration.");
+           "Shear: way of floor and lower half along x in the duration. Triaxial: way of the "
+           "platen down.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 5},
            "Sleepers: their lower face; 0: on top of the stones.");
   s.number(
@@ -82,9 +87,9 @@ void Stage::declare_loads(input::Section& s) {
            "Load: peak on each rail seat, above seat_force.");
   s.number(
       "ramp", ramp, {.unit = "s", .at_least = 0},
-      "Load: time from zero to the peak and, at the end, back. Shear: time to full speed. "
-      "Compact and shear: time in which the pressure changes from that of the stage before. Half "
-      "the duration at most.");
+      "Load: time from zero to the peak and, at the end, back. Shear and triaxial: time to full "
+      "speed. Compact, shear and triaxial: time in which pressure and confinement change from "
+      "those of the stage before. Half the duration at most.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
             "other; 0: one.");
@@ -224,6 +229,11 @@ bool Model::periodic_in(const std::string& axis) const {
 bool Model::has_stage(StageKind kind) const {
   return std::any_of(stages.begin(), stages.end(),
                      [&](const Stage& stage) { return stage.kind == kind; });
+}
+
+bool Model::uses_platen() const {
+  return std::any_of(stages.begin(), stages.end(),
+                     [](const Stage& stage) { return presses(stage.kind); });
 }
 
 // Walls stand at sides that are not periodic. The floor is of the ground's material.

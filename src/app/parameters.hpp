@@ -27,8 +27,13 @@ enum class StageKind {
   passage,
   run,
   shear,
+  triaxial,
   lift_walls
 };
+// In which the platen stands on the stones, and presses them.
+inline bool presses(StageKind kind) {
+  return kind == StageKind::compact || kind == StageKind::shear || kind == StageKind::triaxial;
+}
 
 struct Stage {
   std::string name;
@@ -42,7 +47,8 @@ struct Stage {
   bool ground_moves = false;
   double lift = 0.01;       // m/s, release: speed of the platen, lift_walls: of the walls
   double pressure = 0;      // Pa, compact, shear: of the platen; 0: that of its section
-  double displacement = 0;  // m, shear: way of the lower half along x
+  double confinement = 0;   // Pa, compact, triaxial: of the side walls; 0: they stand
+  double displacement = 0;  // m, shear: way of the lower half along x; triaxial: of the platen
   double height = 0.35;     // m, sleepers: lower face
   double profile = 0;       // m, crest of the bed: stones with centres above go; 0: none do
   double seat_force = 0;    // N on each rail seat throughout the stage
@@ -110,6 +116,7 @@ struct Model {
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
+  bool uses_platen() const;
   bool uses_walls() const;     // or the platen, which is of their material
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }

@@ -1,11 +1,13 @@
-// Shear boxes, lifted walls, pressures in steps.
+// Shear boxes, lifted walls, walls that hold a pressure, pressures in steps.
 //
-// The way of the lower half begins with zero speed and slope, since a jump of speed sends a wave
+// The way of the lower half, as that of the platen between walls that hold a pressure, begins with
+// zero speed and slope, since a jump of speed sends a wave
 // through the stones that the walls feel as force. It follows from the clock alone, so a resumed
 // run needs no other state than where the walls are.
 #include "app/shear.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -26,17 +28,42 @@ double way(const Stage& stage, double time) {
   return v / 2 * (t - r / std::numbers::pi * std::sin(std::numbers::pi * t / r));
 }
 
+// Half the difference of what opposite walls feel, N, is what the stones between them push with.
+void confine(World& world, double pressure, double dt) {
+  const std::array push{(world.on("wall.right").x() - world.on("wall.left").x()) / 2,
+                        (world.on("wall.back").y() - world.on("wall.front").y()) / 2};
+  world.walls.confine(world.model.platen, dt, pressure, world.platen->z(), push);
+}
+
+// A jump of pressure shakes the bed: let go at once from 400 to 200 kPa, ballast went down by 0.1 %
+// where it should rise.
+double share_of_ramp(const Stage& stage, double time) {
+  const double ramp = std::min(stage.ramp, stage.duration / 2);
+  return ramp > 0 ? std::min(1.0, time / ramp) : 1;
+}
+
 }  // namespace
 
-void move_walls(World& world, const Stage& stage, double time, double dt) {
+void move_walls(World& world, std::size_t number, double time, double dt) {
+  const Stage& stage = world.model.stages[number];
+  if (stage.confinement > 0 && world.platen) {
+    // Walls that stood held whatever there was: they begin at once.
+    const double before = number > 0 ? world.model.stages[number - 1].confinement : 0;
+    const double from = before > 0 ? before : stage.confinement;
+    const double share = share_of_ramp(stage, time);
+    if (share < 1 && from != stage.confinement) world.walls.aim();  // not steady before it is there
+    return confine(world, from + share * (stage.confinement - from), dt);
+  }
   const bool shears = stage.kind == StageKind::shear, lifts = stage.kind == StageKind::lift_walls;
   world.walls.move(shears ? way(stage, time + dt) - way(stage, time) : 0,
                    lifts ? stage.lift * dt : 0);
 }
 
-// A jump of pressure shakes the bed: let go at once from 400 to 200 kPa, ballast went down by 0.1 %
-// where it should rise. From the deck and the clock alone; until it is there the platen cannot be
-// steady.
+void push_platen(World& world, const Stage& stage, double time, double dt) {
+  world.platen->drive(dt, way(stage, time + dt) - way(stage, time), world.on_platen());
+}
+
+// From the deck and the clock alone; until it is there the platen cannot be steady.
 void aim_platen(World& world, std::size_t number, double time, double dt) {
   const std::vector<Stage>& stages = world.model.stages;
   const Stage& stage = stages[number];
@@ -44,10 +71,10 @@ void aim_platen(World& world, std::size_t number, double time, double dt) {
                       stages[number - 1].kind != StageKind::shear))
     return;
   const double from = world.model.pressure_in(stages[number - 1]);
-  const double to = world.model.pressure_in(stage), ramp = std::min(stage.ramp, stage.duration / 2);
-  if (from == to || time - dt >= ramp) return;
-  const double share = ramp > 0 ? std::min(1.0, time / ramp) : 1;
-  world.platen->aim(from + share * (to - from), stage.kind == StageKind::shear);
+  const double to = world.model.pressure_in(stage);
+  if (from == to || share_of_ramp(stage, time - dt) >= 1) return;
+  world.platen->aim(from + share_of_ramp(stage, time) * (to - from),
+                    stage.kind == StageKind::shear);
 }
 
 // A box: the floor's own outline, also around a cylinder.

@@ -7,10 +7,12 @@
 
 namespace trackbed::app {
 
-// One window that begins `time` s after the stage did. Walls that stay finish their last motion.
-void move_walls(World& world, const Stage& stage, double time, double dt);
-// The same for the platen's pressure, which goes from that of the stage before to its own; `number`
-// is the stage's.
+// One window that begins `time` s after stage `number` did. Walls that stay finish their last
+// motion; those that hold a pressure are moved by their servos.
+void move_walls(World& world, std::size_t number, double time, double dt);
+// The same for a platen whose way is given.
+void push_platen(World& world, const Stage& stage, double time, double dt);
+// The same for the platen's pressure, which goes from that of the stage before to its own.
 void aim_platen(World& world, std::size_t number, double time, double dt);
 // Takes stones away whose centre is beyond the floor, at whole hundredths of a second of the stage.
 // Collective.

@@ -59,7 +59,7 @@ void Simulation::window() {
   const double dt = course_.clock.dt();
   move_sleepers(dt);
   press_platen(dt);
-  move_walls(world_, stage(), static_cast<double>(course_.clock.window()) * dt, dt);
+  move_walls(world_, course_.stage, static_cast<double>(course_.clock.window()) * dt, dt);
   move_ground(dt);
   move_stones(dt);
   average_support(dt);
@@ -76,7 +76,7 @@ void Simulation::move_sleepers(double dt) {
   world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
 }
 
-// In the compact and shear stages the servo decides, in the release stage the deck.
+// In the compact and shear stages the servo decides, in release and triaxial stages the deck.
 // Release: the speed is given, so the reaction of the bed does nothing. In the first window there
 // is no last motion yet to carry out.
 void Simulation::press_platen(double dt) {
@@ -86,6 +86,8 @@ void Simulation::press_platen(double dt) {
     world_.lift_platen(course_.clock.window() > 0 ? stage().lift * dt : 0, stage().lift * dt);
     return;
   }
+  world_.platen->cover(world_.walls.area());
+  if (stage().kind == StageKind::triaxial) return push_platen(world_, stage(), time, dt);
   aim_platen(world_, course_.stage, time, dt);
   world_.platen->advance(dt, world_.on_platen());
 }

@@ -59,7 +59,7 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
     return is_to_come(model, next, {StageKind::fill, StageKind::cribs}) ? ""
                                                                         : "the stones are made";
   if (key.starts_with("platen."))
-    return is_to_come(model, at.stage, {StageKind::compact, StageKind::shear})
+    return is_to_come(model, at.stage, {StageKind::compact, StageKind::shear, StageKind::triaxial})
                ? ""
                : "nothing is compacted any more";
   if (key == "settle_average") return at.ground_moved ? "the ground moves already" : "";

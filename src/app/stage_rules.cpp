@@ -83,7 +83,8 @@ void declare_uses(const Model& model, input::Section& s) {
     s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
            "copies of a cell lie packed already: leave it out", {.reads = {growth, "bed.cell"}});
     only("load", stage.load != none.load, {load}, "load");
-    only("ramp", stage.ramp != none.ramp, {load, compact, shear}, "load, compact and shear");
+    only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
+         "load, compact, shear and triaxial");
     const bool loaded = stage.kind == load || stage.kind == passage;
     only("until_ratio", stage.until_ratio != none.until_ratio && loaded, {},
          "kinds without axles and cycles");

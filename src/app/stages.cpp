@@ -47,7 +47,7 @@ bool has_cycles(const Stage& stage) {
 // Under load the criterion would stop a stage in a moment of rest between axles or cycles.
 bool looks_for_rest(const Stage& stage) {
   const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage ||
-                      stage.kind == StageKind::shear;
+                      stage.kind == StageKind::shear || stage.kind == StageKind::triaxial;
   return stage.until_ratio > 0 && !loaded;
 }
 
@@ -71,9 +71,7 @@ StageActions::StageActions(World& world, const Model& model)
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
-  // Compact and shear leave it in place.
-  const bool pressed = stage.kind == StageKind::compact || stage.kind == StageKind::release ||
-                       stage.kind == StageKind::shear;
+  const bool pressed = presses(stage.kind) || stage.kind == StageKind::release;
   if (!pressed && world_.platen) world_.take_platen_away();
   if (stage.kind == StageKind::fill) pour(stage);
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
@@ -90,6 +88,7 @@ void StageActions::begin(const Stage& stage) {
     world_.meet();
   if (pressed && world_.platen)
     world_.platen->aim(model_.pressure_in(stage), stage.kind == StageKind::shear);
+  world_.walls.aim();
 }
 
 // A layer that is not the first falls on what is there.
@@ -167,10 +166,15 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   return forces;
 }
 
-// In order: pressure reached, settlement small enough, stones at rest. The last is looked for at
+bool StageActions::walls_are_steady(const Stage& stage) const {
+  return stage.confinement <= 0 || world_.walls.steady_for() >= model_.platen.hold;
+}
+
+// In order: pressures reached, settlement small enough, stones at rest. The last is looked for at
 // windows counted from the stage's begin, so that a resumed run looks at the same ones.
 bool StageActions::settled(const Stage& stage, const Clock& clock) const {
-  if (stage.kind == StageKind::compact && world_.platen->steady()) return true;
+  if (stage.kind == StageKind::compact && world_.platen->steady() && walls_are_steady(stage))
+    return true;
   if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
     return true;
   if (!looks_for_rest(stage) || clock.window() == 0 || world_.particles.grown() < 1) return false;
@@ -180,7 +184,14 @@ bool StageActions::settled(const Stage& stage, const Clock& clock) const {
 
 // Three answers: nothing (the kind has no aim), an empty sentence (reached), what is missing.
 std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
-  if (stage.kind == StageKind::compact) return world_.platen->shortfall();
+  if (stage.kind == StageKind::compact) {
+    if (!world_.platen->steady() || walls_are_steady(stage)) return world_.platen->shortfall();
+    return fmt::format(
+        "the pressure of the walls was within {:g} % of {:g} kPa for {:.3g} s, not "
+        "for {:g} s (platen.hold)",
+        100 * model_.platen.tolerance, stage.confinement / 1e3, world_.walls.steady_for(),
+        model_.platen.hold);
+  }
   if (has_cycles(stage) && stage.settlement > 0) {
     if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
     return fmt::format("a sleeper went down by {:.3g} mm in the last cycle, not by {:g} mm or less",

@@ -43,6 +43,7 @@ class StageActions {
   void pour(const Stage& stage);
   void place_sleepers(const Stage& stage);
   void fill_cribs(const Stage& stage);
+  bool walls_are_steady(const Stage& stage) const;
 
   World& world_;
   const Model& model_;

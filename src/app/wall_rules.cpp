@@ -63,6 +63,39 @@ void declare_shear(const Model& model, std::size_t i, double way, input::Section
          about);
 }
 
+// Walls that hold a pressure. Boards and halves would leave gaps as they move.
+void declare_confinement(const Model& model, std::size_t i, input::Section& s) {
+  const Stage& stage = model.stages[i];
+  const std::string key = fmt::format("stage[{}].confinement", i);
+  const std::string kind = fmt::format("stage[{}].kind", i);
+  const input::About about{.reads = {"bed", "periodic", key, kind}};
+  const bool triaxial = stage.kind == StageKind::triaxial;
+  s.rule(key, stage.confinement <= 0 || triaxial || stage.kind == StageKind::compact,
+         "is for stages of kind compact and triaxial only", {.reads = {key, kind}});
+  s.rule(key, !triaxial || stage.confinement > 0, "must be above 0 Pa for a stage of kind triaxial",
+         {.reads = {key, kind}});
+  if (stage.confinement <= 0) return;
+  s.rule(key, has_walls(model), "there are no walls to hold it: all sides are periodic", about);
+  s.rule(key, model.bed.container == bed::ContainerKind::box, "needs the walls of a box", about);
+  s.rule(key, model.bed.split <= 0 && model.bed.beside <= 0,
+         "needs whole walls that go down to the floor: leave out bed.split and bed.beside", about);
+}
+
+void declare_triaxial(const Model& model, std::size_t i, input::Section& s) {
+  const Stage& stage = model.stages[i];
+  const std::string kind = fmt::format("stage[{}].kind", i);
+  const std::string displacement = fmt::format("stage[{}].displacement", i);
+  const input::About about{.reads = {kind, displacement, "bed.height"}};
+  s.rule(displacement, stage.displacement != 0, "must not be 0 m for a stage of kind triaxial",
+         about);
+  s.rule(displacement, stage.displacement < model.bed.height,
+         fmt::format("is more than the bed is high ({:g} m)", model.bed.height), about);
+  const bool first = i == 0 && model.start.empty();
+  s.rule(kind, !first && (i == 0 || presses(model.stages[i - 1].kind)),
+         "needs the platen: the stage before must be of kind compact or triaxial",
+         {.reads = {kind, "stage", "start"}});
+}
+
 void declare_lift(const Model& model, std::size_t i, input::Section& s) {
   const Stage& stage = model.stages[i];
   const std::string kind = fmt::format("stage[{}].kind", i);
@@ -87,7 +120,10 @@ void declare_walls(const Model& model, input::Section& s) {
     const bool shears = stage.kind == StageKind::shear;
     const bool compacts = stage.kind == StageKind::compact;
     way += shears ? stage.displacement : 0;
+    const bool triaxial = stage.kind == StageKind::triaxial;
     if (shears) declare_shear(model, i, way, s);
+    if (triaxial) declare_triaxial(model, i, s);
+    declare_confinement(model, i, s);
     if (stage.kind == StageKind::lift_walls) declare_lift(model, i, s);
     s.rule(fmt::format("stage[{}].kind", i), !moved || stage.kind != StageKind::fill,
            "stones cannot be filled into walls that a stage before has moved",
@@ -96,10 +132,11 @@ void declare_walls(const Model& model, input::Section& s) {
       const std::string key = fmt::format("stage[{}].{}", i, name);
       s.rule(key, holds, words, {.reads = {key, fmt::format("stage[{}].kind", i)}});
     };
-    only("displacement", shears || stage.displacement == 0, "is for stages of kind shear only");
+    only("displacement", shears || triaxial || stage.displacement == 0,
+         "is for stages of kind shear and triaxial only");
     only("pressure", shears || compacts || stage.pressure == 0,
          "is for stages of kind compact and shear only");
-    moved = moved || shears || stage.kind == StageKind::lift_walls;
+    moved = moved || shears || stage.kind == StageKind::lift_walls || stage.confinement > 0;
   }
 }
 

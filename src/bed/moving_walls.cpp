@@ -1,11 +1,16 @@
 // Walls that stages move. They are moved as the platen is: what a window shows is where it begins
-// and how far it goes, what is kept is where it ends. So the state is two lengths, and the next
-// window, or a run resumed before it, finds the walls where this one left them.
+// and how far it goes, what is kept is where it ends. So the state is four lengths and the servos,
+// and the next window, or a run resumed before it, finds the walls where this one left them.
+//
+// Walls of a box that hold a pressure go in pairs: the bed stays where it is, and one servo follows
+// the mean of two forces. Planes go through each other at the corners, which no stone reaches.
 //
 // Nodes are placed anew from where they were built in each window, so that rounding cannot bend a
 // wall. Cost: all nodes of all walls per window, on every rank alike; a few hundred.
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <tuple>
 
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/core/error.hpp"
@@ -28,7 +33,7 @@ void Walls::raise(double height) {
   surfaces_.resize(higher.size());  // walls that stand already stay where others know them
   std::move(higher.begin(), higher.end(), surfaces_.begin());
   if (gone_) take_away();
-  show(0, 0);
+  show({});
 }
 
 // Floor and lower halves are the half of a shear box that moves.
@@ -36,23 +41,67 @@ bool Walls::goes_along(const std::string& name) const {
   return name == "floor" || container_.split <= 0 || name.ends_with(".lower");
 }
 
-Vec3 Walls::displacement(const std::string& name) const {
-  return {goes_along(name) ? along_ : 0, 0, name == "floor" ? 0 : up_};
+Vec3 Walls::way_of(const std::string& name, const Motion& motion) const {
+  const double left = name == "wall.left" ? 1 : 0, right = name == "wall.right" ? 1 : 0;
+  const double front = name == "wall.front" ? 1 : 0, back = name == "wall.back" ? 1 : 0;
+  return {(goes_along(name) ? motion.along : 0) + (left - right) * motion.in[0],
+          (front - back) * motion.in[1], name == "floor" ? 0 : motion.up};
 }
 
-void Walls::show(double along, double up) {
+Vec3 Walls::displacement(const std::string& name) const { return way_of(name, so_far_); }
+
+void Walls::show(const Motion& motion) {
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     Surface& wall = surfaces_[k];
-    const Vec3 so_far = displacement(wall.name);
-    const Vec3 motion(goes_along(wall.name) ? along : 0, 0, wall.name == "floor" ? 0 : up);
+    const Vec3 so_far = displacement(wall.name), now = way_of(wall.name, motion);
     for (std::size_t n = 0; n < wall.nodes(); ++n)
-      wall.position[n] = home_[k][n] + so_far, wall.motion[n] = motion;
+      wall.position[n] = home_[k][n] + so_far, wall.motion[n] = now;
   }
 }
 
-void Walls::move(double along, double up) {
-  show(along, up);
-  along_ += along, up_ += up;
+void Walls::go(const Motion& motion) {
+  show(motion);
+  so_far_.along += motion.along, so_far_.up += motion.up;
+  for (std::size_t axis = 0; axis < 2; ++axis) so_far_.in[axis] += motion.in[axis];
+}
+
+void Walls::move(double along, double up) { go({.along = along, .up = up}); }
+
+double Walls::extent(std::size_t axis) const {
+  const auto a = static_cast<Eigen::Index>(axis);
+  return container_.high[a] - container_.low[a] - 2 * so_far_.in[axis];
+}
+
+double Walls::area() const {
+  const bool moved = so_far_.in != std::array{0.0, 0.0};
+  return moved ? extent(0) * extent(1) : container_.area();
+}
+
+// The area that stones press on is that of the bed's side as it is now. Periodic sides, and the
+// faces of a plane model, have no walls.
+void Walls::confine(const ServoParameters& p, double dt, double pressure, double height,
+                    const std::array<double, 2>& push) {
+  Motion motion;
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    if (pressed(axis))
+      motion.in[axis] =
+          servo_[axis].advance(p, dt, push[axis], pressure * extent(1 - axis) * height, {});
+  go(motion);
+}
+
+bool Walls::pressed(std::size_t axis) const {
+  return !container_.periodic[axis] && (axis == 0 || container_.dimension == Dimension::space);
+}
+
+void Walls::aim() {
+  for (Servo& servo : servo_) servo.aim();
+}
+
+double Walls::steady_for() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    if (pressed(axis)) least = std::min(least, servo_[axis].steady_for());
+  return least;
 }
 
 // The floor comes first and stays where it is.
@@ -63,20 +112,33 @@ void Walls::take_away() {
   home_.resize(kept);
 }
 
-// The state, listed once: height, along, up (m), gone.
+// The state, listed once: height, along, up, in across x and y (m), gone, the two servos.
 void Walls::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  const std::array row{height_, along_, up_, gone_ ? 1.0 : 0.0};
+  std::vector<double> row{height_,       so_far_.along, so_far_.up,
+                          so_far_.in[0], so_far_.in[1], gone_ ? 1.0 : 0.0};
+  for (const Servo& servo : servo_)
+    for (const double value : servo.row()) row.push_back(value);
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
   file.write<double>(group + "/walls", mine, row.size(),
                      {"-",
-                      "height of the walls (m; 0: none yet), way of floor and lower halves along x "
-                      "and of walls upwards (m), whether they are gone"});
+                      "height of the walls (m; 0: none yet), way of floor and lower halves along "
+                      "x, of walls upwards, inwards across x, across y (m), whether they are gone, "
+                      "servos of the walls across x and across y: " +
+                          std::string(Servo::columns)});
 }
 
 void Walls::load(const io::File& file, const std::string& group) {
   const auto row = file.read_all<double>(group + "/walls");
-  if (row.size() != 4) throw RunError(group + "/walls does not hold the state of walls");
-  along_ = row[1], up_ = row[2], gone_ = row[3] != 0;
+  constexpr std::size_t own = 6, each = std::tuple_size_v<Servo::Row>;
+  if (row.size() != own + servo_.size() * each)
+    throw RunError(group + "/walls does not hold the state of walls");
+  so_far_ = {.along = row[1], .up = row[2], .in = {row[3], row[4]}};
+  gone_ = row[5] != 0;
+  for (std::size_t axis = 0; axis < servo_.size(); ++axis) {
+    Servo::Row servo;
+    std::copy_n(row.begin() + static_cast<std::ptrdiff_t>(own + axis * each), each, servo.begin());
+    servo_[axis].set(servo);
+  }
   if (row[0] > 0) raise(row[0]);
 }
 

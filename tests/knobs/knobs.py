@@ -194,6 +194,7 @@ KNOBS = {
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),
     "stage.[].lift": ("stage.release.lift=0.02", []),
     "stage.[].pressure": ("stage.compact.pressure=5e3", []),
+    "stage.[].confinement": ("stage.compact.confinement=3e3", []),
     "stage.[].displacement": ("stage.load.displacement=0.01", []),
     "stage.[].height": ("stage.sleepers.height=0.12", []),
     "stage.[].profile": ("stage.sleepers.profile=0.06", []),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trackbed/bed/container.hpp"
+#include "trackbed/bed/servo.hpp"
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
@@ -119,23 +120,14 @@ struct Stones {
 };
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);
 
-struct PlatenParameters {
-  double pressure = 200e3;   // Pa
-  double speed = 0.5;        // m/s, never faster
-  double acceleration = 50;  // m/s^2, speed changes no faster
-  double average = 0.01;     // s, time constant of the measured force
-  double tolerance = 0.02;   // of the pressure: steady is the average within it ...
-  double hold = 0.05;        // s, ... for so long
-  double vibration = 0;      // m, amplitude of a sine added to the servo's motion
-  double frequency = 30;     // Hz, of it
+struct PlatenParameters : ServoParameters {
+  double pressure = 200e3;  // Pa
+  double vibration = 0;     // m, amplitude of a sine added to the servo's motion
+  double frequency = 30;    // Hz, of it
   void declare(input::Section& s);
 };
 
-// A rigid plate that a servo presses on the bed: its speed follows the force error, (target -
-// force) / target * speed, with the force averaged over average/10. Speeding up is limited by the
-// acceleration, braking is not: a stiff bed would be overrun. Each time the average passes the
-// target from below the gain is halved (down to 1/16), so that the servo settles on a bed of any
-// stiffness; where it stays too low for `hold`, because stones give way, the gain doubles again.
+// A rigid plate that a servo presses on the bed.
 class Platen {
  public:
   Platen(const PlatenParameters& parameters, const Container& container, int material);
@@ -147,7 +139,9 @@ class Platen {
   void aim(double pressure, bool follows = false);
   void place(double z);                      // at rest, its lower face at z
   void advance(double dt, double force_up);  // measured force from stones in the last window, N
-  double pressure() const;                   // Pa, averaged
+  void drive(double dt, double down, double force_up);  // by that way, m, whatever the force
+  void cover(double area);  // m^2, of the bed below it from now on: walls may move
+  double pressure() const;  // Pa, averaged
   double z() const;
   bool steady() const;            // averaged pressure within the tolerance for the time `hold`
   std::string shortfall() const;  // a sentence on what `steady` lacks; empty if nothing
@@ -160,19 +154,12 @@ class Platen {
   void show(double motion);
   double shake(double dt);
 
-  struct State {
-    double z = 0, speed = 0;      // m, m/s downwards
-    double recent = 0, mean = 0;  // N, averaged over average/10 and average
-    double gain = 1;
-    double steady_for = 0, low_for = 0;  // s, within the tolerance, below it
-    double drift = 0;                    // m/s downwards, learnt
-    double shaken = 0;                   // s, since the vibration began
-  };
   PlatenParameters parameters_;
   Surface surface_;
   double area_;  // m^2
   bool follows_ = false;
-  State state_;
+  Servo servo_;
+  double z_ = 0, shaken_ = 0;  // m; s, since the vibration began
 };
 
 }  // namespace trackbed::bed

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "trackbed/bed/servo.hpp"
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
@@ -63,27 +64,46 @@ class Walls {
   // One window: floor and lower halves (all, if walls are not divided) go along x, all walls but
   // the floor up, m.
   void move(double along, double up);
+  // One window in which opposite walls of a box go inwards (or give way) by the same, so that each
+  // presses with `pressure`, Pa, on the stones, which fill it up to `height`, m. `push`: that of
+  // stones on a wall across x, across y, outwards, in the last window, N.
+  void confine(const ServoParameters& p, double dt, double pressure, double height,
+               const std::array<double, 2>& push);
+  void aim();        // another pressure is to come: they have to become steady anew
   void take_away();  // all but the floor, for good
 
   std::vector<Surface>& surfaces() { return surfaces_; }
   double height() const { return height_; }                         // m; 0: no walls yet
   const std::vector<std::string>& names() const { return names_; }  // also of those gone or to come
   Vec3 displacement(const std::string& name) const;                 // m, from where it was built
+  double area() const;        // m^2, of the floor between them, where they stand now
+  double steady_for() const;  // s, the pressure of all that are pressed has been within tolerance
 
-  // Rank 0 of `comm` writes, all read; height and displacements. Collective.
+  // Rank 0 of `comm` writes, all read; height, displacements, servos. Collective.
   void save(io::File& file, const std::string& group, const par::Comm& comm) const;
   void load(const io::File& file, const std::string& group);
 
  private:
-  void show(double along, double up);
+  // Ways of a window, m: of what goes along, of walls upwards, inwards across x and y.
+  struct Motion {
+    double along = 0, up = 0;
+    std::array<double, 2> in{0, 0};
+  };
+  void show(const Motion& motion);
+  void go(const Motion& motion);
+  Vec3 way_of(const std::string& name, const Motion& motion) const;
+  double extent(std::size_t axis) const;  // m, between opposite walls
   bool goes_along(const std::string& name) const;
+  bool pressed(std::size_t axis) const;  // by `confine`
 
   Container container_;
   int material_, floor_material_;
   std::vector<Surface> surfaces_;
   std::vector<std::vector<Vec3>> home_;  // m, nodes as built
   std::vector<std::string> names_;
-  double height_ = 0, along_ = 0, up_ = 0;  // m
+  double height_ = 0;  // m
+  Motion so_far_;
+  std::array<Servo, 2> servo_;  // of the walls across x, across y
   bool gone_ = false;
 };
 

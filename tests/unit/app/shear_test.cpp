@@ -52,10 +52,10 @@ struct Scene {
     world.particles.set_local_damping(0.5);  // takes the swings, leaves what is in balance
     step = world.particles.stable_step();
   }
-  void run(const Stage& stage, double until) {
+  void run(double until) {
     for (; time < until; time += substeps * step) {
       const double dt = substeps * step;
-      move_walls(world, stage, time, dt);
+      move_walls(world, 0, time, dt);
       world.coupler.publish();
       world.particles.advance(dt, substeps);
       const dem::SurfaceAction& did = world.particles.surface_action();
@@ -72,7 +72,7 @@ TEST(AShearedBrick, PushesTheUpperHalfWithFrictionTimesWeight) {
   const Model deck = model();
   Scene scene(comm, deck, 0);
   const double weight = density * 8 * half * half * half * 9.81;  // N
-  scene.run(deck.stages[0], 0.15);
+  scene.run(0.15);
   EXPECT_EQ(comm.sum(std::int64_t{scene.world.particles.trouble().empty() ? 0 : 1}), 0);
   constexpr double settled = 1e-3;  // what is left of the start's swing
   EXPECT_NEAR(scene.world.on("wall.right.upper").x(), mu * weight, settled * weight);
@@ -89,17 +89,17 @@ TEST(TheLowerHalf, ComesAsFarAsTheStageSaysAndStops) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();
   Scene scene(comm, deck, 0.1);
-  scene.run(deck.stages[0], 0.2);
+  scene.run(0.2);
   const double dt = Scene::substeps * scene.step;
   EXPECT_NEAR(scene.world.walls.displacement("floor").x(), 0.02, 1e-12);
-  move_walls(scene.world, deck.stages[0], 0.3, dt);  // beyond the end
+  move_walls(scene.world, 0, 0.3, dt);  // beyond the end
   EXPECT_EQ(scene.world.walls.surfaces()[0].motion[0].norm(), 0);
   // Full speed v = D/(T - r/2) after the ramp r, none before it.
   Scene other(comm, deck, 0.1);
-  move_walls(other.world, deck.stages[0], 0.1, dt);
+  move_walls(other.world, 0, 0.1, dt);
   EXPECT_NEAR(other.world.walls.surfaces()[0].motion[0].x() / dt, 0.02 / (0.2 - 0.025), 1e-9);
   Scene begun(comm, deck, 0.1);
-  move_walls(begun.world, deck.stages[0], 0, dt);
+  move_walls(begun.world, 0, 0, dt);
   EXPECT_LT(begun.world.walls.surfaces()[0].motion[0].x() / dt, 1e-3);
 }
 

@@ -1,0 +1,168 @@
+// Triaxial compression of a face-centred cubic array of smooth spheres between flat walls, whose
+// strength is known: walls of a box hold a pressure, the platen comes down, and the ratio of its
+// force to theirs is that of the array's geometry (as in Thornton 1979,
+// doi:10.1680/geot.1979.29.4.441, for an array without end; here with its ends, so that it is
+// exact).
+//
+// Layers of n x n and (n-1) x (n-1) spheres in turn. Once neighbours in a layer have parted, all
+// forces f go between layers, and each of the I interfaces has 4 (n-1)^2 contacts:
+//   platen:    F_1 = 4 (n-1)^2 f h/d,
+//   each wall: F_3 = I 2 (n-1) f s/(2 d),     F_1/F_3 = 4 (n-1) h/(I s),
+// with d the distance of centres, h that of layers and s that of neighbours in a layer,
+// s^2 = 2 (d^2 - h^2).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/scene.hpp"
+#include "support/verified.hpp"
+#include "trackbed/bed/bed.hpp"
+#include "trackbed/couple/coupler.hpp"
+
+namespace trackbed {
+namespace {
+
+constexpr double radius = 0.02, width = 2 * radius;  // m
+constexpr int n = 4, layers = 5, interfaces = layers - 1;
+constexpr double side = n * width;               // m
+constexpr double confinement = 20e3;             // Pa
+const double spacing = radius * std::sqrt(2.0);  // m, of layers, as built
+
+dem::Physics smooth() {
+  dem::Physics p;
+  for (const char* name : {"wall", "ball"}) p.materials.push_back({.name = name});
+  for (const char* other : {"wall", "ball"}) {
+    dem::ContactLaw law;
+    law.first = "ball", law.second = other;
+    law.k_n = law.k_s = 1e7;
+    law.friction = 0;
+    law.zeta_n = law.zeta_s = 0.3;
+    p.laws.push_back(law);
+  }
+  return p;
+}
+
+dem::Domain domain() {
+  dem::Domain d;
+  d.low = {0, 0, -0.2}, d.high = {side, side, 1};
+  return d;
+}
+
+dem::Parameters weightless() {
+  dem::Parameters p;
+  p.gravity = 0;
+  return p;
+}
+
+std::vector<dem::NewParticle> array(int shape) {
+  std::vector<dem::NewParticle> all;
+  for (int layer = 0; layer < layers; ++layer) {
+    const int across = layer % 2 == 0 ? n : n - 1;
+    const double first = layer % 2 == 0 ? radius : width;
+    for (int i = 0; i < across; ++i)
+      for (int j = 0; j < across; ++j) {
+        dem::NewParticle ball;
+        ball.id = static_cast<Id>(all.size());
+        ball.shape = shape;
+        ball.material = 1;
+        ball.position = {first + i * width, first + j * width, radius + layer * spacing};
+        all.push_back(ball);
+      }
+  }
+  return all;
+}
+
+bed::PlatenParameters servo() {
+  bed::PlatenParameters p;
+  p.pressure = confinement;
+  p.speed = 0.05, p.average = 5e-3;
+  return p;
+}
+
+class Array {
+ public:
+  explicit Array(const par::Comm& comm)
+      : particles_(comm, smooth(), weightless(), domain()),
+        coupler_(comm),
+        walls_(bed::Container(domain()), 0, 0),
+        platen_(servo(), domain(), 0) {
+    dem::Template ball = test::sphere(radius);
+    const auto all = array(particles_.add_template(ball));
+    particles_.add(comm.root() ? all : std::vector<dem::NewParticle>{});
+    particles_.set_local_damping(0.7);
+    walls_.raise(0.3);
+    platen_.place(width + interfaces * spacing);
+    std::vector<Surface*> felt;
+    for (Surface& wall : walls_.surfaces()) felt.push_back(&wall);
+    felt.push_back(&platen_.surface());
+    particles_.set_surfaces(felt);
+    for (Surface* surface : felt) coupler_.add(*surface);
+    coupler_.connect(
+        [&](const Vec3& low, const Vec3& high) { return particles_.reaches(low, high); });
+    dt_ = particles_.stable_step();
+  }
+  // The platen presses as the walls do (`down` = 0), or goes down by as much, m.
+  void run(double time, double down) {
+    for (double t = 0; t < time; t += window()) {
+      const std::array push{(on("wall.right").x() - on("wall.left").x()) / 2,
+                            (on("wall.back").y() - on("wall.front").y()) / 2};
+      platen_.cover(walls_.area());
+      if (down > 0)
+        platen_.drive(window(), down / time * window(), on("platen").z());
+      else
+        platen_.advance(window(), on("platen").z());
+      walls_.confine(servo(), window(), confinement, platen_.z(), push);
+      coupler_.publish();
+      particles_.advance(window(), substeps);
+      const dem::SurfaceAction& did = particles_.surface_action();
+      coupler_.collect(substeps, window(), {did.force, did.moment, did.work});
+    }
+  }
+  Vec3 on(const std::string& name) const {
+    Vec3 force = Vec3::Zero();
+    std::size_t number = 0;
+    for (const Surface& wall : const_cast<bed::Walls&>(walls_).surfaces()) {
+      if (wall.name == name)
+        for (const Vec3& node : coupler_.mean_force(number)) force += node;
+      ++number;
+    }
+    if (name == "platen")
+      for (const Vec3& node : coupler_.mean_force(number)) force += node;
+    return force;
+  }
+  const bed::Walls& walls() const { return walls_; }
+  const bed::Platen& platen() const { return platen_; }
+
+ private:
+  static constexpr int substeps = 5;
+  double window() const { return substeps * dt_; }
+  dem::Particles particles_;
+  couple::Coupler coupler_;
+  bed::Walls walls_;
+  bed::Platen platen_;
+  double dt_ = 0;
+};
+
+TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
+  Array array(par::Comm::world());
+  array.run(0.2, 0);
+  EXPECT_GT(array.walls().steady_for(), servo().hold);
+  EXPECT_TRUE(array.platen().steady());
+  array.run(0.4, 1e-3);
+  const double across = (array.on("wall.right").x() - array.on("wall.left").x()) / 2;
+  const double h = (array.platen().z() - width) / interfaces;
+  const double s = std::sqrt(2 * (width * width - h * h));
+  // Contacts of f = F_3/(I (n-1)) = 40 N overlap by 4 um, 1e-4 of d; the platen's first way closes
+  // them, and what moves is damped: of the force 0.5 % at most.
+  verified::near("F_1/F_3 at 0.7 % of strain", "-", array.on("platen").z() / across,
+                 4 * (n - 1) * h / (interfaces * s), 0.01);
+  const double area =
+      (side - 2 * array.walls().displacement("wall.front").y()) * array.platen().z();
+  verified::near("pressure of the walls", "Pa", across / area, confinement,
+                 servo().tolerance * confinement);
+  // What holds the array goes with it: it widens by what its layers do.
+  EXPECT_NEAR(-array.walls().displacement("wall.left").x(), (n - 1) * (s - width) / 2, 2e-5);
+}
+
+}  // namespace
+}  // namespace trackbed
