@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Laboratory tests of ballast beside published figures: direct shear, compression, heaps.
+"""Laboratory tests of ballast beside published figures: shear, compression, triaxial tests, heaps.
 
     laboratory.py RESULTS... -o DIR
 
-Each RESULTS is the folder of a run with a stage of kind `shear`, `lift_walls`, or several of kind
-`compact`; runs of one kind share a figure. Writes shear.png, compression.png, heap.png (those there
-are runs for) and laboratory.txt, the table that is printed. How numbers are made, where the
+Each RESULTS is the folder of a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or several
+of kind `compact`; runs of one kind share a figure. Writes shear.png, triaxial.png, compression.png,
+heap.png (those there are runs for) and laboratory.txt, the table that is printed. How numbers are made, where the
 published ones come from, and why they differ: docs/laboratory.md.
 """
 import argparse
@@ -27,6 +27,7 @@ FLANK = (0.2, 0.8)   # of the heap's height, between which the flank is fitted
 # Values in degrees and MPa; [M]: from memory, not read in the source (docs/laboratory.md).
 PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range [M]": (45, 65),
                       "coarse soil, critical (Dolzyk-Szypcio 2019)": (41.2, 41.2)}
+PUBLISHED_TRIAXIAL = {"clean ballast, 15-120 kPa, range [M]": (45, 65)}
 PUBLISHED_MODULUS = {"ballast, first loading, range [M]": (20, 100)}
 PUBLISHED_REPOSE = {"crushed stone, range [M]": (35, 45)}
 
@@ -69,6 +70,31 @@ def shear(run):
             "tau": smoothed(way, sign * (upper + plate)[:, 0]) / area(run),
             "sigma": smoothed(way, plate[:, 2]) / area(run),
             "plane": smoothed(way, -lower[:, 2] - below) / area(run)}
+
+
+def triaxial(run):
+    """Histories of a triaxial stage: axial strain, volumetric strain (compression positive) and
+    stresses, Pa: of the platen, and the mean of the walls over the bed's sides as they are."""
+    rows = run.stage == kinds(run).index("triaxial")
+    bed, height = run.deck["bed"], run.platen["z"].values[rows]
+    force = run.platen["force"].values[rows, 2]
+    sides, pushes = [], []
+    for axis, (low, high) in enumerate((("left", "right"), ("front", "back"))):
+        width = np.full(len(height), np.diff(bed["xy"[axis]])[0] if axis == 0
+                        or run.deck["dimension"] == "space" else run.deck["thickness"])
+        if f"wall.{low}" in run.walls:
+            walls = [run.walls[f"wall.{name}"] for name in (low, high)]
+            ways = [wall["displacement"].values[rows, axis] for wall in walls]
+            width = width - ways[0] + ways[1]
+            pushes.append((axis, (walls[1]["force"].values[rows, axis]
+                                  - walls[0]["force"].values[rows, axis]) / 2))
+        sides.append(width)
+    volume = sides[0] * sides[1] * height
+    axial = 1 - height / height[0]
+    lateral = np.mean([push / (sides[1 - axis] * height) for axis, push in pushes], axis=0)
+    return {"axial": axial, "volumetric": 1 - volume / volume[0],
+            "sigma_1": smoothed(axial * height[0], force / (sides[0] * sides[1])),
+            "sigma_3": smoothed(axial * height[0], lateral)}
 
 
 def compression(run):
@@ -147,6 +173,44 @@ def draw_shear(runs, folder):
     return lines
 
 
+def draw_triaxial(runs, folder):
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
+    lines = ["triaxial            sigma_3  peak q  friction angle, deg  at axial     dilation  "
+             "E at 0.5 %\n                        kPa     kPa      peak     last    strain, %"
+             "  angle, deg         MPa"]
+    for run in runs:
+        got = triaxial(run)
+        q, axial = got["sigma_1"] - got["sigma_3"], got["axial"]
+        angle = np.degrees(np.arcsin(q / (got["sigma_1"] + got["sigma_3"])))
+        later = axial > axial[-1] / 10   # walls and platen have found their pressures
+        peak = int(np.argmax(np.where(later, angle, -90)))
+        name = f"{got['sigma_3'].mean() / 1e3:.0f} kPa"
+        top.plot(100 * axial, q / got["sigma_3"], label=name)
+        bottom.plot(100 * axial, 100 * got["volumetric"], label=name)
+        # sin psi = -de_v/(2 de_1 - de_v) (e.g. Bolton 1986, doi:10.1680/geot.1986.36.1.65),
+        # from the slope over the third of the test about the peak.
+        near = np.abs(axial - axial[peak]) < axial[-1] / 6
+        slope = np.polyfit(axial[near], got["volumetric"][near], 1)[0]
+        first = int(np.argmax(axial >= 0.005))
+        last = axial > 0.9 * axial[-1]
+        lines.append(f"{run.name:19} {got['sigma_3'].mean() / 1e3:7.1f} {q[peak] / 1e3:7.1f} "
+                     f"{angle[peak]:9.1f} {angle[last].mean():8.1f} {100 * axial[peak]:12.1f} "
+                     f"{np.degrees(np.arcsin(-slope / (2 - slope))):11.1f} "
+                     f"{(q[first] - q[0]) / (axial[first] - axial[0]) / 1e6:11.1f}")
+    for k, (name, angles) in enumerate(PUBLISHED_TRIAXIAL.items()):
+        sines = np.sin(np.radians(angles))
+        top.axhspan(*(2 * sines / (1 - sines)), color=f"C{7 + k}", alpha=0.3, lw=1, label=name)
+        lines.append(f"published           {name}: peak {angles[0]:g} to {angles[1]:g} deg")
+    top.set_ylabel("deviatoric stress / confining pressure")
+    bottom.set_ylabel("volumetric strain, % (compression positive)")
+    bottom.set_xlabel("axial strain, %")
+    top.set_ylim(bottom=0)
+    top.legend(fontsize=8)
+    figure.savefig(folder / "triaxial.png", dpi=130)
+    plt.close(figure)
+    return lines
+
+
 def draw_compression(runs, folder):
     figure, axes = plt.subplots(figsize=(7, 5), layout="constrained")
     lines = ["compression         stage            strain, %   stress, kPa   modulus, MPa"]
@@ -210,14 +274,16 @@ def main():
     runs = [(read.results(path), path) for path in given.results]
     sheared = [run for run, _ in runs if "shear" in kinds(run)]
     heaps = [(run, path) for run, path in runs if "lift_walls" in kinds(run)]
+    squeezed = [run for run, _ in runs if "triaxial" in kinds(run)]
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
-               and "shear" not in kinds(run)]
-    if len(sheared) + len(heaps) + len(pressed) < len(runs):
-        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear or "
-                              "lift_walls and not two of kind compact")
+               and not {"shear", "triaxial"} & set(kinds(run))]
+    if len(sheared) + len(heaps) + len(squeezed) + len(pressed) < len(runs):
+        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear, triaxial "
+                              "or lift_walls and not two of kind compact")
     given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
-    for draw, those in ((draw_shear, sheared), (draw_compression, pressed), (draw_heaps, heaps)):
+    for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),
+                        (draw_compression, pressed), (draw_heaps, heaps)):
         lines += draw(those, given.folder) if those else []
     text = "\n".join(lines) + "\n"
     (given.folder / "laboratory.txt").write_text(text, encoding="utf-8")

@@ -78,14 +78,14 @@ double Walls::area() const {
 }
 
 // The area that stones press on is that of the bed's side as it is now. Periodic sides, and the
-// faces of a plane model, have no walls.
+// faces of a plane model, have no walls. A bed that is squeezed from above widens all the time.
 void Walls::confine(const ServoParameters& p, double dt, double pressure, double height,
                     const std::array<double, 2>& push) {
   Motion motion;
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (pressed(axis))
-      motion.in[axis] =
-          servo_[axis].advance(p, dt, push[axis], pressure * extent(1 - axis) * height, {});
+      motion.in[axis] = servo_[axis].advance(
+          p, dt, push[axis], pressure * extent(1 - axis) * height, {.follows = true});
   go(motion);
 }
 

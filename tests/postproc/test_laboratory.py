@@ -62,3 +62,29 @@ def test_modulus_between_stages():
     steps = laboratory.compression(run)
     assert [step[1] for step in steps] == pytest.approx([0, 0.01, 0.015])
     assert dict(laboratory.moduli(steps)) == {"b": pytest.approx(50e6), "c": pytest.approx(-20e6)}
+
+
+def test_triaxial_counts_the_sides_as_they_are():
+    down = np.linspace(0, 0.06, 31)
+    height, in_x, in_y = 0.6 - down, -down / 10, -down / 20
+    ones = np.ones(31)
+    forces = {"wall.left": (-2e3, 0), "wall.right": (2.2e3, 0), "wall.front": (0, -1e3),
+              "wall.back": (0, 1.2e3), "floor": (0, 0)}
+    ways = {"wall.left": (1, 0), "wall.right": (-1, 0), "wall.front": (0, 1), "wall.back": (0, -1),
+            "floor": (0, 0)}
+    run = types.SimpleNamespace(
+        deck={"dimension": "space", "stage": [{"kind": "compact"}, {"kind": "triaxial"}],
+              "bed": {"x": [0, 0.3], "y": [0, 0.4]}},
+        stage=np.ones(31, dtype=int),
+        walls={name: {"force": quantity(np.c_[forces[name][0] * ones, forces[name][1] * ones,
+                                              0 * ones]),
+                      "displacement": quantity(np.c_[ways[name][0] * in_x, ways[name][1] * in_y,
+                                                     0 * ones])} for name in forces},
+        platen={"force": quantity(np.c_[0 * ones, 0 * ones, 9e3 * ones]), "z": quantity(height)})
+    got = laboratory.triaxial(run)
+    long, wide = 0.3 + 0.2 * down, 0.4 + 0.1 * down
+    assert got["axial"][-1] == pytest.approx(0.1)
+    assert got["volumetric"] == pytest.approx(1 - long * wide * height / (0.3 * 0.4 * 0.6))
+    assert got["sigma_1"][-1] == pytest.approx(9e3 / (long * wide)[-1], rel=1e-3)
+    lateral = (2.1e3 / wide + 1.1e3 / long) / height / 2
+    assert got["sigma_3"][-1] == pytest.approx(lateral[-1], rel=1e-3)

@@ -24,6 +24,9 @@ SHEAR = [*ROUND, "bed.height=0.14", "bed.split=0.07", "stage.fill.duration=0.25"
          "stage.shear.displacement=0.006"]
 HEAP = [*ROUND, "bed.height=0.15", "stage.fill.duration=0.3", "stage.lift.duration=0.3",
         "stage.lift.lift=0.8", "stage.heap.duration=0.05"]
+TRIAXIAL = [*ROUND, "bed.height=0.3", "stage.fill.duration=0.25", "stage.fill.growth=0.15",
+            "stage.compact.duration=0.15", "stage.squeeze.duration=0.15",
+            "stage.triaxial.duration=0.15", "stage.triaxial.displacement=0.006"]
 CLOSED = 1e-10  # relative, promise of the coupling
 AREA = 0.09     # m^2
 
@@ -35,7 +38,7 @@ def same_on_any_ranks(program, deck, overrides, packed, folder):
     program.done(1, *run, folder / "alone")
     program.done(4, *run, folder / "shared")
     compare(folder / "alone", folder / "shared", f"{deck.stem} on 4 ranks")
-    stage = summary(folder / "alone")["stages"][-1 if "shear" in deck.stem else -2]
+    stage = summary(folder / "alone")["stages"][-2 if "repose" in deck.stem else -1]
     windows = round(stage["duration_s"] / stage["window_s"]) // 2
     program.done(2, *run, folder / "stopped", f"output.stop_after={windows}", code=3)
     program.done(3, "resume", folder / "stopped")
@@ -77,6 +80,37 @@ def check_shear(folder):
     print(f"shear over normal force {ratio:.2f}, platen {pressure[moving].mean():.0f} Pa")
 
 
+def check_triaxial(folder):
+    """Walls hold their pressure while the platen comes down, opposite ones alike, and the bed has a
+    strength."""
+    with h5py.File(folder / "results.h5") as file:
+        history = file["history"]
+        rows = history["stage"][()].ravel() == 3
+        wall = {name: {kind: data[kind][()].reshape(-1, 3)[rows] for kind in data}
+                for name, data in history["wall"].items()}
+        height = history["platen/z"][()].ravel()[rows]
+        plate = history["platen/force"][()].reshape(-1, 3)[rows, 2]
+    ways = {name: wall[name]["displacement"] for name in wall}
+    sides = [0.3 - 2 * ways["wall.left"][:, 0], 0.3 - 2 * ways["wall.front"][:, 1]]
+    moving = height < height[0] - 0.002
+    wrong = []
+    if not np.array_equal(ways["wall.left"][:, 0], -ways["wall.right"][:, 0]):
+        wrong.append("opposite walls do not go the same way")
+    if abs(height[0] - height[-1] - 0.006) > 1e-4:
+        wrong.append(f"the platen has gone {height[0] - height[-1]} m")
+    for axis, (low, high) in enumerate((("wall.left", "wall.right"), ("wall.front", "wall.back"))):
+        push = (wall[high]["force"][:, axis] - wall[low]["force"][:, axis]) / 2
+        pressure = (push / (sides[1 - axis] * height))[moving].mean()
+        if not 0.9 < pressure / 60e3 < 1.1:  # some 80 balls in motion
+            wrong.append(f"walls across {'xy'[axis]} press by {pressure} Pa on average")
+    ratio = (plate / (sides[0] * sides[1]))[moving].mean() / 60e3
+    if not 1.5 < ratio < 10:  # friction angles of 12 to 55 degrees
+        wrong.append(f"the platen presses {ratio} times as much as the walls")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"triaxial: ratio of stresses {ratio:.2f}")
+
+
 def check_heap(folder, program, deck):
     with h5py.File(folder / "stage_heap.h5") as file:
         centres = file["particles/position"][()].reshape(-1, 3)
@@ -102,7 +136,8 @@ def check_heap(folder, program, deck):
 def main():
     program, decks, folder = Program(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3])
     references = []
-    for name, overrides, packed in (("direct_shear", SHEAR, "hold"), ("repose", HEAP, "fill")):
+    for name, overrides, packed in (("direct_shear", SHEAR, "hold"), ("repose", HEAP, "fill"),
+                                    ("triaxial", TRIAXIAL, "squeeze")):
         deck, reference = decks / f"{name}.toml", folder / name
         program.done(1, "run", deck, *overrides, "--force", "-o", reference)
         closed(reference)
@@ -111,13 +146,14 @@ def main():
         references.append(reference)
     check_shear(references[0])
     check_heap(references[1], program, decks / "repose.toml")
+    check_triaxial(references[2])
     pressed = folder / "uniaxial"
     program.done(1, "run", decks / "uniaxial.toml", *SHEAR[:9], "stage.fill.duration=0.25",
                  "--force", "-o", pressed)
     drawn = subprocess.run([sys.executable, ROOT / "postproc/laboratory.py", *references, pressed,
                             "-o", folder / "figures"], capture_output=True, text=True, check=False)
     print(drawn.stdout, drawn.stderr)
-    for picture in ("shear", "heap", "compression"):
+    for picture in ("shear", "heap", "triaxial", "compression"):
         if not (folder / f"figures/{picture}.png").is_file():
             sys.exit(f"no {picture}.png")
 

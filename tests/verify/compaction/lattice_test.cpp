@@ -6,10 +6,11 @@
 //
 // Layers of n x n and (n-1) x (n-1) spheres in turn. Once neighbours in a layer have parted, all
 // forces f go between layers, and each of the I interfaces has 4 (n-1)^2 contacts:
-//   platen:    F_1 = 4 (n-1)^2 f h/d,
-//   each wall: F_3 = I 2 (n-1) f s/(2 d),     F_1/F_3 = 4 (n-1) h/(I s),
-// with d the distance of centres, h that of layers and s that of neighbours in a layer,
-// s^2 = 2 (d^2 - h^2).
+//   platen:            F_1 = 4 (n-1)^2 f h/d,
+//   walls that yield:  F_3 = I 2 (n-1) f s/(2 d),     F_1/F_3 = 4 (n-1) h/(I s),
+// with d the distance of centres, h that of layers and s that of neighbours in a layer. Walls under
+// pressure do not hold s_x and s_y alike: what goes apart gets weaker and goes on, across the other
+// walls neighbours stay together and share their force. (s_x^2 + s_y^2)/4 + h^2 = d^2.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +35,7 @@ dem::Physics smooth() {
   for (const char* other : {"wall", "ball"}) {
     dem::ContactLaw law;
     law.first = "ball", law.second = other;
-    law.k_n = law.k_s = 1e7;
+    law.k_n = law.k_s = 1e8;
     law.friction = 0;
     law.zeta_n = law.zeta_s = 0.3;
     p.laws.push_back(law);
@@ -101,23 +102,9 @@ class Array {
         [&](const Vec3& low, const Vec3& high) { return particles_.reaches(low, high); });
     dt_ = particles_.stable_step();
   }
-  // The platen presses as the walls do (`down` = 0), or goes down by as much, m.
-  void run(double time, double down) {
-    for (double t = 0; t < time; t += window()) {
-      const std::array push{(on("wall.right").x() - on("wall.left").x()) / 2,
-                            (on("wall.back").y() - on("wall.front").y()) / 2};
-      platen_.cover(walls_.area());
-      if (down > 0)
-        platen_.drive(window(), down / time * window(), on("platen").z());
-      else
-        platen_.advance(window(), on("platen").z());
-      walls_.confine(servo(), window(), confinement, platen_.z(), push);
-      coupler_.publish();
-      particles_.advance(window(), substeps);
-      const dem::SurfaceAction& did = particles_.surface_action();
-      coupler_.collect(substeps, window(), {did.force, did.moment, did.work});
-    }
-  }
+  // The platen presses as the walls do, or goes down by as much, m.
+  void press(double time) { run(time, 0, false); }
+  void drive(double time, double down) { run(time, down, true); }
   Vec3 on(const std::string& name) const {
     Vec3 force = Vec3::Zero();
     std::size_t number = 0;
@@ -134,6 +121,22 @@ class Array {
   const bed::Platen& platen() const { return platen_; }
 
  private:
+  void run(double time, double down, bool driven) {
+    for (double t = 0; t < time; t += window()) {
+      const std::array push{(on("wall.right").x() - on("wall.left").x()) / 2,
+                            (on("wall.back").y() - on("wall.front").y()) / 2};
+      platen_.cover(walls_.area());
+      if (driven)
+        platen_.drive(window(), down / time * window(), on("platen").z());
+      else
+        platen_.advance(window(), on("platen").z());
+      walls_.confine(servo(), window(), confinement, platen_.z(), push);
+      coupler_.publish();
+      particles_.advance(window(), substeps);
+      const dem::SurfaceAction& did = particles_.surface_action();
+      coupler_.collect(substeps, window(), {did.force, did.moment, did.work});
+    }
+  }
   static constexpr int substeps = 5;
   double window() const { return substeps * dt_; }
   dem::Particles particles_;
@@ -145,23 +148,33 @@ class Array {
 
 TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
   Array array(par::Comm::world());
-  array.run(0.2, 0);
+  array.press(0.2);
   EXPECT_GT(array.walls().steady_for(), servo().hold);
   EXPECT_TRUE(array.platen().steady());
-  array.run(0.4, 1e-3);
-  const double across = (array.on("wall.right").x() - array.on("wall.left").x()) / 2;
+  array.drive(0.3, 1e-3);
+  array.drive(0.1, 0);
+  const auto across = [&](const char* low, const char* high, int axis) {
+    return (array.on(high)[axis] - array.on(low)[axis]) / 2;
+  };
+  const double in_x = array.walls().displacement("wall.left").x(),
+               in_y = array.walls().displacement("wall.front").y();
   const double h = (array.platen().z() - width) / interfaces;
-  const double s = std::sqrt(2 * (width * width - h * h));
-  // Contacts of f = F_3/(I (n-1)) = 40 N overlap by 4 um, 1e-4 of d; the platen's first way closes
-  // them, and what moves is damped: of the force 0.5 % at most.
-  verified::near("F_1/F_3 at 0.7 % of strain", "-", array.on("platen").z() / across,
-                 4 * (n - 1) * h / (interfaces * s), 0.01);
-  const double area =
-      (side - 2 * array.walls().displacement("wall.front").y()) * array.platen().z();
-  verified::near("pressure of the walls", "Pa", across / area, confinement,
-                 servo().tolerance * confinement);
-  // What holds the array goes with it: it widens by what its layers do.
-  EXPECT_NEAR(-array.walls().displacement("wall.left").x(), (n - 1) * (s - width) / 2, 2e-5);
+  const double s_x = width - 2 * in_x / (n - 1), s_y = width - 2 * in_y / (n - 1);
+  const double f_x = across("wall.left", "wall.right", 0),
+               f_y = across("wall.front", "wall.back", 1);
+  ASSERT_GT(std::max(s_x, s_y), 1.005 * width);
+  // Contacts of f = 40 N overlap by 0.4 um, 1e-5 of d.
+  verified::near("F_1 over F across the walls that go apart", "-",
+                 array.on("platen").z() / (s_x > s_y ? f_x : f_y),
+                 4 * (n - 1) * h / (interfaces * std::max(s_x, s_y)), 2e-3);
+  const double height = array.platen().z();
+  verified::near("pressure of walls across x", "Pa", f_x / ((side - 2 * in_y) * height),
+                 confinement, servo().tolerance * confinement);
+  verified::near("pressure of walls across y", "Pa", f_y / ((side - 2 * in_x) * height),
+                 confinement, servo().tolerance * confinement);
+  // The walls go where the array does; overlaps of walls, layers and plates take 2 um off.
+  verified::near("way between layers", "m", std::sqrt(h * h + (s_x * s_x + s_y * s_y) / 4), width,
+                 2e-6);
 }
 
 }  // namespace
