@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Laboratory tests of ballast beside published figures: shear, compression, triaxial tests, heaps.
+"""Laboratory tests of ballast beside published figures: shear, triaxial, compression, heaps.
 
     laboratory.py RESULTS... -o DIR
 
-Each RESULTS is the folder of a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or several
-of kind `compact`; runs of one kind share a figure. Writes shear.png, triaxial.png, compression.png,
-heap.png (those there are runs for) and laboratory.txt, the table that is printed. How numbers are made, where the
-published ones come from, and why they differ: docs/laboratory.md.
+Each RESULTS is the folder of a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or
+several of kind `compact`; runs of one kind share a figure. Writes shear.png, triaxial.png,
+compression.png, heap.png (those there are runs for) and laboratory.txt, the table that is printed.
+How numbers are made, where the published ones come from, and why they differ: docs/laboratory.md.
 """
 import argparse
 import pathlib
@@ -278,8 +278,8 @@ def main():
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
                and not {"shear", "triaxial"} & set(kinds(run))]
     if len(sheared) + len(heaps) + len(squeezed) + len(pressed) < len(runs):
-        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear, triaxial "
-                              "or lift_walls and not two of kind compact")
+        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear, "
+                              "triaxial or lift_walls and not two of kind compact")
     given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),

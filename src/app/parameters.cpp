@@ -21,6 +21,9 @@ namespace {
 constexpr double most_cycles = 1e6;
 
 constexpr double room_beside_floor = 0.25;  // m
+// Of the bed's larger side: how far walls that hold a pressure may give way. At 15 % of axial
+// strain a bed of twice that height widens by a fifth or so.
+constexpr double room_for_walls = 0.5;
 
 }  // namespace
 
@@ -266,7 +269,11 @@ dem::Domain Model::domain() const {
   for (const bed::NamedLayer& layer : bed.layers) height += layer.height;
   domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * height + 1};
   // Stones that run off the floor are taken away before they reach the end of this.
-  const double around = bed.beside > 0 ? bed.beside + room_beside_floor : 0;
+  double around = bed.beside > 0 ? bed.beside + room_beside_floor : 0;
+  for (const Stage& stage : stages)
+    if (stage.confinement > 0)
+      around = std::max(
+          around, room_for_walls * std::max(bed.x[1] - bed.x[0], domain.high.y() - domain.low.y()));
   for (int axis = 0; axis < (plane ? 1 : 2); ++axis)
     if (!domain.periodic[static_cast<std::size_t>(axis)])
       domain.low[axis] -= around, domain.high[axis] += around;

@@ -126,6 +126,7 @@ void Simulation::move_stones(double dt) {
   const auto timing = timers_.scope(Verb::coupling);
   const dem::SurfaceAction& did = world_.particles.surface_action();
   world_.coupler.collect(course_.steps.substeps, dt, {did.force, did.moment, did.work});
+  world_.particles.expect_load(world_.coupler.largest_load());
 }
 
 // Exponential mean, so that it costs one number per node and needs no history.
@@ -285,6 +286,7 @@ Simulation::Verdict Simulation::agree() {
   std::string problem = world_.particles.trouble();
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
   if (problem.empty() && world_.sleepers) problem = world_.sleepers->trouble();
+  if (problem.empty()) problem = world_.coupler.trouble();
   // Ordered by weight, so that the maximum over ranks is what happens: trouble before all.
   Verdict mine = Verdict::go_on;
   if (comm_.root() && progress_.due()) mine = Verdict::report;

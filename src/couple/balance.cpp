@@ -67,7 +67,9 @@ void Ledger::book(const Received& received, const Action& action, int steps, dou
   const double force_scale = std::max(received.force_scale, action.force.norm());
   const double moment_scale = std::max(received.moment_scale, action.moment.norm());
   const double work_scale = std::max(received.work_scale, std::abs(action.work));
-  keep_largest(balance_.force, (received.force - action.force).norm(), force_scale);
+  const double gap = (received.force - action.force).norm();
+  lost_ = force_scale > 0 ? gap / force_scale : 0;
+  keep_largest(balance_.force, gap, force_scale);
   keep_largest(balance_.moment, (received.moment - action.moment).norm(), moment_scale);
   keep_largest(balance_.work, std::abs(received.work - action.work), work_scale);
   // Force is a sum over `steps` sub-steps, each dt/steps long. Signed gaps accumulate: rounding of

@@ -31,10 +31,12 @@ class Ledger {
  public:
   void book(const Received& received, const Action& action, int steps, double dt);
   const Balance& balance() const { return balance_; }
+  double lost() const { return lost_; }  // share of the force of the last window
   void set(const Balance& balance) { balance_ = balance; }
 
  private:
   Balance balance_;
+  double lost_ = 0;
   Vec3 impulse_gap_ = Vec3::Zero();  // Ns, received minus given since the start
   double impulse_scale_ = 0;         // Ns
 };

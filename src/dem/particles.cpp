@@ -172,6 +172,15 @@ void Particles::set_surfaces(std::vector<Surface*> surfaces) {
   r.ready = false;
 }
 
+// Grows at need, not from the first: what a bed of millions may weigh on one node, over a window of
+// a thousand sub-steps, would round the loads of stones that graze.
+void Particles::expect_load(double newtons) {
+  Room& r = *room_;
+  if (!(newtons > 0) || exact_quantum(newtons) <= r.load_quantum) return;
+  r.load_quantum = exact_quantum(newtons);
+  r.choose_quantum();
+}
+
 // The margin: a stone's ball around a centre in the rank's cells, how far it feels behind a
 // surface, and twice the skin, since stones leave their cells before the next rebuild and surfaces
 // move too.

@@ -267,8 +267,9 @@ double Particles::Room::stiffest_contact(double radius) const {
   return dem::stiffest_contact(physics, radius, parameters.largest_overlap);
 }
 
-// Room on a node for the force of the largest overlap allowed, and eight times more (ExactSum). No
-// more than that: the quantum is what limits the balance of a window in which stones only graze.
+// Room on a node for the force of the largest overlap allowed, and eight times more (ExactSum); or
+// for what `expect_load` has been told. No more than that: the quantum is what limits the balance
+// of a window in which stones only graze.
 void Particles::Room::choose_quantum() {
   const double overlap = parameters.largest_overlap * bound;
   if (bound > 0)

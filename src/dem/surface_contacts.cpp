@@ -14,7 +14,8 @@ namespace trackbed::dem {
 namespace {
 
 // Modulo 2^64, which is defined and as associative: the quantum keeps the sums of a window clear of
-// it, but a surface whose load nobody takes may go round.
+// it (Particles::expect_load), but a surface whose load nobody takes may go round. The coupler's
+// balance sees sums that did.
 void add_to(std::int64_t& sum, double quanta) {
   sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) +
                                   static_cast<std::uint64_t>(std::llrint(quanta)));

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "trackbed/core/surface.hpp"
@@ -50,6 +51,11 @@ class Coupler {
   void collect(int steps, double dt, const Action& action);
   // Mean force on each node in the last window, N; valid on own nodes.
   std::span<const Vec3> mean_force(std::size_t surface) const;
+  // Largest component of any node's load in the last window, summed over its sub-steps, N; the same
+  // on all ranks.
+  double largest_load() const;
+  // A sentence if surfaces did not get in the last window what stones gave them; else empty.
+  std::string trouble() const;
   const Balance& balance() const;
   void set_balance(const Balance& balance);  // when a run resumes
   // Mean of own nodes, others zero (unowned surfaces: on rank 0): the sum over ranks is the whole.

@@ -175,6 +175,9 @@ class Particles {
   static constexpr int points_of_particle = 512;
   void contacts(const std::function<void(const ContactView&)>& see) const;  // each once over ranks
   Totals totals() const;                                                    // collective
+  // A node of a surface has had a load of so many N, summed over a window: sums get room for eight
+  // times as much. To be called between windows, alike on all ranks.
+  void expect_load(double newtons);
   const SurfaceAction& surface_action() const;  // collective result of the last advance
   std::uint64_t state_hash() const;             // collective; independent of the rank count
   Memory memory() const;                        // of this rank

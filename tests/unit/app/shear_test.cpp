@@ -85,6 +85,25 @@ TEST(AShearedBrick, PushesTheUpperHalfWithFrictionTimesWeight) {
   EXPECT_LT(scene.world.coupler.balance().work, closed);
 }
 
+// Sums of loads get room for what has been seen, eight times over, and give the same force.
+TEST(LoadsThatGrow, GetACoarserQuantumInTime) {
+  const par::Comm comm = par::Comm::world();
+  const Model deck = model();
+  Scene scene(comm, deck, 0);
+  const double weight = density * 8 * half * half * half * 9.81;  // N
+  scene.run(0.05);
+  const Surface& floor = scene.world.walls.surfaces()[0];
+  const double before = floor.load_quantum;
+  scene.world.particles.expect_load(scene.world.coupler.largest_load());
+  EXPECT_EQ(floor.load_quantum, before);  // a brick's weight is far below the largest force
+  const double capacity = std::ldexp(before, 63);
+  scene.world.particles.expect_load(capacity);
+  EXPECT_GE(std::ldexp(floor.load_quantum, 63), 8 * capacity);
+  scene.run(0.15);
+  EXPECT_NEAR(scene.world.on("floor").z(), -weight, 1e-3 * weight);
+  EXPECT_EQ(scene.world.coupler.trouble(), "");
+}
+
 TEST(TheLowerHalf, ComesAsFarAsTheStageSaysAndStops) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();

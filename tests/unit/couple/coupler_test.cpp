@@ -160,6 +160,8 @@ TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
   coupler.add(surface);
   coupler.collect(steps, dt, {Vec3::Zero(), Vec3::Zero(), 0});
   EXPECT_EQ(coupler.balance().force, 0);  // nothing touches
+  EXPECT_EQ(coupler.largest_load(), 0);
+  EXPECT_EQ(coupler.trouble(), "");
   const std::vector<Contact> one = contacts(reference, 1, 9);
   Action action = touch(one, surface, reference);
   action.force *= 2;
@@ -171,6 +173,7 @@ TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
   EXPECT_NEAR(coupler.balance().impulse, half, quantised);
   EXPECT_GT(coupler.balance().moment, 0.01);
   EXPECT_GT(coupler.balance().work, 0.01);
+  EXPECT_NE(coupler.trouble().find("by 0.5 of their sum"), std::string::npos) << coupler.trouble();
 }
 
 TEST_F(CouplerTest, OneNodeIsExactToRounding) {
@@ -183,6 +186,8 @@ TEST_F(CouplerTest, OneNodeIsExactToRounding) {
   coupler.collect(steps, dt, {force, point.cross(force), force.dot(surface.motion[4]) / steps});
   EXPECT_LT(coupler.balance().moment, rounding);
   EXPECT_LT(coupler.balance().work, rounding);
+  EXPECT_EQ(coupler.largest_load(), 3);
+  EXPECT_EQ(coupler.trouble(), "");
 }
 
 TEST_F(CouplerTest, OnlyWhatStonesMayReachTravels) {
