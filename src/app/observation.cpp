@@ -47,7 +47,10 @@ void Simulation::observe() {
   // The first row of a stage, to which envelopes and figures are relative, is that of its first
   // window: before it bodies have come or gone, and nobody knows yet who touches whom. The others
   // follow at even steps, as spectra want them.
-  if ((course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0) sample();
+  if ((course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0) {
+    sample();
+    if (keeps_extremes()) world_.ground->take_extremes();
+  }
   if (model_.output.fields && every(model_.output.fields_interval)) {
     const auto timing = timers_.scope(Verb::output);
     observe::write_pictures(comm_, folder_ + "/fields",
@@ -55,6 +58,11 @@ void Simulation::observe() {
                             world_.scene());
   }
   if (course_.windows % windows_between_balance_checks == 0) world_.rebalance();
+}
+
+// A ground that is held still has nothing that changes.
+bool Simulation::keeps_extremes() const {
+  return model_.output.ground_extremes && stage().ground_moves && world_.ground;
 }
 
 // The seat force of a row is the one that moved the sleepers in the window before it. Collective.

@@ -69,6 +69,7 @@ struct Output {
   double history_interval = 5e-4;    // s of simulated time between history rows
   bool fields = false;               // write fields for ParaView at the end of each stage
   double fields_interval = 0;        // s between them within a stage; 0: only at its end
+  bool ground_extremes = false;      // keep extremes of the ground's stress over each stage
   double surface_cell = 0.05;        // m, of the heights of the bed at the end of each stage
   double checkpoint_interval = 0.1;  // s of simulated time; 0: only at the end of stages
   double wall_time = 0;              // s of wall time after which the run stops; 0: none

@@ -214,6 +214,17 @@ void declare_passages(const Model& model, input::Section& s) {
   }
 }
 
+// A slice with free faces has no pressure across the track, without which soil carries next to
+// nothing.
+void declare_ground_yields(const Model& model, input::Section& s) {
+  s.rule("ground.plane",
+         model.dimension != Dimension::plane || !model.ground.yields() ||
+             model.ground.plane == fem::PlaneState::strain,
+         "leaves the faces across the track free, and layers that yield without pressure on them; "
+         "take plane = \"strain\"",
+         {.reads = {"dimension", "ground.plane", "ground.layer", "ground.block"}});
+}
+
 // What is valid but moves the track in a way nobody means.
 void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
@@ -293,6 +304,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_profile(model, s);
   declare_materials(model, s);
   declare_ground_below(model, s);
+  declare_ground_yields(model, s);
   declare_sleepers(model, s);
   declare_passages(model, s);
   declare_regions(model, s);

@@ -57,6 +57,7 @@ class Simulation {
   void checkpoint_if_due();
   void checkpoint(const std::string& name);
   bool every(double interval) const;
+  bool keeps_extremes() const;
   std::int64_t windows_in(double interval)
       const;  // at least 1  // whether the present window ends a multiple of `interval` s
 

@@ -81,7 +81,8 @@ Json ground_figures(const SummaryOf& run) {
           {"iterations_mean", totals.iterations_mean},
           {"seconds_per_step", ratio(seconds, steps)},
           {"kinetic_j", totals.kinetic},
-          {"elastic_j", totals.elastic}};
+          {"elastic_j", totals.elastic},
+          {"plastic_j", totals.plastic}};
 }
 
 // Of the wall time, mean over ranks. Halo and neighbours are parts of dem.

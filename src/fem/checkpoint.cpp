@@ -27,6 +27,90 @@ void State::list(const Visit& visit) {
   visit("rest", "m", "static displacement under weight and settled load", rest);
 }
 
+namespace {
+
+// Zones that yield, each by its number and once.
+void save_plasticity(Plasticity& plasticity, const Mesh& mesh, io::File& file,
+                     const std::string& group) {
+  std::vector<std::int64_t> names;
+  std::vector<std::size_t> rows;
+  for (std::size_t n = 0; n < plasticity.zones().size(); ++n) {
+    const std::size_t zone = plasticity.zones()[n];
+    if (!mesh.writes(zone)) continue;
+    names.push_back(mesh.zone[zone]);
+    rows.push_back(n);
+  }
+  file.write<std::int64_t>(group + "/plastic/zone", names, 1, {"-", "number in the lattice"});
+  plasticity.list([&](const char* name, const char* unit, const char* meaning, std::size_t width,
+                      std::vector<double>& values) {
+    std::vector<double> mine;
+    for (const std::size_t row : rows)
+      for (std::size_t c = 0; c < width; ++c) mine.push_back(values[row * width + c]);
+    file.write<double>(group + "/" + name, mine, width, {unit, meaning});
+  });
+}
+
+// Every rank takes the zones it holds, those of its borders too.
+void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& file,
+                     const std::string& group) {
+  const std::size_t total = file.extent(group + "/plastic/zone")[0];
+  constexpr std::size_t at_once = rows_at_once / 16;  // a row has up to 48 numbers
+  for (std::size_t begin = 0; begin < total; begin += at_once) {
+    const std::size_t count = std::min(at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/plastic/zone", begin, count);
+    plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
+                        std::vector<double>& values) {
+      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
+      for (std::size_t r = 0; r < count; ++r) {
+        const std::int64_t zone = mesh.local_zone(names[r]);
+        if (zone < 0) continue;
+        const std::int64_t number = plasticity.number(static_cast<std::size_t>(zone));
+        if (number < 0) continue;
+        std::copy_n(
+            rows.begin() + static_cast<std::ptrdiff_t>(r * width), width,
+            values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(number) * width));
+      }
+    });
+  }
+  plasticity.loaded();
+}
+
+// As save_plasticity: zones by number.
+void save_extremes(const Extremes& extremes, const Mesh& mesh, io::File& file,
+                   const std::string& group) {
+  std::vector<std::int64_t> names;
+  std::vector<double> rows;
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    if (!mesh.writes(z)) continue;
+    names.push_back(mesh.zone[z]);
+    for (std::size_t q = 0; q < Extremes::count; ++q)
+      rows.push_back(extremes.values[z * Extremes::count + q]);
+  }
+  file.write<std::int64_t>(group + "/extremes/zone", names, 1, {"-", "number in the lattice"});
+  file.write<double>(
+      group + "/extremes/stress", rows, Extremes::count,
+      {"Pa", "most and least principal, most shear, most and least vertical so far"});
+}
+
+void load_extremes(Extremes& extremes, const Mesh& mesh, const io::File& file,
+                   const std::string& group) {
+  const std::size_t total = file.extent(group + "/extremes/zone")[0];
+  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/extremes/zone", begin, count);
+    const auto rows = file.read_rows<double>(group + "/extremes/stress", begin, count);
+    for (std::size_t r = 0; r < count; ++r) {
+      const std::int64_t zone = mesh.local_zone(names[r]);
+      if (zone < 0) continue;
+      for (std::size_t q = 0; q < Extremes::count; ++q)
+        extremes.values[static_cast<std::size_t>(zone) * Extremes::count + q] =
+            rows[r * Extremes::count + q];
+    }
+  }
+}
+
+}  // namespace
+
 // Own nodes only: every node of the model is in the file once.
 void Ground::save(io::File& file, const std::string& group) const {
   const Mesh& mesh = room_->mesh;
@@ -42,6 +126,8 @@ void Ground::save(io::File& file, const std::string& group) const {
                        {unit, meaning});
   });
   file.attribute(group, "steps", room_->steps);
+  if (room_->plasticity) save_plasticity(*room_->plasticity, mesh, file, group);
+  if (room_->extremes) save_extremes(*room_->extremes, mesh, file, group);
   if (!room_->free_field) return;
   // The columns beside the model are the same on every rank: the first one writes them.
   const std::string beside = group + "/free_field";
@@ -80,6 +166,11 @@ void Ground::load(const io::File& file, const std::string& group) {
   // Displacement of ghosts comes with refresh_surface; the other arrays matter on own nodes only.
   for (Nodal* values : {&room_->state.offset, &room_->state.rest}) mesh.exchange(*values);
   room_->steps = file.integer_attribute(group, "steps");
+  if (room_->plasticity) load_plasticity(*room_->plasticity, mesh, file, group);
+  if (file.has(group + "/extremes/zone")) {
+    begin_extremes();
+    load_extremes(*room_->extremes, mesh, file, group);
+  }
   if (room_->free_field) {
     const std::string beside = group + "/free_field";
     room_->time = file.read_rows<double>(beside + "/time", 0, 1)[0];

@@ -135,33 +135,92 @@ Eigen::Matrix<double, 6, 24> Hexahedron::stress(const Vec3& xi) const {
   return elasticity_ * (compatible(xi) + enhanced(xi) * alpha_);
 }
 
+// Plastic strain e is strain without stress: H alpha + Gamma u = int E^T D e dV. With the corners
+// held sigma = D (E alpha - e); the part of e that E can form is free of stress.
+Eigen::MatrixXd Hexahedron::relief() const {
+  Eigen::Matrix<double, 12, 12> h = Eigen::Matrix<double, 12, 12>::Zero();
+  Eigen::MatrixXd e(48, 12), weighted(48, 12);  // E at all points; D E dV
+  for (int g = 0; g < 8; ++g) {
+    const Vec3 xi = gauss_point(g);
+    const double volume = jacobian(xi).determinant();
+    e.middleRows<6>(6 * g) = enhanced(xi);
+    weighted.middleRows<6>(6 * g) = elasticity_ * enhanced(xi) * volume;
+    h += enhanced(xi).transpose() * elasticity_ * enhanced(xi) * volume;
+  }
+  Eigen::MatrixXd strain = e * h.completeOrthogonalDecomposition().solve(weighted.transpose());
+  strain -= Eigen::MatrixXd::Identity(48, 48);
+  for (int g = 0; g < 8; ++g)
+    strain.middleRows<6>(6 * g) = (elasticity_ * strain.middleRows<6>(6 * g)).eval();
+  return strain;
+}
+
+namespace {
+
+// Corners of a box about the origin: only size matters.
+Corners corners_of(const Vec3& size) {
+  Corners corners;
+  for (int k = 0; k < 8; ++k)
+    for (int a = 0; a < 3; ++a)
+      corners[static_cast<std::size_t>(k)][a] = 0.5 * sign_of(k, a) * size[a];
+  return corners;
+}
+
+// Columns: what the 24 freedoms do when one freedom of the model moves.
+Eigen::MatrixXd motion_of(bool flat) {
+  Eigen::MatrixXd motion = Eigen::MatrixXd::Identity(24, 24);
+  if (!flat) return motion;
+  motion.setZero(24, 8);
+  for (int k = 0; k < 8; ++k) {
+    const int corner = (k & 1) | (k >> 2 & 1) << 1;
+    motion(3 * k, 2 * corner) = motion(3 * k + 2, 2 * corner + 1) = 1;
+  }
+  return motion;
+}
+
+}  // namespace
+
 // Plane strain and plane stress differ in D alone; that both faces move together and not along y is
 // in `motion`.
 ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
                          PlaneState plane) {
   const bool flat = dimension == Dimension::plane;
-  // Only size matters: the corners may lie about the origin.
-  Corners corners;
-  for (int k = 0; k < 8; ++k)
-    for (int a = 0; a < 3; ++a)
-      corners[static_cast<std::size_t>(k)][a] = 0.5 * sign_of(k, a) * size[a];
-  const Hexahedron solid_zone(corners, elasticity(solid, flat && plane == PlaneState::stress));
+  const Hexahedron solid_zone(corners_of(size),
+                              elasticity(solid, flat && plane == PlaneState::stress));
   ZoneElement zone;
-  // Columns: what the 24 freedoms do when one freedom of the model moves.
-  Eigen::MatrixXd motion = Eigen::MatrixXd::Identity(24, 24);
-  if (flat) {
-    motion.setZero(24, 8);
-    for (int k = 0; k < 8; ++k) {
-      const int corner = (k & 1) | (k >> 2 & 1) << 1;
-      motion(3 * k, 2 * corner) = motion(3 * k + 2, 2 * corner + 1) = 1;
-    }
-  }
+  const Eigen::MatrixXd motion = motion_of(flat);
   zone.stiffness = motion.transpose() * solid_zone.stiffness() * motion;
   zone.centre_stress = solid_zone.stress(Vec3::Zero()) * motion;
   zone.top_stress = solid_zone.stress(Vec3::UnitZ()) * motion;
   // Equal shares: for a box this is also the row sum of the consistent mass.
   zone.corner_mass = solid.density * size.prod() / (flat ? 4 : 8);
   return zone;
+}
+
+// In a plane a point stands for two, front and back, whose strains and stresses are the same.
+ZonePoints zone_points(const Vec3& size, const Elastic& solid, Dimension dimension) {
+  const bool flat = dimension == Dimension::plane;
+  const Hexahedron zone(corners_of(size), elasticity(solid));
+  ZonePoints points;
+  points.components = flat ? 4 : 6;
+  points.volume = size.prod() / (flat ? 4 : 8);
+  const int count = flat ? 4 : 8, rows = points.components * count;
+  const Eigen::MatrixXd relief = zone.relief(), motion = motion_of(flat);
+  points.recovery.setZero(rows, motion.cols());
+  points.relief.setZero(rows, rows);
+  const auto shown = [&](int g) { return flat ? (g & 1) | (g >> 2 & 1) << 1 : g; };
+  for (int g = 0; g < 8; ++g) {
+    if (flat && (g >> 1 & 1) != 0) continue;  // the back is as the front
+    const Eigen::MatrixXd recovery = zone.stress(gauss_point(g)) * motion;
+    for (int c = 0; c < points.components; ++c) {
+      const int row = points.components * shown(g) + c;
+      points.recovery.row(row) = recovery.row(points.voigt(c));
+      for (int h = 0; h < 8; ++h)
+        for (int d = 0; d < points.components; ++d)
+          points.relief(row, points.components * shown(h) + d) +=
+              relief(6 * g + points.voigt(c), 6 * h + points.voigt(d));
+    }
+  }
+  return points;
 }
 
 }  // namespace trackbed::fem

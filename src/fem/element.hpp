@@ -32,6 +32,9 @@ class Hexahedron {
   const Eigen::Matrix<double, 24, 24>& stiffness() const { return stiffness_; }
   // Stress (Pa) at a point of the unit cube from the corner displacements.
   Eigen::Matrix<double, 6, 24> stress(const Vec3& xi) const;
+  // Stress (Pa) at all Gauss points from plastic strain at all of them, corners held: -D at the
+  // point itself, and what the enhanced strains make of it. 6 * point + component, as the corners.
+  Eigen::MatrixXd relief() const;
 
  private:
   Mat3 jacobian(const Vec3& xi) const;
@@ -55,5 +58,17 @@ struct ZoneElement {
 };
 ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimension,
                          PlaneState plane);
+
+// The Gauss points of a zone, for strain that stays: 8 in space, 4 in a plane (of plane strain),
+// where front and back see the same. Points are numbered as the corners.
+struct ZonePoints {
+  int components = 6;        // of stress and strain: in a plane xx yy zz zx
+  double volume = 0;         // m^3 of each
+  Eigen::MatrixXd recovery;  // Pa/m: row components * point + component, columns of ZoneElement
+  Eigen::MatrixXd relief;    // Pa: stress by plastic strain of all points, corners held
+  // Which of xx yy zz xy yz zx a component is.
+  int voigt(int component) const { return components == 4 && component == 3 ? 5 : component; }
+};
+ZonePoints zone_points(const Vec3& size, const Elastic& solid, Dimension dimension);
 
 }  // namespace trackbed::fem

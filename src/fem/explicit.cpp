@@ -86,6 +86,14 @@ void Ground::Room::internal_force(const Nodal& w, const Nodal& u) {
       state.internal[c][spring.node] += spring.stiffness * u[c][spring.node];
 }
 
+// Damping by stiffness stays elastic: zones that yield are tested with the displacement alone,
+// whose ghosts are not sent otherwise when zones see a blend.
+void Ground::Room::yield(bool ghosts_current) {
+  if (!ghosts_current) mesh.exchange(state.displacement);
+  plasticity->flow(state.rest, state.displacement);
+  plasticity->act_on(state.internal);
+}
+
 // As many equal steps as fill the window, each at most the stable one. The load is constant in the
 // window: it is the mean of the last one.
 void Ground::Room::explicit_window(double dt) {
@@ -103,6 +111,7 @@ void Ground::Room::explicit_window(double dt) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     mesh.exchange(w);
     internal_force(w, state.displacement);
+    if (plasticity) yield(&w == &state.displacement);
     if (stiffness.damps()) {
       mesh.exchange(state.velocity);
       stiffness.add_damping(state.velocity, state.internal);

@@ -1,4 +1,4 @@
-// What PETSc solves: the static start and implicit time steps of the family in alpha_scheme.hpp.
+// Implicit time steps of the family in alpha_scheme.hpp, solved by PETSc.
 //
 // With m = 1 - alpha_m, f = 1 - alpha_f and the predictors u*, v* (u', v' without a'):
 //   (m M + f gamma dt C + f beta dt^2 K) a' = (f F' + alpha_f F) - alpha_m M a
@@ -94,41 +94,6 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
       state.displacement[c][n] += s.beta * dt * dt * state.acceleration[c][n];
       state.velocity[c][n] += s.gamma * dt * state.acceleration[c][n];
     }
-}
-
-// Collective. Solves K r = F_0 + weight with the borders of rest. r only enters stresses at rest:
-// the motion counts from it and never sees it.
-void Ground::Room::settle(std::span<const Vec3> top_force) {
-  // The present shape stays the shape shown, as the reference from now on.
-  for (int c = 0; c < components(); ++c)
-    for (std::size_t n = 0; n < mesh.nodes(); ++n) state.offset[c][n] += state.displacement[c][n];
-  for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration, &state.internal,
-                        &state.load, &state.settled})
-    values->fill(0);
-  time = 0;
-  if (free_field) free_field->rest();
-  // With nothing settled yet the load is the whole force: the new F_0, bit for bit what set_load
-  // will take off later, so that the same force leaves exactly nothing.
-  set_load(top_force);
-  std::swap(state.settled, state.load);
-
-  Nodal right = state.settled;
-  // Weight acts on the last component, z, in a plane as in space.
-  const int up = components() - 1;
-  for (const std::int32_t n : mesh.own)
-    right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
-  // Plain K: damping and mass have no part in rest.
-  LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
-                          Nodal(components(), mesh.nodes()), terms.held_at_rest,
-                          parameters.tolerance};
-  add_springs(terms.springs, 1.0, components(), spec.diagonal);
-  LinearSystem statics(mesh, stiffness, spec);
-  // The old static solution is the first guess: settling twice under nearly the same load is cheap.
-  iterations += statics.solve(right, state.rest);
-  ++solves;
-  mesh.exchange(state.rest);
-  mesh.exchange(state.offset);
-  refresh_surface();
 }
 
 }  // namespace trackbed::fem

@@ -133,10 +133,11 @@ int region_at(const GroundParameters& parameters, const Vec3& point) {
 
 // Damping that a solid does not name is the ground's.
 Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
-  const auto add = [&](Elastic one, const std::string& called) {
+  const auto add = [&](Elastic one, const Strength& limit, const std::string& called) {
     if (one.rayleigh_mass < 0) one.rayleigh_mass = parameters.rayleigh_mass;
     if (one.rayleigh_stiffness < 0) one.rayleigh_stiffness = parameters.rayleigh_stiffness;
     solid.push_back(one);
+    strength.push_back(limit);
     name.push_back(called);
     return static_cast<int>(solid.size()) - 1;
   };
@@ -144,7 +145,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
     std::vector<int>& columns = columns_.emplace_back();
     const std::string called = "layer " + layer.name;
     if (layer.young_file.empty()) {
-      columns.push_back(add(layer.solid, called));
+      columns.push_back(add(layer.solid, layer.strength, called));
       continue;
     }
     // Plateaus share a solid, so that the force kernel keeps its long runs there.
@@ -154,12 +155,13 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
       Elastic one = layer.solid;
       one.young = modulus.at(x);
       const bool same = i > 0 && solid.back().young == one.young;
-      columns.push_back(same ? columns.back()
-                             : add(one, fmt::format("{} at x = {:.4g} m", called, x)));
+      columns.push_back(
+          same ? columns.back()
+               : add(one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
     }
   }
   for (const Block& block : parameters.blocks)
-    columns_.push_back({add(block.solid, "block " + block.name)});
+    columns_.push_back({add(block.solid, block.strength, "block " + block.name)});
 }
 
 int Solids::of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const {

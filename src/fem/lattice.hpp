@@ -66,6 +66,7 @@ struct Solids {
   int of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const;
 
   std::vector<Elastic> solid;
+  std::vector<Strength> strength;  // of each solid
   std::vector<std::string> name;
 
  private:

@@ -1,4 +1,4 @@
-// What leaves the ground as numbers: sensors of the top face, fields, totals, checkpoint.
+// What leaves the ground as numbers: sensors of the top face, stresses, totals.
 //
 // Stresses are those of the deviation, since settling; the fields give the stress at rest beside
 // them, so that a reader may add both. Nothing here changes the state.
@@ -11,24 +11,28 @@ namespace trackbed::fem {
 
 namespace {
 
-// xx yy zz xy yz zx, tension positive.
-using Stress = Eigen::Matrix<double, 6, 1>;
-
-// Stress at the point that `recovery` stands for, from the corner displacements.
-Stress stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recovery,
-                 const Nodal& u) {
+// Elastic stress at the point that `recovery` stands for, from the corner displacements.
+Vec6 stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recovery,
+               const Nodal& u) {
   const int components = mesh.lattice.components();
-  Stress stress = Stress::Zero();
+  Vec6 stress = Vec6::Zero();
   for (int k = 0; k < mesh.lattice.corners(); ++k)
     for (int c = 0; c < components; ++c)
       stress += recovery.col(k * components + c) * u[c][mesh.corner(zone, k)];
   return stress;
 }
 
-// Corners in VTK's order, as bits x, y, z.
-constexpr std::array<int, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
-
 }  // namespace
+
+// xx yy zz xy yz zx.
+Vec6 Ground::Room::stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const {
+  const ZoneElement& element = stiffness.element(mesh.solid[zone]);
+  const bool top = where == Plasticity::Where::top, rest = when == Plasticity::When::rest;
+  Vec6 found = stress_of(mesh, zone, top ? element.top_stress : element.centre_stress,
+                         rest ? state.rest : state.displacement);
+  if (plasticity) found += plasticity->stress(zone, where, when);
+  return found;
+}
 
 // Mean over the zones below the node, each amid its top face, where the recovered stress is best.
 // Pa, sigma_z, tension positive. The owner holds all these zones.
@@ -38,8 +42,7 @@ double Ground::Room::surface_stress(std::int32_t node) const {
   double sum = 0;
   for (int z = 0; z < count; ++z) {
     const auto zone = static_cast<std::size_t>(mesh.local_zone(zones[static_cast<std::size_t>(z)]));
-    const auto& element = stiffness.element(mesh.solid[zone]);
-    sum += stress_of(mesh, zone, element.top_stress, state.displacement)(2);
+    sum += stress(zone, Plasticity::Where::top, Plasticity::When::since)(2);
   }
   return sum / count;
 }
@@ -62,50 +65,6 @@ Ground::TopState Ground::top_state(std::int32_t number) const {
   return {room_->vector(state.displacement, found->node),
           room_->vector(state.velocity, found->node),
           room_->vector(state.acceleration, found->node), room_->surface_stress(found->node)};
-}
-
-// Points are all nodes this rank holds; those of ghosts that no own cell uses do no harm.
-// Collective because of the velocities of ghosts.
-io::Grid Ground::fields() const {
-  const Mesh& mesh = room_->mesh;
-  const Lattice& lattice = mesh.lattice;
-  io::Grid grid;
-  grid.kind = io::CellKind::hexahedron;
-  io::FieldData displacement{"displacement (m)", 3, {}}, velocity{"velocity (m/s)", 3, {}};
-  io::FieldData stress{"stress since settling, xx yy zz xy yz zx (Pa)", 6, {}};
-  io::FieldData rest{"stress at rest, xx yy zz xy yz zx (Pa)", 6, {}}, solid{"solid", 1, {}};
-  Nodal velocity_everywhere = room_->state.velocity;
-  // Ghost velocities do not matter to the run; points of zones at rank borders show them.
-  room_->mesh.exchange(velocity_everywhere);
-  const std::size_t faces = lattice.plane ? 2 : 1;  // a plane node stands on both faces
-  for (std::size_t n = 0; n < mesh.nodes(); ++n)
-    for (std::size_t face = 0; face < faces; ++face) {
-      const auto node = static_cast<std::int32_t>(n);
-      Vec3 x = lattice.position(mesh.node[n]);
-      if (lattice.plane) x.y() = lattice.low.y() + static_cast<double>(face) * lattice.size.y();
-      const Vec3 u = room_->vector(room_->state.displacement, node);
-      const Vec3 v = room_->vector(velocity_everywhere, node);
-      grid.points.push_back(x);
-      displacement.values.insert(displacement.values.end(), u.begin(), u.end());
-      velocity.values.insert(velocity.values.end(), v.begin(), v.end());
-    }
-  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    if (!mesh.writes(z)) continue;
-    for (const int k : vtk_corner) {
-      const int corner = lattice.plane ? (k & 1) | (k >> 2) << 1 : k;
-      const std::int64_t face = lattice.plane ? k >> 1 & 1 : 0;
-      grid.cells.push_back(mesh.corner(z, corner) * static_cast<std::int64_t>(faces) + face);
-    }
-    const auto& recovery = room_->stiffness.element(mesh.solid[z]).centre_stress;
-    const Stress now = stress_of(mesh, z, recovery, room_->state.displacement);
-    const Stress then = stress_of(mesh, z, recovery, room_->state.rest);
-    stress.values.insert(stress.values.end(), now.begin(), now.end());
-    rest.values.insert(rest.values.end(), then.begin(), then.end());
-    solid.values.push_back(mesh.solid[z]);
-  }
-  grid.point_data = {displacement, velocity};
-  grid.cell_data = {stress, rest, solid};
-  return grid;
 }
 
 GroundTotals Ground::totals() const {
@@ -136,6 +95,10 @@ GroundTotals Ground::totals() const {
       elastic += 0.5 * room.state.displacement[c][n] * force[c][n];
       unknowns += (room.terms.held[at] >> c & 1) == 0 ? 1 : 0;
     }
+  if (room.plasticity) {
+    elastic += room.plasticity->stored(room.state.rest, room.state.displacement);
+    totals.plastic = mesh.comm.sum(room.plasticity->lost());
+  }
   totals.kinetic = mesh.comm.sum(kinetic);
   totals.elastic = mesh.comm.sum(elastic);
   totals.unknowns = mesh.comm.sum(unknowns);
@@ -147,7 +110,9 @@ std::size_t Ground::memory() const {
   const Room& room = *room_;
   const std::size_t per_nodal = room.state.displacement.bytes();
   constexpr std::size_t nodals = 8 + 4;  // the state and what the explicit scheme derives
-  return room.mesh.bytes() + room.terms.bytes() + room.stiffness.bytes() + nodals * per_nodal;
+  const std::size_t plastic = room.plasticity ? room.plasticity->bytes() : 0;
+  return room.mesh.bytes() + room.terms.bytes() + room.stiffness.bytes() + nodals * per_nodal +
+         plastic;
 }
 
 }  // namespace trackbed::fem

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "trackbed/fem/ground.hpp"
 
 namespace trackbed::fem {
 
+using input::About;
 using input::Section;
 
 namespace {
@@ -58,7 +60,7 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
   for (const Layer& layer : ground.layers) depth += layer.thickness;
   const Range x{ground.x[0], ground.x[1]}, z{-depth, 0};
   const Range wide = range_of(block.outline, 0), high = range_of(block.outline, 1);
-  const input::About about{.reads = {"x", "zones_x", "zones_z", "layer", key}};
+  const About about{.reads = {"x", "zones_x", "zones_z", "layer", key}};
   const std::string place =
       fmt::format("the ground: x from {:g} to {:g} m, z from {:g} to 0 m", x.low, x.high, z.low);
   if (high.high > rounding * depth)
@@ -111,10 +113,10 @@ void declare_sides(GroundParameters& p, Section& s) {
       "base_motion", p.base_motion,
       "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
       "that comes up through a quiet base, half of an outcrop's; empty: none.");
-  const input::About about{.reads = {"base", "sides", "base_motion"}};
+  const About about{.reads = {"base", "sides", "base_motion"}};
   s.rule("base_motion", p.base_motion.empty() || p.base == Base::quiet,
          "needs base = \"quiet\": a wave comes in through its dashpots", about);
-  const input::About odd{.weight = input::Weight::warning, .reads = about.reads};
+  const About odd{.weight = input::Weight::warning, .reads = about.reads};
   s.rule("sides", p.sides != Sides::free_field || !p.base_motion.empty(),
          "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
   s.rule("sides", p.base_motion.empty() || p.sides != Sides::quiet,
@@ -134,6 +136,18 @@ void declare_alphas(GroundParameters& p, Section& s) {
            "frequencies; 1: none.");
 }
 
+// What has no part in yielding would be wrong without a word.
+void declare_yielding(const GroundParameters& p, Section& s) {
+  const bool yields = p.yields();
+  s.rule("integrator", !yields || p.integrator == Integrator::explicit_,
+         "takes the ground as elastic; layers that yield need integrator = \"explicit\"",
+         {.reads = {"integrator", "layer", "block"}});
+  s.rule("sides", !yields || p.sides != Sides::free_field,
+         "has elastic columns beside the model, which layers that yield would tear off; take quiet "
+         "or roller",
+         {.reads = {"sides", "layer", "block"}});
+}
+
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
 }  // namespace
@@ -151,6 +165,48 @@ void Elastic::declare(Section& s) {
            "Rayleigh damping: share of the stiffness matrix; below 0: that of the ground.");
 }
 
+// Numbers of a triaxial test. Flow steeper than friction would make energy; a cut-off beyond the
+// apex would never act.
+void Strength::declare(Section& s) {
+  s.choice(
+      "yield", yield, {"none", "mohr_coulomb"},
+      "none: elastic at any stress; mohr_coulomb: with cut-off of tension, without hardening.");
+  s.number("cohesion", cohesion, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Shear strength without pressure (mohr_coulomb).");
+  s.number("friction_angle", friction_angle, {.unit = "degrees", .at_least = 0, .at_most = 60},
+           "Slope of the shear strength over the pressure (mohr_coulomb).");
+  s.number("dilation_angle", dilation_angle, {.unit = "degrees", .at_least = 0, .at_most = 60},
+           "Slope of the volume gained over the shear that flows (mohr_coulomb).");
+  s.number("tensile_strength", tensile_strength, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Largest tension (mohr_coulomb).");
+  if (yield == Yield::none) {
+    const Strength common;
+    s.rule("yield",
+           cohesion == common.cohesion && friction_angle == common.friction_angle &&
+               dilation_angle == common.dilation_angle &&
+               tensile_strength == common.tensile_strength,
+           "is none: cohesion, angles and tensile_strength have no effect",
+           {.weight = input::Weight::warning});
+    return;
+  }
+  const About about{.reads = {"cohesion", "friction_angle", "dilation_angle", "tensile_strength"}};
+  s.rule("friction_angle", cohesion > 0 || friction_angle > 0,
+         "and cohesion are 0: the solid is a liquid", about);
+  s.rule("dilation_angle", dilation_angle <= friction_angle,
+         fmt::format("is above friction_angle ({:g}): flow would make energy", friction_angle),
+         about);
+  const double slope = std::tan(friction_angle * std::numbers::pi / 180);
+  s.rule("tensile_strength", slope * tensile_strength <= cohesion * (1 + rounding),
+         fmt::format("is above cohesion / tan(friction_angle) = {:.6g} Pa, the most that shear "
+                     "strength allows",
+                     slope > 0 ? cohesion / slope : 0.0),
+         about);
+  s.rule("cohesion", cohesion > 0,
+         "leaves the top without strength where nothing presses on it: it flows under the first "
+         "wave; sand between sleepers has some kPa",
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
 void Layer::declare(Section& s) {
   s.text("name", name, "What messages and overrides call the layer.");
   s.number("thickness", thickness,
@@ -160,6 +216,7 @@ void Layer::declare(Section& s) {
   s.file("young_file", young_file,
          "CSV with columns x_m, young_Pa: Young's modulus along the track, linear between rows and "
          "held beyond them; wins over young; empty: none.");
+  strength.declare(s);
 }
 
 void Block::declare(Section& s) {
@@ -172,6 +229,16 @@ void Block::declare(Section& s) {
   s.rule("outline", !crosses_itself(outline),
          "crosses itself; list the corners in the order in which one meets them going round");
   solid.declare(s);
+  strength.declare(s);
+}
+
+bool GroundParameters::yields() const {
+  const auto gives_way = [](const Strength& strength) { return strength.yield != Yield::none; };
+  return present && (std::any_of(layers.begin(), layers.end(),
+                                 [&](const Layer& layer) { return gives_way(layer.strength); }) ||
+                     std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+                       return block.present && gives_way(block.strength);
+                     }));
 }
 
 void GroundParameters::declare(Section& s) {
@@ -221,6 +288,7 @@ void GroundParameters::declare(Section& s) {
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
+  declare_yielding(*this, s);
   s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest).");
 }

@@ -4,7 +4,9 @@
 // settled load F_0, held by its reactions. Since the solid is linear, the deviation obeys
 //   M a + C v + K u = F - F_0,
 // without weight, reactions or the static solution. So nothing creeps on quiet borders, nothing
-// jumps, and the explicit run keeps its bits although the static solve is iterative.
+// jumps, and the explicit run keeps its bits although the static solve is iterative. Solids that
+// yield know the whole stress, of rest and deviation; what plastic strain since rest takes off K u
+// is added to the equation, and rest is solved with the same bits on any split (rest.cpp).
 #pragma once
 
 #include <functional>
@@ -13,9 +15,11 @@
 #include <vector>
 
 #include "alpha_scheme.hpp"
+#include "extremes.hpp"
 #include "free_field.hpp"
 #include "linear_system.hpp"
 #include "mesh.hpp"
+#include "plasticity.hpp"
 #include "stiffness.hpp"
 #include "terms.hpp"
 #include "trackbed/fem/ground.hpp"
@@ -61,6 +65,8 @@ struct Ground::Room {
   void explicit_window(double dt);
   void implicit_window(double dt, const Nodal& load_before);
   void settle(std::span<const Vec3> top_force);
+  // Local; of the model's state, whatever is asked: Pa since rest or at rest.
+  Vec6 stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const;
   // Collective.
   void publish();          // ghosts of u current, surface motion of this window
   void refresh_surface();  // positions from the state, no motion
@@ -74,8 +80,10 @@ struct Ground::Room {
   Stiffness stiffness;
   Terms terms;
   State state;
-  std::unique_ptr<FreeField> free_field;  // if a wave comes from below
-  double time = 0;                        // s since `settle`, for that wave
+  std::unique_ptr<Plasticity> plasticity;  // if a solid yields
+  std::unique_ptr<FreeField> free_field;   // if a wave comes from below
+  std::unique_ptr<Extremes> extremes;      // if begun, of all zones held
+  double time = 0;                         // s since `settle`, for that wave
   Surface surface;
   std::vector<TopNode> own_top;
   double critical = 0;  // s, without safety
@@ -87,6 +95,9 @@ struct Ground::Room {
   void make_surface();
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
+  void yield(bool ghosts_current);  // flow under the present displacement, and its forces
+  void elastic_rest(const Nodal& right);
+  void yielding_rest(const Nodal& right);
   enum class Part { drift, kick_and_drift, kick };
   void move(Part part, double h);
   void prepare_step(double h);

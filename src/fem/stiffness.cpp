@@ -7,52 +7,14 @@
 #include "stiffness.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
+#include "lanes.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::fem {
 
 namespace {
-
-constexpr std::int32_t lanes = 8;
-// One number of eight zones. Plain multiplications and additions on it round as scalars do, so the
-// result does not depend on which lane, or how full a vector, a zone falls into.
-using Lane = double __attribute__((vector_size(8 * lanes)));
-
-// Loads and stores are unaligned: a zone's right corners are its left ones shifted by one.
-Lane load(const double* from) {
-  Lane value;
-  std::memcpy(&value, from, sizeof(Lane));
-  return value;
-}
-void store(double* to, const Lane& value) { std::memcpy(to, &value, sizeof(Lane)); }
-
-// Sums and differences over the corners: bit a of the index turns from "which corner along axis a"
-// into "differs along axis a".
-template <int D>
-inline void to_patterns(Lane (&value)[1 << D]) {
-  for (int bit = 1; bit < 1 << D; bit <<= 1)
-    for (int k = 0; k < 1 << D; ++k)
-      if ((k & bit) == 0) {
-        const Lane low = value[k], high = value[k | bit];
-        value[k] = low + high;
-        value[k | bit] = high - low;
-      }
-}
-// The way back, transposed: corner k gets the sum over patterns of sign * value.
-template <int D>
-inline void to_corners(Lane (&value)[1 << D]) {
-  for (int bit = 1; bit < 1 << D; bit <<= 1)
-    for (int k = 0; k < 1 << D; ++k)
-      if ((k & bit) == 0) {
-        const Lane even = value[k], odd = value[k | bit];
-        value[k] = even - odd;
-        value[k | bit] = even + odd;
-      }
-}
 
 // Corner forces of a run, kept apart for the left and right corners of its zones.
 // Space for a run of 64 zones and the lanes of a vector beyond it.
@@ -125,19 +87,10 @@ void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, 
   }
 }
 
-// +1 or -1: the sign a pattern gives to a corner, the product over the axes of the pattern.
-double sign(int pattern, int corner) {
-  return std::popcount(static_cast<unsigned>(pattern & ~corner)) % 2 != 0 ? -1.0 : 1.0;
-}
-
 // With u_k = 1/n sum_p s_pk m_p and f_k = sum_p s_pk t_p: t = (1/n^2) S K S^T m.
 Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
   const int corners = 1 << components;
-  Eigen::MatrixXd patterns = Eigen::MatrixXd::Zero(k.rows(), k.cols());
-  for (int p = 0; p < corners; ++p)
-    for (int corner = 0; corner < corners; ++corner)
-      for (int c = 0; c < components; ++c)
-        patterns(p * components + c, corner * components + c) = sign(p, corner);
+  const Eigen::MatrixXd patterns = patterns_of(corners, components);
   Eigen::MatrixXd t = patterns * k * patterns.transpose() / (corners * corners);
   // What symmetry makes zero is rounding noise here; exact zeros keep a rigid shift free of force.
   const double noise = 1e-13 * t.cwiseAbs().maxCoeff();

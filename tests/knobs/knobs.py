@@ -37,6 +37,8 @@ POWER = ["load.kind=power"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
 ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
+YIELDS = {part: ["ground.plane=strain", f"ground.{part}.0.yield=mohr_coulomb",
+                 f"ground.{part}.0.cohesion=2e3"] for part in ("layer", "block")}
 BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
@@ -138,6 +140,16 @@ KNOBS = {
     "ground.layer.[].rayleigh_stiffness": ("ground.layer.0.rayleigh_stiffness=1e-5", []),
     "ground.block.[].rayleigh_mass": ("ground.block.0.rayleigh_mass=10", []),
     "ground.block.[].rayleigh_stiffness": ("ground.block.0.rayleigh_stiffness=1e-5", []),
+    "ground.layer.[].yield": (YIELDS["layer"][1], ["ground.plane=strain"]),
+    "ground.layer.[].cohesion": ("ground.layer.0.cohesion=3e3", YIELDS["layer"]),
+    "ground.layer.[].friction_angle": ("ground.layer.0.friction_angle=25", YIELDS["layer"]),
+    "ground.layer.[].dilation_angle": ("ground.layer.0.dilation_angle=10", YIELDS["layer"]),
+    "ground.layer.[].tensile_strength": ("ground.layer.0.tensile_strength=1e3", YIELDS["layer"]),
+    "ground.block.[].yield": (YIELDS["block"][1], ["ground.plane=strain"]),
+    "ground.block.[].cohesion": ("ground.block.0.cohesion=3e3", YIELDS["block"]),
+    "ground.block.[].friction_angle": ("ground.block.0.friction_angle=25", YIELDS["block"]),
+    "ground.block.[].dilation_angle": ("ground.block.0.dilation_angle=10", YIELDS["block"]),
+    "ground.block.[].tensile_strength": ("ground.block.0.tensile_strength=1e3", YIELDS["block"]),
     "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
     "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
@@ -171,6 +183,7 @@ KNOBS = {
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),
+    "output.ground_extremes": ("output.ground_extremes=true", FIELDS),
     "output.surface_cell": ("output.surface_cell=0.1", []),
     "output.checkpoint_interval": ("output.checkpoint_interval=0.01", []),
     "output.wall_time": ("output.wall_time=1e-3", []),
@@ -269,6 +282,7 @@ class Bench:
         for path in place.glob("**/*"):
             found.setdefault("files", []).append(str(path.relative_to(place)))
         found.get("files", []).sort()
+        found["fields"] = [data(path) for path in sorted(place.glob("fields/*.vtkhdf"))]
         if (place / "results.h5").exists():
             found["data"] = data(place / "results.h5")
         if (place / "summary.json").exists():

@@ -34,6 +34,7 @@ NONSENSE = {'second = "sleeper"': ('second = "sleper"', ["contact[1].second", "s
             "outline = [0.0, 0.0, 0.5, 0.0, 0.5, -0.6, 0.0, -0.6]":
                 ("outline = [5.0, 0.0, 6.0, 0.0, 6.0, -0.6]", ["ground.block[0].outline",
                                                                "no zone", "from 0 to 1.2 m"])}
+YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 # Single changes of the tiny deck and the words of the refusal, or of the warning.
 REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "wall_material=wood": "there are ballast, sleeper",
@@ -63,6 +64,14 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "platen.vibration=1e-3": "must be at least a period of the vibration (0.0333 s)",
            "ground.base=fixed ground.base_motion={deck}": "needs base = \"quiet\"",
            "ground.integrator=hht ground.alpha=-0.5": "must be at least -1/3 for hht",
+           "ground.layer.soil.yield=mohr_coulomb": 'take plane = "strain"',
+           f"{YIELDS} ground.integrator=newmark": "layers that yield need integrator",
+           f"{YIELDS} ground.sides=free_field": "has elastic columns beside the model",
+           f"{YIELDS} ground.layer.soil.dilation_angle=31": "is above friction_angle (30): flow",
+           f"{YIELDS} ground.layer.soil.tensile_strength=2e4":
+               "is above cohesion / tan(friction_angle) = 17320.5 Pa",
+           f"{YIELDS} ground.layer.soil.cohesion=0 ground.layer.soil.friction_angle=0":
+               "and cohesion are 0: the solid is a liquid",
            "bed.seed=-1": "must be at least 0",
            "stage.fill.cycles=1000000000": "stage[0].cycles = 1000000000 must be at least 0 and",
            "stage.fill.cycles=3": "for stages of kind load and passage only",
@@ -116,6 +125,9 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "stage.load.load=2": "is next to nothing for a rail seat: is it in N?",
           "ground.base_stiffness=40": "is it in Pa/m?",
           "ground.rayleigh_mass=1e9": "usual values (at most 10000 1/s)",
+          "ground.layer.soil.cohesion=5e3": "cohesion, angles and tensile_strength have no effect",
+          f"{YIELDS} ground.layer.soil.cohesion=0": "leaves the top without strength",
+          "output.ground_extremes=true": "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of what stability asks for",
           "stage.load.growth=0.01": "has no effect: it is for fill",
           "stage.fill.lift=0.3": "stage[0].lift = 0.3: has no effect: it is for release",

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """The same bits on 1, 2 and 4 ranks; coupling balances close to rounding.
 
-    ranks.py PROGRAM DECK FOLDER
+    ranks.py PROGRAM DECK FOLDER [key=value ...]
+
+A ground that may yield must have done so.
 """
 import pathlib
 import shutil
@@ -16,11 +18,12 @@ BALANCE = 1e-10
 
 def main():
     program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    changes = sys.argv[4:]
     shutil.rmtree(root, ignore_errors=True)
     hashes = {}
     for ranks in (1, 2, 4):
         folder = root / str(ranks)
-        program.done(ranks, "run", deck, "-o", folder)
+        program.done(ranks, "run", deck, *changes, "-o", folder)
         found = summary(folder)
         hashes[ranks] = found["dem"]["state_hash"]
         for name, value in found["coupling"].items():
@@ -28,6 +31,8 @@ def main():
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
         if found["ranks"] != ranks or found["dem"]["particles"] < 10:
             raise SystemExit(f"{ranks} ranks: not the run that was asked for: {found}")
+        if any("yield=" in change for change in changes) and found["ground"]["plastic_j"] <= 0:
+            raise SystemExit("the ground does not yield: nothing is shown")
     print(hashes)
     if len(set(hashes.values())) != 1:
         raise SystemExit(f"state depends on the number of ranks: {hashes}")

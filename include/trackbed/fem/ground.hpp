@@ -22,12 +22,24 @@ struct Elastic {
   void declare(input::Section& s);
 };
 
+enum class Yield { none, mohr_coulomb };
+
+// What a solid can carry. Mohr-Coulomb's shear strength is c - sigma_n tan(phi); no hardening.
+struct Strength {
+  Yield yield = Yield::none;
+  double cohesion = 10e3;                          // Pa
+  double friction_angle = 30, dilation_angle = 0;  // degrees
+  double tensile_strength = 0;                     // Pa
+  void declare(input::Section& s);
+};
+
 // Horizontal layer, from the top down in the order of the deck.
 struct Layer {
   std::string name;
   double thickness = 1;  // m
   Elastic solid;
   std::string young_file = {};  // Young's modulus along x instead of one number
+  Strength strength = {};
   void declare(input::Section& s);
 };
 
@@ -38,6 +50,7 @@ struct Block {
   bool present = true;
   std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
   Elastic solid;
+  Strength strength = {};
   void declare(input::Section& s);
 };
 
@@ -68,6 +81,7 @@ struct GroundParameters {
   double alpha = -0.1;      // hht, bossak
   double rho_inf = 0.8;     // generalized_alpha: spectral radius at infinite frequency
   double tolerance = 1e-8;  // relative residual of linear solves
+  bool yields() const;      // whether any layer or block that is there does
   void declare(input::Section& s);
 };
 
@@ -82,6 +96,7 @@ struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
   double iterations_mean = 0, seconds = 0;  // linear solver; wall time in steps on this rank
   double kinetic = 0, elastic = 0;          // J over all ranks
+  double plastic = 0;                       // J lost by yielding, over all ranks
 };
 
 class Ground {
@@ -116,7 +131,13 @@ class Ground {
     double sigma_z;
   };
   TopState top_state(std::int32_t node) const;
-  io::Grid fields() const;      // own elements with displacement, velocity, stress
+  // Own elements with displacement, velocity, stress since settling and at rest; of both together
+  // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
+  io::Grid fields() const;
+  // Extremes of each element's stress over the instants taken, from the last begin on; they go
+  // through checkpoints. Local.
+  void begin_extremes();
+  void take_extremes();
   GroundTotals totals() const;  // collective
   std::size_t memory() const;   // bytes on this rank
 

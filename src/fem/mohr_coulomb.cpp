@@ -1,0 +1,144 @@
+// Sets of active planes are tried in a fixed order until one has multipliers at or above zero and
+// holds all planes: the complementarity problem of the return, solved exactly. At most 41 systems
+// of three unknowns; the first one fits nearly always.
+//
+// The planes of s3 over s1 and so on need no test: the return of an ordered stress to a body that
+// is symmetric in its axes is ordered, and the edge planes forbid the rest.
+#include "mohr_coulomb.hpp"
+
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace trackbed::fem {
+
+namespace {
+
+// Relative to the stresses met: below it a plane counts as held.
+constexpr double held = 1e-12;
+
+// (1 + sin a) / (1 - sin a) of an angle in degrees.
+double passive(double angle) {
+  const double sine = std::sin(angle * std::numbers::pi / 180);
+  return (1 + sine) / (1 - sine);
+}
+
+// All sets of one to three of six planes, small ones first.
+constexpr std::array<unsigned char, 41> make_sets() {
+  std::array<unsigned char, 41> sets{};
+  std::size_t count = 0;
+  for (int size = 1; size <= 3; ++size)
+    for (unsigned set = 1; set < 64; ++set)
+      if (std::popcount(set) == size) sets[count++] = static_cast<unsigned char>(set);
+  return sets;
+}
+constexpr auto sets = make_sets();
+
+// In the plane of the track y is principal: one rotation about it, no iteration.
+Principal principal_of_plane(const Vec6& s) {
+  const double mean = 0.5 * (s(0) + s(2)), half = 0.5 * (s(0) - s(2));
+  const double radius = std::sqrt(half * half + s(5) * s(5));
+  const double angle = 0.5 * std::atan2(s(5), half);  // of the larger one from x towards z
+  const Vec3 high(std::cos(angle), 0, std::sin(angle)), low(-high.z(), 0, high.x());
+  std::array<double, 3> value = {mean + radius, mean - radius, s(1)};
+  std::array<Vec3, 3> axis = {high, low, Vec3::UnitY()};
+  for (std::size_t k = 2; k > 0 && value[k] > value[k - 1]; --k) {
+    std::swap(value[k], value[k - 1]);
+    std::swap(axis[k], axis[k - 1]);
+  }
+  Principal found;
+  for (int k = 0; k < 3; ++k) {
+    found.value[k] = value[static_cast<std::size_t>(k)];
+    found.axes.col(k) = axis[static_cast<std::size_t>(k)];
+  }
+  return found;
+}
+
+}  // namespace
+
+Principal principal(const Vec6& s) {
+  if (s(3) == 0 && s(4) == 0) return principal_of_plane(s);
+  Mat3 tensor;
+  tensor << s(0), s(3), s(5), s(3), s(1), s(4), s(5), s(4), s(2);
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(tensor);  // smallest first
+  return {solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse()};
+}
+
+MohrCoulomb::MohrCoulomb(const Elastic& solid, const Strength& strength) {
+  const double n = passive(strength.friction_angle), m = passive(strength.dilation_angle);
+  const double limit = 2 * strength.cohesion * std::sqrt(n), tension = strength.tensile_strength;
+  planes_[0] = {{n, 0, -1}, {m, 0, -1}, limit, {}};
+  planes_[1] = {{n, -1, 0}, {m, -1, 0}, limit, {}};  // s2 = s3: as drawn in a triaxial test
+  planes_[2] = {{0, n, -1}, {0, m, -1}, limit, {}};  // s1 = s2: as pressed in one
+  for (int k = 0; k < 3; ++k)
+    planes_[static_cast<std::size_t>(3 + k)] = {Vec3::Unit(k), Vec3::Unit(k), tension, {}};
+  const Mat3 stiffness = elasticity(solid).topLeftCorner<3, 3>();
+  for (Plane& plane : planes_) plane.back = stiffness * plane.flow;
+  // Over the angle between compression and extension, with J the second invariant,
+  //   N s1 - s3 = (N - 1) p + 2 sqrt(J/3) [(N + 1/2) cos t + sqrt(3)/2 sin t]
+  // is largest where the bracket is sqrt(N^2 + N + 1); s1 is at most p + 2 sqrt(J/3).
+  cones_[0] = {limit, n - 1, 4.0 / 3 * (n * n + n + 1)};
+  cones_[1] = {tension, 1, 4.0 / 3};
+}
+
+double MohrCoulomb::beyond(const Vec3& s) const {
+  const double high = s.maxCoeff(), low = s.minCoeff();
+  const Plane& main = planes_[0];
+  return std::max(main.normal(0) * high - low - main.limit, high - planes_[3].limit);
+}
+
+// Multipliers x of the set: normal_i (stress - sum_j x_j back_j) = limit_i.
+bool MohrCoulomb::try_set(unsigned set, double rounding, Vec3& stress, Vec3& plastic) const {
+  std::array<const Plane*, 3> active{};
+  int count = 0;
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    if ((set >> k & 1) != 0) active[static_cast<std::size_t>(count++)] = &planes_[k];
+  Mat3 system = Mat3::Identity();  // rows of planes that are not there: 1 x = 0
+  Vec3 right = Vec3::Zero();
+  double size = 1;
+  for (int i = 0; i < count; ++i) {
+    const Plane& plane = *active[static_cast<std::size_t>(i)];
+    for (int j = 0; j < count; ++j)
+      system(i, j) = plane.normal.dot(active[static_cast<std::size_t>(j)]->back);
+    right(i) = plane.normal.dot(stress) - plane.limit;
+    size *= system(i, i);
+  }
+  // Without dilation or friction some planes depend on each other: a smaller set does.
+  if (std::abs(system.determinant()) <= 1e-9 * size) return false;
+  const Vec3 multiplier = system.inverse() * right;
+  if (multiplier.minCoeff() < 0) return false;
+  Vec3 returned = stress, flowed = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    returned -= multiplier(i) * active[static_cast<std::size_t>(i)]->back;
+    flowed += multiplier(i) * active[static_cast<std::size_t>(i)]->flow;
+  }
+  for (const Plane& plane : planes_)
+    if (plane.normal.dot(returned) - plane.limit > rounding) return false;
+  stress = returned, plastic = flowed;
+  return true;
+}
+
+bool MohrCoulomb::bring_back(Vec6& stress, Vec6& plastic) const {
+  Principal trial = principal(stress);
+  const double scale = trial.value.cwiseAbs().maxCoeff() * planes_[0].normal(0) + planes_[0].limit;
+  if (!(beyond(trial.value) > held * scale)) return false;
+  Vec3 flowed = Vec3::Zero();
+  // Where sets meet, rounding may refuse all of them: the next rounds forgive more.
+  bool found = false;
+  for (double rounding = 1e-3 * held; !found && rounding < 1; rounding *= 100)
+    for (std::size_t k = 0; k < sets.size() && !found; ++k)
+      found = try_set(sets[k], rounding * scale, trial.value, flowed);
+  const auto turned = [&](const Vec3& value) {
+    const Mat3 t = trial.axes * value.asDiagonal() * trial.axes.transpose();
+    Vec6 v;
+    v << t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(1, 2), t(2, 0);
+    return v;
+  };
+  stress = turned(trial.value);
+  plastic = turned(flowed);
+  plastic.tail<3>() *= 2;
+  return true;
+}
+
+}  // namespace trackbed::fem

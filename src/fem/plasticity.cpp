@@ -1,0 +1,209 @@
+// Flow and forces of zones that yield; what leaves as numbers is in plasticity_output.cpp.
+//
+// A batch is eight zones of a run. Lanes beyond the end of a run compute something from nodes that
+// follow (or padding) and are never looked at.
+#include "plasticity.hpp"
+
+#include <algorithm>
+
+namespace trackbed::fem {
+
+namespace {
+
+// Which numbers of a zone are one point's: component * points + point.
+template <int D>
+struct Shape {
+  static constexpr int points = 1 << D, components = D == 3 ? 6 : 4;
+};
+
+}  // namespace
+
+template <int D>
+struct Plasticity::Batch {
+  static constexpr int points = Shape<D>::points, components = Shape<D>::components;
+  Lane value[components][points];
+
+  void to_patterns() {
+    for (auto& component : value) fem::to_patterns<D>(component);
+  }
+  void to_corners() {
+    for (auto& component : value) fem::to_corners<D>(component);
+  }
+  // Numbers of `count` zones in turn, less those of `less` if given; other lanes 0.
+  void gather(const double* from, const double* less, int count) {
+    constexpr int width = components * points;
+    for (int c = 0; c < components; ++c)
+      for (int g = 0; g < points; ++g) {
+        Lane lane = {};
+        for (int l = 0; l < count; ++l) {
+          const int at = l * width + c * points + g;
+          lane[l] = less == nullptr ? from[at] : from[at] - less[at];
+        }
+        value[c][g] = lane;
+      }
+  }
+  // Least over the points of what is left to the cones, per lane; below 0: perhaps beyond the
+  // surface. Units are mixed, the sign counts.
+  Lane room(const std::array<MohrCoulomb::Cone, 2>& cones) const {
+    Lane least = Lane{} + 1.0;
+    for (int g = 0; g < points; ++g) {
+      const Lane x = value[0][g], y = value[1][g], z = value[2][g];
+      const Lane mean = (x + y + z) * (1.0 / 3);
+      const Lane xy = x - y, yz = y - z, zx = z - x;
+      Lane second = (xy * xy + yz * yz + zx * zx) * (1.0 / 6);
+      for (int c = 3; c < components; ++c) second += value[c][g] * value[c][g];
+      for (const MohrCoulomb::Cone& cone : cones) {
+        const Lane left = cone.limit - cone.slope * mean;
+        const Lane square = left * left - cone.factor * second;
+        least = left < least ? left : least;
+        least = square < least ? square : least;
+      }
+    }
+    return least;
+  }
+};
+
+// Zones are ascending with x fastest: as Stiffness, runs end where rows, solids or the partition
+// do.
+Plasticity::Plasticity(const Mesh& mesh) : mesh_(mesh), number_(mesh.zone.size(), -1) {
+  const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
+  const int corners = mesh.lattice.corners(), components = mesh.lattice.components();
+  for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s) {
+    auto& law = laws_.emplace_back();
+    if (mesh.solids.strength[s].yield == Yield::none) continue;
+    const ZonePoints points = zone_points(mesh.lattice.size, mesh.solids.solid[s], dimension);
+    const int parts = points.components;
+    const Eigen::MatrixXd force = points.volume * points.recovery.transpose();
+    law = std::make_unique<Law>(Law{{mesh.solids.solid[s], mesh.solids.strength[s]},
+                                    points,
+                                    {points.recovery, parts, components, corners},
+                                    {points.relief, parts, parts, corners},
+                                    {force, components, parts, corners}});
+  }
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    if (!laws_[static_cast<std::size_t>(mesh.solid[z])]) continue;
+    const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
+    const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&
+                         mesh.solid[z] == mesh.solid[z - 1];
+    if (goes_on)
+      ++runs_.back().zones;
+    else
+      runs_.push_back({1, mesh.solid[z], mesh.line[z], zone_.size()});
+    number_[z] = static_cast<std::int64_t>(zone_.size());
+    zone_.push_back(z);
+  }
+  width_ = static_cast<std::size_t>(corners) * (mesh.lattice.plane ? 4 : 6);
+  strain_.assign(width_ * zone_.size(), 0.0);
+  rest_ = strain_;
+  work_.assign(zone_.size(), 0.0);
+  flowed_.assign(zone_.size(), 0);
+}
+
+void Plasticity::seek_rest() { std::fill(rest_.begin(), rest_.end(), 0.0); }
+
+void Plasticity::loaded() {
+  for (std::size_t z = 0; z < zone_.size(); ++z) {
+    const auto begin = strain_.begin() + static_cast<std::ptrdiff_t>(z * width_);
+    flowed_[z] = std::any_of(begin, begin + static_cast<std::ptrdiff_t>(width_),
+                             [](double e) { return e != 0; })
+                     ? 1
+                     : 0;
+  }
+}
+
+// One zone after the other, point by point: few zones come here.
+template <int D>
+void Plasticity::bring_back(const Law& law, std::size_t zone, int lane, const Batch<D>& batch) {
+  using B = Batch<D>;
+  for (int g = 0; g < B::points; ++g) {
+    Vec6 stress = Vec6::Zero(), plastic;
+    for (int c = 0; c < B::components; ++c) stress(law.points.voigt(c)) = batch.value[c][g][lane];
+    if (!law.surface.bring_back(stress, plastic)) continue;
+    for (int c = 0; c < B::components; ++c)
+      strain_[zone * width_ + static_cast<std::size_t>(c * B::points + g)] +=
+          plastic(law.points.voigt(c));
+    work_[zone] += stress.dot(plastic) * law.points.volume;
+    flowed_[zone] = 1;
+  }
+}
+
+// Stress of the present motion with the plastic strain of the step before: enhanced strains follow
+// what flows one step later.
+template <int D>
+void Plasticity::flow_runs(const Nodal& rest, const Nodal& u) {
+  constexpr int corners = 1 << D;
+  Lane motion[D][corners];
+  Batch<D> stress, strain, relief;
+  for (const Run& run : runs_) {
+    const Law& law = *laws_[static_cast<std::size_t>(run.solid)];
+    for (std::int32_t at = 0; at < run.zones; at += lanes) {
+      const int count = std::min(lanes, run.zones - at);
+      const std::size_t first = run.first + static_cast<std::size_t>(at);
+      for (int c = 0; c < D; ++c) {
+        for (int k = 0; k < corners; ++k) {
+          const std::int32_t node = run.line[static_cast<std::size_t>(k >> 1)] + at + (k & 1);
+          motion[c][k] = load(rest[c] + node) + load(u[c] + node);
+        }
+        to_patterns<D>(motion[c]);
+      }
+      law.stress.apply(&motion[0][0], &stress.value[0][0]);
+      if (std::any_of(&flowed_[first], &flowed_[first] + count, [](auto f) { return f != 0; })) {
+        strain.gather(&strain_[first * width_], nullptr, count);
+        strain.to_patterns();
+        law.relief.apply(&strain.value[0][0], &relief.value[0][0]);
+        for (int c = 0; c < Batch<D>::components; ++c)
+          for (int g = 0; g < corners; ++g) stress.value[c][g] += relief.value[c][g];
+      }
+      stress.to_corners();
+      const Lane room = stress.room(law.surface.cones());
+      for (int l = 0; l < count; ++l)
+        if (room[l] < 0) bring_back<D>(law, first + static_cast<std::size_t>(l), l, stress);
+    }
+  }
+}
+
+void Plasticity::flow(const Nodal& rest, const Nodal& u) {
+  mesh_.lattice.plane ? flow_runs<2>(rest, u) : flow_runs<3>(rest, u);
+}
+
+template <int D>
+void Plasticity::act_runs(Nodal& internal) const {
+  constexpr int corners = 1 << D;
+  Lane force[D][corners];
+  Batch<D> strain;
+  for (const Run& run : runs_) {
+    const Law& law = *laws_[static_cast<std::size_t>(run.solid)];
+    for (std::int32_t at = 0; at < run.zones; at += lanes) {
+      const int count = std::min(lanes, run.zones - at);
+      const std::size_t first = run.first + static_cast<std::size_t>(at);
+      if (std::none_of(&flowed_[first], &flowed_[first] + count, [](auto f) { return f != 0; }))
+        continue;
+      strain.gather(&strain_[first * width_], &rest_[first * width_], count);
+      strain.to_patterns();
+      law.force.apply(&strain.value[0][0], &force[0][0]);
+      for (int c = 0; c < D; ++c) to_corners<D>(force[c]);
+      for (int l = 0; l < count; ++l) {
+        if (flowed_[first + static_cast<std::size_t>(l)] == 0) continue;
+        for (int c = 0; c < D; ++c)
+          for (int k = 0; k < corners; ++k)
+            internal[c][run.line[static_cast<std::size_t>(k >> 1)] + at + l + (k & 1)] -=
+                force[c][k][l];
+      }
+    }
+  }
+}
+
+void Plasticity::act_on(Nodal& internal) const {
+  mesh_.lattice.plane ? act_runs<2>(internal) : act_runs<3>(internal);
+}
+
+std::size_t Plasticity::bytes() const {
+  std::size_t laws = 0;
+  for (const auto& law : laws_)
+    if (law) laws += law->stress.bytes() + law->relief.bytes() + law->force.bytes();
+  return laws + (strain_.capacity() + rest_.capacity() + work_.capacity()) * sizeof(double) +
+         number_.capacity() * 8 + zone_.capacity() * 8 + flowed_.capacity() +
+         runs_.capacity() * sizeof(Run);
+}
+
+}  // namespace trackbed::fem

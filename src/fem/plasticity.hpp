@@ -1,0 +1,90 @@
+// Zones that yield: plastic strain at their Gauss points, and the forces it makes.
+//
+// Beside the elastic kernel, not in it: f = K u less what plastic strain takes off, over zones of
+// yielding solids alone (docs/decisions/plasticity.md). A zone at a rank border is held on each
+// rank that needs it and flows there alike, so nothing of it is ever sent.
+//
+// Cost per step and zone that does not yield: stress of eight zones at once, some 300 flops each in
+// space; one that has yielded costs twice that and its returns.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mesh.hpp"
+#include "mohr_coulomb.hpp"
+#include "pattern_map.hpp"
+
+namespace trackbed::fem {
+
+class Plasticity {
+ public:
+  explicit Plasticity(const Mesh& mesh);
+
+  // Returns the stress of the motion rest + u to the surface, once, and keeps the plastic strain.
+  // Ghosts of both must be current. Local.
+  void flow(const Nodal& rest, const Nodal& u);
+  // Takes the forces of the plastic strain since rest off `internal` (N), complete on own nodes;
+  // zones in ascending order. Local.
+  void act_on(Nodal& internal) const;
+  // While a rest is sought all plastic strain acts; from `found_rest` on what comes later.
+  void seek_rest();
+  void found_rest() { rest_ = strain_; }
+
+  // For output, of a local zone; zero for one that does not yield. Pa: what plastic strain adds to
+  // the elastic stress, at the centre or amid the top face, up to rest or since.
+  enum class Where { centre, top };
+  enum class When { rest, since };
+  Vec6 stress(std::size_t zone, Where where, When when) const;
+  double sheared(std::size_t zone) const;  // sqrt(2/3 e : e) of the mean plastic strain
+  double lost(std::size_t zone) const;     // J
+  // J of the deviation from rest beyond 1/2 u K u, over zones written here.
+  double stored(const Nodal& rest, const Nodal& u) const;
+  double lost() const;  // J over zones written here
+
+  // State, listed once: numbers per zone, zones as in `zones()`.
+  using Visit =
+      std::function<void(const char*, const char*, const char*, std::size_t, std::vector<double>&)>;
+  void list(const Visit& visit);
+  const std::vector<std::size_t>& zones() const { return zone_; }        // local numbers, ascending
+  std::int64_t number(std::size_t zone) const { return number_[zone]; }  // in zones(); -1: none
+  void loaded();  // after the state came from a file
+  std::size_t bytes() const;
+
+ private:
+  struct Law {
+    MohrCoulomb surface;
+    ZonePoints points;
+    PatternMap stress, relief, force;
+  };
+  struct Run {  // neighbours along x of one solid
+    std::int32_t zones, solid;
+    std::array<std::int32_t, 4> line;
+    std::size_t first;  // in zone_
+  };
+  template <int D>
+  struct Batch;
+  template <int D>
+  void flow_runs(const Nodal& rest, const Nodal& u);
+  template <int D>
+  void act_runs(Nodal& internal) const;
+  template <int D>
+  void bring_back(const Law& law, std::size_t zone, int lane, const Batch<D>& batch);
+  const Law& law_of(std::size_t zone) const {
+    return *laws_[static_cast<std::size_t>(mesh_.solid[zone])];
+  }
+  Eigen::VectorXd strain(std::size_t number, When when) const;
+
+  const Mesh& mesh_;
+  std::vector<std::unique_ptr<Law>> laws_;  // of each solid; none if it does not yield
+  std::vector<Run> runs_;
+  std::vector<std::size_t> zone_;
+  std::vector<std::int64_t> number_;   // of each local zone
+  std::size_t width_ = 0;              // numbers of strain per zone: component * points + point
+  std::vector<double> strain_, rest_;  // all plastic strain; that at rest
+  std::vector<double> work_;           // J lost, of each zone
+  std::vector<std::uint8_t> flowed_;   // 1: has plastic strain
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,103 @@
+// The state of rest: equilibrium under weight and settled load, elastic or not.
+//
+// Solids that yield: the initial stress method (Zienkiewicz, Valliappan, King 1969,
+// doi:10.1002/nme.1620010107). Elastic solves under load and the forces of the plastic strain so
+// far, each followed by one return of all stresses. It keeps the elastic matrix, so it converges
+// wherever the ground can stand, slowly near collapse. Rejected: Newton with the consistent tangent
+// (unsymmetric without dilation, and bits of another solver).
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "rest_solver.hpp"
+#include "room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+std::string cannot_stand(int rounds, double open) {
+  return fmt::format(
+      "the ground cannot carry its weight and what lies on it: after {} rounds {:.2g} of all "
+      "forces "
+      "still flow; give its layers more cohesion, friction_angle or tensile_strength",
+      rounds, open);
+}
+
+}  // namespace
+
+// Collective. Solves K r = F_0 + weight with the borders of rest. In an elastic ground r only
+// enters stresses at rest: the motion counts from it and never sees it.
+void Ground::Room::settle(std::span<const Vec3> top_force) {
+  // The present shape stays the shape shown, as the reference from now on.
+  for (int c = 0; c < components(); ++c)
+    for (std::size_t n = 0; n < mesh.nodes(); ++n) state.offset[c][n] += state.displacement[c][n];
+  for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration, &state.internal,
+                        &state.load, &state.settled})
+    values->fill(0);
+  time = 0;
+  if (free_field) free_field->rest();
+  // With nothing settled yet the load is the whole force: the new F_0, bit for bit what set_load
+  // will take off later, so that the same force leaves exactly nothing.
+  set_load(top_force);
+  std::swap(state.settled, state.load);
+
+  Nodal right = state.settled;
+  // Weight acts on the last component, z, in a plane as in space.
+  const int up = components() - 1;
+  for (const std::int32_t n : mesh.own)
+    right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
+  plasticity ? yielding_rest(right) : elastic_rest(right);
+  mesh.exchange(state.rest);
+  mesh.exchange(state.offset);
+  refresh_surface();
+}
+
+// Plain K: damping and mass have no part in rest.
+void Ground::Room::elastic_rest(const Nodal& right) {
+  LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
+                          Nodal(components(), mesh.nodes()), terms.held_at_rest,
+                          parameters.tolerance};
+  for (const Spring& spring : terms.springs)
+    for (int c = 0; c < components(); ++c) spec.diagonal[c][spring.node] += spring.stiffness;
+  LinearSystem statics(mesh, stiffness, spec);
+  // The old static solution is the first guess: settling twice under nearly the same load is cheap.
+  iterations += statics.solve(right, state.rest);
+  ++solves;
+}
+
+void Ground::Room::yielding_rest(const Nodal& right) {
+  // Forces of what still flows over all forces. What is left flows in the first steps.
+  constexpr double enough = 1e-6;
+  // A rest that is there comes nearer by half in far fewer rounds than these.
+  constexpr int patience = 100;
+  RestSolver solver(mesh, stiffness, terms);
+  const Nodal none(components(), mesh.nodes());
+  // Of the plastic strain, against the internal force: before and after it flowed.
+  Nodal before(components(), mesh.nodes()), after = before, load = right;
+  const double all = std::sqrt(solver.squared(right));
+  double open = 1, milestone = 2;
+  plasticity->seek_rest();
+  plasticity->act_on(after);
+  for (int round = 0; open > enough; ++round) {
+    if (round % patience == 0) {
+      if (open > 0.5 * milestone) throw RunError(cannot_stand(round, open));
+      milestone = open;
+    }
+    before = after;
+    for (int c = 0; c < components(); ++c)
+      for (const std::int32_t own : mesh.own) load[c][own] = right[c][own] - before[c][own];
+    iterations += solver.solve(load, state.rest, parameters.tolerance);
+    ++solves;
+    plasticity->flow(state.rest, none);
+    after.fill(0);
+    plasticity->act_on(after);
+    for (int c = 0; c < components(); ++c)
+      for (const std::int32_t own : mesh.own) load[c][own] = after[c][own] - before[c][own];
+    open = all > 0 ? std::sqrt(solver.squared(load)) / all : 0;
+  }
+  plasticity->found_rest();
+}
+
+}  // namespace trackbed::fem

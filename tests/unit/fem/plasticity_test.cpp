@@ -1,0 +1,263 @@
+// Zones that yield: the kernel against plain matrices, bits on ranks and through checkpoints, the
+// balance of energy, and a rest that is not elastic.
+#include "fem/plasticity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+#include "trackbed/io/file.hpp"
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+class Plastic : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Plastic, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
+
+TEST_P(Plastic, PatternsAreTheMatrices) {
+  const bool flat = GetParam() == Dimension::plane;
+  const ZonePoints points = zone_points({0.3, 0.2, 0.1}, {50e6, 0.3, 2000}, GetParam());
+  const int corners = flat ? 4 : 8, parts = points.components, freedoms = flat ? 2 : 3;
+  std::mt19937_64 random(3);
+  const auto compare = [&](const Eigen::MatrixXd& matrix, int rows, int columns) {
+    const PatternMap map(matrix, rows, columns, corners);
+    EXPECT_LE(map.entries(), static_cast<std::size_t>(matrix.size() / (flat ? 4 : 8)));
+    Eigen::VectorXd x(columns * corners);
+    for (double& value : x) value = std::uniform_real_distribution<double>(-1, 1)(random);
+    // Components apart, in lane 5.
+    Lane in[48], out[48];
+    for (int c = 0; c < columns; ++c)
+      for (int p = 0; p < corners; ++p) {
+        Lane& lane = in[c * corners + p];
+        lane = Lane{};
+        for (int k = 0; k < corners; ++k) lane[5] += pattern_sign(p, k) * x(columns * k + c);
+      }
+    map.apply(in, out);
+    const Eigen::VectorXd exact = matrix * x;
+    for (int c = 0; c < rows; ++c)
+      for (int k = 0; k < corners; ++k) {
+        double sum = 0;
+        for (int p = 0; p < corners; ++p) sum += pattern_sign(p, k) * out[c * corners + p][5];
+        EXPECT_NEAR(sum, exact(rows * k + c), 1e-12 * matrix.cwiseAbs().maxCoeff() * 48);
+      }
+  };
+  compare(points.recovery, parts, freedoms);
+  compare(points.relief, parts, parts);
+  compare(points.recovery.transpose(), freedoms, parts);
+}
+
+// Free strain of a whole zone, as of heat: no stress where nothing holds the corners.
+TEST_P(Plastic, EvenPlasticStrainIsFreeOfStress) {
+  const bool flat = GetParam() == Dimension::plane;
+  const Vec3 size(0.3, 0.2, 0.1);
+  const Elastic solid{50e6, 0.3, 2000};
+  const ZonePoints points = zone_points(size, solid, GetParam());
+  const ZoneElement zone = zone_element(size, solid, GetParam(), PlaneState::strain);
+  const int corners = flat ? 4 : 8, freedoms = flat ? 2 : 3, parts = points.components;
+  Eigen::VectorXd u(freedoms * corners), e(parts * corners);
+  for (int k = 0; k < corners; ++k) {
+    const int z = flat ? k >> 1 : k >> 2;
+    for (int c = 0; c < parts; ++c) e(parts * k + c) = 0;
+    e(parts * k) = 1e-3, e(parts * k + 2) = -2e-3, e(parts * k + parts - 1) = 5e-4;
+    u(freedoms * k) = 1e-3 * (k & 1) * size.x() + 5e-4 * z * size.z();
+    if (!flat) u(freedoms * k + 1) = 0;
+    u(freedoms * k + freedoms - 1) = -2e-3 * z * size.z();
+  }
+  const double scale = 50e6 * 1e-3;
+  EXPECT_LT((points.recovery * u + points.relief * e).cwiseAbs().maxCoeff(), 1e-9 * scale);
+  const Eigen::VectorXd force =
+      zone.stiffness * u - points.volume * points.recovery.transpose() * e;
+  EXPECT_LT(force.cwiseAbs().maxCoeff(), 1e-9 * scale);
+}
+
+// Two layers, the upper one and a corner of the lower one weak; an uneven load in hard pushes.
+GroundParameters scene() {
+  GroundParameters p = box({3, 1, 1}, {13, 4, 5}, {80e6, 0.3, 1900});
+  p.layers = {{"weak", 0.55, {60e6, 0.3, 1900}}, {"strong", 0.45, {80e6, 0.3, 1900}}};
+  p.layers[0].strength = {Yield::mohr_coulomb, 8e3, 25, 5, 2e3};
+  Block block{"corner", true, {0, -0.5, 1, -0.5, 1, -1, 0, -1}, {70e6, 0.25, 2000}};
+  block.strength = {Yield::mohr_coulomb, 15e3, 0, 0, 5e3};
+  p.blocks = {block};
+  p.plane = PlaneState::strain;
+  p.sides = Sides::quiet;
+  p.rayleigh_stiffness = 1e-5;
+  return p;
+}
+
+std::vector<Vec3> load_of(const Surface& top, int window) {
+  std::vector<Vec3> force(top.nodes());
+  const double each = 1.2e5 / static_cast<double>(force.size());
+  for (std::size_t n = 0; n < force.size(); ++n)
+    force[n] = {0.2 * each * std::sin(0.3 * static_cast<double>(n) + window), 0,
+                -each * (1 + std::sin(1.7 * static_cast<double>(n))) * (window % 3)};
+  return force;
+}
+
+// What the ground is let go under: less than a third of the pushes.
+std::vector<Vec3> settled(const Surface& top) {
+  std::vector<Vec3> force = load_of(top, 1);
+  for (Vec3& each : force) each *= 0.3;
+  return force;
+}
+
+std::uint64_t bits(const Comm& comm, const Ground& ground) {
+  std::uint64_t sum = 0;
+  for (const std::int32_t n : ground.own_top()) {
+    const auto state = ground.top_state(n);
+    sum += mix(hash_bytes(state.displacement.data(), 24, static_cast<std::uint64_t>(n)));
+    sum += mix(hash_bytes(state.velocity.data(), 24, static_cast<std::uint64_t>(n) + 1000));
+    sum += mix(hash_bytes(&state.sigma_z, 8, static_cast<std::uint64_t>(n) + 2000));
+  }
+  return static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum)));
+}
+
+TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
+  const Comm world = Comm::world(), self = Comm::self();
+  const std::string path = "plastic_on_" + std::to_string(world.size()) +
+                           (GetParam() == Dimension::plane ? "_plane.h5" : "_space.h5");
+  Ground spread(world, scene(), GetParam(), 1.0), alone(self, scene(), GetParam(), 1.0);
+  const double dt = 2.5 * spread.stable_step();
+  const auto go = [&](Ground& ground, int from, int to) {
+    for (int w = from; w < to; ++w) ground.advance(dt, load_of(ground.top(), w));
+  };
+  spread.settle(settled(spread.top()));
+  alone.settle(settled(alone.top()));
+  go(spread, 0, 8);
+  go(alone, 0, 15);
+  {
+    io::File file(world, path, io::Mode::create);
+    spread.save(file, "ground");
+  }
+  go(spread, 8, 15);
+  EXPECT_EQ(bits(world, spread), bits(self, alone));
+  EXPECT_GT(alone.totals().plastic, 0.01 * alone.totals().elastic);  // much of it yields
+
+  Ground resumed(world, scene(), GetParam(), 1.0), one(self, scene(), GetParam(), 1.0);
+  {
+    const io::File file(world, path, io::Mode::read);
+    resumed.load(file, "ground");
+    one.load(file, "ground");
+  }
+  go(resumed, 8, 15);
+  go(one, 8, 15);
+  EXPECT_EQ(bits(world, resumed), bits(self, alone));
+  EXPECT_EQ(bits(self, one), bits(self, alone));
+  // Sums over ranks in another order.
+  EXPECT_NEAR(resumed.totals().plastic, alone.totals().plastic, 1e-12 * alone.totals().plastic);
+}
+
+// Layers that could yield but do not: the bits of elastic ones.
+TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
+  const Comm self = Comm::self();
+  GroundParameters strong = scene(), elastic = scene();
+  for (Strength* s : {&strong.layers[0].strength, &strong.blocks[0].strength}) {
+    s->cohesion = 1e9;
+    s->tensile_strength = 1e9;
+  }
+  elastic.layers[0].strength.yield = elastic.blocks[0].strength.yield = Yield::none;
+  Ground a(self, strong, GetParam(), 1.0), b(self, elastic, GetParam(), 1.0);
+  const double dt = 2.5 * a.stable_step();
+  a.settle(settled(a.top()));
+  b.settle(settled(b.top()));
+  for (int w = 0; w < 8; ++w) {
+    a.advance(dt, load_of(a.top(), w));
+    b.advance(dt, load_of(b.top(), w));
+  }
+  EXPECT_EQ(bits(self, a), bits(self, b));
+  EXPECT_EQ(a.totals().plastic, 0);
+  // Both solvers of rest agree to their tolerance.
+  const auto one = a.fields(), other = b.fields();
+  double most = 0, difference = 0;
+  for (std::size_t k = 0; k < one.cell_data[1].values.size(); ++k) {
+    most = std::max(most, std::abs(other.cell_data[1].values[k]));
+    difference =
+        std::max(difference, std::abs(one.cell_data[1].values[k] - other.cell_data[1].values[k]));
+  }
+  EXPECT_LT(difference, 1e-5 * most);
+}
+
+// Work of the load = kinetic + elastic + lost by yielding, if nothing else takes energy: to the
+// order of the step. With weight and a rest that has yielded.
+TEST_P(Plastic, EnergyIsBalanced) {
+  const Comm self = Comm::self();
+  const auto error = [&](double safety) {
+    GroundParameters p = scene();
+    p.base = Base::fixed;
+    p.sides = Sides::roller;
+    p.rayleigh_stiffness = 0;
+    p.safety = safety;
+    Ground ground(self, p, GetParam(), 1.0);
+    const auto quiet = settled(ground.top()), push = load_of(ground.top(), 5);
+    ground.settle(quiet);
+    double work = 0;
+    const double lost = ground.totals().plastic, dt = 1e-4;
+    for (int w = 0; w < 150; ++w) {
+      const auto& load = w < 40 ? push : quiet;
+      ground.advance(dt, load);
+      for (std::size_t n = 0; n < load.size(); ++n)
+        work += (load[n] - quiet[n]).dot(ground.top().motion[n]);
+    }
+    const GroundTotals end = ground.totals();
+    EXPECT_GT(end.plastic - lost, 0.1 * work);
+    return std::abs(end.kinetic + end.elastic + end.plastic - lost - work) / work;
+  };
+  // Order one, as the return is: a fifth of the step, less than half of the error.
+  const double coarse = error(0.1), fine = error(0.02);
+  EXPECT_LT(coarse, 0.02);
+  EXPECT_LT(fine, 0.5 * coarse);
+}
+
+// K0 = nu/(1 - nu) below the active pressure of Rankine: the rest yields to it. Cut off at no
+// tension, the top has none.
+TEST_P(Plastic, RestYieldsToTheActivePressure) {
+  GroundParameters p = box({1, 1, 4}, {2, 2, 32}, {50e6, 0.1, 2000});
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  p.tolerance = 1e-10;
+  p.layers[0].strength = {Yield::mohr_coulomb, 5e3, 30, 0, 0};
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  ground.settle(std::vector<Vec3>(ground.top().nodes(), Vec3::Zero()));
+  const io::Grid grid = ground.fields();
+  const double n = 3, limit = 2 * 5e3 * std::sqrt(n), weight = 2000 * gravity;
+  double most = 0;
+  for (std::size_t c = 0; c < grid.cells.size() / 8; ++c) {
+    double z = 0;
+    for (std::size_t k = 0; k < 8; ++k)
+      z += grid.points[static_cast<std::size_t>(grid.cells[8 * c + k])].z() / 8;
+    const double vertical = weight * z, elastic = vertical * 0.1 / 0.9;
+    const double active = std::min(0.0, (limit + vertical) / n);
+    most = std::max({most, std::abs(grid.cell_data[1].values[6 * c + 2] - vertical),
+                     std::abs(grid.cell_data[1].values[6 * c] - std::min(elastic, active))});
+  }
+  // A zone in which the surface is met halfway has a mean between both: an eighth of what weighs in
+  // it.
+  EXPECT_LT(Comm::world().max(most), weight * 4.0 / 32 / 8);
+}
+
+TEST(Rest, RefusesWhatCannotStand) {
+  GroundParameters p = box({4, 1, 4}, {8, 1, 8}, {50e6, 0.3, 2000});
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  p.sides = Sides::free;
+  // A cut of 4 m stands up to 4 c/weight tan(45 + phi/2): 5 kPa are too little, 50 kPa enough.
+  p.layers[0].strength = {Yield::mohr_coulomb, 50e3, 20, 0, 10e3};
+  const std::vector<Vec3> none(2 * 9, Vec3::Zero());
+  Ground(Comm::world(), p, Dimension::plane, 1.0).settle(none);
+  p.layers[0].strength.cohesion = 5e3;
+  try {
+    Ground(Comm::world(), p, Dimension::plane, 1.0).settle(none);
+    FAIL() << "a cut of 4 m of soft soil stands";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("cannot carry its weight"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::fem
