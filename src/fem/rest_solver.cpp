@@ -4,8 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 #include "trackbed/core/error.hpp"
-#include "trackbed/par/exact_totals.hpp"
+#include "trackbed/core/exact_sum.hpp"
 
 namespace trackbed::fem {
 
@@ -14,6 +18,8 @@ RestSolver::RestSolver(Mesh& mesh, const Stiffness& stiffness, const Terms& term
     : mesh_(mesh),
       stiffness_(stiffness),
       terms_(terms),
+      terms_count_(static_cast<double>(
+          mesh.comm.sum(static_cast<std::int64_t>(mesh.own.size()) * mesh.lattice.components()))),
       inverse_(mesh.lattice.components(), mesh.nodes()) {
   const int components = mesh.lattice.components();
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
@@ -43,18 +49,36 @@ void RestSolver::apply(Nodal& x, Nodal& force) {
   }
 }
 
-// a . b and b . c over own nodes, each with a range of its own.
+// a . b and b . c over own nodes, as par::exact_totals makes them: the range from the largest term
+// and the number of terms, the sum from integers. Written out, since a term of these lists costs
+// less than asking for it.
 std::array<double, 2> RestSolver::products(const Nodal& a, const Nodal& b, const Nodal& c) const {
-  const auto parts = static_cast<std::size_t>(mesh_.lattice.components());
-  const std::size_t terms = parts * mesh_.own.size();
-  const auto sums =
-      par::exact_totals(mesh_.comm, {2, 2}, 2 * terms, [&](std::size_t k) -> par::ExactTerm {
-        const auto part = static_cast<int>(k % parts);
-        const std::int32_t n = mesh_.own[k % terms / parts];
-        if (k < terms) return {0, a[part][n] * b[part][n]};
-        return {1, b[part][n] * c[part][n]};
-      });
-  return {sums[0], sums[1]};
+  std::array<double, 2> largest{}, found{};
+  const auto each = [&](const auto& take) {
+    for (int part = 0; part < mesh_.lattice.components(); ++part) {
+      const double *x = a[part], *y = b[part], *z = c[part];
+      for (const std::int32_t n : mesh_.own) take(x[n] * y[n], y[n] * z[n]);
+    }
+  };
+  each([&](double first, double second) {
+    largest[0] = std::max(largest[0], std::abs(first));
+    largest[1] = std::max(largest[1], std::abs(second));
+  });
+  mesh_.comm.max(std::span<double>(largest));
+  if (!std::isfinite(largest[0]) || !std::isfinite(largest[1]) || largest[0] + largest[1] == 0)
+    return largest;
+  const auto sum_of = [&](double most) {
+    return ExactSum(exact_quantum((most > 0 ? most : 1.0) * terms_count_));
+  };
+  std::array<ExactSum, 2> sums{sum_of(largest[0]), sum_of(largest[1])};
+  each([&](double first, double second) { sums[0].add(first), sums[1].add(second); });
+  std::array<std::int64_t, 2> counts{sums[0].count(), sums[1].count()};
+  mesh_.comm.sum(std::span<std::int64_t>(counts));
+  for (std::size_t k = 0; k < 2; ++k) {
+    sums[k].count() = counts[k];
+    found[k] = sums[k].value();
+  }
+  return found;
 }
 
 double RestSolver::squared(const Nodal& force) const {
@@ -65,7 +89,7 @@ double RestSolver::squared(const Nodal& force) const {
   return products(moving, moving, moving)[0];
 }
 
-int RestSolver::solve(const Nodal& right, Nodal& x, double tolerance) {
+int RestSolver::solve(const Nodal& right, Nodal& x, double tolerance, double size) {
   // A ground of 300 x 100 zones with a block of concrete takes some thousand.
   constexpr int most = 50000;
   const int components = mesh_.lattice.components();
@@ -76,7 +100,7 @@ int RestSolver::solve(const Nodal& right, Nodal& x, double tolerance) {
       r[c][n] = inverse_[c][n] == 0 ? 0 : right[c][n] - q[c][n];
       p[c][n] = z[c][n] = inverse_[c][n] * r[c][n];
     }
-  const double enough = tolerance * tolerance * squared(right);
+  const double enough = tolerance * tolerance * size * size;
   auto [rz, rr] = products(z, r, r);
   int count = 0;
   for (; rr > enough; ++count) {

@@ -154,7 +154,7 @@ TEST_P(Failure, RankinesPressureAtRest) {
     const double exact = std::min(weight * z * 0.1 / 0.9, (limit + weight * z) / n);
     most = std::max(most, std::abs(grid.cell_data[1].values[6 * c] - exact));
   }
-  // Rounds of the rest stop at 1e-6 of the weight; both branches are lines, met between zones.
+  // Rounds of the rest stop at 1e-5 of the weight; both branches are lines, met between zones.
   verified::below("error of the horizontal stress over that at the base", "-",
                   Comm::world().max(most) / (weight * 10 / n), 1e-5);
 }
@@ -177,7 +177,7 @@ double bearing(const Comm& comm, std::int64_t zones, double cohesion, double fri
   const double h = half_width / static_cast<double>(zones);
   // N/m: a third of what makes a node with h^2/2 of soil follow within a window.
   const double spring = 0.3 * 2000 * h * h / 2 / (dt * dt);
-  const double way = (friction > 0 ? 80 : 25) * cohesion * half_width / 50e6;
+  const double way = (friction > 0 ? 60 : 25) * cohesion * half_width / 50e6;
   std::vector<Vec3> force(ground.top().nodes(), Vec3::Zero());
   std::vector<std::pair<std::int32_t, double>>
       punch;  // nodes and their springs, as the zones begin
