@@ -1,4 +1,5 @@
-// The quantities of extremes, listed once: fields and checkpoints visit the list.
+// The quantities of extremes, listed once: fields and checkpoints visit the list. Another one is a
+// line here and a larger `count`; checkpoints written before then have too few columns.
 #include "extremes.hpp"
 
 namespace trackbed::fem {

@@ -1,5 +1,11 @@
 // Flow and forces of zones that yield; what leaves as numbers is in plasticity_output.cpp.
 //
+// The order of sums is part of the promise of equal bits: lanes round as scalars, lists of
+// PatternMap have a fixed order, zones add to nodes by ascending numbers on the rank that owns the
+// node. What a zone becomes hangs on its own corners alone, so ranks that share it agree without a
+// message. Rejected: dense matrices (twice the time of all else), returning in lanes (principal
+// values and sets branch, and few points come there).
+//
 // A batch is eight zones of a run. Lanes beyond the end of a run compute something from nodes that
 // follow (or padding) and are never looked at.
 #include "plasticity.hpp"
@@ -73,6 +79,7 @@ Plasticity::Plasticity(const Mesh& mesh) : mesh_(mesh), number_(mesh.zone.size()
     if (mesh.solids.strength[s].yield == Yield::none) continue;
     const ZonePoints points = zone_points(mesh.lattice.size, mesh.solids.solid[s], dimension);
     const int parts = points.components;
+    // Forces of strain are the transpose of stress by displacement: work is the same both ways.
     const Eigen::MatrixXd force = points.volume * points.recovery.transpose();
     law = std::make_unique<Law>(Law{{mesh.solids.solid[s], mesh.solids.strength[s]},
                                     points,
@@ -99,8 +106,10 @@ Plasticity::Plasticity(const Mesh& mesh) : mesh_(mesh), number_(mesh.zone.size()
   flowed_.assign(zone_.size(), 0);
 }
 
+// From nothing at rest, so that `act_on` gives the forces of all plastic strain there is.
 void Plasticity::seek_rest() { std::fill(rest_.begin(), rest_.end(), 0.0); }
 
+// Flags follow from the strain and are not in files.
 void Plasticity::loaded() {
   for (std::size_t z = 0; z < zone_.size(); ++z) {
     const auto begin = strain_.begin() + static_cast<std::ptrdiff_t>(z * width_);
@@ -146,6 +155,7 @@ void Plasticity::flow_runs(const Nodal& rest, const Nodal& u) {
         }
         to_patterns<D>(motion[c]);
       }
+      // All in patterns until both parts are there: one way back to the points serves them.
       law.stress.apply(&motion[0][0], &stress.value[0][0]);
       if (std::any_of(&flowed_[first], &flowed_[first] + count, [](auto f) { return f != 0; })) {
         strain.gather(&strain_[first * width_], nullptr, count);
@@ -166,6 +176,7 @@ void Plasticity::flow(const Nodal& rest, const Nodal& u) {
   mesh_.lattice.plane ? flow_runs<2>(rest, u) : flow_runs<3>(rest, u);
 }
 
+// Strain is taken in lanes, forces are added zone by zone: neighbours share nodes.
 template <int D>
 void Plasticity::act_runs(Nodal& internal) const {
   constexpr int corners = 1 << D;
