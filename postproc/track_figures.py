@@ -32,6 +32,8 @@ def history(run, name):
 def loaded(run):
     """Datasets of a run of a track alone by their path."""
     run = read.datasets(run)
+    if "history/energy/kinetic" in run and "history/wheel/force" in run:
+        raise read.Unreadable("this is a train over a bed: use train_figures.py")
     if "history/wheel/force" not in run:
         raise read.Unreadable("this is no run of a track alone: it has no wheels; use figures.py")
     return run

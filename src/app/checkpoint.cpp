@@ -241,7 +241,7 @@ void Simulation::load(const io::File& file) {
       world_.platen->aim(model_.pressure_in(stage()), stage().kind == StageKind::shear);
     world_.platen->load(file, "platen");
   }
-  if (course_.begun) actions_.load(file);
+  if (course_.begun) actions_.load(file, course_.steps.window);
   load_surfaces(world_, file);
   if (world_.platen) world_.platen->cover(world_.walls.area());
 }

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,7 @@ struct Holds {
   bool plane;         // a plane model
   bool quiet_base;    // of the ground
   bool implicit;      // steps made the ground's last window
+  bool train;         // is on its way
 };
 
 // From the deck that made the state, not from the new one: it says what the state is.
@@ -39,7 +41,8 @@ Holds holds_of(const io::File& checkpoint, const Values& deck) {
           .moved_ground = checkpoint.has("ground"),
           .plane = is("dimension", "\"plane\""),
           .quiet_base = is("ground.base", "\"quiet\""),
-          .implicit = !is("ground.integrator", "\"explicit\"")};
+          .implicit = !is("ground.integrator", "\"explicit\""),
+          .train = checkpoint.has("train")};
 }
 
 bool is_one_of(std::string_view key, const auto& keys) {
@@ -63,6 +66,15 @@ bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
   return solid && !key.ends_with("].name") && key.find("].rayleigh_") == key.npos;
 }
 
+// A train on its way, and the rail below it, are what they were made of. Where the rail is uneven,
+// its contact with wheels and the step may change.
+bool matters_to_train(std::string_view key) {
+  static constexpr std::array sections = {"rail.", "pad.", "ballast.", "track.", "vehicle[",
+                                          "train.", "seat."};
+  return std::any_of(sections.begin(), sections.end(),
+                     [&](const char* section) { return key.starts_with(section); });
+}
+
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
 // has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
@@ -76,6 +88,7 @@ bool matters(std::string_view key, const Holds& holds) {
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;
+  if (holds.train && matters_to_train(key)) return true;
   return holds.moved_ground && matters_to_moved_ground(key, holds);
 }
 

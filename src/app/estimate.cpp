@@ -90,7 +90,7 @@ std::string limits_of(const Model& model, const Stage& stage, const Steps& steps
   std::string words =
       fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
                   steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
-  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
+  const CouplingLimit coupling = coupling_limit(model, stage);
   if (std::isfinite(coupling.window))
     words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
                          coupling.words());

@@ -152,8 +152,30 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   return sleeper.window < limit.window ? sleeper : limit;
 }
 
+// Explicit sleepers on springs are stable up to 2/w, w = sqrt(k/m), on dashpots up to m/c; both
+// rates, 1/s, add up. k and c: of the pads of all rails that a sleeper carries.
+CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
+  const CouplingLimit limit = coupling_limit(model, stage.ground_moves);
+  if (!stage.train) return limit;
+  const auto& s = model.sleepers;
+  const auto& pad = model.track.line.pad;
+  const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
+  const double mass = positive(s.density * s.width * s.height * length / model.seat.rails, 1);
+  const double stiffness = pad.knee > 0 ? std::max(pad.stiffness, pad.beyond) : pad.stiffness;
+  const double pads = 0.5 / (std::sqrt(stiffness / mass) + pad.damping / mass);
+  const double step = model.track.passage.step;
+  if (limit.window <= std::min(pads, step)) return limit;
+  CouplingLimit rail{.window = std::min(pads, step)};
+  rail.instead = pads < step ? fmt::format("sleeper of {:.3g} kg per rail on its pad of {:.3g} N/m "
+                                           "and {:.3g} N s/m",
+                                           mass, stiffness, pad.damping)
+                             : "passage.step";
+  return rail;
+}
+
 // For the log: a user must be able to check the limit by hand.
 std::string CouplingLimit::words() const {
+  if (!instead.empty()) return instead;
   return fmt::format("{} on {:.0f} contact{} of {:.3g} N/m", body, contacts,
                      contacts > 1 ? "s" : "", stiffness);
 }
@@ -252,7 +274,7 @@ Steps choose_steps(const World& world, const Model& model, const Stage& stage,
   const double dem_limit = world.particles.stable_step(&dem_words);
   require_stable(model, deck, dem_limit, dem_words);
   const double step = model.time.step > 0 ? model.time.step : dem_limit;
-  const CouplingLimit coupling = coupling_limit(model, stage.ground_moves);
+  const CouplingLimit coupling = coupling_limit(model, stage);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
   steps.limit = "stones: " + dem_words;

@@ -27,9 +27,13 @@ struct CouplingLimit {
   // n, at once. Sleeper: stones of the smallest sieve side by side on its face.
   double contacts = 1;
   double stiffness = 0;  // k, N/m
+  std::string instead{};  // of the words on body and contacts
   std::string words() const;
 };
 CouplingLimit coupling_limit(const Model& model, bool ground_moves);
+// Of a stage; its train asks for windows of `passage.step` at most, and for a quarter of what is
+// stable for sleepers on the pads of the rail.
+CouplingLimit coupling_limit(const Model& model, const Stage& stage);
 
 // A window is `substeps` sub-steps of equal length, each at most the stable one.
 struct Steps {

@@ -96,6 +96,9 @@ void Stage::declare_loads(input::Section& s) {
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
             "other; 0: one.");
+  s.flag("train", train,
+         "Passage: the vehicles of [train] run over rail and pads on the sleepers, instead of the "
+         "axles of [load].");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
            "Load and passage with cycles: the stage ends early once no sleeper has gone down by "
            "more than this in the last cycle; 0: never.");
@@ -209,6 +212,7 @@ void Model::declare(input::Section& s) {
   s.table("ground", ground, "The continuum below the bed.");
   s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
   s.table("load", load, "Load on the rail seats while axles pass.");
+  s.table("seat", seat, "Where the rail of a stage with train = true rests on the bed.");
   s.table("platen", platen, "The plate that compacts the bed.");
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("region", regions,
@@ -222,12 +226,9 @@ void Model::declare(input::Section& s) {
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
   declare_intervals(*this, s);
+  track.on_bed = true;
   track.declare(s);
-  s.rule(
-      "model", track.untouched(),
-      "must be \"track\": a section of such a model is given (rail, pad, ballast, track, vehicle, "
-      "train, wheel_rail, irregularity, passage), and these have no effect on a bed",
-      {.reads = {"model"}});
+  declare_train(*this, s);
 }
 
 bool Model::periodic_in(const std::string& axis) const {
@@ -248,6 +249,10 @@ bool Model::uses_platen() const {
 bool Model::uses_walls() const {
   const bool open = !periodic_in("x") || (dimension == Dimension::space && !periodic_in("y"));
   return open || has_stage(StageKind::compact);
+}
+
+bool Model::has_train() const {
+  return std::any_of(stages.begin(), stages.end(), [](const Stage& stage) { return stage.train; });
 }
 
 bool Model::uses_sleepers() const {

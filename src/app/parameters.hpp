@@ -11,6 +11,7 @@
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/observe/regions.hpp"
+#include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::app {
@@ -56,6 +57,7 @@ struct Stage {
   double ramp = 0.05;       // s, load: from zero to the peak, and back at the end; shear: to speed
   std::int64_t cycles = 0;  // load: haversines in the duration; passage: trains; 0: see `declare`
   double settlement = 0;    // m, load, passage: stop early once a cycle leaves less; 0: never
+  bool train = false;       // passage: vehicles on a rail, not the load of the deck
   void declare(input::Section& s);
 
  private:
@@ -107,6 +109,7 @@ struct Model {
   fem::GroundParameters ground;
   track::SleeperParameters sleepers;
   track::SeatLoadParameters load;
+  track::SeatParameters seat;
   bed::PlatenParameters platen;
   Output output;
   std::vector<observe::Region> regions;
@@ -118,6 +121,7 @@ struct Model {
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
   bool uses_platen() const;
+  bool has_train() const;      // in any stage
   bool uses_walls() const;     // or the platen, which is of their material
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }

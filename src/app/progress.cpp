@@ -75,6 +75,13 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
     say(comm_, "  sleepers: {} of {:.1f} kg; seat load peak {:.4g} kN at {:.2f} km/h, {} axles\n",
         world.sleepers->count(), world.sleepers->mass(), model.load.peak / 1e3,
         model.load.speed * 3.6, model.load.axles.size());
+  if (!model.has_train()) return;
+  const track::TrackParameters& track = model.track.line.track;
+  say(comm_,
+      "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, whose "
+      "sleepers carry {:g} rail{}\n",
+      fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
+      model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory of the fullest rank, since that one fails first.

@@ -205,7 +205,7 @@ void declare_passages(const Model& model, input::Section& s) {
   if (load.kind == track::SeatLoadKind::table || load.axles.empty() || model.sleepers.count < 1)
     return;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
-    if (model.stages[i].kind != StageKind::passage) continue;
+    if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;
     const std::string duration = fmt::format("stage[{}].duration", i);
     const input::About about{
         .reads = {"load", "sleepers.count", "sleepers.first", "sleepers.spacing", duration}};

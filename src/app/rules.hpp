@@ -7,6 +7,7 @@ namespace trackbed::app {
 
 // Declares them to the open root section, after all that they read.
 void declare_rules(const Model& model, input::Section& s);
+void declare_train(const Model& model, input::Section& s);  // once the track is read, too
 void declare_walls(const Model& model, input::Section& s);  // part of declare_rules
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);

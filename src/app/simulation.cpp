@@ -65,7 +65,8 @@ void Simulation::window() {
   average_support(dt);
 }
 
-// Loads are taken at mid-window: second order in the window for a load that varies smoothly.
+// Loads are taken at mid-window: second order in the window for a load that varies smoothly. Of a
+// train: at its begin, from which leapfrog kicks; the rail then follows to where the sleepers went.
 // The stones' reaction is the mean of the last window, N: first order in the window, and what the
 // coupling limit is about. Local: every rank moves all sleepers alike.
 void Simulation::move_sleepers(double dt) {
@@ -74,6 +75,7 @@ void Simulation::move_sleepers(double dt) {
   const double mid_window = (static_cast<double>(course_.clock.window()) + 0.5) * dt;
   seat_force_ = actions_.seat_forces(stage(), mid_window);
   world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
+  actions_.move_train(stage(), course_.clock);
 }
 
 // In the compact and shear stages the servo decides, in release and triaxial stages the deck.
@@ -229,6 +231,7 @@ void Simulation::begin_stage() {
   course_.clock = Clock(course_.steps.window, whole_windows(duration, course_.steps.window));
   course_.clock.set(time, 0);
   course_.begun = true;
+  actions_.send_train(stage(), course_.steps.window);
   seat_force_ = actions_.seat_forces(stage(), 0);
   measured_ = measure_from(stage().name, timers_, world_);
   stage_begin_ = progress_.wall_time();

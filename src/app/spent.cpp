@@ -44,8 +44,8 @@ bool cuts_to_come(const Model& model, std::size_t now, std::size_t next) {
 // Loads, damping and friction are not among them: they act in every window, and `resume` sets them
 // again.
 bool acts_at_begin(std::string_view name, StageKind kind) {
-  static constexpr std::array names = {"name",   "kind",   "duration",
-                                       "cycles", "height", "ground_moves"};
+  static constexpr std::array names = {"name",   "kind",         "duration", "cycles",
+                                       "height", "ground_moves", "train"};
   if (name == "profile") return kind != StageKind::cribs;
   return std::find(names.begin(), names.end(), name) != names.end();
 }

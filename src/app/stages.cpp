@@ -62,7 +62,7 @@ bool at_rest(const dem::Totals& totals, double ratio) {
 }  // namespace
 
 StageActions::StageActions(World& world, const Model& model)
-    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing) {}
+    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing), train_(world, model) {}
 
 // The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
 // it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
@@ -148,11 +148,19 @@ void StageActions::watch(const Stage& stage, const Clock& clock) {
 double StageActions::duration(const Stage& stage) const {
   if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
   const auto& s = model_.sleepers;
-  const double once = seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+  const double once = stage.train ? train_.duration() : seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
   return once * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
 }
 
-// Constant force, then what the kind adds. Trains of a passage are the same train again and again:
+void StageActions::send_train(const Stage& stage, double window) {
+  if (stage.train) train_.send(window);
+}
+
+void StageActions::move_train(const Stage& stage, const Clock& clock) {
+  train_.move(std::max<std::int64_t>(stage.cycles, 1), clock);
+}
+
+// Of a train: what its pads do now, whatever `time` is. Else constant force, then what the kind adds. Trains of a passage are the same train again and again:
 // time starts anew with each. The sleepers' own x counts, not the deck's, so that a sleeper that
 // was placed elsewhere is loaded where it is.
 std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
@@ -161,7 +169,10 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
-    if (stage.kind == StageKind::passage) forces[i] += seat_load_.at(world_.sleepers->x(i), time);
+    if (train_.there())
+      forces[i] += train_.seat_force(i);
+    else if (stage.kind == StageKind::passage)
+      forces[i] += seat_load_.at(world_.sleepers->x(i), time);
   }
   return forces;
 }
@@ -220,11 +231,19 @@ void StageActions::end(const Stage& stage) {
     world_.meet();
   }
   settlement_.end();
+  train_.take_away();
   world_.particles.set_local_damping(-1);
   world_.particles.set_friction(-1);
 }
 
-void StageActions::save(io::File& file) const { settlement_.save(file, world_.comm); }
-void StageActions::load(const io::File& file) { settlement_.load(file); }
+void StageActions::save(io::File& file) const {
+  settlement_.save(file, world_.comm);
+  train_.save(file);
+}
+
+void StageActions::load(const io::File& file, double window) {
+  settlement_.load(file);
+  train_.load(file, window);
+}
 
 }  // namespace trackbed::app

@@ -7,6 +7,7 @@
 
 #include "app/parameters.hpp"
 #include "app/settlement.hpp"
+#include "app/stage_train.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/clock.hpp"
 
@@ -24,6 +25,11 @@ class StageActions {
   void grow(const Stage& stage, double time, double dt);
   void watch(const Stage& stage, const Clock& clock);  // after every window
   double duration(const Stage& stage) const;           // s
+  // Once the stage's window (s) is known: its train, if it has one.
+  void send_train(const Stage& stage, double window);
+  // After the sleepers of a window.
+  void move_train(const Stage& stage, const Clock& clock);
+  const StageTrain& train() const { return train_; }
   // Force on each rail seat, N downwards, `time` s after the stage began.
   std::vector<double> seat_forces(const Stage& stage, double time) const;
   // Whether the stage has reached its aim before its duration is over. Depends on state alone, so
@@ -37,7 +43,7 @@ class StageActions {
 
   // What of a stage under way is in neither the deck nor the model. Collective.
   void save(io::File& file) const;
-  void load(const io::File& file);
+  void load(const io::File& file, double window);  // s, of the stage under way
 
  private:
   void pour(const Stage& stage);
@@ -49,6 +55,7 @@ class StageActions {
   const Model& model_;
   track::SeatLoad seat_load_;
   Settlement settlement_;
+  StageTrain train_;
 };
 
 }  // namespace trackbed::app

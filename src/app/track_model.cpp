@@ -47,20 +47,21 @@ void TrackOutput::declare(input::Section& s) {
             "x of points of the rail, and of sleepers nearest to them, in the histories.");
 }
 
-// The sentences name the model, since the reference shows these sections beside those of a bed.
+// Of model = "track", and of a bed with a train, which has another run and other histories.
 void TrackModel::declare(input::Section& s) {
-  s.table("rail", line.rail, "Both rails, model = \"track\" only.");
-  s.table("pad", line.pad, "Rail pads, model = \"track\" only.");
-  s.table("ballast", line.ballast, "Ballast as springs, model = \"track\" only.");
-  s.table("track", line.track, "The track as a whole, model = \"track\" only.");
-  s.tables("vehicle", vehicles, "A vehicle beside those of the library, model = \"track\" only.");
-  s.table("train", train, "Vehicles and their motion, model = \"track\" only.");
-  s.table("wheel_rail", wheel_rail, "Contact of wheels and rail, model = \"track\" only.");
+  s.table("rail", line.rail, "Both rails.");
+  s.table("pad", line.pad, "Rail pads.");
+  s.table("ballast", line.ballast, "Ballast as springs: of a track alone, and before and behind a bed.");
+  s.table("track", line.track, "The track as a whole.");
+  s.tables("vehicle", vehicles, "A vehicle beside those of the library.");
+  s.table("train", train, "Vehicles and their motion.");
+  s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
   s.table("irregularity", irregularity,
-          "How even the rail's running surface is, model = \"track\" only.");
-  s.table("passage", passage, "The run, model = \"track\" only.");
+          "How even the rail's running surface is.");
+  s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_vehicles(*this, s);
   const double length = line.track.length;
+  if (on_bed) return;
   for (const double x : passage.points)
     s.rule("passage.points", x <= length,
            fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
@@ -78,7 +79,9 @@ bool TrackModel::untouched() const {
   const auto text = [](TrackModel model) {
     return input::effective([&model](input::Section& s) { model.declare(s); });
   };
-  return text(*this) == text(TrackModel{});
+  TrackModel none;
+  none.on_bed = on_bed;
+  return text(*this) == text(none);
 }
 
 }  // namespace trackbed::app

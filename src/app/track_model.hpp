@@ -23,6 +23,7 @@ struct TrackModel {
   track::WheelRailParameters wheel_rail;
   track::IrregularityParameters irregularity;
   TrackOutput passage;
+  bool on_bed = false;  // the run is that of a bed
   void declare(input::Section& s);
   // Whether every parameter has its default.
   bool untouched() const;

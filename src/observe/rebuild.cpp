@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "observe/room.hpp"
@@ -14,6 +15,11 @@
 namespace trackbed::observe {
 
 namespace {
+
+// With one level of names below; regions and walls have two.
+constexpr std::array plain_histories = {"history/energy", "history/sleeper", "history/ground",
+                                        "history/platen", "history/wheel",   "history/rail",
+                                        "history/body"};
 
 // Unit and meaning go along: the copy is as readable as the file.
 io::Label label_of(const io::File& file, const std::string& path) {
@@ -49,8 +55,7 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
   if (rows == 0) return;
   copy_history<double>(comm, from, to, "history/time", rows);
   copy_history<std::int64_t>(comm, from, to, "history/stage", rows);
-  for (const char* group :
-       {"history/energy", "history/sleeper", "history/ground", "history/platen"})
+  for (const char* group : plain_histories)
     for (const std::string& path : members(from, group))
       copy_history<double>(comm, from, to, path, rows);
   for (const char* list : {"history/region", "history/wall"})
@@ -70,8 +75,9 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
 
 // Every number, each rank its share: damage is met before anything is made or removed.
 void read_through(const io::File& file) {
-  for (const char* group : {"history/energy", "history/sleeper", "history/ground", "history/platen",
-                            "envelope/sleeper", "envelope/ground"})
+  for (const char* group : plain_histories)
+    for (const std::string& path : members(file, group)) file.read_share<double>(path);
+  for (const char* group : {"envelope/sleeper", "envelope/ground"})
     for (const std::string& path : members(file, group)) file.read_share<double>(path);
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_share<double>(place);

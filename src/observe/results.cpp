@@ -135,6 +135,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   if (scene.ground) room.sample_ground(*scene.ground);
   room.sample_walls(instant.walls);
   if (instant.platen) room.sample_platen(*instant.platen);
+  if (instant.train) room.sample_train(*instant.train, instant.seat_force.size());
   room.sample_regions(scene.particles);
   ++room.rows;
   if (room.times.size() >= rows_in_memory) flush();

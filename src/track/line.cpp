@@ -68,6 +68,10 @@ struct Line::Room {
   BeamElement element(std::size_t e) const;
   std::array<std::int32_t, 4> unknowns_of(std::size_t e) const;
   bool bears(std::size_t node) const;  // a sleeper
+  bool is_moved(std::size_t sleeper) const {
+    return sleeper >= parameters.first_moved &&
+           sleeper - parameters.first_moved < parameters.moved;
+  }
 
   LineParameters parameters;
   Beam beam;
@@ -86,6 +90,8 @@ Line::Room::Room(const LineParameters& given) : parameters(given), beam(beam_of(
   const TrackParameters& track = parameters.track;
   const auto bays = std::llround(track.length / track.spacing);
   require(bays >= 1 && track.elements >= 1, "a track has at least one element");
+  require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
+          "sleepers that are moved are sleepers of the track");
   elements = static_cast<std::size_t>(bays * track.elements);
   element_length = track.length / static_cast<double>(elements);
   number();
@@ -105,8 +111,9 @@ void Line::Room::number() {
     const std::int32_t w = held ? -1 : unknowns++;
     node.push_back({w, unknowns++});
     if (!bears(n)) continue;
-    sleepers.push_back({node_x(n), unknowns++, {}, 0});
-    if (parameters.ballast.mass > 0) ++unknowns;
+    const bool moved = is_moved(sleepers.size());
+    sleepers.push_back({node_x(n), moved ? -1 : unknowns++, {}, 0});
+    if (!moved && parameters.ballast.mass > 0) ++unknowns;
   }
 }
 
@@ -207,7 +214,10 @@ void Line::Room::add_sleeper(std::size_t index) {
     sleeper.beyond = (pad.beyond - pad.stiffness) * stiffer;
     stops.push_back(
         stop_between({node[at][0], sleeper.unknown, sleeper.beyond, 0}, pad.knee / stiffer));
+    if (is_moved(index))
+      stops.back().seat = static_cast<std::int32_t>(index - parameters.first_moved);
   }
+  if (is_moved(index)) return;
   add(mass, sleeper.unknown, sleeper.unknown,
       parameters.track.sleeper_mass / static_cast<double>(parameters.track.rails));
   const std::int32_t below = ballast.mass > 0 ? sleeper.unknown + 1 : -1;
@@ -268,6 +278,8 @@ double Line::length() const { return room_->parameters.track.length; }
 std::size_t Line::sleepers() const { return room_->sleepers.size(); }
 double Line::sleeper_x(std::size_t i) const { return room_->sleepers.at(i).x; }
 std::int32_t Line::sleeper_unknown(std::size_t i) const { return room_->sleepers.at(i).unknown; }
+std::size_t Line::first_moved() const { return room_->parameters.first_moved; }
+std::size_t Line::moved() const { return room_->parameters.moved; }
 
 // The last element also holds the end itself.
 RailPoint Line::at(double x) const {
@@ -291,15 +303,27 @@ std::size_t Line::nearest_sleeper(double x) const {
 }
 
 // What the pad gives to the sleeper; its inertia is none, so the rail gets the same.
-double Line::seat_force(std::size_t i, const Vector& u, const Vector& v) const {
+double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {
   const Sleeper& sleeper = room_->sleepers.at(i);
   const Kelvin& pad = sleeper.pad;
-  const auto of = [&](const Vector& y) {
-    return y[pad.lower] - (pad.upper >= 0 ? y[pad.upper] : 0.0);
+  const auto of = [&](const Vector& y, double given) {
+    return (pad.lower >= 0 ? y[pad.lower] : given) - (pad.upper >= 0 ? y[pad.upper] : 0.0);
   };
   // Over a run-in all is as much stiffer as the knee comes earlier.
   const double knee = room_->parameters.pad.knee / room_->run_in(sleeper.x);
-  return pad.stiffness * of(u) + pad.damping * of(v) + sleeper.beyond * std::max(0.0, of(u) - knee);
+  const double pressed = of(u, seat.height);
+  return pad.stiffness * pressed + pad.damping * of(v, seat.rate) +
+         sleeper.beyond * std::max(0.0, pressed - knee);
+}
+
+// The linear part: that beyond a knee is a stop.
+void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
+  require(seats.size() == moved(), "one seat for each sleeper that is moved");
+  for (std::size_t k = 0; k < seats.size(); ++k) {
+    const Kelvin& pad = room_->sleepers[first_moved() + k].pad;
+    if (pad.upper >= 0)
+      to[pad.upper] += pad.stiffness * seats[k].height + pad.damping * seats[k].rate;
+  }
 }
 
 // The element's own end moment is exact for its loads at nodes; of a bed's force between nodes it

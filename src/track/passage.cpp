@@ -13,68 +13,23 @@
 // whose inertia is left out; of two wheels in one element each feels its own alone.
 // Rejected: iterating between track and train with the force of the last step, which needs tiny
 // steps for a stiff contact; contact stiffness in the matrix, factorised anew in each iteration.
-#include "trackbed/track/passage.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "passage_room.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
 
 namespace {
 
-using Matrix = Eigen::MatrixXd;
 constexpr int most_iterations = 100;
 constexpr double most_change = 1e300;  // m, of what is no number
 
 }  // namespace
-
-struct Passage::Room {
-  Room(const Line& line, const Train& train, const WheelRail& law, const Irregularity& irregularity,
-       const TrainParameters& motion, const PassageParameters& parameters);
-
-  double x(std::size_t wheel) const {
-    return motion.start + motion.speed * time() - train.wheels()[wheel].behind;
-  }
-  double time() const { return static_cast<double>(steps) * parameters.step; }
-  void place_wheels();
-  Matrix rail_matrix(const Columns& columns) const;
-  void start();
-  void step();
-  void solve_contacts(const Vector& without, const Matrix& flexibility);
-  void put_wheels(Columns& into) const;
-  Vector approaches(const Vector& of_track, const Vector& of_train) const;
-  double improve_rest(Vector& u, const Matrix& g, const Vector& without);
-  double rate(Eigen::Index stop) const;
-  Vector forces() const;
-  Vector slopes() const;
-  Eigen::Index wheels_rolling() const { return static_cast<Eigen::Index>(rolling.size()); }
-  Eigen::Index contacts() const { return approach.size(); }
-
-  const Line& line;
-  const Train& train;
-  WheelRail law;
-  Irregularity irregularity;
-  TrainParameters motion;
-  PassageParameters parameters;
-  Newmark track, vehicles;
-  std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
-  // Contacts are wheels that roll, then stops. Of each a column: the train's unknowns per unit of
-  // its force, and their change in a step; the same for the track.
-  Columns wheel_columns, wheel_change;
-  Columns track_columns, track_change;
-  std::vector<RailPoint> point;     // below each wheel, at the end of the step
-  std::vector<RailPoint> touching;  // of each contact
-  Vector approach;                  // m, of each contact
-  Vector stop_before, stop_rate;    // m, m/s, of the stops' approach at the begin of the step
-  double rate_slope = 0;            // 1/s, of the rate per approach: 2/h, at rest 0
-  Vector constant_load;             // N on the track's unknowns
-  std::int64_t steps = 0, iterations = 0, lost = 0;
-};
 
 // What does not change from step to step: which wheels roll, columns of the train and of the stops.
 Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irregularity& i,
@@ -89,6 +44,7 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irr
       vehicles(t.system(), p.step) {
   for (std::size_t k = 0; k < train.wheels().size(); ++k)
     if (train.wheels()[k].unknown >= 0) rolling.push_back(k);
+  seats.resize(line.moved());
   const auto stops = static_cast<Eigen::Index>(line.stops().size());
   const Eigen::Index n = wheels_rolling() + stops;
   approach = Vector::Zero(n);
@@ -114,6 +70,7 @@ void Passage::Room::place_wheels() {
     point.push_back(line.at(x(k)));
     if (train.wheels()[k].unknown < 0) point.back().add(-train.wheels()[k].force, constant_load);
   }
+  line.add_seats(seats, constant_load);
   touching.clear();
   for (const std::size_t k : rolling) touching.push_back(point[k]);
   for (const Stop& stop : line.stops()) touching.push_back(stop.point);
@@ -175,8 +132,11 @@ Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train)
     const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
     result[i] += irregularity.at(x(wheel)) - of_train[train.wheels()[wheel].unknown];
   }
-  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
-    result[i] -= line.stops()[static_cast<std::size_t>(k)].gap;
+  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k) {
+    const Stop& stop = line.stops()[static_cast<std::size_t>(k)];
+    result[i] -= stop.gap;
+    if (stop.seat >= 0) result[i] += seats[static_cast<std::size_t>(stop.seat)].height;
+  }
   return result;
 }
 
@@ -223,6 +183,17 @@ void Passage::Room::start() {
   track.displacement -= columns * forces();
   stop_before = approach.tail(contacts() - wheels_rolling());
   rate_slope = 2 / parameters.step;
+  train_at_rest = u;
+  wheels_at_rest = approach.head(wheels_rolling());
+}
+
+// Only for a train that starts on rigid rails: its equilibrium there knows no track.
+void Passage::Room::rest_train() {
+  steps = 0;
+  vehicles.displacement = train_at_rest;
+  vehicles.velocity.setZero();
+  vehicles.acceleration.setZero();
+  approach.head(wheels_rolling()) = wheels_at_rest;
 }
 
 // Newton's method from the approaches of the last step; where they part the slope is zero and the
@@ -277,6 +248,19 @@ Passage::~Passage() = default;
 Passage::Passage(Passage&&) noexcept = default;
 
 void Passage::advance() { room_->step(); }
+void Passage::send_again() { room_->rest_train(); }
+
+void Passage::place_seats(const std::vector<Seat>& seats) {
+  require(seats.size() == room_->seats.size(), "one seat for each sleeper that is moved");
+  room_->seats = seats;
+}
+
+double Passage::seat_force(std::size_t i) const {
+  const Room& room = *room_;
+  return room.line.seat_force(room.line.first_moved() + i, room.track.displacement,
+                              room.track.velocity, room.seats.at(i));
+}
+
 double Passage::time() const { return room_->time(); }
 double Passage::wheel_x(std::size_t i) const { return room_->x(i); }
 const Newmark& Passage::line_motion() const { return room_->track; }

@@ -202,6 +202,13 @@ SleeperState Sleepers::state(std::size_t i) const {
           body.spin};
 }
 
+// The velocity of mid-window and half a window of the acceleration that led to it: off by half a
+// window's change of acceleration.
+Vec3 Sleepers::velocity_now(std::size_t i) const {
+  const Body& body = room_->bodies.at(i);
+  return body.velocity + room_->last_step / 2 * body.acceleration;
+}
+
 // m v^2/2 + w . I w/2, J, with the velocities of mid-window.
 double Sleepers::kinetic() const {
   double sum = 0;

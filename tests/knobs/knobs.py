@@ -42,6 +42,7 @@ YIELDS = {part: ["ground.plane=strain", f"ground.{part}.0.yield=mohr_coulomb",
 BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
+ON_BED = ["stage.passage.train=true", "train.start=0", "seat.before=10"]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
@@ -172,6 +173,8 @@ KNOBS = {
     "load.decay": ("load.decay=2", []),
     "load.ratio": ("load.ratio=0.7", POWER),
     "load.file": ("load.file={folder}/strong.csv", TABLE),
+    "seat.before": ("seat.before=11", ON_BED),
+    "seat.rails": ("seat.rails=0.9", ON_BED),
     "platen.pressure": ("platen.pressure=5e3", []),
     "platen.speed": ("platen.speed=0.3", []),
     "platen.acceleration": ("platen.acceleration=20", []),
@@ -215,6 +218,7 @@ KNOBS = {
     "stage.[].load": ("stage.load.load=2.5e3", []),
     "stage.[].ramp": ("stage.load.ramp=0.002", []),
     "stage.[].cycles": ("stage.load.cycles=1", []),
+    "stage.[].train": ("stage.passage.train=false", ON_BED[:2]),
     "stage.[].settlement": ("stage.load.settlement=1", ["stage.load.cycles=4"]),
     "time.window": ("time.window=1e-4", []),
     "time.step": ("time.step=1e-4", []),

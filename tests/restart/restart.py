@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A run that is stopped and resumed gives the same bits as one that is not.
 
-    restart.py PROGRAM DECK FOLDER
+    restart.py PROGRAM DECK FOLDER [key=value ...]
 
 The deck runs through once; then it is stopped after several numbers of time windows, in different
 stages, and resumed on another number of ranks. Stones' state hash, histories, envelopes and
@@ -87,24 +87,26 @@ def stops(reference):
 
 def main():
     program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    overrides = sys.argv[4:]
     shutil.rmtree(root, ignore_errors=True)
     reference = root / "reference"
-    program.done(1, "run", deck, "-o", reference)
+    program.done(1, "run", deck, *overrides, "-o", reference)
     require_ends_by_aim(reference, deck)
     for windows in stops(reference):
         folder = root / f"stopped_{windows}"
-        program.done(RANKS_OF_STOPPED, "run", deck, f"output.stop_after={windows}", "-o", folder,
-                     code=3)
+        program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",
+                     "-o", folder, code=3)
         program.done(RANKS_OF_RESUMED, "resume", folder)
         compare(reference, folder, f"stopped after {windows} windows")
     folder = root / "started"
-    program.done(2, "run", deck, f"start={reference / 'stage_sleepers.h5'}", "-o", folder)
+    program.done(2, "run", deck, *overrides, f"start={reference / 'stage_sleepers.h5'}", "-o",
+                 folder)
     hashes = [summary(place)["dem"]["state_hash"] for place in (reference, folder)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"started from a stage: {hashes}")
     folder = root / "observed"
-    program.done(2, "run", deck, "output.history_interval=1.7e-4", "output.fields=true",
-                 "output.checkpoint_interval=0.011", "-o", folder)
+    program.done(2, "run", deck, *overrides, "output.history_interval=1.7e-4",
+                 "output.fields=true", "output.checkpoint_interval=0.011", "-o", folder)
     if summary(folder)["dem"]["state_hash"] != hashes[0]:
         raise SystemExit("observation changed the state")
 

@@ -13,6 +13,7 @@
 #include "trackbed/io/file.hpp"
 #include "trackbed/observe/regions.hpp"
 #include "trackbed/par/comm.hpp"
+#include "trackbed/track/on_bed.hpp"
 #include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::observe {
@@ -36,6 +37,12 @@ struct PlatenState {
   Vec3 force = Vec3::Zero();   // N, from stones, mean of the last window
 };
 
+// A run with trains: numbers of wheels and vehicles, and the one that is there now, if one is.
+struct TrainInstant {
+  std::size_t wheels = 0, bodies = 0;
+  const track::TrainOnBed* running = nullptr;
+};
+
 // The instant of a history row.
 struct Instant {
   double time = 0;                      // s
@@ -43,6 +50,7 @@ struct Instant {
   std::span<const double> seat_force;   // N, downwards, per sleeper
   std::span<const WallState> walls;     // all that the run ever has, in the same order
   const PlatenState* platen = nullptr;  // null: never one in this run
+  const TrainInstant* train = nullptr;  // null: never one in this run
 };
 
 struct About {

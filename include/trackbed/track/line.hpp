@@ -70,6 +70,14 @@ struct LineParameters {
   PadParameters pad;
   BallastParameters ballast;
   TrackParameters track;
+  // Sleepers that somebody else moves, from this number on; no parameters of a deck. They and what
+  // is below them are not in the line: of their pads it has the upper ends.
+  std::size_t first_moved = 0, moved = 0;
+};
+
+// How a sleeper that somebody else moves stands: m and m/s, upwards.
+struct Seat {
+  double height = 0, rate = 0;
 };
 
 // A point of the rail: its deflection is sum value_k u[unknown_k] plus `local` times a force there.
@@ -88,6 +96,7 @@ struct RailPoint {
 struct Stop {
   RailPoint point;
   double gap, stiffness, damping;  // m, N/m, N s/m
+  std::int32_t seat = -1;          // of the sleepers moved by somebody else: its height adds
   double force(double approach, double rate) const;
   // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
   double slope(double approach, double rate, double rate_slope) const;
@@ -105,10 +114,14 @@ class Line {
   const std::vector<Stop>& stops() const;  // not part of `system`
   std::size_t sleepers() const;            // 0 unless supported by sleepers
   double sleeper_x(std::size_t i) const;
-  std::int32_t sleeper_unknown(std::size_t i) const;
+  std::int32_t sleeper_unknown(std::size_t i) const;  // -1: moved by somebody else
+  std::size_t first_moved() const;                    // see LineParameters
+  std::size_t moved() const;
   std::size_t nearest_sleeper(double x) const;
-  // N, of the pad on sleeper i, compression positive.
-  double seat_force(std::size_t i, const Vector& u, const Vector& v) const;
+  // N, of the pad on sleeper i, compression positive. `seat`: of a sleeper that is moved.
+  double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {}) const;
+  // Adds what the pads of moved sleepers do to the rail besides holding it, N.
+  void add_seats(const std::vector<Seat>& seats, Vector& to) const;
   // N m in the rail just left of x, which should be a node; positive where it is bent upwards
   // (sagging). From element forces, so that a bed's share is in it.
   double bending_moment(double x, const Vector& u) const;

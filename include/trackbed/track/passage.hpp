@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "trackbed/input/section.hpp"
+#include "trackbed/io/file.hpp"
 #include "trackbed/track/irregularity.hpp"
 #include "trackbed/track/line.hpp"
 #include "trackbed/track/newmark.hpp"
@@ -36,6 +37,18 @@ class Passage {
 
   // One step. Throws RunError if the contact cannot be solved or something is no number.
   void advance();
+  // How the sleepers that somebody else moves stand at the end of the next step. Until it is
+  // called: where they were when the rail was laid on them.
+  void place_seats(const std::vector<Seat>& seats);
+  double seat_force(std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
+  // Puts the train back to its start, at rest as at the begin, on a rail that goes on as it is. For
+  // trains that start on rigid rails.
+  void send_again();
+
+  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
+  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
+  // Throws RunError for the state of another track or train.
+  void load(const io::File& file, const std::string& group);
 
   double time() const;                       // s
   double duration() const;                   // s, as asked for or until the last axle has left
@@ -46,7 +59,7 @@ class Passage {
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far
-  std::int64_t steps() const;
+  std::int64_t steps() const;  // since the train was sent
   std::int64_t lost() const;  // steps of wheels that had left the rail
 
  private:

@@ -90,6 +90,8 @@ class Sleepers {
   void advance(double dt, std::span<const double> seat_force,
                const std::vector<std::span<const Vec3>>& node_force, double gravity);
   SleeperState state(std::size_t i) const;
+  // m/s, of the centre at the end of the last window, to second order in the window.
+  Vec3 velocity_now(std::size_t i) const;
   Vec3 reaction(std::size_t i) const;  // N, from stones in the last window
   double kinetic() const;
 

@@ -1,0 +1,70 @@
+// A train on a rail that rests partly on sleepers somebody else moves (those on stones), partly on
+// sleepers on springs before and behind them. Every rank computes all of it alike.
+//
+// Two frames: x of the track counts from its begin, as in all parameters of rail and train; x of the
+// bed is that of the model around it. Both point along the track.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "trackbed/io/file.hpp"
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::track {
+
+// How the rail rests on the sleepers of a bed.
+struct SeatParameters {
+  std::int64_t before = 20;  // sleepers on springs before the first of the bed
+  double rails = 1;          // whose load the sleepers of the model carry
+  void declare(input::Section& s);
+};
+
+// What a train on a bed is made of; looked at while it is built only.
+struct TrainOnBedParameters {
+  const LineParameters& line;
+  const std::vector<VehicleParameters>& vehicles;
+  const TrainParameters& train;
+  const WheelRailParameters& wheel_rail;
+  const IrregularityParameters& irregularity;
+  const SeatParameters& seat;
+  std::size_t sleepers;      // of the bed
+  double first;              // m, x of the bed, of the first of them
+  double step;               // s
+  double tolerance = 1e-12;  // m, see PassageParameters
+};
+
+class TrainOnBed {
+ public:
+  // The rail is laid on the sleepers as they stand: at `levels`, m, one for each of the bed. Throws
+  // InputError for unknown vehicles and bad files.
+  TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
+  ~TrainOnBed();
+  TrainOnBed(TrainOnBed&&) noexcept;
+
+  // N, downwards, on the i-th sleeper of the bed at the present time; of all rails it carries.
+  double seat_force(std::size_t i) const;
+  // One step: to where the sleepers of the bed are at `levels` (m) and move at `rates` (m/s, up).
+  // Throws RunError if the contact of wheels and rail cannot be solved.
+  void advance(const std::vector<double>& levels, const std::vector<double>& rates);
+  // The same train once more, on the rail as it is.
+  void send_again();
+
+  const Train& train() const;
+  const Line& line() const;
+  const Passage& passage() const;
+  double wheel_x(std::size_t i) const;            // m, x of the bed
+  double rail_displacement(std::size_t i) const;  // m, above the i-th sleeper of the bed, since laid
+
+  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
+  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
+  void load(const io::File& file, const std::string& group);
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
+};
+
+}  // namespace trackbed::track

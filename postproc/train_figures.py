@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Draws the vehicles of a stage with train = true over a bed and prints the table of their numbers.
+
+    train_figures.py RESULT_DIR -o DIR
+
+RESULT_DIR holds results.h5. Writes train.png (wheel forces along the track, how far each sleeper
+goes down under each axle, what the axles leave behind) and train.txt into DIR. How each number is
+made: docs/track.md.
+"""
+import argparse
+import io
+import pathlib
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+import measures  # noqa: E402
+import read  # noqa: E402
+import write  # noqa: E402
+
+SHOWN_WHEELS = 8  # the first ones
+
+
+def train_rows(wheel_x):
+    """Rows of the last train: those where wheels have a place, from the last time that the first
+    one jumped back (a stage may send several)."""
+    there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
+    if not len(there):
+        raise read.Unreadable("no train ran in this run: give a stage of kind passage train = true")
+    back = np.flatnonzero(np.diff(wheel_x[there, 0]) < 0)
+    gap = np.flatnonzero(np.diff(there) > 1)
+    first = max([0, *(back + 1), *(gap + 1)])
+    return there[first:]
+
+
+def under_axles(wheel_x, sleepers_x, displacement, reach):
+    """Lowest displacement of each sleeper while an axle is within `reach` of it, [axle, sleeper],
+    relative to the first row; not a number where the axle never came."""
+    lowest = np.full((wheel_x.shape[1], len(sleepers_x)), np.nan)
+    moved = displacement - displacement[0]
+    for axle in range(wheel_x.shape[1]):
+        for i, place in enumerate(sleepers_x):
+            near = np.abs(wheel_x[:, axle] - place) <= reach
+            if near.any():
+                lowest[axle, i] = moved[near, i].min()
+    return lowest
+
+
+class Passing:
+    """The last train of a run: time, s; x, m, and force, N, of wheels; sleepers' motion, m."""
+
+    def __init__(self, run, every):
+        if "history/wheel/x" not in every or not len(run.sleepers_x):
+            raise read.Unreadable("this run has no train over a bed; use figures.py for seat loads "
+                                  "and track_figures.py for a track alone")
+        def rows_of(name):
+            values = every[f"history/{name}"].values
+            return values.reshape(len(values), -1)
+        rows = train_rows(rows_of("wheel/x"))
+        self.time = run.time[rows]
+        self.x, self.force = rows_of("wheel/x")[rows], rows_of("wheel/force")[rows]
+        self.rail = rows_of("rail/displacement")[rows]
+        self.sleepers_x = run.sleepers_x
+        self.displacement = rows_of("sleeper/displacement")[rows]
+        self.spacing = run.deck["sleepers"]["spacing"]
+        self.lowest = under_axles(self.x, self.sleepers_x, self.displacement, self.spacing)
+        self.left = self.displacement[-1] - self.displacement[0]
+
+    def on_bed(self):
+        """Whether each wheel is over the bed's sleepers, [time, wheel]."""
+        return (self.x >= self.sleepers_x[0]) & (self.x <= self.sleepers_x[-1])
+
+    def sunk_since_first(self):
+        """m, [axle, sleeper]: how much lower a sleeper is under an axle than under the first."""
+        return self.lowest[0] - self.lowest
+
+
+def numbers(passing):
+    """Name -> (value, unit)."""
+    force = np.where(passing.on_bed(), passing.force, np.nan)
+    if not np.isfinite(force).any():
+        raise read.Unreadable("no wheel was over the bed while histories were written")
+    found = {"largest wheel force over the bed": (np.nanmax(force) / 1e3, "kN"),
+             "least wheel force over the bed": (np.nanmin(force) / 1e3, "kN")}
+    for axle in range(force.shape[1]):
+        if not np.isfinite(passing.lowest[axle]).any():
+            continue
+        found[f"axle {axle + 1}, largest force"] = (np.nanmax(force[:, axle]) / 1e3, "kN")
+        found[f"axle {axle + 1}, sleepers down, mean"] = (
+            -1e3 * np.nanmean(passing.lowest[axle]), "mm")
+        found[f"axle {axle + 1}, sleepers down, most"] = (
+            -1e3 * np.nanmin(passing.lowest[axle]), "mm")
+        found[f"axle {axle + 1}, lower than under the first, mean"] = (
+            1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
+    found["rail above a sleeper, down, most"] = (-1e3 * passing.rail.min(), "mm")
+    found["left by the train, mean of sleepers"] = (-1e3 * passing.left.mean(), "mm")
+    found["left by the train, worst sleeper"] = (-1e3 * passing.left.min(), "mm")
+    return found
+
+
+def draw(passing, blocks):
+    """Three panels over x; `blocks` of the ground are shaded."""
+    figure, (wheels, down, left) = plt.subplots(3, 1, figsize=(9, 10), sharex=True,
+                                                layout="constrained")
+    for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
+        words = f"axle {axle + 1}"
+        wheels.plot(passing.x[:, axle], passing.force[:, axle] / 1e3, lw=0.8, label=words)
+        down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], "o-", ms=3, lw=0.9, label=words)
+        if axle:
+            left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], "o-", ms=3,
+                      lw=0.9, label=f"under {words} against axle 1")
+    left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
+              label="after the train against before")
+    wheels.set(ylabel="wheel force, kN", title="Train over the bed")
+    down.set(ylabel="lowest of each sleeper, mm")
+    left.set(ylabel="settlement, mm", xlabel="x, m")
+    low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
+    wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
+    for panel in (wheels, down, left):
+        for name, (begin, end) in blocks.items():
+            panel.axvspan(begin, end, lw=0, alpha=0.3 if name == "structure" else 0.1,
+                          color="0.35" if name == "structure" else "tab:green", zorder=0)
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=7, ncols=2)
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("results", type=pathlib.Path)
+    parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    every = read.datasets(given.results)
+    if "history/energy/kinetic" not in every:
+        raise read.Unreadable("this is a track alone, without a bed: use track_figures.py")
+    run = read.results(given.results)
+    passing = Passing(run, every)
+    text = "".join(f"{name:60} {value:10.4g} {unit}\n"
+                   for name, (value, unit) in numbers(passing).items())
+    write.folder(given.folder)
+    picture = io.BytesIO()
+    draw(passing, measures.blocks(run)).savefig(picture, dpi=130, format="png")
+    write.whole(given.folder / "train.png", picture.getvalue())
+    write.whole(given.folder / "train.txt", text.encode())
+    print(text, end="")
+
+
+if __name__ == "__main__":
+    main()

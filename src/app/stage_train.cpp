@@ -1,0 +1,79 @@
+// Small and the same on all ranks, as sleepers are: nothing is sent.
+#include "app/stage_train.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr const char* group = "train";  // of checkpoints
+
+}  // namespace
+
+// Numbers of wheels and bodies are columns of the histories, known before the train is.
+StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_(model) {
+  if (!model.has_train()) return;
+  const TrackModel& t = model.track;
+  track::Irregularity(t.irregularity, t.line.track.length);
+  const track::Train train(t.train, t.vehicles, t.line.track.rails);
+  wheels_ = train.wheels().size();
+  bodies_ = train.vehicles().size();
+}
+
+// As for a track alone.
+double StageTrain::duration() const {
+  const TrackModel& t = model_.track;
+  const track::Train train(t.train, t.vehicles, t.line.track.rails);
+  return (t.line.track.length + train.axle_distance() - t.train.start) / t.train.speed;
+}
+
+std::vector<double> StageTrain::levels() const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
+    all.push_back(world_.sleepers->state(i).displacement.z());
+  return all;
+}
+
+void StageTrain::send(double step) {
+  const TrackModel& t = model_.track;
+  train_.emplace(track::TrainOnBedParameters{.line = t.line,
+                                             .vehicles = t.vehicles,
+                                             .train = t.train,
+                                             .wheel_rail = t.wheel_rail,
+                                             .irregularity = t.irregularity,
+                                             .seat = model_.seat,
+                                             .sleepers = world_.sleepers->count(),
+                                             .first = model_.sleepers.first,
+                                             .step = step,
+                                             .tolerance = t.passage.tolerance},
+                 levels());
+}
+
+// Trains follow each other at the ends of cycles, which are counted as for their settlement.
+void StageTrain::move(std::int64_t trains, const Clock& clock) {
+  if (!train_) return;
+  std::vector<double> rates;
+  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
+    rates.push_back(world_.sleepers->velocity_now(i).z());
+  train_->advance(levels(), rates);
+  const std::int64_t window = clock.window(), windows = clock.windows();
+  const auto number = [&](std::int64_t done) { return done * trains / windows; };
+  if (window + 1 < windows && number(window + 1) > number(window)) train_->send_again();
+}
+
+observe::TrainInstant StageTrain::instant() const {
+  return {.wheels = wheels_, .bodies = bodies_, .running = train_ ? &*train_ : nullptr};
+}
+
+void StageTrain::save(io::File& file) const {
+  if (train_) train_->save(file, group, world_.comm);
+}
+
+// A stage whose train is on its way has a group; others have none.
+void StageTrain::load(const io::File& file, double step) {
+  take_away();
+  if (!file.has(group)) return;
+  send(step);
+  train_->load(file, group);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,44 @@
+// The vehicles of a stage with `train = true`: sent when it begins, moved in every window, gone when
+// it ends.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "app/parameters.hpp"
+#include "app/world.hpp"
+#include "trackbed/core/clock.hpp"
+#include "trackbed/track/on_bed.hpp"
+
+namespace trackbed::app {
+
+// Holds references: world and model must outlive it.
+class StageTrain {
+ public:
+  // Throws InputError for a bad file of the irregularity if any stage has a train.
+  StageTrain(World& world, const Model& model);
+
+  double duration() const;     // s until the last axle has left the track
+  void send(double step);      // s, the stage's window; the rail is laid on the sleepers as they are
+  bool there() const { return train_.has_value(); }
+  double seat_force(std::size_t i) const { return train_->seat_force(i); }  // N downwards
+  // After the sleepers have moved through the window that `clock` is in, of `trains` in the stage.
+  void move(std::int64_t trains, const Clock& clock);
+  void take_away() { train_.reset(); }
+  observe::TrainInstant instant() const;
+
+  // Nothing without a train. Collective.
+  void save(io::File& file) const;
+  // Sends it first, with windows of `step` s, if the file has one.
+  void load(const io::File& file, double step);
+
+ private:
+  std::vector<double> levels() const;  // m, of the sleepers
+
+  World& world_;
+  const Model& model_;
+  std::optional<track::TrainOnBed> train_;
+  std::size_t wheels_ = 0, bodies_ = 0;
+};
+
+}  // namespace trackbed::app

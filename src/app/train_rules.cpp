@@ -1,0 +1,106 @@
+// Rules of a train over the sleepers of a bed: sections of a track alone that a bed has only if a
+// stage sends a train, and where track and bed must meet.
+//
+// Errors are what cannot be computed; a parameter of a track alone that a bed does not look at is a
+// warning.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/rules.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double rounding = 1e-6;  // relative, of lengths that are meant to be equal
+
+// Sections of rail and train without a train would have no effect.
+void declare_presence(const Model& model, input::Section& s) {
+  s.rule(
+      "model", model.has_train() || model.track.untouched(),
+      "must be \"track\", or a stage must have train = true: a section of rail and train is given "
+      "(rail, pad, ballast, track, vehicle, train, wheel_rail, irregularity, passage), and these "
+      "have no effect otherwise",
+      {.reads = {"model"}});
+  const track::SeatParameters none;
+  s.rule("seat", model.has_train() || (model.seat.before == none.before &&
+                                       model.seat.rails == none.rails),
+         "has no effect: no stage has train = true", {.reads = {"seat", "stage"}});
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].train", i),
+           !model.stages[i].train || model.stages[i].kind == StageKind::passage,
+           "is for stages of kind passage only", {.reads = {"stage"}});
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].duration", i),
+           !model.stages[i].train || model.stages[i].cycles < 2 || model.stages[i].duration == 0,
+           "must be 0 for several trains: the next one is sent when the last axle has left",
+           {.reads = {"stage"}});
+}
+
+// The sleepers of the bed are sleepers of the track, in its plain part.
+void declare_place(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  const track::SleeperParameters& bed = model.sleepers;
+  const input::About about{.reads = {"track", "sleepers", "seat", "stage"}};
+  s.rule("track.support", track.support == track::Support::sleepers,
+         "must be sleepers: the bed has some", about);
+  s.rule("track.spacing", std::abs(track.spacing - bed.spacing) <= rounding * bed.spacing,
+         fmt::format("must be that of the sleepers of the bed (sleepers.spacing = {:g} m)",
+                     bed.spacing),
+         about);
+  const double first = static_cast<double>(model.seat.before) * track.spacing;
+  const double last = first + static_cast<double>(bed.count - 1) * track.spacing;
+  s.rule("seat.before", first >= track.run_in * (1 - rounding),
+         fmt::format("puts the first sleeper of the bed {:g} m behind the begin of the track, "
+                     "within its run-in of {:g} m",
+                     first, track.run_in),
+         about);
+  s.rule("track.length", last <= (track.length - track.run_in) * (1 + rounding),
+         fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
+                     "run-in behind it",
+                     last + track.run_in, last),
+         about);
+  s.rule("train.start", model.track.train.start <= 0,
+         "must be at most 0 on a bed: the train comes from the rigid rail before the track",
+         {.reads = {"train", "stage"}});
+}
+
+// The bed's sleeper of each rail is about as heavy as that on springs, or a mass was meant whole.
+void declare_doubts(const Model& model, input::Section& s) {
+  const track::SleeperParameters& bed = model.sleepers;
+  const double length = model.dimension == Dimension::plane ? model.thickness : bed.length;
+  const double mass = bed.density * bed.width * bed.height * length / model.seat.rails;
+  const track::TrackParameters& track = model.track.line.track;
+  const double given = track.sleeper_mass / static_cast<double>(track.rails);
+  constexpr double far = 2;
+  s.rule("seat.rails", mass <= far * given && given <= far * mass,
+         fmt::format("leaves {:.3g} kg of the bed's sleepers to each rail, of those on springs "
+                     "{:.3g} kg (track.sleeper_mass): which share do they carry?",
+                     mass, given),
+         {.weight = input::Weight::warning,
+          .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
+  const TrackOutput none;
+  const TrackOutput& passage = model.track.passage;
+  const auto unused = [&](const char* key, bool given_one, const char* instead) {
+    s.rule(key, !given_one, fmt::format("has no effect on a bed: {} counts", instead),
+           {.weight = input::Weight::warning, .reads = {key, "stage"}});
+  };
+  unused("passage.duration", passage.duration != none.duration, "the duration of the stage");
+  unused("passage.history_interval", passage.history_interval != none.history_interval,
+         "output.history_interval");
+  unused("passage.points", passage.points != none.points,
+         "the rail above each sleeper is in the histories, so only that");
+}
+
+}  // namespace
+
+void declare_train(const Model& model, input::Section& s) {
+  declare_presence(model, s);
+  if (!model.has_train()) return;
+  declare_place(model, s);
+  declare_doubts(model, s);
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,52 @@
+// Wheels, rail and vehicles of a train over a bed, in the histories under the names of a track alone.
+#include <limits>
+
+#include "observe/room.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+// Order of the columns below.
+enum Which : std::size_t { wheel_force, wheel_x, rail_displacement, body_displacement, body_motion };
+
+std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleepers) {
+  return {{"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},
+          {"history/wheel/x", {"m", "where it is, in the frame of the bed"}, train.wheels},
+          {"history/rail/displacement",
+           {"m", "vertical, above each sleeper of the bed, since the rail was laid"},
+           sleepers},
+          {"history/body/displacement",
+           {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
+           train.bodies},
+          {"history/body/acceleration", {"m/s2", "vertical, no filter"}, train.bodies}};
+}
+
+}  // namespace
+
+// Not a number while there is no train: a zero would be a place and a force.
+void Results::Room::sample_train(const TrainInstant& instant, std::size_t sleepers) {
+  if (train.empty()) train = train_columns(instant, sleepers);
+  if (!instant.running) {
+    for (Column& column : train)
+      column.values.insert(column.values.end(), column.width,
+                           std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const track::TrainOnBed& on_bed = *instant.running;
+  for (std::size_t i = 0; i < instant.wheels; ++i) {
+    train[wheel_force].values.push_back(on_bed.passage().wheel_force(i));
+    train[wheel_x].values.push_back(on_bed.wheel_x(i));
+  }
+  for (std::size_t i = 0; i < sleepers; ++i)
+    train[rail_displacement].values.push_back(on_bed.rail_displacement(i));
+  const track::Newmark& motion = on_bed.passage().train_motion();
+  for (std::size_t i = 0; i < instant.bodies; ++i) {
+    const bool forces = on_bed.train().vehicles()[i].kind == track::VehicleKind::forces;
+    const std::int32_t body = on_bed.train().first_unknown()[i];
+    train[body_displacement].values.push_back(forces ? 0 : motion.displacement[body]);
+    train[body_motion].values.push_back(forces ? 0 : motion.acceleration[body]);
+  }
+}
+
+}  // namespace trackbed::observe

@@ -1,0 +1,60 @@
+// What a passage keeps between steps, and what it makes anew in each.
+#pragma once
+
+#include <vector>
+
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::track {
+
+using Matrix = Eigen::MatrixXd;
+
+// State is listed once, in passage_file.cpp; all else follows from the deck or from state.
+struct Passage::Room {
+  Room(const Line& line, const Train& train, const WheelRail& law, const Irregularity& irregularity,
+       const TrainParameters& motion, const PassageParameters& parameters);
+
+  double x(std::size_t wheel) const {
+    return motion.start + motion.speed * time() - train.wheels()[wheel].behind;
+  }
+  double time() const { return static_cast<double>(steps) * parameters.step; }
+  void place_wheels();
+  void rest_train();
+  Matrix rail_matrix(const Columns& columns) const;
+  void start();
+  void step();
+  void solve_contacts(const Vector& without, const Matrix& flexibility);
+  void put_wheels(Columns& into) const;
+  Vector approaches(const Vector& of_track, const Vector& of_train) const;
+  double improve_rest(Vector& u, const Matrix& g, const Vector& without);
+  double rate(Eigen::Index stop) const;
+  Vector forces() const;
+  Vector slopes() const;
+  Eigen::Index wheels_rolling() const { return static_cast<Eigen::Index>(rolling.size()); }
+  Eigen::Index contacts() const { return approach.size(); }
+
+  const Line& line;
+  const Train& train;
+  WheelRail law;
+  Irregularity irregularity;
+  TrainParameters motion;
+  PassageParameters parameters;
+  Newmark track, vehicles;
+  std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
+  // Contacts are wheels that roll, then stops. Of each a column: the train's unknowns per unit of
+  // its force, and their change in a step; the same for the track.
+  Columns wheel_columns, wheel_change;
+  Columns track_columns, track_change;
+  std::vector<RailPoint> point;     // below each wheel, at the end of the step
+  std::vector<RailPoint> touching;  // of each contact
+  Vector approach;                  // m, of each contact
+  Vector stop_before, stop_rate;    // m, m/s, of the stops' approach at the begin of the step
+  double rate_slope = 0;            // 1/s, of the rate per approach: 2/h, at rest 0
+  Vector constant_load;             // N on the track's unknowns
+  std::vector<Seat> seats;          // of moved sleepers, at the end of the step
+  Vector train_at_rest;             // m, equilibrium at the start
+  Vector wheels_at_rest;            // m, approaches in it
+  std::int64_t steps = 0, iterations = 0, lost = 0;
+};
+
+}  // namespace trackbed::track

@@ -1,0 +1,65 @@
+"""Tests of train_figures.py on made-up histories whose numbers are known."""
+import types
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import read
+import train_figures
+
+
+def made(trains=1):
+    """Two axles 10 m apart at 10 m/s, 50 and 60 kN, over sleepers at 3, 4 and 5 m. Each axle presses
+    a sleeper down by 1 mm while it is within 0.1 m and leaves 0.1 mm. A row before without train."""
+    way = np.concatenate([np.linspace(0, 30, 3001)] * trains)
+    x = np.stack([way, way - 10], axis=1)
+    time = 0.01 * np.arange(len(way))
+    sleepers = np.array([3.0, 4.0, 5.0])
+    down = np.zeros((len(way), 3))
+    for axle in range(2):
+        off = x[:, axle, None] - sleepers
+        passed = np.diff(off > 0, axis=0, prepend=off[:1] > 0) & (off > 0)
+        down -= 1e-3 * (np.abs(off) < 0.1) + 1e-4 * np.cumsum(passed, axis=0)
+    nan = np.full((1, 2), np.nan)
+    every = {"history/wheel/x": np.vstack([nan, x]),
+             "history/wheel/force": np.vstack([nan, np.full(x.shape, 1) * [50e3, 60e3]]),
+             "history/rail/displacement": np.vstack([nan[:, :1].repeat(3, 1), 1.5 * down]),
+             "history/sleeper/displacement": np.vstack([np.zeros((1, 3)), down])}
+    run = types.SimpleNamespace(sleepers_x=sleepers, time=np.concatenate([[-0.01], time]),
+                                deck={"sleepers": {"spacing": 1.0}})
+    return run, {name: read.Quantity(values, "-", "made for a test")
+                 for name, values in every.items()}
+
+
+def test_settlement_of_each_axle():
+    found = train_figures.numbers(train_figures.Passing(*made()))
+    assert found["largest wheel force over the bed"] == (pytest.approx(60), "kN")
+    assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
+    # Right behind the axle a sleeper is down by its dent and by what this axle has left.
+    assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
+    assert found["axle 2, sleepers down, most"][0] == pytest.approx(1.2)
+    assert found["axle 2, lower than under the first, mean"][0] == pytest.approx(0.1)
+    assert found["left by the train, worst sleeper"][0] == pytest.approx(0.2)
+
+
+def test_of_several_trains_the_last_counts():
+    passing = train_figures.Passing(*made(trains=2))
+    assert len(passing.time) == 3001
+    assert passing.left == pytest.approx([-2e-4] * 3)
+
+
+def test_panels():
+    figure = train_figures.draw(train_figures.Passing(*made()), {"structure": (0.0, 4.0)})
+    assert len(figure.axes) == 3
+    plt.close(figure)
+
+
+def test_runs_without_a_train_are_refused():
+    run, every = made()
+    with pytest.raises(SystemExit) as refused:
+        train_figures.Passing(run, {})
+    assert refused.value.code == 2
+    every["history/wheel/x"] = read.Quantity(np.full((5, 2), np.nan), "m", "none")
+    with pytest.raises(SystemExit) as refused:
+        train_figures.Passing(run, every)
+    assert refused.value.code == 2

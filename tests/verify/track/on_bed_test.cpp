@@ -1,0 +1,185 @@
+// A train over sleepers that somebody else moves, against the track alone that has them in its
+// matrix: sleepers on springs, so that both are the same track.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "support/verified.hpp"
+#include "trackbed/track/on_bed.hpp"
+#include "trackbed/track/sleepers.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
+constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
+
+LineParameters track_of(double knee = 0) {
+  LineParameters p;
+  p.track.length = 24;
+  p.pad.knee = knee;
+  p.pad.beyond = 4 * p.pad.stiffness;
+  return p;
+}
+
+const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 0};
+
+// Every 0.4 ms: N, of the first wheel; m, of the sleeper in the middle of the bed.
+struct Histories {
+  std::vector<double> wheel, sleeper;
+};
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+Histories alone(double dt, double knee = 0) {
+  const Line line(track_of(knee));
+  const Train train(motion, {}, 2);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 24), motion, {.step = dt});
+  const std::int32_t unknown = line.sleeper_unknown(before + watched);
+  Histories found;
+  for (int i = 1; i <= std::lround(duration / dt); ++i) {
+    passage.advance();
+    if (i % std::lround(every / dt) != 0) continue;
+    found.wheel.push_back(passage.wheel_force(0));
+    found.sleeper.push_back(passage.line_motion().displacement[unknown]);
+  }
+  return found;
+}
+
+// now: the springs' force at the time of the pads' force. late: its mean over the last window, as
+// that of stones is.
+enum class Springs { now, late };
+
+struct OnBed {
+  OnBed(double dt, double rails, Springs how, double knee = 0)
+      : step(dt),
+        springs(how),
+        line(track_of(knee)),
+        sleepers({.count = count,
+                  .first = 0.6,
+                  .length = 1,
+                  .density = rails * line.track.sleeper_mass / 2 / (0.29 * 0.22),
+                  .free = {"z"}},
+                 Dimension::plane, 1, 0),
+        train({.line = line,
+               .vehicles = {},
+               .train = motion,
+               .wheel_rail = {},
+               .irregularity = {},
+               .seat = {.before = before, .rails = rails},
+               .sleepers = count,
+               .first = 0.6,
+               .step = dt},
+              std::vector<double>(count, 0.0)),
+        bed(rails),
+        last(count, 0.0) {
+    sleepers.place(1);
+  }
+
+  // As Simulation::move_sleepers.
+  void window() {
+    std::vector<double> seats, levels, rates;
+    std::vector<std::vector<Vec3>> nodes;
+    for (std::size_t i = 0; i < count; ++i) {
+      seats.push_back(train.seat_force(i));
+      const double now =
+          -bed * (line.ballast.stiffness * sleepers.state(i).displacement.z() +
+                  line.ballast.damping * sleepers.velocity_now(i).z());
+      const double force = springs == Springs::now ? now : (now + last[i]) / 2;
+      last[i] = now;
+      const std::size_t n = sleepers.surfaces()[i].nodes();
+      nodes.emplace_back(n, Vec3(0, 0, force / static_cast<double>(n)));
+    }
+    sleepers.advance(step, seats, {nodes.begin(), nodes.end()}, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      levels.push_back(sleepers.state(i).displacement.z());
+      rates.push_back(sleepers.velocity_now(i).z());
+    }
+    train.advance(levels, rates);
+  }
+
+  double step;
+  Springs springs;
+  LineParameters line;
+  Sleepers sleepers;
+  TrainOnBed train;
+  double bed;                // springs below a sleeper over those below one rail's
+  std::vector<double> last;  // N, of the springs a window ago
+};
+
+Histories on_bed(double dt, double rails = 1, Springs how = Springs::now, double knee = 0) {
+  OnBed model(dt, rails, how, knee);
+  Histories found;
+  for (int i = 1; i <= std::lround(duration / dt); ++i) {
+    model.window();
+    if (i % std::lround(every / dt) != 0) continue;
+    found.wheel.push_back(model.train.passage().wheel_force(0));
+    found.sleeper.push_back(model.sleepers.state(watched).displacement.z());
+  }
+  return found;
+}
+
+// The reference has steps of a sixteenth of those that give the order: its own error is far less.
+TEST(TrainOnBed, ConvergesToTheTrackAlone) {
+  const Histories exact = alone(1.25e-5 / 2);
+  const Histories a = on_bed(2e-4), b = on_bed(1e-4), c = on_bed(5e-5);
+  const auto order = [&](const auto& of) {
+    return std::log2(distance(a.*of, exact.*of) / distance(b.*of, exact.*of));
+  };
+  verified::near("order in the window, sleeper", "-", order(&Histories::sleeper), 2, 0.2);
+  verified::near("order in the window, wheel force", "-", order(&Histories::wheel), 2, 0.3);
+  verified::below("root mean square error of a sleeper, windows of 0.05 ms", "m",
+                  distance(c.sleeper, exact.sleeper), 1e-7);
+  verified::below("root mean square error of the wheel force", "N",
+                  distance(c.wheel, exact.wheel), 50);
+}
+
+// What stones give is the mean of the last window.
+TEST(TrainOnBed, ALateReactionIsOfFirstOrder) {
+  const Histories exact = alone(1.25e-5);
+  const Histories a = on_bed(2e-4, 1, Springs::late), b = on_bed(1e-4, 1, Springs::late);
+  verified::near("order in the window, sleeper", "-",
+                 std::log2(distance(a.sleeper, exact.sleeper) / distance(b.sleeper, exact.sleeper)),
+                 1, 0.3);
+}
+
+// Knees of pads are contacts of the rail's solve and see the sleepers of the bed, too.
+TEST(TrainOnBed, PadsWithAKnee) {
+  constexpr double knee = 1e-4;  // m: passed under every wheel
+  const Histories linear = alone(5e-5), exact = alone(2.5e-5, knee);
+  const Histories bent = on_bed(5e-5, 1, Springs::now, knee);
+  const double error = distance(bent.sleeper, exact.sleeper);
+  verified::below("error of a sleeper over the effect of the knee", "-",
+                  error / distance(linear.sleeper, exact.sleeper), 0.02);
+}
+
+// Twice the mass on twice the springs under two rails: a factor of two is exact in every number.
+TEST(TrainOnBed, AWholeTrackIsTwoHalves) {
+  const Histories half = on_bed(2e-4, 1), whole = on_bed(2e-4, 2);
+  EXPECT_EQ(half.sleeper, whole.sleeper);
+  EXPECT_EQ(half.wheel, whole.wheel);
+}
+
+TEST(TrainOnBed, IsSentAgain) {
+  OnBed model(2e-4, 1, Springs::now);
+  const double force = model.train.passage().wheel_force(0), x = model.train.wheel_x(0);
+  // The track begins where its sleepers stand: the first of the bed is at 0.6 m.
+  EXPECT_NEAR(x, 0.6 - before * 0.6, 1e-12);
+  for (int i = 0; i < 1000; ++i) model.window();
+  const double lowest = model.train.rail_displacement(0);
+  EXPECT_NEAR(model.train.wheel_x(0), x + 10, 1e-9);
+  model.train.send_again();
+  EXPECT_EQ(model.train.wheel_x(0), x);
+  EXPECT_EQ(model.train.passage().wheel_force(0), force);
+  EXPECT_EQ(model.train.rail_displacement(0), lowest);  // the rail goes on as it is
+  for (int i = 0; i < 1000; ++i) model.window();
+  EXPECT_NEAR(model.train.wheel_x(0), x + 10, 1e-9);
+}
+
+}  // namespace
+}  // namespace trackbed::track
