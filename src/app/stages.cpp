@@ -62,7 +62,9 @@ bool at_rest(const dem::Totals& totals, double ratio) {
 }  // namespace
 
 StageActions::StageActions(World& world, const Model& model)
-    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing), train_(world, model) {}
+    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing,
+                 static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
+      train_(world, model) {}
 
 // The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
 // it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
@@ -172,7 +174,7 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
     if (train_.there())
       forces[i] += train_.seat_force(i);
     else if (stage.kind == StageKind::passage)
-      forces[i] += seat_load_.at(world_.sleepers->x(i), time);
+      forces[i] += seat_load_.at(world_.sleepers->x(i), time, i);
   }
   return forces;
 }

@@ -50,9 +50,9 @@ void SleeperParameters::declare(input::Section& s) {
 
 // Each kind of load uses some of these; brackets say which.
 void SeatLoadParameters::declare(input::Section& s) {
-  s.choice("kind", kind, {"winkler", "power", "table"},
+  s.choice("kind", kind, {"winkler", "power", "table", "seats"},
            "Shape of the load of one axle along the track: deflection of a beam on a Winkler bed, "
-           "ratio^((s/spacing)^2), or a measured history.");
+           "ratio^((s/spacing)^2), a measured history, or a history for each sleeper.");
   s.number("peak", peak, {.unit = "N", .at_least = 0, .usually_from = 1e3, .usually_to = 1e6},
            "Rail-seat load of one axle right above the sleeper (winkler, power). For a wheel load "
            "Q on a "
@@ -71,10 +71,10 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("ratio", ratio, {.above = 0}, "Load one sleeper away over the peak (power).");
   s.file("file", file,
          "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "
-         "(table).");
-  s.rule("axles", kind == SeatLoadKind::table || !axles.empty(), "must name at least one axle");
+         "(table); with time_s, sleeper_0, sleeper_1 and so on, N: of each sleeper (seats).");
+  s.rule("axles", is_table() || !axles.empty(), "must name at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
-  s.rule("file", kind != SeatLoadKind::table || !file.empty(), "is needed for kind = \"table\"");
+  s.rule("file", !is_table() || !file.empty(), "is needed for kind = \"table\" and \"seats\"");
 }
 
 }  // namespace trackbed::track

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/table.hpp"
@@ -27,27 +28,34 @@ double winkler(double s, double b) {
 }  // namespace
 
 // A table is checked when it is read, by every rank: later `at` may rely on rising times.
-SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing)
+SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers)
     : parameters_(parameters), spacing_(spacing) {
-  if (parameters.kind != SeatLoadKind::table) return;
-  const auto columns = input::read_table(parameters.file, {"time_s", "force_N"}, "time_s");
-  times_ = columns[0], forces_ = columns[1];
+  if (!parameters.is_table()) return;
+  std::vector<std::string> names = {"time_s"};
+  if (parameters.kind == SeatLoadKind::table) names.emplace_back("force_N");
+  for (std::size_t i = 0; parameters.kind == SeatLoadKind::seats && i < sleepers; ++i)
+    names.push_back(fmt::format("sleeper_{}", i));
+  forces_ = input::read_table(parameters.file, names, "time_s");
+  times_ = std::move(forces_.front());
+  forces_.erase(forces_.begin());
   if (times_.size() < 2)
     throw InputError({fmt::format("{}: needs at least two rows", parameters.file)});
 }
 
 // Local and without state: any time may be asked in any order.
-double SeatLoad::at(double x, double time) const {
-  if (parameters_.kind == SeatLoadKind::table) {
+double SeatLoad::at(double x, double time, std::size_t sleeper) const {
+  if (parameters_.is_table()) {
     // The wave of loads travels unchanged: sleeper at x feels at time t what x = 0 felt x/speed
-    // earlier.
-    const double t = time - x / parameters_.speed;
+    // earlier. A table of seats has each sleeper's own time.
+    const bool shared = parameters_.kind == SeatLoadKind::table;
+    const double t = shared ? time - x / parameters_.speed : time;
+    const std::vector<double>& forces = forces_.at(shared ? 0 : sleeper);
     // Outside of what was measured nothing is known: no load.
     if (t < times_.front() || t > times_.back()) return 0;
     const auto after = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
     const auto hi = std::min(static_cast<std::size_t>(after), times_.size() - 1), lo = hi - 1;
     const double share = (t - times_[lo]) / (times_[hi] - times_[lo]);
-    return forces_[lo] + share * (forces_[hi] - forces_[lo]);
+    return forces[lo] + share * (forces[hi] - forces[lo]);
   }
   // Axles superpose, as on a linear bed. s: distance of the axle from this sleeper, m.
   double sum = 0;
@@ -64,6 +72,7 @@ double SeatLoad::duration(double last_x) const {
   // m beyond the last sleeper. With the default decay or ratio less than 2 % of the peak is left
   // there; a softer bed (a decay of 1 per m: 4 %) spreads the load further, and its end is cut off.
   constexpr double run_out = 3;
+  if (parameters_.kind == SeatLoadKind::seats) return times_.back();
   if (parameters_.kind == SeatLoadKind::table) return times_.back() + last_x / parameters_.speed;
   const double last = *std::max_element(parameters_.axles.begin(), parameters_.axles.end());
   return (last_x + run_out + last - parameters_.start) / parameters_.speed;

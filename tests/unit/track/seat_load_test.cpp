@@ -143,6 +143,20 @@ TEST_F(SeatTable, IsLinearBetweenRowsAndZeroOutside) {
   EXPECT_NEAR(load.duration(10), 0.9, rounding);
 }
 
+TEST(SeatsOfTheirOwn, EachSleeperHasAColumn) {
+  std::ofstream("seats.csv") << "time_s,sleeper_1,sleeper_0\n0,0,5\n0.5,10,5\n";
+  SeatLoadParameters p;
+  p.kind = SeatLoadKind::seats;
+  p.file = "seats.csv";
+  const SeatLoad load(p, spacing, 2);
+  EXPECT_EQ(load.at(0, 0.25, 0), 5);
+  EXPECT_EQ(load.at(0.6, 0.25, 1), 5);  // not later: the table has its own times
+  EXPECT_EQ(load.at(0.6, 0.5, 1), 10);
+  EXPECT_EQ(load.at(0, 0.51, 0), 0);
+  EXPECT_EQ(load.duration(10), 0.5);
+  EXPECT_THROW(SeatLoad(p, spacing, 3), InputError);  // no column for the third
+}
+
 TEST_F(SeatTable, TimesMustRise) {
   const SeatLoadParameters p = written("0,0\n0.2,1\n0.1,2\n");
   try {

@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""The hand-over loop of long-term studies: what the bed is like goes to the train over a track
+alone, what this does to each sleeper goes back to the bed, round after round.
+
+    handover.py PROGRAM DECK CHECKPOINT FOLDER [--rounds N] [--trains N] [--each N] [--load N]
+
+DECK: a bed with the sections of rail and train (inputs/track/on_bed.toml); CHECKPOINT: stage_NAME.h5
+of a run of it, with sleepers that are bedded in. One round, in FOLDER/round_K:
+
+1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
+   load goes is the support stiffness of each sleeper.
+2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that lies
+   as the sleepers have settled so far.
+3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats").
+4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
+   the geometry of the rail for the next round.
+
+A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
+rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv (all
+figures of each sleeper and round) and handover.png. RANKS=N sets the ranks (2).
+"""
+import argparse
+import csv
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import h5py
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+OF_THE_TRAIN = ("rail", "pad", "ballast", "seat", "track", "train", "wheel_rail", "irregularity",
+                "passage", "vehicle")
+WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
+
+
+# As jobs/common.sh does.
+if os.geteuid() == 0:
+    os.environ |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
+
+
+def chunks(text):
+    """(name of the section, its text) in the order of the deck; the head is called ""."""
+    parts = re.split(r"(?m)^(?=\[)", text)
+    return [(re.match(r"\[*([^\]]*)", part).group(1) if part.startswith("[") else "", part)
+            for part in parts]
+
+
+def toml(value):
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def table(name, values):
+    lines = [name, *(f"{key} = {toml(value)}" for key, value in values.items()
+                     if not isinstance(value, dict) and
+                     not (isinstance(value, list) and value and isinstance(value[0], dict)))]
+    return "\n".join(lines) + "\n\n"
+
+
+class Loop:
+    def __init__(self, given):
+        self.given = given
+        text = given.deck.read_text(encoding="utf-8")
+        self.deck = tomllib.loads(text)
+        done = given.checkpoint.name.removeprefix("stage_").removesuffix(".h5")
+        names = [stage["name"] for stage in self.deck["stage"]]
+        trains = [stage for stage in self.deck["stage"] if stage.get("train")]
+        if done not in names:
+            sys.exit(f"{given.checkpoint} is no stage_NAME.h5 of {given.deck}")
+        if not trains:
+            sys.exit(f"{given.deck} has no stage with train = true")
+        if self.deck.get("irregularity", {}).get("kind", "none") != "none":
+            sys.exit(f"{given.deck}: the loop has its own irregularity, leave out [irregularity]")
+        self.preload = trains[0].get("seat_force", 0)
+        kept = [part for name, part in chunks(text)
+                if name.split(".")[0] not in (*OF_THE_TRAIN, "stage", "load")]
+        stages = [part for name, part in chunks(text) if name == "stage"]
+        self.bed = "".join(kept) + "".join(stages[:names.index(done) + 1])
+        self.start = given.checkpoint.resolve()
+        sleepers = self.deck["sleepers"]
+        self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
+        seat = self.deck.get("seat", {})
+        self.rails = seat.get("rails", 1)
+        self.on_track = sleepers["spacing"] * (seat.get("before", 20) + np.arange(len(self.x)))
+        self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
+        self.rows = []
+
+    def program(self, deck, folder, *overrides, ranks):
+        command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none",
+                   str(self.given.program), "run", str(deck), *overrides, "--force", "-o",
+                   str(folder)]
+        with open(f"{folder}.log", "w", encoding="utf-8") as log:
+            if subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False).returncode:
+                sys.exit(f"{' '.join(command)} failed: see {folder}.log")
+
+    def run_bed(self, stage, folder, *overrides):
+        """One stage more of the bed; histories of it."""
+        self.bed += "\n" + table("[[stage]]", stage)
+        deck = folder.with_suffix(".toml")
+        deck.write_text(self.bed, encoding="utf-8")
+        self.program(deck, folder, f"start={self.start}", *overrides,
+                     ranks=int(os.environ.get("RANKS", "2")))
+        self.start = (folder / f"stage_{stage['name']}.h5").resolve()
+        with h5py.File(folder / "results.h5") as file:
+            rows = file["history/stage"][()].ravel() == tomllib.loads(self.bed)["stage"].__len__() - 1
+            found = {name: file[f"history/sleeper/{name}"][()][rows]
+                     for name in ("displacement", "seat_force")}
+            return file["history/time"][()].ravel()[rows], found
+
+    def weigh(self, number, folder):
+        """N/m, of the support of each sleeper and rail."""
+        stage = {"name": f"weigh_{number}", "kind": "load", "duration": WEIGHING,
+                 "load": self.given.load, "ramp": RAMP, "seat_force": self.preload,
+                 "ground_moves": True, "local_damping": 0.2}
+        time, sleeper = self.run_bed(stage, folder / "weigh")
+        going = time >= time[-1] - RAMP
+        return np.array([np.polyfit(z, force, 1)[0] for z, force in zip(
+            sleeper["displacement"][going].T, sleeper["seat_force"][going].T)]) / self.rails
+
+    def track_deck(self, folder, stiffness):
+        """The track alone: springs of the bed's stiffness, rail as the sleepers have settled."""
+        parts = {name: dict(self.deck.get(name, {})) for name in OF_THE_TRAIN[:-1]}
+        springs = parts["ballast"].get("stiffness", 60e6)
+        spacing = self.deck["sleepers"]["spacing"]
+        length = parts["track"].get("length", 60.0)
+        z = folder / "geometry.csv"
+        points = [(0, 0), (self.on_track[0] - spacing, 0), *zip(self.on_track, -self.settled),
+                  (self.on_track[-1] + spacing, 0), (length, 0)]
+        z.write_text("x_m,z_m\n" + "".join(f"{x!r},{float(h)!r}\n" for x, h in map(
+            lambda p: (float(p[0]), p[1]), points)), encoding="utf-8")
+        parts["irregularity"] = {"kind": "file", "file": z.name, "fade": spacing}
+        parts["passage"].pop("duration", None)
+        parts["passage"] |= {"points": [float(x) for x in self.on_track], "history_interval": 5e-4}
+        del parts["seat"]
+        text = 'model = "track"\n\n' + "".join(
+            table(f"[{name}]", values) for name, values in parts.items())
+        zones = [*self.deck.get("track", {}).get("zone", []),
+                 *({"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),
+                    "bed": float(k / springs)} for x, k in zip(self.on_track, stiffness))]
+        text += "".join(table("[[track.zone]]", zone) for zone in zones)
+        text += "".join(table("[[vehicle]]", one) for one in self.deck.get("vehicle", []))
+        deck = folder / "track.toml"
+        deck.write_text(text, encoding="utf-8")
+        return deck
+
+    def pass_track(self, folder, stiffness):
+        """Seat forces, N of one rail, [time, sleeper]; largest wheel force, N."""
+        self.program(self.track_deck(folder, stiffness), folder / "track", ranks=1)
+        with h5py.File(folder / "track/results.h5") as file:
+            time, force = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
+            wheel = file["history/wheel/force"][()].max()
+        force = force.reshape(len(time), -1)
+        seats = folder / "seats.csv"
+        with open(seats, "w", newline="", encoding="utf-8") as out:
+            rows = csv.writer(out)
+            rows.writerow(["time_s", *(f"sleeper_{i}" for i in range(len(self.x)))])
+            rows.writerows([t, *(self.rails * row)] for t, row in zip(time, force))
+        return seats, force, wheel
+
+    def pass_bed(self, number, folder, seats):
+        """m, what each sleeper loses under one train."""
+        stage = {"name": f"trains_{number}", "kind": "passage", "cycles": self.given.trains,
+                 "seat_force": self.preload, "ground_moves": True}
+        _, sleeper = self.run_bed(stage, folder / "trains", "load.kind=seats",
+                                  f"load.file={seats.resolve()}")
+        lost = sleeper["displacement"][0] - sleeper["displacement"][-1]
+        return lost / self.given.trains
+
+    def round(self, number):
+        folder = self.given.folder / f"round_{number}"
+        folder.mkdir(parents=True, exist_ok=True)
+        stiffness = self.weigh(number, folder)
+        if not (stiffness > 0).all():
+            sys.exit(f"round {number}: a sleeper has no support: {stiffness} N/m")
+        seats, force, wheel = self.pass_track(folder, stiffness)
+        lost = self.pass_bed(number, folder, seats)
+        for i, x in enumerate(self.x):
+            self.rows.append({"round": number, "x_m": x, "stiffness_N_m": stiffness[i],
+                              "largest_seat_force_N": force[:, i].max(),
+                              "largest_wheel_force_N": wheel, "settlement_per_train_m": lost[i],
+                              "geometry_before_m": -self.settled[i]})
+        self.settled = self.settled + lost * self.given.trains * self.given.each
+        print(f"round {number}: support {stiffness.min() / 1e6:.1f} to {stiffness.max() / 1e6:.1f} "
+              f"MN/m, seats up to {force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, "
+              f"settlement per train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm "
+              "(most)", flush=True)
+
+    def write(self):
+        path = self.given.folder / "handover.csv"
+        with open(path, "w", newline="", encoding="utf-8") as out:
+            rows = csv.DictWriter(out, self.rows[0])
+            rows.writeheader()
+            rows.writerows(self.rows)
+        shown = {"stiffness_N_m": ("support, MN/m", 1e-6),
+                 "largest_seat_force_N": ("largest seat load, kN", 1e-3),
+                 "settlement_per_train_m": ("settlement per train, mm", 1e3),
+                 "geometry_before_m": ("geometry of the rail, mm", 1e3)}
+        figure, panels = plt.subplots(len(shown), 1, figsize=(8, 10), sharex=True,
+                                      layout="constrained")
+        for panel, (name, (words, scale)) in zip(panels, shown.items()):
+            for number in range(self.given.rounds):
+                values = [scale * row[name] for row in self.rows if row["round"] == number]
+                panel.plot(self.x, values, "o-", ms=4, lw=0.9, label=f"round {number}")
+            panel.set(ylabel=words)
+            panel.grid(alpha=0.3)
+        panels[0].legend(fontsize=7)
+        panels[-1].set(xlabel="x, m")
+        figure.savefig(self.given.folder / "handover.png", dpi=130)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("deck", type=Path)
+    parser.add_argument("checkpoint", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--trains", type=int, default=2, help="computed in a round")
+    parser.add_argument("--each", type=float, default=1, help="trains that a computed one stands for")
+    parser.add_argument("--load", type=float, default=30e3, help="N on each seat while weighing")
+    loop = Loop(parser.parse_args())
+    for number in range(loop.given.rounds):
+        loop.round(number)
+    loop.write()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""The vehicle of inputs/track/on_bed.toml over stones that had less time to come to rest: what rail
+and sleepers give each other, the figures of the run, and one round of the hand-over loop.
+
+    on_bed.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import csv
+import pathlib
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+SHORT = ["stage.fill.duration=0.5", "stage.compact.duration=0.4", "stage.release.duration=0.05",
+         "stage.sleepers.duration=0.1", "stage.bed_in.duration=0.1", "stage.bed_in.cycles=1"]
+STATIC = 54545  # N, of a wheel: a quarter of an axle load of 109.09 kN in each of two rails
+GRAVITY = 9.81
+
+
+def check_histories(folder, deck):
+    mass = 2441 * 0.29 * 0.22 * deck["thickness"]
+    with h5py.File(folder / "results.h5") as file:
+        train = file["history/stage"][()].ravel() == len(deck["stage"]) - 1
+        wheel, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
+        sleeper = {name: file[f"history/sleeper/{name}"][()][train]
+                   for name in ("acceleration", "seat_force", "reaction")}
+        rail = file["history/rail/displacement"][()][train]
+    if np.isfinite(wheel[~train]).any() or not np.isfinite(wheel[train]).all():
+        raise SystemExit("wheels have forces while the train runs, and only then")
+    # Before the first wheel has come near, all stand as at rest.
+    if not np.allclose(wheel[train][0], STATIC, rtol=1e-3) or abs(x[train][0, 0] + 9) > 0.05:
+        raise SystemExit(f"the train begins elsewhere: {wheel[train][0]} N, {x[train][0]} m")
+    over = wheel[train][(x[train] > 0) & (x[train] < 3)]
+    if over.min() < 0.5 * STATIC or over.max() > 2 * STATIC:
+        raise SystemExit(f"wheels over the bed: {over.min()} to {over.max()} N")
+    # Newton's law of each sleeper in each row: the rail's force is what it was moved by.
+    off = sleeper["reaction"] + sleeper["seat_force"] - mass * (GRAVITY + sleeper["acceleration"])
+    if np.abs(off).max() > 1e-6 * STATIC:
+        raise SystemExit(f"forces on sleepers do not balance: {np.abs(off).max()} N")
+    seats = -sleeper["seat_force"].min(axis=0) - 5e3
+    if seats.min() < 0.15 * STATIC or seats.max() > STATIC or rail.min() > -1e-4:
+        raise SystemExit(f"largest seat loads {seats} N, rail down to {rail.min()} m")
+
+
+def check_figures(source, folder):
+    ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
+                          folder / "figures"], capture_output=True, text=True, check=False)
+    if ran.returncode or "axle 4, lower than under the first" not in ran.stdout:
+        raise SystemExit(f"train_figures.py: {ran.stdout}{ran.stderr}")
+    ran = subprocess.run([sys.executable, source / "postproc/track_figures.py", folder, "-o",
+                          folder / "figures"], capture_output=True, text=True, check=False)
+    if ran.returncode != 2 or "use train_figures.py" not in ran.stderr:
+        raise SystemExit(f"track_figures.py must refuse it: {ran.stdout}{ran.stderr}")
+
+
+def check_loop(source, program, folder):
+    place = folder / "loop"
+    ran = subprocess.run([sys.executable, source / "jobs/handover.py", program,
+                          source / "inputs/track/on_bed.toml", folder / "stage_bed_in.h5", place,
+                          "--rounds", "2", "--trains", "1"], capture_output=True, text=True,
+                         check=False)
+    if ran.returncode:
+        raise SystemExit(f"handover.py: {ran.stdout}{ran.stderr}")
+    with open(place / "handover.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    stiffness = [float(row["stiffness_N_m"]) for row in rows]
+    geometry = [float(row["geometry_before_m"]) for row in rows]
+    lost = [float(row["settlement_per_train_m"]) for row in rows]
+    if len(rows) != 8 or min(stiffness) < 5e6 or max(stiffness) > 1e9:
+        raise SystemExit(f"supports: {stiffness} N/m")
+    if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
+        raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
+
+
+def main():
+    program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    deck = source / "inputs/track/on_bed.toml"
+    program.done(2, "run", deck, *SHORT, "-o", folder)
+    check_histories(folder, tomllib.loads(deck.read_text(encoding="utf-8")))
+    if summary(folder)["warnings"]:
+        print("\n".join(summary(folder)["warnings"]))
+    check_figures(source, folder)
+    check_loop(source, sys.argv[1], folder)
+
+
+if __name__ == "__main__":
+    main()
