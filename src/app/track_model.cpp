@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"
 
 namespace trackbed::app {
@@ -37,6 +38,16 @@ void declare_vehicles(const TrackModel& model, input::Section& s) {
            {.reads = {"vehicle"}});
 }
 
+// Of trains that can be built; what others lack is said already. -1: unknown.
+std::int64_t axles_of(const TrackModel& model) {
+  try {
+    const track::Train train(model.train, model.vehicles, 1);
+    return static_cast<std::int64_t>(train.wheels().size());
+  } catch (const InputError&) {
+    return -1;
+  }
+}
+
 }  // namespace
 
 void TrackOutput::declare(input::Section& s) {
@@ -60,6 +71,10 @@ void TrackModel::declare(input::Section& s) {
           "How even the rail's running surface is.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_vehicles(*this, s);
+  if (const std::int64_t axles = wheel_rail.flat_axle > 0 ? axles_of(*this) : -1; axles >= 0)
+    s.rule("wheel_rail.flat_axle", wheel_rail.flat_axle <= axles,
+           fmt::format("is not there: the train has {} axles", axles),
+           {.reads = {"wheel_rail", "train", "vehicle"}});
   const double length = line.track.length;
   if (on_bed) return;
   for (const double x : passage.points)

@@ -130,7 +130,8 @@ Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train)
     result[i] = touching[static_cast<std::size_t>(i)].deflection(of_track);
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i) {
     const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
-    result[i] += irregularity.at(x(wheel)) - of_train[train.wheels()[wheel].unknown];
+    result[i] += irregularity.at(x(wheel)) - law.flat(wheel, x(wheel)) -
+                 of_train[train.wheels()[wheel].unknown];
   }
   for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k) {
     const Stop& stop = line.stops()[static_cast<std::size_t>(k)];

@@ -90,6 +90,15 @@ void WheelRailParameters::declare(input::Section& s) {
            "C of F = C approach^1.5 (hertz); 0: from radii and moduli.");
   s.number("stiffness", stiffness, {.unit = "N/m", .above = 0},
            "Of one wheel on one rail (linear).");
+  s.integer("flat_axle", flat_axle, {.at_least = 0, .at_most = 10000},
+            "Axle whose wheels have a flat, the first is 1; 0: none.");
+  s.number("flat_length", flat_length, {.unit = "m", .above = 0, .usually_to = 0.2},
+           "Of the flat, its edges worn round: it is length^2/(16 wheel_radius) deep.");
+  s.number("flat_at", flat_at, {.unit = "m"},
+           "x where the middle of the flat meets the rail; again after each turn of the wheel.");
+  s.rule("flat_length", flat_axle == 0 || flat_length <= bodies.wheel_radius,
+         "must be at most the radius of the wheel",
+         {.reads = {"flat_axle", "flat_length", "wheel_radius"}});
 }
 
 // Chosen once: a step asks for forces some dozen times.
@@ -97,11 +106,29 @@ WheelRail::WheelRail(const WheelRailParameters& p)
     : law_(p.law),
       constant_(p.law == WheelRailLaw::linear ? p.stiffness
                 : p.constant > 0              ? p.constant
-                                              : hertz_contact(p.bodies).constant) {}
+                                              : hertz_contact(p.bodies).constant),
+      flat_axle_(p.flat_axle),
+      flat_length_(p.flat_length),
+      flat_at_(p.flat_at),
+      radius_(p.bodies.wheel_radius) {}
 
 double WheelRail::force(double approach) const {
   if (approach <= 0) return 0;
   return constant_ * (law_ == WheelRailLaw::linear ? approach : approach * std::sqrt(approach));
+}
+
+// A flat whose edges have been rolled round lets the wheel down by
+//   d/2 (1 + cos(2 pi s/l)),   d = l^2/(16 R),   |s| < l/2,
+// s the way from the flat's middle, l its length, m (Newton, Clark 1979,
+// doi:10.1243/JMES_JOUR_1979_021_046_02). Relative to rail and wheel at rest: the wheel's own path
+// about a fresh edge is not followed.
+double WheelRail::flat(std::size_t axle, double x) const {
+  if (flat_axle_ < 1 || axle + 1 != static_cast<std::size_t>(flat_axle_)) return 0;
+  const double turn = 2 * std::numbers::pi * radius_;
+  const double s = std::remainder(x - flat_at_, turn);
+  if (std::abs(s) >= flat_length_ / 2) return 0;
+  const double depth = flat_length_ * flat_length_ / (16 * radius_);
+  return depth / 2 * (1 + std::cos(2 * std::numbers::pi * s / flat_length_));
 }
 
 // The tangent stiffness k_H = dF/d(approach), N/m.

@@ -23,6 +23,7 @@ COACH = [*CUSTOM, "vehicle.own.like=manchester_1"]
 AXLES = [*CUSTOM, "vehicle.own.kind=forces", "vehicle.own.axles=[1, 3]",
          "vehicle.own.loads=[1e5, 1e5]"]
 LINEAR = ["wheel_rail.law=linear"]
+FLAT = ["wheel_rail.flat_axle=1", "wheel_rail.flat_at=8.5"]
 DIP = ["irregularity.kind=versine"]
 WAVES = ["irregularity.kind=waves"]
 RANDOM = ["irregularity.kind=spectrum"]
@@ -91,6 +92,9 @@ KNOBS = {
     "wheel_rail.poisson": ("wheel_rail.poisson=0.25", []),
     "wheel_rail.constant": ("wheel_rail.constant=8e10", []),
     "wheel_rail.stiffness": ("wheel_rail.stiffness=1e9", LINEAR),
+    "wheel_rail.flat_axle": ("wheel_rail.flat_axle=1", FLAT[1:]),
+    "wheel_rail.flat_length": ("wheel_rail.flat_length=0.04", FLAT),
+    "wheel_rail.flat_at": ("wheel_rail.flat_at=8.7", FLAT),
     "irregularity.kind": ("irregularity.kind=vee", []),
     "irregularity.at": ("irregularity.at=7", DIP),
     "irregularity.depth": ("irregularity.depth=2e-4", DIP),

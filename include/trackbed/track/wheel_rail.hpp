@@ -1,6 +1,8 @@
 // Wheel on rail: Hertz's contact from radii, and the shape of the rail's running surface.
 #pragma once
 
+#include <cstdint>
+
 #include "trackbed/input/section.hpp"
 
 namespace trackbed::track {
@@ -26,8 +28,11 @@ enum class WheelRailLaw { hertz, linear };
 struct WheelRailParameters {
   WheelRailLaw law = WheelRailLaw::hertz;
   HertzBodies bodies;
-  double constant = 0;       // N/m^1.5; 0: from the bodies
-  double stiffness = 1.3e9;  // N/m, linear
+  double constant = 0;         // N/m^1.5; 0: from the bodies
+  double stiffness = 1.3e9;    // N/m, linear
+  std::int64_t flat_axle = 0;  // whose wheels have a flat, the first is 1; 0: none
+  double flat_length = 0.05;   // m
+  double flat_at = 0;          // m, x where its middle meets the rail, again after each turn
   void declare(input::Section& s);
 };
 
@@ -38,11 +43,15 @@ class WheelRail {
   double force(double approach) const;  // N
   double slope(double approach) const;  // N/m
   double approach(double force) const;  // m
+  // m, by how much a flat lowers the wheel of axle number `axle` (from 0) that stands at x.
+  double flat(std::size_t axle, double x) const;
   double constant() const { return constant_; }
 
  private:
   WheelRailLaw law_;
   double constant_;  // N/m^1.5, linear: N/m
+  std::int64_t flat_axle_;
+  double flat_length_, flat_at_, radius_;  // m
 };
 
 }  // namespace trackbed::track

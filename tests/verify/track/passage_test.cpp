@@ -122,6 +122,37 @@ TEST(Passage, WheelsEnterAndLeaveWithoutAShock) {
   verified::below("within 6 m of the ends over that in the middle", "-", ends / inside, 2);
 }
 
+// Rolling slowly a wheel goes down by the depth of its flat, l^2/(16 R), once in each turn.
+TEST(WheelFlat, SlowWheelFollowsIt) {
+  const Line line(winkler(60, BeamTheory::timoshenko));
+  const TrainParameters motion{.vehicles = {"wheel"}, .speed = 0.1, .start = 28.3};
+  VehicleParameters wheel;
+  wheel.name = "wheel";
+  wheel.kind = VehicleKind::wheel;
+  wheel.length = 2;
+  wheel.wheelset_mass = 1800;
+  const Train train(motion, {wheel}, 2);
+  WheelRailParameters flat;
+  flat.flat_axle = 1;
+  flat.flat_length = 0.05;
+  flat.flat_at = 28.5;
+  Passage passage(line, train, WheelRail(flat), Irregularity({}, 60), motion, {.step = 4e-3});
+  const double before = passage.wheel_height(0), turn = 2 * std::numbers::pi * 0.46;
+  double lowest = 0, where = 0, lowest_again = 0, again = 0;  // m, of the height and of x
+  while (passage.wheel_x(0) < 28.5 + turn + 0.2) {
+    passage.advance();
+    const double down = before - passage.wheel_height(0), x = passage.wheel_x(0);
+    if (x < 29.5 && down > lowest) lowest = down, where = x;
+    if (x > 30 && down > lowest_again) lowest_again = down, again = x;
+  }
+  const double depth = 0.05 * 0.05 / (16 * 0.46);
+  // The wheel goes down by 0.34 mm within 0.25 s: its inertia is 0.3 % of its weight, under which
+  // rail and contact give way by 0.1 mm.
+  verified::near("depth", "m", lowest, depth, 0.01 * depth);
+  verified::near("once more after a turn", "m", lowest_again, depth, 0.01 * depth);
+  verified::near("way between", "m", again - where, turn, 2e-3);
+}
+
 // A wheel leaves the rail over a deep short dip, comes back, and settles at its static load.
 TEST(Passage, ContactIsLostAndRegained) {
   LineParameters damped = winkler(60, BeamTheory::timoshenko);
