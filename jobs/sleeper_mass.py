@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Sleepers of 0.5, 1, 2 and 3 times the mass on four transition zones to a bridge, on a track alone.
+
+    sleeper_mass.py PROGRAM FOLDER
+
+After the parametric study of "NeTIRail-INFRA D2.10, cost-effective transition zone design": original
+geometry (cement bound mixture, then unbound granular material, tapered with depth), the same over one
+width at all depths, and both with embankment soil throughout. Two of its coaches at 220 km/h leave
+the bridge; rail displacements at 14.7 and 41 m from it are compared. Writes FOLDER/sleeper_mass.csv
+and sleeper_mass.png.
+
+The springs below the sleepers are columns of that report's Table 2: each layer's modulus over an area
+that grows by its depth on all sides together (2:1), scaled so that embankment has the 42 MN/m of
+inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and capping layer, and how far the
+wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are assumed: the report draws them only.
+Columns do not know that soil moves as a whole, so both geometries of embankment are the same here,
+and what sleepers' mass does through waves in the ground is not in it.
+"""
+import argparse
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+DECK = Path(__file__).resolve().parent.parent / "inputs/track/netirail_plain.toml"
+EMBANKMENT, UGM, CBM, ABUTMENT = 80e6, 1030e6, 10e9, 30e9         # Pa
+ABOVE = ((0.3, 130e6), (0.3, 200e6), (0.3, 3020e6))  # m, Pa: ballast, sub-ballast, capping layer
+SEAT = (0.29, 0.95)            # m, of half a sleeper that presses
+DEPTH, PART = 9.0, 6.5         # m, of the backfill; along the track of each of its two parts
+BRIDGE_ENDS, LENGTH, SPACING = 21.0, 84.0, 0.6  # m of the track
+POINTS = (14.7, 41.0)          # m from the bridge
+MASSES = (0.5, 1, 2, 3)
+SLEEPER = 315                  # kg
+GEOMETRIES = {"original": (True, True), "same width": (False, True),
+              "same width, embankment": (False, False), "tapered, embankment": (True, False)}
+
+
+def modulus(way, depth, tapered, reinforced):
+    """Pa, of the backfill `way` m behind the bridge, `depth` m below the capping layer."""
+    if way < 0:
+        return ABUTMENT
+    reach = PART * (1 - depth / DEPTH) if tapered else PART
+    if not reinforced or way > 2 * reach:
+        return EMBANKMENT
+    return CBM if way <= reach else UGM
+
+
+def column(way, tapered, reinforced):
+    """N/m, below one rail seat: 1/k = integral of dz/(E A)."""
+    give, top, step = 0.0, 0.0, 0.01
+    layers = [*ABOVE, (DEPTH, None)]
+    for thickness, young in layers:
+        for z in np.arange(step / 2, thickness, step):
+            here = young or modulus(way, z, tapered, reinforced)
+            give += step / (here * (SEAT[0] + top + z) * (SEAT[1] + top + z))
+        top += thickness
+    return 1 / give
+
+
+def zones(tapered, reinforced):
+    """Factors of the plain track's spring, one for each sleeper, as TOML."""
+    plain = column(1e3, False, False)
+    text = ""
+    for x in SPACING * np.arange(round(LENGTH / SPACING) + 1):
+        factor = column(x - BRIDGE_ENDS, tapered, reinforced) / plain
+        text += (f"\n[[track.zone]]\nfrom = {x - 0.45 * SPACING:.3f}\nto = {x + 0.45 * SPACING:.3f}\n"
+                 f"bed = {factor:.4f}\n")
+    return text
+
+
+def run(program, folder, name, mass, text):
+    """m, lowest rail displacement at the points."""
+    place = folder / f"{name.replace(', ', '_').replace(' ', '_')}_{mass}"
+    deck = place.with_suffix(".toml")
+    deck.write_text(text, encoding="utf-8")
+    points = [round((BRIDGE_ENDS + point) / 0.15) * 0.15 for point in POINTS]  # nodes
+    ran = subprocess.run([program, "run", deck, f"track.length={LENGTH}",
+                          f"track.sleeper_mass={mass * SLEEPER}",
+                          'train.vehicles=["alfa_pendular", "alfa_pendular"]',
+                          f"passage.points={points}", "--force", "-o", place],
+                         capture_output=True, text=True, check=False)
+    if ran.returncode:
+        sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
+    with h5py.File(place / "results.h5") as file:
+        return -file["history/rail/displacement"][()].min(axis=0)
+
+
+def draw(found, path):
+    figure, panels = plt.subplots(1, len(POINTS), figsize=(10, 4.5), sharey=True,
+                                  layout="constrained")
+    for k, panel in enumerate(panels):
+        for number, name in enumerate(GEOMETRIES):
+            panel.bar(np.arange(len(MASSES)) + 0.2 * number, [1e3 * found[name, mass][k]
+                                                              for mass in MASSES], 0.2, label=name)
+        panel.set_xticks(np.arange(len(MASSES)) + 0.3, [f"{mass} x" for mass in MASSES])
+        panel.set(title=f"{POINTS[k]} m from the bridge", xlabel="mass of sleepers")
+        panel.grid(alpha=0.3, axis="y")
+    panels[0].set(ylabel="rail, down, mm")
+    panels[0].legend(fontsize=7)
+    figure.savefig(path, dpi=130)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("program", type=os.path.abspath)
+    parser.add_argument("folder", type=Path)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    plain = DECK.read_text(encoding="utf-8")
+    head, rest = plain.split("[train]")
+    found = {}
+    for name, kind in GEOMETRIES.items():
+        text = head + zones(*kind) + "\n[train]" + rest
+        for mass in MASSES:
+            found[name, mass] = run(given.program, given.folder, name, mass, text)
+            change = found[name, mass] / found[name, MASSES[0]] - 1
+            print(f"{name:24} {mass:3} x: rail down " + ", ".join(
+                f"{1e3 * down:.4f} mm at {point} m ({100 * c:+.1f} % of 0.5 x)"
+                for down, point, c in zip(found[name, mass], POINTS, change)), flush=True)
+    with open(given.folder / "sleeper_mass.csv", "w", newline="", encoding="utf-8") as out:
+        rows = csv.writer(out)
+        rows.writerow(["geometry", "mass_factor", *(f"rail_{point}_m" for point in POINTS)])
+        rows.writerows([name, mass, *down] for (name, mass), down in found.items())
+    draw(found, given.folder / "sleeper_mass.png")
+
+
+if __name__ == "__main__":
+    main()
