@@ -4,20 +4,20 @@ alone, what this does to each sleeper goes back to the bed, round after round.
 
     handover.py PROGRAM DECK CHECKPOINT FOLDER [--rounds N] [--trains N] [--each N] [--load N]
 
-DECK: a bed with the sections of rail and train (inputs/track/on_bed.toml); CHECKPOINT: stage_NAME.h5
-of a run of it, with sleepers that are bedded in. One round, in FOLDER/round_K:
+DECK: a bed with the sections of rail and train (inputs/track/on_bed.toml); CHECKPOINT: a
+stage_NAME.h5 of a run of it, with sleepers that are bedded in. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
    load goes is the support stiffness of each sleeper.
-2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that lies
-   as the sleepers have settled so far.
+2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that
+   lies as the sleepers have settled so far.
 3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats").
 4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
    the geometry of the rail for the next round.
 
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
-rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv (all
-figures of each sleeper and round) and handover.png. RANKS=N sets the ranks (2).
+rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
+(all figures of each sleeper and round) and handover.png. RANKS=N sets the ranks (2).
 """
 import argparse
 import csv
@@ -100,7 +100,8 @@ class Loop:
                    str(self.given.program), "run", str(deck), *overrides, "--force", "-o",
                    str(folder)]
         with open(f"{folder}.log", "w", encoding="utf-8") as log:
-            if subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False).returncode:
+            ran = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)
+            if ran.returncode:
                 sys.exit(f"{' '.join(command)} failed: see {folder}.log")
 
     def run_bed(self, stage, folder, *overrides):
@@ -112,7 +113,8 @@ class Loop:
                      ranks=int(os.environ.get("RANKS", "2")))
         self.start = (folder / f"stage_{stage['name']}.h5").resolve()
         with h5py.File(folder / "results.h5") as file:
-            rows = file["history/stage"][()].ravel() == tomllib.loads(self.bed)["stage"].__len__() - 1
+            last = len(tomllib.loads(self.bed)["stage"]) - 1
+            rows = file["history/stage"][()].ravel() == last
             found = {name: file[f"history/sleeper/{name}"][()][rows]
                      for name in ("displacement", "seat_force")}
             return file["history/time"][()].ravel()[rows], found
@@ -226,7 +228,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--trains", type=int, default=2, help="computed in a round")
-    parser.add_argument("--each", type=float, default=1, help="trains that a computed one stands for")
+    parser.add_argument("--each", type=float, default=1, help="trains that one stands for")
     parser.add_argument("--load", type=float, default=30e3, help="N on each seat while weighing")
     loop = Loop(parser.parse_args())
     for number in range(loop.given.rounds):

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""Sleepers of 0.5, 1, 2 and 3 times the mass on four transition zones to a bridge, on a track alone.
+"""Sleepers of 0.5, 1, 2 and 3 times the mass on four transitions to a bridge, on a track alone.
 
     sleeper_mass.py PROGRAM FOLDER
 
-After the parametric study of "NeTIRail-INFRA D2.10, cost-effective transition zone design": original
-geometry (cement bound mixture, then unbound granular material, tapered with depth), the same over one
-width at all depths, and both with embankment soil throughout. Two of its coaches at 220 km/h leave
-the bridge; rail displacements at 14.7 and 41 m from it are compared. Writes FOLDER/sleeper_mass.csv
-and sleeper_mass.png.
+After the parametric study of "NeTIRail-INFRA D2.10, cost-effective transition zone design": its
+original geometry (cement bound mixture, then unbound granular material, tapered with depth), the
+same over one width at all depths, and both with embankment soil throughout. Two of its coaches at
+220 km/h leave the bridge; rail displacements at 14.7 and 41 m from it are compared. Writes
+FOLDER/sleeper_mass.csv and sleeper_mass.png.
 
-The springs below the sleepers are columns of that report's Table 2: each layer's modulus over an area
-that grows by its depth on all sides together (2:1), scaled so that embankment has the 42 MN/m of
-inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and capping layer, and how far the
-wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are assumed: the report draws them only.
-Columns do not know that soil moves as a whole, so both geometries of embankment are the same here,
-and what sleepers' mass does through waves in the ground is not in it.
+The springs below the sleepers are columns of that report's Table 2: each layer's modulus over an
+area that grows by its depth on all sides together (2:1), scaled so that embankment has the 42 MN/m
+of inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and capping layer, and how far the
+wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are assumed: the report only draws
+them. Columns do not know that soil moves as a whole, so both geometries of embankment are the same
+here, and what sleepers' mass does through waves in the ground is not in it.
 """
 import argparse
 import csv
@@ -70,8 +70,8 @@ def zones(tapered, reinforced):
     text = ""
     for x in SPACING * np.arange(round(LENGTH / SPACING) + 1):
         factor = column(x - BRIDGE_ENDS, tapered, reinforced) / plain
-        text += (f"\n[[track.zone]]\nfrom = {x - 0.45 * SPACING:.3f}\nto = {x + 0.45 * SPACING:.3f}\n"
-                 f"bed = {factor:.4f}\n")
+        text += (f"\n[[track.zone]]\nfrom = {x - 0.45 * SPACING:.3f}\n"
+                 f"to = {x + 0.45 * SPACING:.3f}\nbed = {factor:.4f}\n")
     return text
 
 

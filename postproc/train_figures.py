@@ -115,7 +115,7 @@ def draw(passing, blocks):
               label="after the train against before")
     wheels.set(ylabel="wheel force, kN", title="Train over the bed")
     down.set(ylabel="lowest of each sleeper, mm")
-    left.set(ylabel="settlement, mm", xlabel="x, m")
+    left.set(ylabel="level of sleepers, change, mm", xlabel="x, m")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):

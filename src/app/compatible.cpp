@@ -69,8 +69,8 @@ bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
 // A train on its way, and the rail below it, are what they were made of. Where the rail is uneven,
 // its contact with wheels and the step may change.
 bool matters_to_train(std::string_view key) {
-  static constexpr std::array sections = {"rail.", "pad.", "ballast.", "track.", "vehicle[",
-                                          "train.", "seat."};
+  static constexpr std::array sections = {"rail.",    "pad.",   "ballast.", "track.",
+                                          "vehicle[", "train.", "seat."};
   return std::any_of(sections.begin(), sections.end(),
                      [&](const char* section) { return key.starts_with(section); });
 }

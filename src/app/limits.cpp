@@ -166,9 +166,10 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
   const double step = model.track.passage.step;
   if (limit.window <= std::min(pads, step)) return limit;
   CouplingLimit rail{.window = std::min(pads, step)};
-  rail.instead = pads < step ? fmt::format("sleeper of {:.3g} kg per rail on its pad of {:.3g} N/m "
-                                           "and {:.3g} N s/m",
-                                           mass, stiffness, pad.damping)
+  rail.instead = pads < step ? fmt::format(
+                                   "sleeper of {:.3g} kg per rail on its pad of {:.3g} N/m "
+                                   "and {:.3g} N s/m",
+                                   mass, stiffness, pad.damping)
                              : "passage.step";
   return rail;
 }

@@ -26,7 +26,7 @@ struct CouplingLimit {
   std::string body{};  // "sleeper of 202 kg"
   // n, at once. Sleeper: stones of the smallest sieve side by side on its face.
   double contacts = 1;
-  double stiffness = 0;  // k, N/m
+  double stiffness = 0;   // k, N/m
   std::string instead{};  // of the words on body and contacts
   std::string words() const;
 };

@@ -188,6 +188,7 @@ void Model::declare(input::Section& s) {
   s.choice("model", kind, {"bed", "track"},
            "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
            "alone, made of title and the sections that say so.");
+  track.on_bed = kind == ModelKind::bed;
   if (kind == ModelKind::track) return track.declare(s);
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
   s.number(
@@ -226,7 +227,6 @@ void Model::declare(input::Section& s) {
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
   declare_intervals(*this, s);
-  track.on_bed = true;
   track.declare(s);
   declare_train(*this, s);
 }

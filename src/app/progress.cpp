@@ -78,7 +78,8 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
   say(comm_,
-      "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, whose "
+      "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, "
+      "whose "
       "sleepers carry {:g} rail{}\n",
       fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
       model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");

@@ -202,8 +202,7 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
 // own times and no axles.
 void declare_passages(const Model& model, input::Section& s) {
   const auto& load = model.load;
-  if (load.is_table() || load.axles.empty() || model.sleepers.count < 1)
-    return;
+  if (load.is_table() || load.axles.empty() || model.sleepers.count < 1) return;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;
     const std::string duration = fmt::format("stage[{}].duration", i);

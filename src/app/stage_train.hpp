@@ -1,5 +1,5 @@
-// The vehicles of a stage with `train = true`: sent when it begins, moved in every window, gone when
-// it ends.
+// The vehicles of a stage with `train = true`: sent when it begins, moved in every window, gone
+// when it ends.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ class StageTrain {
   // Throws InputError for a bad file of the irregularity if any stage has a train.
   StageTrain(World& world, const Model& model);
 
-  double duration() const;     // s until the last axle has left the track
-  void send(double step);      // s, the stage's window; the rail is laid on the sleepers as they are
+  double duration() const;  // s until the last axle has left the track
+  void send(double step);   // s, the stage's window; the rail is laid on the sleepers as they are
   bool there() const { return train_.has_value(); }
   double seat_force(std::size_t i) const { return train_->seat_force(i); }  // N downwards
   // After the sleepers have moved through the window that `clock` is in, of `trains` in the stage.

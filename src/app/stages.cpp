@@ -62,7 +62,9 @@ bool at_rest(const dem::Totals& totals, double ratio) {
 }  // namespace
 
 StageActions::StageActions(World& world, const Model& model)
-    : world_(world), model_(model), seat_load_(model.load, model.sleepers.spacing,
+    : world_(world),
+      model_(model),
+      seat_load_(model.load, model.sleepers.spacing,
                  static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
       train_(world, model) {}
 
@@ -150,7 +152,9 @@ void StageActions::watch(const Stage& stage, const Clock& clock) {
 double StageActions::duration(const Stage& stage) const {
   if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
   const auto& s = model_.sleepers;
-  const double once = stage.train ? train_.duration() : seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+  const double once =
+      stage.train ? train_.duration()
+                  : seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
   return once * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
 }
 
@@ -162,9 +166,10 @@ void StageActions::move_train(const Stage& stage, const Clock& clock) {
   train_.move(std::max<std::int64_t>(stage.cycles, 1), clock);
 }
 
-// Of a train: what its pads do now, whatever `time` is. Else constant force, then what the kind adds. Trains of a passage are the same train again and again:
-// time starts anew with each. The sleepers' own x counts, not the deck's, so that a sleeper that
-// was placed elsewhere is loaded where it is.
+// Of a train: what its pads do now, whatever `time` is. Else constant force, then what the kind
+// adds. Trains of a passage are the same train again and again: time starts anew with each. The
+// sleepers' own x counts, not the deck's, so that a sleeper that was placed elsewhere is loaded
+// where it is.
 std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
   if (stage.kind == StageKind::passage && stage.cycles > 1)
     time = std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));

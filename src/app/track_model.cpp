@@ -62,13 +62,13 @@ void TrackOutput::declare(input::Section& s) {
 void TrackModel::declare(input::Section& s) {
   s.table("rail", line.rail, "Both rails.");
   s.table("pad", line.pad, "Rail pads.");
-  s.table("ballast", line.ballast, "Ballast as springs: of a track alone, and before and behind a bed.");
+  s.table("ballast", line.ballast,
+          "Ballast as springs: of a track alone, and before and behind a bed.");
   s.table("track", line.track, "The track as a whole.");
   s.tables("vehicle", vehicles, "A vehicle beside those of the library.");
   s.table("train", train, "Vehicles and their motion.");
   s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
-  s.table("irregularity", irregularity,
-          "How even the rail's running surface is.");
+  s.table("irregularity", irregularity, "How even the rail's running surface is.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_vehicles(*this, s);
   if (const std::int64_t axles = wheel_rail.flat_axle > 0 ? axles_of(*this) : -1; axles >= 0)

@@ -25,8 +25,8 @@ void declare_presence(const Model& model, input::Section& s) {
       "have no effect otherwise",
       {.reads = {"model"}});
   const track::SeatParameters none;
-  s.rule("seat", model.has_train() || (model.seat.before == none.before &&
-                                       model.seat.rails == none.rails),
+  s.rule("seat",
+         model.has_train() || (model.seat.before == none.before && model.seat.rails == none.rails),
          "has no effect: no stage has train = true", {.reads = {"seat", "stage"}});
   for (std::size_t i = 0; i < model.stages.size(); ++i)
     s.rule(fmt::format("stage[{}].train", i),

@@ -1,4 +1,5 @@
-// Wheels, rail and vehicles of a train over a bed, in the histories under the names of a track alone.
+// Wheels, rail and vehicles of a train over a bed, in the histories under the names of a track
+// alone.
 #include <limits>
 
 #include "observe/room.hpp"
@@ -8,7 +9,13 @@ namespace trackbed::observe {
 namespace {
 
 // Order of the columns below.
-enum Which : std::size_t { wheel_force, wheel_x, rail_displacement, body_displacement, body_motion };
+enum Which : std::size_t {
+  wheel_force,
+  wheel_x,
+  rail_displacement,
+  body_displacement,
+  body_motion
+};
 
 std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleepers) {
   return {{"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},

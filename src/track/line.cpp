@@ -69,8 +69,7 @@ struct Line::Room {
   std::array<std::int32_t, 4> unknowns_of(std::size_t e) const;
   bool bears(std::size_t node) const;  // a sleeper
   bool is_moved(std::size_t sleeper) const {
-    return sleeper >= parameters.first_moved &&
-           sleeper - parameters.first_moved < parameters.moved;
+    return sleeper >= parameters.first_moved && sleeper - parameters.first_moved < parameters.moved;
   }
 
   LineParameters parameters;

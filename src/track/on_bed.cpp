@@ -2,11 +2,11 @@
 // sleepers on springs. Forces are exchanged at the times of both (docs/decisions/train_on_bed.md):
 //   F_n = k (w_n - u_n) + c (w'_n - u'_n)        N, on rail and sleeper alike, at t_n
 //   the caller moves the sleepers under F_n to t_n+1, then `advance` the rail with w, w' at t_n+1.
-// w, w' stand for height (m) and velocity (m/s) of a sleeper since the rail was laid, u, u' for those
-// of the rail above it. Second order in the step, as Newmark and leapfrog are, and stable as long as
-// the sleepers' step is (Belytschko, Mullen 1978, doi:10.1002/nme.1620121008).
-// Rejected: to let the rail's solve move these sleepers too; they have six degrees of freedom, and
-// the stones' answer is late by half a window in any case.
+// w, w' stand for height (m) and velocity (m/s) of a sleeper since the rail was laid, u, u' for
+// those of the rail above it. Second order in the step, as Newmark and leapfrog are, and stable as
+// long as the sleepers' step is (Belytschko, Mullen 1978, doi:10.1002/nme.1620121008). Rejected: to
+// let the rail's solve move these sleepers too; they have six degrees of freedom, and the stones'
+// answer is late by half a window in any case.
 #include "trackbed/track/on_bed.hpp"
 
 #include "trackbed/core/error.hpp"
@@ -81,9 +81,7 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
   room.passage.advance();
 }
 
-double TrainOnBed::wheel_x(std::size_t i) const {
-  return room_->begin + room_->passage.wheel_x(i);
-}
+double TrainOnBed::wheel_x(std::size_t i) const { return room_->begin + room_->passage.wheel_x(i); }
 
 double TrainOnBed::rail_displacement(std::size_t i) const {
   return room_->passage.rail_displacement(room_->line.sleeper_x(room_->line.first_moved() + i));

@@ -1,7 +1,7 @@
 // A passage to a checkpoint and back.
 // Stored is what the next step begins with and the deck does not give: motion of track and train,
-// and where Newton's method begins (its last bits depend on that). Matrices and the columns of stops
-// are made again from the deck, with the same bits.
+// and where Newton's method begins (its last bits depend on that). Matrices and the columns of
+// stops are made again from the deck, with the same bits.
 #include <algorithm>
 #include <array>
 
@@ -46,8 +46,8 @@ void read(const io::File& file, const std::string& path, Vector& to) {
 
 }  // namespace
 
-// Approaches, then what stops and seats had at the end of the last step. Stops first seen by a later
-// version would go to the end.
+// Approaches, then what stops and seats had at the end of the last step. Stops first seen by a
+// later version would go to the end.
 void Passage::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   Room& room = *room_;
   for (const Item& item : motion_items)
@@ -55,8 +55,7 @@ void Passage::save(io::File& file, const std::string& group, const par::Comm& co
           {item.unit, item.meaning}, comm.root());
   write(file, group + "/approach", room.approach, {"m", "of wheels and rail, then of stops"},
         comm.root());
-  write(file, group + "/stop_rate", room.stop_rate, {"m/s", "of the stops' approach"},
-        comm.root());
+  write(file, group + "/stop_rate", room.stop_rate, {"m/s", "of the stops' approach"}, comm.root());
   std::vector<double> seats;
   for (const Seat& seat : room.seats) seats.insert(seats.end(), {seat.height, seat.rate});
   file.write<double>(group + "/seats", std::span(seats).first(comm.root() ? seats.size() : 0), 2,

@@ -9,8 +9,8 @@ import train_figures
 
 
 def made(trains=1):
-    """Two axles 10 m apart at 10 m/s, 50 and 60 kN, over sleepers at 3, 4 and 5 m. Each axle presses
-    a sleeper down by 1 mm while it is within 0.1 m and leaves 0.1 mm. A row before without train."""
+    """Two axles 10 m apart at 10 m/s, 50 and 60 kN, over sleepers at 3, 4 and 5 m. Each presses a
+    sleeper down by 1 mm while within 0.1 m and leaves 0.1 mm. A row before without train."""
     way = np.concatenate([np.linspace(0, 30, 3001)] * trains)
     x = np.stack([way, way - 10], axis=1)
     time = 0.01 * np.arange(len(way))

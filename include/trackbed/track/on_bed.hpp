@@ -1,8 +1,8 @@
 // A train on a rail that rests partly on sleepers somebody else moves (those on stones), partly on
 // sleepers on springs before and behind them. Every rank computes all of it alike.
 //
-// Two frames: x of the track counts from its begin, as in all parameters of rail and train; x of the
-// bed is that of the model around it. Both point along the track.
+// Two frames: x of the track counts from its begin, as in all parameters of rail and train; x of
+// the bed is that of the model around it. Both point along the track.
 #pragma once
 
 #include <cstdint>
@@ -55,8 +55,9 @@ class TrainOnBed {
   const Train& train() const;
   const Line& line() const;
   const Passage& passage() const;
-  double wheel_x(std::size_t i) const;            // m, x of the bed
-  double rail_displacement(std::size_t i) const;  // m, above the i-th sleeper of the bed, since laid
+  double wheel_x(std::size_t i) const;  // m, x of the bed
+  double rail_displacement(
+      std::size_t i) const;  // m, above the i-th sleeper of the bed, since laid
 
   // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
   void save(io::File& file, const std::string& group, const par::Comm& comm) const;

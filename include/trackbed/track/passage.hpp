@@ -40,7 +40,8 @@ class Passage {
   // How the sleepers that somebody else moves stand at the end of the next step. Until it is
   // called: where they were when the rail was laid on them.
   void place_seats(const std::vector<Seat>& seats);
-  double seat_force(std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
+  double seat_force(
+      std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
   // Puts the train back to its start, at rest as at the begin, on a rail that goes on as it is. For
   // trains that start on rigid rails.
   void send_again();
@@ -59,8 +60,8 @@ class Passage {
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far
-  std::int64_t steps() const;  // since the train was sent
-  std::int64_t lost() const;  // steps of wheels that had left the rail
+  std::int64_t steps() const;       // since the train was sent
+  std::int64_t lost() const;        // steps of wheels that had left the rail
 
  private:
   struct Room;

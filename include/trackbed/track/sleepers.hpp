@@ -49,11 +49,10 @@ struct SeatLoadParameters {
 class SeatLoad {
  public:
   // Throws InputError with file:line for a bad table.
-  explicit SeatLoad(const SeatLoadParameters& parameters, double spacing,
-                    std::size_t sleepers = 1);
+  explicit SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers = 1);
   // N, downwards positive, for the sleeper at x, which of a table of seats is that of this number.
   double at(double x, double time, std::size_t sleeper = 0) const;
-  double duration(double last_x) const;    // s until the last axle is 3 m beyond last_x
+  double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
 
  private:
   SeatLoadParameters parameters_;

@@ -118,14 +118,13 @@ double first_mode(const Line& line, const Vector& u) {
   return momentum.dot(u) / momentum.dot(shape);
 }
 
-// Over its own static value 2 P L^3/(pi^4 E I); v_cr = (pi/L) sqrt(E I/m). While the force is on the
-// span the largest is sin(2 pi a/(1 + a))/(1 - a), a = v/v_cr, which is largest at a = 0.617.
+// Over its own static value 2 P L^3/(pi^4 E I); v_cr = (pi/L) sqrt(E I/m). While the force is on
+// the span the largest is sin(2 pi a/(1 + a))/(1 - a), a = v/v_cr, which is largest at a = 0.617.
 TEST(MovingLoad, LargestDynamicFactorOfASpan) {
   constexpr double stiffness = 210e9 * 1e-4, mass = 0.01 * 7850, length = 25;  // N m^2, kg/m, m
   const Line line(span(210e9, 1e-4, mass));
   const double critical = std::numbers::pi / length * std::sqrt(stiffness / mass);
-  const double at_rest =
-      2e3 * std::pow(length, 3) / (std::pow(std::numbers::pi, 4) * stiffness);
+  const double at_rest = 2e3 * std::pow(length, 3) / (std::pow(std::numbers::pi, 4) * stiffness);
   const auto factor = [&](double ratio) {
     const TrainParameters motion = one_axle(ratio * critical);
     const Train train(motion, axle(1e3), 1);
