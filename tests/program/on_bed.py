@@ -48,6 +48,14 @@ def check_histories(folder, deck):
         raise SystemExit(f"largest seat loads {seats} N, rail down to {rail.min()} m")
 
 
+def check_resume(program, folder):
+    """A train on its way keeps its rail."""
+    under_way = sorted(folder.glob("checkpoint_*.h5"))[-1]
+    ran = program(1, "resume", under_way, "pad.stiffness=100e6", "-o", folder / "other")
+    if ran.returncode != 2 or "pad.stiffness" not in ran.stderr or "made with" not in ran.stderr:
+        raise SystemExit(f"other pads below a train must be refused: {ran.stdout}{ran.stderr}")
+
+
 def check_figures(source, folder):
     ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
                           folder / "figures"], capture_output=True, text=True, check=False)
@@ -86,6 +94,7 @@ def main():
     check_histories(folder, tomllib.loads(deck.read_text(encoding="utf-8")))
     if summary(folder)["warnings"]:
         print("\n".join(summary(folder)["warnings"]))
+    check_resume(program, folder)
     check_figures(source, folder)
     check_loop(source, sys.argv[1], folder)
 

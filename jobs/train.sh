@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# A passenger vehicle at 160 km/h over a transition zone on stones: wheel forces and settlement under
+# each axle in one figure. Without a word the quickstart's 6 m (7 minutes on two busy cores); with
+# `full` the 17 m of inputs/track/transition_train.toml, which takes about an hour.
+# Needs what jobs/quickstart.sh installs. RANKS=N sets the ranks. Results that are there are left
+# alone and end it; `--force` as the last word replaces them.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+size=short
+if [ "${1:-}" = full ]; then size=full && shift; fi
+results=results/train/$size
+part "Build" build release trackbed
+if [ $size = full ]; then
+  part "Run" run_model inputs/track/transition_train.toml "$results" "$@"
+else
+  part "Run" run_model inputs/quickstart.toml "$results" "$@" stage.passage.train=true \
+    train.start=0 train.speed=44.4 seat.before=16 track.length=24 track.sleeper_mass=400
+fi
+PYTHONDONTWRITEBYTECODE=1 "$python" postproc/train_figures.py "$results" -o "$results/figures"
+
+printf '\nDone in %d s. Figure: %s\n' $SECONDS "$PWD/$results/figures/train.png"
