@@ -100,6 +100,14 @@ std::vector<std::string> doubts_of_end(const World& world, StageKind last) {
   if (stones > 0 && last != StageKind::fill && last != StageKind::cribs)
     doubts.push_back(fmt::format("{} stone{} at the end: faster than {:g} m/s or above the walls",
                                  stones, stones > 1 ? "s fly" : " flies", fast));
+  // A few are those of a violent fill; they cost a hundred times a contact's work.
+  const std::int64_t deep = world.particles.core_overlaps();
+  if (deep > world.particles.totals().particles)
+    doubts.push_back(
+        fmt::format("stones had their cores in one another {} times (pairs, each sub-step "
+                    "counted): give larger "
+                    "roundings (bed.polyhedron.rounding), stiffer contacts or less violent stages",
+                    deep));
   return doubts;
 }
 

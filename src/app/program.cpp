@@ -55,7 +55,9 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("--angularity", shapes.stone.angularity, "Of stones: 0 an ellipsoid, to 1")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  sub->add_option("--seed", shapes.seed, "Of the first stone")->capture_default_str();
+  sub->add_option("--seed", shapes.seed, "Of the first stone")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->add_option("--vertices", shapes.mesh.vertices, "Of stones; of pieces of a mesh at most")
       ->check(CLI::Range(6, 200))
       ->capture_default_str();

@@ -103,14 +103,16 @@ void Progress::stage_begins(const Stage& stage, const Course& course, World& wor
 // what holds now.
 void Progress::line(const Course& course, const Model& model, const World& world) {
   const dem::Totals totals = world.particles.totals();
+  const std::int64_t deep = world.particles.core_overlaps();
   const double wall = wall_time();
   const double speed = (course.clock.time() - last_time_) / (wall - last_line_);  // s per s
   say(comm_,
       "  {:>8.4f} s | {:.3g} ms/s | left {} | E_kin {:.3g} J | overlap {:.3g} um | unbalanced "
-      "{:.2g} | {} contacts{}\n",
+      "{:.2g} | {} contacts{}{}\n",
       course.clock.time(), speed * 1e3,
       clock_words(speed > 0 ? remaining(course, model) / speed : 0), totals.kinetic,
       totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
+      deep > 0 ? fmt::format(" | {} times cores in one another", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");

@@ -26,8 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 using bed::NamedShape;
 
-// The templates a bed of this deck would be made of, drawn from the same seed. The deck's dimension
-// decides how the table reads; of several decks the last.
+// The templates a bed of this deck would be made of, drawn from the same seed, then those of its
+// other layers under their names. The deck's dimension decides how the table reads; of several
+// decks the last.
 std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string& file,
                                        Dimension& dimension) {
   const input::Deck deck = input::Deck::read(comm, file, {});
@@ -35,9 +36,15 @@ std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string&
   deck.fill([&](input::Section& section) { model.declare(section); });
   dimension = model.dimension;
   std::vector<NamedShape> shapes;
-  for (const dem::Template& shape : bed::templates(comm, model.bed, model.dimension))
-    shapes.push_back(
-        {fmt::format("{}_{}", fs::path(file).stem().string(), shapes.size()), shape, {}});
+  const auto add = [&](const std::string& name, const bed::BedParameters& layer) {
+    std::size_t number = 0;
+    for (const dem::Template& shape : bed::templates(comm, layer, model.dimension))
+      shapes.push_back({fmt::format("{}_{}", name, number++), shape, {}});
+  };
+  const std::string name = fs::path(file).stem().string();
+  add(name, model.bed);
+  for (const bed::NamedLayer& layer : model.bed.layers)
+    add(name + "_" + layer.name, model.bed.of_layer(layer.name));
   return shapes;
 }
 
@@ -202,6 +209,13 @@ void require_sound(const par::Comm& comm, const ShapeArguments& arguments) {
     problems.push_back(fmt::format("--unit = {:g} must be above 0", unit));
   if (arguments.files.empty() && arguments.stones == 0)
     problems.emplace_back("no shapes: name a deck, a library or a mesh, or ask for --stones");
+  if (!arguments.library.empty() && !arguments.library.ends_with(".h5"))
+    problems.push_back(
+        fmt::format("--library {}: libraries are HDF5 files, end in .h5", arguments.library));
+  const bool rounds = arguments.stones > 0 || arguments.mesh.spheres == 0;
+  if (!arguments.library.empty() && arguments.mesh.rounding == 0 && rounds)
+    problems.emplace_back(
+        "--rounding 0 makes sharp stones, of which no bed can be made: leave out --library");
   if (!problems.empty()) throw InputError(problems);
   if (!arguments.picture.empty()) require_picture(comm, arguments.picture);
   if (!arguments.library.empty()) bed::require_replaceable(comm, arguments.library);

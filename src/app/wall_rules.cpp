@@ -93,7 +93,7 @@ void declare_triaxial(const Model& model, std::size_t i, input::Section& s) {
   const bool first = i == 0 && model.start.empty();
   s.rule(kind, !first && (i == 0 || presses(model.stages[i - 1].kind)),
          "needs the platen: the stage before must be of kind compact or triaxial",
-         {.reads = {kind, "stage", "start"}});
+         {.reads = {kind, fmt::format("stage[{}].kind", i > 0 ? i - 1 : 0), "start"}});
 }
 
 void declare_lift(const Model& model, std::size_t i, input::Section& s) {

@@ -134,6 +134,15 @@ def main():
     near(again[3], one[3], 0.005, "volume of the picture")
     near(again[8], one[8], 0.01, "sieve size of the picture")
 
+    # Layers of a deck come with their names.
+    section = pathlib.Path(__file__).resolve().parents[2] / "inputs/bed/section.toml"
+    layered = folder / "layered.toml"
+    layered.write_text(section.read_text() + '\n[[bed.layer]]\nname = "sub"\nstone = "polyhedra"\n'
+                       'height = 0.1\nshapes = 3\nporosity = 0.4\n')
+    names = rows(shapes(program, layered))
+    if sum(name.startswith("layered_sub_") for name in names) != 3 or "layered_0" not in names:
+        raise SystemExit(f"shapes of layers: {list(names)}")
+
     foreign_files(program, folder, library, picture)
     for option, place in (("--library", library), ("--picture", picture)):
         full_disk(program, folder, option, place)
@@ -164,7 +173,10 @@ def main():
                           ([mesh, "--spheres", 9, "--rounding", 0], "--rounding is for stones"),
                           ([folder / "none.h5"], "library"), ([mesh.with_suffix(".txt")], ".stl"),
                           ([], "no shapes"),
-                          (["--stones", 1, "--picture", "stones.gif"], ".obj")):
+                          (["--stones", 1, "--picture", "stones.gif"], ".obj"),
+                          (["--stones", 1, "--library", "stones.txt"], "end in .h5"),
+                          (["--stones", 1, "--library", "s.h5", "--rounding", 0], "sharp stones"),
+                          (["--stones", 1, "--seed", -4], "--seed")):
         said = shapes(program, *words, code=2)
         if reason not in said:
             raise SystemExit(f"{words}: '{reason}' is not in '{said}'")

@@ -292,6 +292,33 @@ TEST(StonePair, DeepPenetrationGivesBackWhatWasStored) {
   EXPECT_LT(mean, mean_bound);
 }
 
+// From apart: that cores come close must be noticed on the way, with features found before.
+TEST(StonePair, CoresThatRunIntoEachOtherComeBack) {
+  constexpr double bound = 0.01;  // of the energy; 4e-3 at this step, 5e-4 at a tenth of it
+  constexpr int cases = 12;
+  int deep = 0;
+  for (std::uint64_t key = 0; key < cases; ++key) {
+    const dem::Template a = shape(key), b = shape(key + 1);
+    auto pair = overlapping(a, b, key);
+    const Vec3 apart = pair[1].position.normalized();
+    pair[1].position += 2 * r * apart;
+    dem::Particles still = two(a, b, pair, elastic());
+    const double m = still[0].mass * still[1].mass / (still[0].mass + still[1].mass);
+    pair[1].velocity = -4 * r * std::sqrt(k / m) * apart;  // stops at an overlap of 4 r or more
+    dem::Particles p = two(a, b, pair, elastic());
+    const double dt = 0.02 * std::sqrt(m / k), before = p.totals().kinetic;
+    bool touched = false;
+    for (int s = 0; s < 4000 && !(touched && p.totals().contacts == 0); ++s) {
+      p.advance(10 * dt, 10);
+      touched = touched || p.totals().contacts > 0;
+    }
+    EXPECT_TRUE(touched && p.totals().contacts == 0) << key;
+    deep += p.core_overlaps() > 10;
+    EXPECT_NEAR(p.totals().kinetic / before, 1, bound) << key;
+  }
+  EXPECT_GE(deep, cases / 2);  // others hit off the middle and turn away
+}
+
 TEST(StonePair, CoresPassIntoEachOtherWithoutAJumpOfEnergy) {
   constexpr double step = 1e-4 * r;  // m; by itself it changes the energy by less than `wanted`
   constexpr double wanted = 0.01;    // of the energy; the cores are felt from 1e-3 reach apart
