@@ -57,7 +57,8 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "stage.load.displacement=0.1": "is for stages of kind shear and triaxial only",
            "stage.load.confinement=1e3": "is for stages of kind compact and triaxial only",
            'stage.compact.confinement=1e3 periodic=["x"]': "there are no walls to hold it",
-           "stage.passage.kind=triaxial": "needs the platen: the stage before must be of kind compact",
+           "stage.passage.kind=triaxial":
+               "needs the platen: the stage before must be of kind compact",
            "stage.release.kind=triaxial stage.release.displacement=0.01":
                "must be above 0 Pa for a stage of kind triaxial",
            "stage.release.kind=triaxial stage.release.displacement=0.3":
