@@ -225,6 +225,25 @@ std::set<std::string> layers_made(const Model& model) {
   return layers;
 }
 
+// The neighbour search needs three cells along a periodic side; how large the skin between them
+// will be is known only with the stones, so that a little less than this may be refused later.
+void require_length(const Model& model, const std::string& layer, double largest_bound,
+                    const input::Deck& deck) {
+  const dem::Domain domain = model.domain();
+  const double least = 3 * (2 * largest_bound + model.dem.skin);
+  std::vector<std::string> problems;
+  for (const int axis : {0, 1}) {
+    const double length = domain.high[axis] - domain.low[axis];
+    if (!domain.periodic[static_cast<std::size_t>(axis)] || length >= least) continue;
+    problems.push_back(fmt::format(
+        "{}: the bed is {:.4g} m long where it is periodic and must be at least {:.4g} m: 3 times "
+        "the ball around its largest stone{}",
+        deck.where(axis == 0 ? "bed.x" : "bed.y"), length, least,
+        layer.empty() ? "" : fmt::format(" of layer {}", layer)));
+  }
+  if (!problems.empty()) throw InputError(problems);
+}
+
 // Loose stones need several times the room of the pressed bed; a layer falls from above those that
 // lie there. Nothing of cribs: their height is known only from the sleepers.
 void require_room(const par::Comm& comm, const Model& model, const input::Deck& deck) {
@@ -233,7 +252,7 @@ void require_room(const par::Comm& comm, const Model& model, const input::Deck& 
     if (stage.kind != StageKind::fill || !model.start.empty() || !model.bed.cell.empty()) continue;
     const double top = below + stones_of(comm, model, stage.layer, deck).top;
     const double high = model.domain().high.z();
-    if (top > high)
+    if (stage.growth == 0 && top > high)  // others begin small
       throw InputError({fmt::format(
           "{}: the loose stones would reach {:.3g} m, beyond the {:.3g} m that the program keeps "
           "for them (1 m and ten times the height): the bed is too narrow for its stones, or they "
@@ -256,6 +275,7 @@ void require_stones(const par::Comm& comm, const Model& model, const input::Deck
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   for (const std::string& layer : layers_made(model)) {
     const bed::Stones stones = stones_of(comm, model, layer, deck);
+    require_length(model, layer, stones.largest_bound, deck);
     if (!model.start.empty() || stones.count < 1) continue;
     const double lightest =
         density_of_stones(model, model.bed.of_layer(layer)) * stones.smallest_volume * thickness;

@@ -95,8 +95,14 @@ std::vector<dem::Template> templates(const par::Comm& comm, const BedParameters&
 std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters& parameters) {
   if (parameters.stone != StoneKind::library) return {};
   std::vector<dem::Template> shapes;
-  for (NamedShape& named : load_library(comm, parameters.library))
+  for (NamedShape& named : load_library(comm, parameters.library)) {
+    // Contacts are of rounded stones; libraries of other makers may hold others.
+    for (const geom::Piece& piece : named.shape.pieces)
+      if (!(piece.radius > 0))
+        throw InputError({fmt::format("{}: shape {} has edges without rounding", parameters.library,
+                                      named.name)});
     shapes.push_back(std::move(named.shape));
+  }
   if (shapes.empty()) throw InputError({parameters.library + ": holds no shapes"});
   return shapes;
 }

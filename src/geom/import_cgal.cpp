@@ -19,6 +19,7 @@
 #include <CGAL/Surface_mesh.h>
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "hull.hpp"
@@ -116,6 +117,18 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
   if (!borders.empty()) repairs.push_back(fmt::format("{} small holes closed", borders.size()));
 }
 
+// Before anything is mended: the two sides of a sheet would be found to cut each other. From the
+// least extent of the points in any direction, of which the eigenvalue holds the square.
+void require_depth(const std::vector<Vec3>& points, double extent) {
+  constexpr double sheet = 1e-7;  // of the extent; the eigenvalues are good to 1e-16 of its square
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
+  if (!(axes.eigenvalues()[0] > sheet * sheet * extent * extent)) refuse("it is flat");
+}
+
 // Closed, then free of cuts, then outward: each needs the one before. Volume is what mass comes
 // from.
 void check(Surface& surface, double extent) {
@@ -156,6 +169,7 @@ Import import_mesh(const std::string& bytes, MeshFormat format, double unit,
     Soup soup = read_soup(bytes, format);
     scale(soup.points, unit);
     const double extent = extent_of(soup.points);
+    require_depth(soup.points, extent);
     Import import;
     Surface surface = largest_part(joined(soup, import.repairs), import.repairs);
     close_holes(surface, extent, import.repairs);

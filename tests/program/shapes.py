@@ -7,9 +7,12 @@ import json
 import os
 import pathlib
 import resource
+import shutil
 import signal
 import subprocess
 import sys
+
+import h5py
 
 BENCH = pathlib.Path(__file__).resolve().parents[2] / "inputs/bench/stones12.toml"
 
@@ -59,6 +62,25 @@ def bed_of_library(program, library, folder, made):
                             folder / "none"], capture_output=True, text=True, check=False)
     if wrong.returncode != 2 or "is no library" not in wrong.stderr:
         raise SystemExit(f"a deck is no library: {wrong.stdout}{wrong.stderr}")
+    sharp = folder / "sharp.h5"
+    shutil.copy(library, sharp)
+    with h5py.File(sharp, "r+") as file:
+        file["shapes/radius"][1] = 0
+    deck = write_deck(folder, sharp)
+    refused(program, deck, [], "bed.library",
+            [f'"{sharp.resolve()}" shape stone_6 has edges without rounding'])
+    refused(program, BENCH, ["bed.x=[0.0,0.2]"], "command line: bed.x", ["0.2 m long", "3 times"])
+
+
+def refused(program, deck, changes, key, words):
+    """One sentence with its place, from `check` and from `run` alike."""
+    for command in ("check", "run"):
+        done = subprocess.run([program, command, deck, *changes], capture_output=True, text=True,
+                              check=False)
+        said = done.stderr.splitlines()
+        if done.returncode != 2 or len(said) != 1 or key not in said[0].split("=")[0] or \
+                not all(word in said[0] for word in words):
+            raise SystemExit(f"{command} {deck} {changes} must say {words}: {done.stderr}")
 
 
 def write_deck(folder, library):

@@ -23,8 +23,7 @@ struct ServoParameters {
 class Servo {
  public:
   struct Mode {
-    bool follows =
-        false;  // learns the speed that keeps the force on a bed that yields all the time
+    bool follows = false;   // learns the speed that keeps the force: for a bed that yields on
     bool vibrates = false;  // the plate is shaken as well
   };
   void aim();   // at another force from now on; it has to become steady anew
