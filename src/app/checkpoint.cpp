@@ -211,6 +211,7 @@ void Simulation::save(io::File& file) {
   if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
   if (world_.platen) world_.platen->save(file, "platen", comm_);
+  if (world_.tines) world_.tines->save(file, "tines", comm_);
   actions_.save(file);
   save_surfaces(world_, file);
 }
@@ -240,6 +241,11 @@ void Simulation::load(const io::File& file) {
     if (course_.begun)
       world_.platen->aim(model_.pressure_in(stage()), stage().kind == StageKind::shear);
     world_.platen->load(file, "platen");
+  }
+  if (file.has("tines")) {
+    world_.tines.emplace(world_.make_tines());
+    world_.tines->load(file, "tines");
+    world_.tines->show_at_rest(static_cast<double>(course_.clock.window()) * course_.clock.dt());
   }
   if (course_.begun) actions_.load(file, course_.steps.window);
   load_surfaces(world_, file);

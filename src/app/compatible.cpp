@@ -29,6 +29,7 @@ struct Holds {
   bool quiet_base;    // of the ground
   bool implicit;      // steps made the ground's last window
   bool train;         // is on its way
+  bool tines;         // are in it
 };
 
 // From the deck that made the state, not from the new one: it says what the state is.
@@ -42,7 +43,8 @@ Holds holds_of(const io::File& checkpoint, const Values& deck) {
           .plane = is("dimension", "\"plane\""),
           .quiet_base = is("ground.base", "\"quiet\""),
           .implicit = !is("ground.integrator", "\"explicit\""),
-          .train = checkpoint.has("train")};
+          .train = checkpoint.has("train"),
+          .tines = checkpoint.has("tines")};
 }
 
 bool is_one_of(std::string_view key, const auto& keys) {
@@ -87,6 +89,7 @@ bool matters(std::string_view key, const Holds& holds) {
                                         "sleepers.bevel", "sleepers.y"};
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
+  if (key.starts_with("tamping.")) return holds.tines;
   if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;
   if (holds.train && matters_to_train(key)) return true;
   return holds.moved_ground && matters_to_moved_ground(key, holds);

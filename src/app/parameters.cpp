@@ -33,21 +33,22 @@ void Stage::declare_course(input::Section& s) {
   s.choice(
       "kind", kind,
       {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run",
-       "shear", "triaxial", "lift_walls"},
+       "shear", "triaxial", "lift_walls", "tamp"},
       "fill: new stones fall; settle: stones come to rest; compact: the platen presses until "
       "steady; release: it is lifted slowly, so that the bed does not spring apart; sleepers: "
       "they are placed and settle; cribs: new stones fall between them and are cut at the "
       "profile; load: the same force on all seats; "
       "passage: axles pass; run: nothing but time; shear: the lower half of divided walls moves "
       "along x under the platen; triaxial: the platen goes down between walls that hold a "
-      "pressure; lift_walls: walls go up, and away at the end.");
+      "pressure; lift_walls: walls go up, and away at the end; tamp: sleepers are lifted and "
+      "tines squeeze the ballast below them.");
   s.text(
       "layer", layer,
       "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
       "which [bed] itself describes.");
   s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 100},
            "Simulated time, at most; passage: of all its trains together, 0 means until the last "
-           "axle has left.");
+           "axle has left. Not of tamp, which takes what [tamping] says.");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Fill: time in which stones grow to their size in place, begun so small that they fill "
            "the height of the bed loosely, instead of falling from far above it; 0: they fall.");
@@ -95,7 +96,7 @@ void Stage::declare_loads(input::Section& s) {
       "those of the stage before. Half the duration at most.");
   s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
             "Load: haversines in the duration; 0: ramp, hold, ramp. Passage: trains, one after the "
-            "other; 0: one.");
+            "other; 0: one. Tamp: insertions of the tines; 0: one.");
   s.flag("train", train,
          "Passage: the vehicles of [train] run over rail and pads on the sleepers, instead of the "
          "axles of [load].");
@@ -113,8 +114,12 @@ void Stage::declare(input::Section& s) {
     s.rule(key, force == 0 || std::abs(force) >= least,
            "is next to nothing for a rail seat: is it in N?",
            {.weight = input::Weight::warning, .reads = {key}});
-  s.rule("duration", kind == StageKind::passage || duration > 0,
+  const bool tamps = kind == StageKind::tamp;
+  s.rule("duration", kind == StageKind::passage || tamps || duration > 0,
          "must be above 0 s for this kind of stage");
+  s.rule("duration", !tamps || duration == 0,
+         "is not for stages of kind tamp: times are those of [tamping]",
+         {.reads = {"kind", "duration"}});
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
   s.rule("profile", kind != StageKind::fill || profile == 0,
          "cuts nothing while stones still fall; give it to a later stage");
@@ -124,7 +129,8 @@ void Stage::declare(input::Section& s) {
   s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
          {.reads = {"kind", "layer"}});
   const bool loaded = kind == StageKind::load || kind == StageKind::passage;
-  s.rule("cycles", cycles == 0 || loaded, "is for stages of kind load and passage only");
+  s.rule("cycles", cycles == 0 || loaded || tamps,
+         "is for stages of kind load, passage and tamp only");
   s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
 }
 
@@ -215,6 +221,7 @@ void Model::declare(input::Section& s) {
   s.table("load", load, "Load on the rail seats while axles pass.");
   s.table("seat", seat, "Where the rail of a stage with train = true rests on the bed.");
   s.table("platen", platen, "The plate that compacts the bed.");
+  s.table("tamping", tamping, "The tines of stages of kind tamp.");
   s.table("output", output, "What is written, and when the run stops early.");
   s.tables("region", regions,
            "Parts of space in which the stones are measured at each row of the histories.");
@@ -257,7 +264,7 @@ bool Model::has_train() const {
 
 bool Model::uses_sleepers() const {
   return has_stage(StageKind::sleepers) || has_stage(StageKind::cribs) ||
-         has_stage(StageKind::load) || has_stage(StageKind::passage);
+         has_stage(StageKind::load) || has_stage(StageKind::passage) || has_stage(StageKind::tamp);
 }
 
 double Model::pressure_in(const Stage& stage) const {

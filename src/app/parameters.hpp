@@ -7,6 +7,7 @@
 
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
+#include "trackbed/bed/tamping.hpp"
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/section.hpp"
@@ -29,7 +30,8 @@ enum class StageKind {
   run,
   shear,
   triaxial,
-  lift_walls
+  lift_walls,
+  tamp
 };
 // In which the platen stands on the stones, and presses them.
 inline bool presses(StageKind kind) {
@@ -40,7 +42,7 @@ struct Stage {
   std::string name;
   StageKind kind = StageKind::run;
   std::string layer = {};     // fill: name of a layer of the bed; none: the uppermost
-  double duration = 0;        // s; passage: 0 means until the last axle has left
+  double duration = 0;        // s; passage, tamp: 0 means as long as it takes
   double growth = 0;          // s, fill: in which stones grow in place; 0: they fall
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
   double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
@@ -55,7 +57,7 @@ struct Stage {
   double seat_force = 0;    // N on each rail seat throughout the stage
   double load = 0;          // N, load: peak on each rail seat, above seat_force
   double ramp = 0.05;       // s, load: from zero to the peak, and back at the end; shear: to speed
-  std::int64_t cycles = 0;  // load: haversines in the duration; passage: trains; 0: see `declare`
+  std::int64_t cycles = 0;  // load: haversines; passage: trains; tamp: insertions; see `declare`
   double settlement = 0;    // m, load, passage: stop early once a cycle leaves less; 0: never
   bool train = false;       // passage: vehicles on a rail, not the load of the deck
   void declare(input::Section& s);
@@ -111,6 +113,7 @@ struct Model {
   track::SeatLoadParameters load;
   track::SeatParameters seat;
   bed::PlatenParameters platen;
+  bed::TampingParameters tamping;
   Output output;
   std::vector<observe::Region> regions;
   TimeParameters time;

@@ -309,6 +309,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_regions(model, s);
   declare_oddities(model, s);
   declare_walls(model, s);
+  declare_tamping(model, s);
   bool periodic_known = true;
   for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
   s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"", {.reads = {"periodic"}});

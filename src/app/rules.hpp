@@ -8,7 +8,9 @@ namespace trackbed::app {
 // Declares them to the open root section, after all that they read.
 void declare_rules(const Model& model, input::Section& s);
 void declare_train(const Model& model, input::Section& s);  // once the track is read, too
-void declare_walls(const Model& model, input::Section& s);  // part of declare_rules
+// Parts of declare_rules.
+void declare_walls(const Model& model, input::Section& s);
+void declare_tamping(const Model& model, input::Section& s);
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);
 

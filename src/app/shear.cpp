@@ -63,6 +63,12 @@ void push_platen(World& world, const Stage& stage, double time, double dt) {
   world.platen->drive(dt, way(stage, time + dt) - way(stage, time), world.on_platen());
 }
 
+void tamp(World& world, double time, double dt) {
+  world.tines->advance(time, dt, world.on_tines());
+  world.sleepers->carry(dt, world.tines->lift(time + dt) - world.tines->lift(time),
+                        world.on_sleepers());
+}
+
 // From the deck and the clock alone; until it is there the platen cannot be steady.
 void aim_platen(World& world, std::size_t number, double time, double dt) {
   const std::vector<Stage>& stages = world.model.stages;

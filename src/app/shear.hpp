@@ -1,5 +1,5 @@
-// The stages that move walls or change a pressure: how far in a window, and the stones that run off
-// the floor.
+// The stages that move walls and tines or change a pressure: how far in a window, and the stones
+// that run off the floor.
 #pragma once
 
 #include "app/world.hpp"
@@ -14,6 +14,8 @@ void move_walls(World& world, std::size_t number, double time, double dt);
 void push_platen(World& world, const Stage& stage, double time, double dt);
 // The same for the platen's pressure, which goes from that of the stage before to its own.
 void aim_platen(World& world, std::size_t number, double time, double dt);
+// The same for tines and the sleepers between them, which are held.
+void tamp(World& world, double time, double dt);
 // Takes stones away whose centre is beyond the floor, at whole hundredths of a second of the stage.
 // Collective.
 void clear_beside_floor(World& world, const Clock& clock);

@@ -62,6 +62,8 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
     return is_to_come(model, at.stage, {StageKind::compact, StageKind::shear, StageKind::triaxial})
                ? ""
                : "nothing is compacted any more";
+  if (key.starts_with("tamping."))
+    return is_to_come(model, next, {StageKind::tamp}) ? "" : "nothing is tamped any more";
   if (key == "settle_average") return at.ground_moved ? "the ground moves already" : "";
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the last stage has its steps already";

@@ -45,7 +45,8 @@ void declare_order(const Model& model, input::Section& s) {
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const StageKind kind = model.stages[i].kind;
     const std::string key = fmt::format("stage[{}].kind", i);
-    const bool loads = kind == StageKind::load || kind == StageKind::passage;
+    const bool loads =
+        kind == StageKind::load || kind == StageKind::passage || kind == StageKind::tamp;
     s.rule(key, placed || kind == StageKind::sleepers || (!loads && kind != StageKind::cribs),
            "needs sleepers, but no stage of kind sleepers comes before it", about);
     s.rule(key, kind != StageKind::sleepers || placed_by.empty(),
@@ -170,7 +171,7 @@ void declare_stages(const Model& model, input::Section& s) {
   declare_uses(model, s);
   declare_heights(model, s);
   const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
-                   model.has_stage(StageKind::passage);
+                   model.has_stage(StageKind::passage) || model.has_stage(StageKind::tamp);
   s.rule("sleepers.count", !any || model.sleepers.count > 0,
          "must be at least 1, since stages place or load sleepers",
          {.reads = {"sleepers.count", "stage"}});

@@ -81,6 +81,7 @@ void StageActions::begin(const Stage& stage) {
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
   if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
   if (stage.kind == StageKind::cribs) fill_cribs(stage);
+  if (stage.kind == StageKind::tamp) world_.place_tines();
   if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
   if (stage.ground_moves && world_.ground && !world_.ground_settled) {
     world_.ground->settle(world_.support);
@@ -150,6 +151,8 @@ void StageActions::watch(const Stage& stage, const Clock& clock) {
 
 // Known before the stage begins, since the passage depends on the axles and the last sleeper only.
 double StageActions::duration(const Stage& stage) const {
+  if (stage.kind == StageKind::tamp)
+    return model_.tamping.cycle() * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
   if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
   const auto& s = model_.sleepers;
   const double once =
@@ -237,6 +240,7 @@ void StageActions::end(const Stage& stage) {
     world_.walls.take_away();
     world_.meet();
   }
+  if (stage.kind == StageKind::tamp) world_.take_tines_away();
   settlement_.end();
   train_.take_away();
   world_.particles.set_local_damping(-1);

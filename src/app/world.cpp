@@ -3,8 +3,12 @@
 // start and are switched off; every room would have to know the switch.
 #include "app/world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
+
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::app {
 
@@ -49,6 +53,9 @@ void World::meet() {
   if (sleepers && sleepers->placed())
     for (Surface& sleeper : sleepers->surfaces()) add(sleeper);
   if (platen) platen_number_ = add(platen->surface());
+  first_tine_ = touched_.size();
+  if (tines)
+    for (Surface& side : tines->surfaces()) add(side);
   particles.set_surfaces(surfaces);
   set_means(kept);
   share_out();
@@ -86,6 +93,31 @@ void World::take_platen_away() {
   meet();
 }
 
+bed::Tines World::make_tines() const {
+  bed::TampedSleepers tamped{.width = model.sleepers.width};
+  for (std::size_t i = 0; i < sleepers->count(); ++i) tamped.x.push_back(sleepers->x(i));
+  return {model.tamping, tamped, model.dimension, model.domain().thickness,
+          model.material(model.sleepers.material)};
+}
+
+// As deep as below the lowest sleeper. Tines of steel have the contacts of sleepers.
+void World::place_tines() {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < sleepers->count(); ++i)
+    lowest = std::min(lowest, sleepers->bottom() + sleepers->state(i).displacement.z());
+  tines.emplace(make_tines());
+  tines->aim(top_of_stones(), lowest + model.tamping.lift);
+  if (tines->tip() <= 0)
+    throw RunError(fmt::format("the tines would go to z = {:.4g} m, through the floor of the bed",
+                               tines->tip()));
+  meet();
+}
+
+void World::take_tines_away() {
+  tines.reset();
+  meet();
+}
+
 // Minus infinity without stones. A hull of balls is as high as the highest of them.
 double World::top_of_stones() const {
   double top = -std::numeric_limits<double>::infinity();
@@ -111,6 +143,11 @@ std::vector<std::span<const Vec3>> World::on_sleepers() const {
   for (std::size_t i = 0; i < sleepers->count(); ++i)
     forces.push_back(coupler.mean_force(touched_[first_sleeper_ + i].number));
   return forces;
+}
+
+std::array<std::span<const Vec3>, 2> World::on_tines() const {
+  return {coupler.mean_force(touched_[first_tine_].number),
+          coupler.mean_force(touched_[first_tine_ + 1].number)};
 }
 
 // `meet` adds the ground first.
@@ -142,6 +179,9 @@ std::vector<observe::WallState> World::wall_states() const {
   std::vector<observe::WallState> states;
   for (const std::string& name : walls.names())
     states.push_back({name, on(name), walls.displacement(name)});
+  if (model.has_stage(StageKind::tamp))
+    for (const std::string& name : bed::Tines::names())
+      states.push_back({name, on(name), tines ? tines->displacement(name) : Vec3::Zero()});
   return states;
 }
 

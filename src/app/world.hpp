@@ -2,6 +2,7 @@
 // the order of the step is in simulation.cpp.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,22 +31,27 @@ struct World {
   // One window of lifting: it was lifted by `before` in the last window and goes up by `motion`, m.
   void lift_platen(double before, double motion);
   void take_platen_away();
+  // Tines above the stones, to go in beside the sleepers as they lie now. Collective.
+  void place_tines();
+  void take_tines_away();
   double top_of_stones() const;      // m, highest point of any stone. Collective.
   double mean_ground_level() const;  // m above z = 0, where it began. Collective.
 
   // Mean force of the last window, N.
   std::vector<std::span<const Vec3>> on_sleepers() const;
-  std::span<const Vec3> on_ground() const;    // per top node, valid on own nodes
-  double on_platen() const;                   // vertical
+  std::span<const Vec3> on_ground() const;                // per top node, valid on own nodes
+  double on_platen() const;                               // vertical
+  std::array<std::span<const Vec3>, 2> on_tines() const;  // per node
   Vec3 on(const std::string& surface) const;  // all of it; zero if there is no such surface
 
   observe::Scene scene();
-  std::vector<observe::WallState> wall_states() const;
-  observe::PlatenState platen_state() const;  // zero without one
-  std::size_t memory() const;                 // bytes of this rank's state
+  std::vector<observe::WallState> wall_states() const;  // tines count as walls
+  observe::PlatenState platen_state() const;            // zero without one
+  std::size_t memory() const;                           // bytes of this rank's state
 
   // Mean force on every node of every surface, by surface name: for the checkpoint.
   // By name, since numbers of surfaces change with stages.
+  bed::Tines make_tines() const;  // as the deck has them, aimed at nothing
   struct Means {
     std::string surface;
     std::vector<Vec3> force;  // N, all nodes on all ranks
@@ -59,6 +65,7 @@ struct World {
   std::optional<fem::Ground> ground;
   std::optional<track::Sleepers> sleepers;
   std::optional<bed::Platen> platen;  // while it presses
+  std::optional<bed::Tines> tines;    // while they tamp
   bed::Walls walls;                   // with a floor at z = 0 if there is no ground
   couple::Coupler coupler;
   // Load of the bed on the ground, averaged over settle_average, N per top node, own nodes only:
@@ -74,7 +81,7 @@ struct World {
     std::size_t number;  // in the coupler
   };
   std::vector<Touched> touched_;  // ground (if any), walls, sleepers (if placed), platen
-  std::size_t first_sleeper_ = 0, platen_number_ = 0;
+  std::size_t first_sleeper_ = 0, platen_number_ = 0, first_tine_ = 0;
 };
 
 }  // namespace trackbed::app

@@ -195,6 +195,20 @@ void Sleepers::advance(double dt, std::span<const double> seat_force,
   room.last_step = dt;
 }
 
+// Attitudes stay, also of those that are guided: a track that is lifted takes its sleepers along as
+// they hang. The velocity is what they go on with once they are let go.
+void Sleepers::carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force) {
+  Room& room = *room_;
+  for (std::size_t i = 0; i < count(); ++i) {
+    Body& body = room.bodies[i];
+    body.velocity = Vec3(0, 0, up / dt);
+    body.acceleration.setZero(), body.spin.setZero(), body.reaction.setZero();
+    for (const Vec3& force : node_force.at(i)) body.reaction += force;
+    room.drift(i, dt);
+  }
+  room.last_step = dt;
+}
+
 // Centre and rotation from where the sleeper was placed; velocities of mid-window.
 SleeperState Sleepers::state(std::size_t i) const {
   const Body& body = room_->bodies.at(i);

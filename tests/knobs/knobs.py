@@ -43,6 +43,10 @@ BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
 ON_BED = ["stage.passage.train=true", "train.start=0", "seat.before=10"]
+TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0",
+          *(f"tamping.{name}={value}" for name, value in
+            {"gap": 0.06, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
+             "squeeze": 0.01, "withdrawal": 0.01}.items())]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
 # Parameter of the schema -> (change, surroundings). List elements are called by name or number.
@@ -183,6 +187,12 @@ KNOBS = {
     "platen.hold": ("platen.hold=0.01", [*PRESSED, "platen.tolerance=0.5"]),
     "platen.vibration": ("platen.vibration=1e-3", ["platen.average=0.05"]),
     "platen.frequency": ("platen.frequency=40", ["platen.average=0.05", "platen.vibration=1e-3"]),
+    **{f"tamping.{name}": (f"tamping.{name}={value}", TAMPED) for name, value in
+       {"lift": 0.01, "depth": 0.05, "gap": 0.05, "closing": 0.02, "thickness": 0.03,
+        "amplitude": 3e-3, "frequency": 60, "insertion": 0.012, "squeeze": 0.012,
+        "withdrawal": 0.012, "force": 2e3}.items()},
+    "tamping.width": ("tamping.width=0.1", [*SPACE, *TAMPED, "tamping.y=[0]"]),
+    "tamping.y": ("tamping.y=[0.05]", [*SPACE, *TAMPED, "tamping.y=[0]"]),
     "output.history_interval": ("output.history_interval=1e-3", []),
     "output.fields": ("output.fields=true", []),
     "output.fields_interval": ("output.fields_interval=0.01", FIELDS),

@@ -37,6 +37,7 @@ NONSENSE = {'second = "sleeper"': ('second = "sleper"', ["contact[1].second", "s
 YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 # Single changes of the tiny deck and the words of the refusal, or of the warning.
 TRAIN = "stage.passage.train=true train.start=0"
+TAMP = "stage.passage.kind=tamp stage.passage.duration=0"
 REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "wall_material=wood": "there are ballast, sleeper",
            "ground_material=wood": "there are ballast, sleeper",
@@ -114,6 +115,12 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{TRAIN} track.support=continuous": "must be sleepers: the bed has some",
            f"{TRAIN} stage.passage.cycles=2": "the next one is sent when the last axle has left",
            f"{TRAIN} train.vehicles=[\"manchester\"]": "did you mean manchester_1?",
+           "tamping.lift=0.01": "has no effect: no stage is of kind tamp",
+           f"{TAMP} tamping.closing=0.09": "tines would hit the sleeper",
+           f"{TAMP} tamping.gap=0.15": "are more than there is between sleepers (0.31 m)",
+           f"{TAMP} bed.x=[0.1,1.2]": "puts tines at x = 0.03 to 1.17 m, beyond the ends",
+           f"{TAMP} stage.sleepers.height=0.1 tamping.lift=0.01": "takes the tips through the",
+           "stage.passage.kind=tamp stage.passage.duration=1": "times are those of [tamping]",
            "region.below.z=[0.1,0.1]": "must rise",
            "region.below.cells=[1.5,1,1]": "must be whole numbers",
            "region.below.cells=[1000,1,11]": "must be at most 10000 in all",

@@ -93,6 +93,8 @@ class Sleepers {
   // of mid-window. Fills position and motion of the surfaces.
   void advance(double dt, std::span<const double> seat_force,
                const std::vector<std::span<const Vec3>>& node_force, double gravity);
+  // One window in which they are held and go up by `up`, m, whatever presses on them.
+  void carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force);
   SleeperState state(std::size_t i) const;
   // m/s, of the centre at the end of the last window, to second order in the window.
   Vec3 velocity_now(std::size_t i) const;

@@ -172,6 +172,23 @@ TEST(Sleepers, FrozenDirectionsStay) {
   EXPECT_NE(state.displacement.z(), 0);
 }
 
+// Held against whatever presses, then let go at rest: free fall begins from where it was carried.
+TEST(Sleepers, CarriedOnesGoTheirWayAndFallFromRest) {
+  Sleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
+  sleepers.place(0);
+  run(sleepers, 1e-3, 10, nothing, g);  // falls
+  const double fallen = sleepers.state(0).displacement.z();
+  const std::vector<Vec3> pushed(sleepers.surfaces()[0].nodes(), Vec3(10, 0, 50));
+  for (int k = 0; k < 5; ++k) sleepers.carry(1e-3, 2e-3, {pushed});
+  EXPECT_NEAR(sleepers.state(0).displacement.z() - fallen, 0.01, rounding);
+  EXPECT_NEAR(sleepers.velocity_now(0).z(), 2, rounding);
+  EXPECT_EQ(sleepers.state(0).rotation, Vec3(Vec3::Zero()));
+  EXPECT_NEAR(sleepers.reaction(0).z(), 50 * static_cast<double>(pushed.size()), 1e-9);
+  sleepers.carry(1e-3, 0, {pushed});
+  run(sleepers, 1e-3, 1, nothing, g);
+  EXPECT_NEAR(sleepers.state(0).displacement.z() - fallen, 0.01 - g * 1e-6, rounding);
+}
+
 // Bounce and pitch on springs below the four lower corners, released at rest; returns z and angle.
 Eigen::Vector2d on_springs(int windows) {
   constexpr double stiffness = 2e7, end = 0.02;  // N/m each, s
