@@ -248,6 +248,7 @@ void Simulation::load(const io::File& file) {
     world_.tines->show_at_rest(static_cast<double>(course_.clock.window()) * course_.clock.dt());
   }
   if (course_.begun) actions_.load(file, course_.steps.window);
+  actions_.load_done(file);
   load_surfaces(world_, file);
   if (world_.platen) world_.platen->cover(world_.walls.area());
 }

@@ -79,15 +79,8 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
   return chosen.file;
 }
 
-// A refused run has removed nothing: all checks are done before the folder is touched.
-int run_alone(const par::Comm& comm, const Model& model, const Arguments& arguments,
-              const std::string& folder) {
-  require_files(model.track);
-  const FolderLock lock =
-      prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, "");
-  run_track(comm, model.track,
-            {.deck = arguments.deck, .effective = effective_deck(model), .folder = folder});
-  return static_cast<int>(ExitCode::success);
+int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
+  return static_cast<int>(run_track(comm, model.track, of) ? ExitCode::success : ExitCode::stopped);
 }
 
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before
@@ -122,14 +115,19 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
-  if (model.kind == ModelKind::track) return run_alone(comm, model, arguments, folder);
+  const bool alone = model.kind == ModelKind::track;
+  if (alone) require_files(model.track);
   const std::string start = checked_start(comm, model, deck);
-  require_stones(comm, model, deck);
+  if (!alone) require_stones(comm, model, deck);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
   const FolderLock lock =
       prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
                      start.empty() ? model.bed.cell : start);
+  if (alone)
+    return run_alone(
+        comm, model,
+        {.deck = arguments.deck, .effective = effective_deck(model), .folder = folder});
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
@@ -197,12 +195,29 @@ void look_for_histories(const par::Comm& comm, const io::File& file,
                             results, file.number_attribute("/", "time")));
 }
 
+// Whether there is something left to do for a run of stages. All problems are found before the
+// folder is touched. Collective.
+bool stages_left(const par::Comm& comm, const std::string& checkpoint, const Model& model,
+                 const input::Deck& deck, const Arguments& arguments) {
+  const io::File file = io::open_checkpoint(comm, checkpoint);
+  require_can_go_on(file, checkpoint, model, deck);
+  const std::string own = folder_of_checkpoint(checkpoint);
+  if (!is_finished(comm, file, model, own)) {
+    look_for_histories(comm, file, checkpoint);
+    return true;
+  }
+  if (!arguments.overrides.empty())
+    throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
+                                  fmt::join(arguments.overrides, " "))});
+  return false;
+}
+
 // The deck comes from the checkpoint; overrides may change what later windows use.
 // A damaged newest checkpoint is passed over, with a warning: the one before is worth more than no
 // run. A start from a checkpoint refuses instead, since there the user named one state and means
 // it.
 int resume(const par::Comm& comm, const Arguments& arguments) {
-  refuse_to_resume_track(comm, arguments.file);
+  require_track_checkpoint(comm, arguments.file);
   const std::string own = folder_of_checkpoint(arguments.file);
   const std::string folder = arguments.folder.empty() ? own : arguments.folder;
   const bool at_home = same_folder(comm, own, folder);
@@ -221,20 +236,17 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck =
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
-  {
-    const io::File file = io::open_checkpoint(comm, checkpoint);
-    require_can_go_on(file, checkpoint, model, deck);
-    if (is_finished(comm, file, model, own)) {
-      if (!arguments.overrides.empty())
-        throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
-                                      fmt::join(arguments.overrides, " "))});
-      print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
-      return static_cast<int>(ExitCode::success);
-    }
-    if (at_home && !arguments.force && !fs::is_directory(arguments.file))
-      require_newest(comm, checkpoint, own);
-    look_for_histories(comm, file, checkpoint);
+  const bool alone = model.kind == ModelKind::track;
+  // In another folder the end of a track alone is worth doing again.
+  const bool left =
+      alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) || !at_home
+            : stages_left(comm, checkpoint, model, deck, arguments);
+  if (!left) {
+    print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
+    return static_cast<int>(ExitCode::success);
   }
+  if (at_home && !arguments.force && !fs::is_directory(arguments.file))
+    require_newest(comm, checkpoint, own);
   // Closed by now: the file must not stay open while new checkpoints may replace it.
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
   // run.
@@ -243,6 +255,12 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
         comm, folder, arguments.force ? OldResults::remove : OldResults::refuse, checkpoint));
   else if (!lock)
     lock.emplace(comm, folder);
+  if (alone)
+    return run_alone(comm, model,
+                     {.deck = name,
+                      .effective = effective_deck(model),
+                      .folder = folder,
+                      .checkpoint = checkpoint});
   Simulation simulation(comm, model, deck, name, folder);
   simulation.resume(checkpoint);
   return finish(comm, simulation, folder);

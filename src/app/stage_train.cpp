@@ -35,6 +35,7 @@ std::vector<double> StageTrain::levels() const {
 
 void StageTrain::send(double step) {
   const TrackModel& t = model_.track;
+  forces_ = {};
   train_.emplace(track::TrainOnBedParameters{.line = t.line,
                                              .vehicles = t.vehicles,
                                              .train = t.train,
@@ -48,6 +49,16 @@ void StageTrain::send(double step) {
                  levels());
 }
 
+// Beyond the bed wheels meet springs, which tell nothing about it.
+void StageTrain::see_wheels() {
+  const track::SleeperParameters& bed = model_.sleepers;
+  const double last = bed.first + static_cast<double>(bed.count - 1) * bed.spacing;
+  for (std::size_t i = 0; i < wheels_; ++i)
+    if (const double x = train_->wheel_x(i);
+        x >= bed.first - bed.spacing / 2 && x <= last + bed.spacing / 2)
+      forces_.see(train_->passage().wheel_force(i));
+}
+
 // Trains follow each other at the ends of cycles, which are counted as for their settlement.
 void StageTrain::move(std::int64_t trains, const Clock& clock) {
   if (!train_) return;
@@ -55,6 +66,7 @@ void StageTrain::move(std::int64_t trains, const Clock& clock) {
   for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
     rates.push_back(world_.sleepers->velocity_now(i).z());
   train_->advance(levels(), rates);
+  see_wheels();
   const std::int64_t window = clock.window(), windows = clock.windows();
   const auto number = [&](std::int64_t done) { return done * trains / windows; };
   if (window + 1 < windows && number(window + 1) > number(window)) train_->send_again();
@@ -66,6 +78,7 @@ observe::TrainInstant StageTrain::instant() const {
 
 void StageTrain::save(io::File& file) const {
   if (train_) train_->save(file, group, world_.comm);
+  forces_.save(file, world_.comm);
 }
 
 // A stage whose train is on its way has a group; others have none.

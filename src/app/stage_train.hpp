@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/parameters.hpp"
+#include "app/wheel_extremes.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/clock.hpp"
 #include "trackbed/track/on_bed.hpp"
@@ -27,17 +28,24 @@ class StageTrain {
   void take_away() { train_.reset(); }
   observe::TrainInstant instant() const;
 
+  // Of wheels over the sleepers of the bed and half a spacing beyond, in the last stage with a
+  // train.
+  const WheelExtremes& wheel_forces() const { return forces_; }
+
   // Nothing without a train. Collective.
   void save(io::File& file) const;
   // Sends it first, with windows of `step` s, if the file has one.
   void load(const io::File& file, double step);
+  void load_wheel_forces(const io::File& file) { forces_.load(file); }
 
  private:
   std::vector<double> levels() const;  // m, of the sleepers
+  void see_wheels();
 
   World& world_;
   const Model& model_;
   std::optional<track::TrainOnBed> train_;
+  WheelExtremes forces_;
   std::size_t wheels_ = 0, bodies_ = 0;
 };
 

@@ -257,4 +257,6 @@ void StageActions::load(const io::File& file, double window) {
   train_.load(file, window);
 }
 
+void StageActions::load_done(const io::File& file) { train_.load_wheel_forces(file); }
+
 }  // namespace trackbed::app

@@ -44,6 +44,7 @@ class StageActions {
   // What of a stage under way is in neither the deck nor the model. Collective.
   void save(io::File& file) const;
   void load(const io::File& file, double window);  // s, of the stage under way
+  void load_done(const io::File& file);            // what stages left that are over
 
  private:
   void pour(const Stage& stage);

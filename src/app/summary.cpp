@@ -214,6 +214,9 @@ void write_summary(const SummaryOf& run) {
                       {"moment", balance.moment},
                       {"impulse", balance.impulse},
                       {"work", balance.work}};
+  if (run.wheels.any)
+    json["track"] = {{"wheel_force_max_n", run.wheels.most},
+                     {"wheel_force_min_n", run.wheels.least}};
   json["share"] = shares(run);
   json["energy"] = {
       {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};

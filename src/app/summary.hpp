@@ -5,6 +5,7 @@
 
 #include "app/course.hpp"
 #include "app/progress.hpp"
+#include "app/wheel_extremes.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/timers.hpp"
 
@@ -25,6 +26,7 @@ struct SummaryOf {
   const std::vector<observe::Region>& regions;
   const Timers& timers;
   const Measured& measured;
+  const WheelExtremes& wheels;
   double wall_time;  // s
   bool finished;
 };

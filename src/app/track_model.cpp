@@ -12,30 +12,35 @@ namespace trackbed::app {
 
 namespace {
 
-// Of the deck and of the library.
-std::vector<std::string> names_of(const std::vector<track::VehicleParameters>& own) {
-  std::vector<std::string> names;
-  for (const auto* list : {&own, &track::vehicle_library()})
-    for (const track::VehicleParameters& vehicle : *list) names.push_back(vehicle.name);
-  return names;
-}
-
-// The nearest name is worth saying: vehicles are long words.
+// Every name once: a train is put together by them.
 void declare_vehicles(const TrackModel& model, input::Section& s) {
-  const std::vector<std::string> known = names_of(model.vehicles);
+  const std::vector<std::string> known = track::vehicle_names(model.vehicles);
+  s.rule("train.vehicles", !model.train.vehicles.empty() || !model.passage.forces.empty(),
+         "must name at least one vehicle, or there must be a [[force]]",
+         {.reads = {"train.vehicles", "force"}});
   for (const std::string& name : model.train.vehicles) {
-    const std::string near = input::nearest(name, known);
-    s.rule("train.vehicles", std::find(known.begin(), known.end(), name) != known.end(),
-           fmt::format("there is no vehicle \"{}\"{}; there are {}", name,
-                       near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
-                       fmt::join(known, ", ")),
-           {.reads = {"train.vehicles", "vehicle"}});
+    const std::string why = track::why_no_vehicle(name, model.vehicles);
+    s.rule("train.vehicles", why.empty(), why, {.reads = {"train.vehicles", "vehicle"}});
   }
   for (std::size_t i = 0; i < model.vehicles.size(); ++i)
     s.rule(fmt::format("vehicle[{}].name", i),
            std::count(known.begin(), known.end(), model.vehicles[i].name) == 1,
            "is the name of another vehicle, of the deck or of the library, already",
            {.reads = {"vehicle"}});
+}
+
+// Without vehicles nobody knows when a run is over.
+void declare_forces(const TrackModel& model, input::Section& s) {
+  const double length = model.line.track.length;
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
+    s.rule(fmt::format("force[{}].at", i), model.passage.forces[i].at <= length,
+           fmt::format("lies beyond the track, which is {:g} m long", length),
+           {.reads = {"force", "track.length"}});
+  s.rule("force", !model.on_bed || model.passage.forces.empty(),
+         "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
+  s.rule("passage.duration", !model.train.vehicles.empty() || model.passage.duration > 0,
+         "must be above 0 s without vehicles",
+         {.reads = {"train.vehicles", "passage.duration", "force"}});
 }
 
 // Of trains that can be built; what others lack is said already. -1: unknown.
@@ -56,6 +61,15 @@ void TrackOutput::declare(input::Section& s) {
            "Simulated time between rows of the histories, rounded to steps.");
   s.numbers("points", points, {.unit = "m", .at_least = 0},
             "x of points of the rail, and of sleepers nearest to them, in the histories.");
+  s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
+           "Simulated time between checkpoints, rounded to steps; 0: none, except when a run is "
+           "stopped.");
+  s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
+           "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
+  s.integer(
+      "stop_after", stop_after, {.at_least = 0},
+      "Steps, counted from the begin also after a resume, after which a checkpoint is written "
+      "and the run stops; 0: no limit.");
 }
 
 // Of model = "track", and of a bed with a train, which has another run and other histories.
@@ -69,8 +83,10 @@ void TrackModel::declare(input::Section& s) {
   s.table("train", train, "Vehicles and their motion.");
   s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
   s.table("irregularity", irregularity, "How even the rail's running surface is.");
+  s.tables("force", passage.forces, "A force on the rail of a track alone, besides a train.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_vehicles(*this, s);
+  declare_forces(*this, s);
   if (const std::int64_t axles = wheel_rail.flat_axle > 0 ? axles_of(*this) : -1; axles >= 0)
     s.rule("wheel_rail.flat_axle", wheel_rail.flat_axle <= axles,
            fmt::format("is not there: the train has {} axles", axles),

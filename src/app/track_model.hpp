@@ -13,6 +13,9 @@ namespace trackbed::app {
 struct TrackOutput : track::PassageParameters {
   double history_interval = 1e-3;       // s
   std::vector<double> points = {30.0};  // m
+  double checkpoint_interval = 0;       // s; 0: none
+  double wall_time = 0;                 // s; 0: no limit
+  std::int64_t stop_after = 0;          // steps; 0: no limit
   void declare(input::Section& s);
 };
 

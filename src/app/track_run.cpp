@@ -10,15 +10,15 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "app/commands.hpp"
+#include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
 #include "app/version.hpp"
+#include "app/wheel_extremes.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
+#include "trackbed/io/checkpoint.hpp"
 #include "trackbed/observe/passage.hpp"
 
 namespace trackbed::app {
@@ -28,6 +28,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Watch = std::chrono::steady_clock;
 constexpr double seconds_between_lines = 5;
+constexpr std::int64_t steps_between_looks = 50;  // for wishes to stop
 
 void say(const par::Comm& comm, const std::string& line) {
   if (!comm.root()) return;
@@ -81,10 +82,11 @@ void introduce(const par::Comm& comm, const TrackModel& model, const Built& buil
     said.push_back(vehicle.name);
     say(comm, words_of(vehicle));
   }
-  say(comm,
-      fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
-                  built.train.vehicles().size(), built.train.wheels().size(),
-                  model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
+  if (!built.train.wheels().empty())
+    say(comm,
+        fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
+                    built.train.vehicles().size(), built.train.wheels().size(),
+                    model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
   say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
                         built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
@@ -100,20 +102,22 @@ std::int64_t steps_of(const TrackModel& model, const Built& built) {
   return static_cast<std::int64_t>(std::ceil(built.passage.duration() / model.passage.step - 1e-9));
 }
 
-// Largest and least force of any wheel while it is on the track, N.
-struct Extremes {
-  double most = 0, least = 0;
-  bool any = false;
-  void see(const track::Passage& passage, const Built& built) {
-    for (std::size_t i = 0; i < built.train.wheels().size(); ++i) {
-      const double x = passage.wheel_x(i), force = passage.wheel_force(i);
-      if (x < 0 || x > built.line.length()) continue;
-      most = any ? std::max(most, force) : force;
-      least = any ? std::min(least, force) : force;
-      any = true;
-    }
-  }
-};
+// Wheels on the rigid rails before and behind the track have nothing to tell.
+void see_wheels(const Built& built, WheelExtremes& wheels) {
+  for (std::size_t i = 0; i < built.train.wheels().size(); ++i)
+    if (const double x = built.passage.wheel_x(i); x >= 0 && x <= built.line.length())
+      wheels.see(built.passage.wheel_force(i));
+}
+
+// Where the wheels have not been is nothing to tell.
+void conclude(const par::Comm& comm, const TrackModel& model, const Built& built,
+              const WheelExtremes& wheels, const std::vector<double>& lowest) {
+  for (std::size_t i = 0; i < lowest.size(); ++i)
+    say(comm, fmt::format("  rail at {:g} m: down to {:.4f} mm", model.passage.points[i],
+                          -1e3 * lowest[i]));
+  if (!built.train.wheels().empty())
+    say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN", wheels.least / 1e3, wheels.most / 1e3));
+}
 
 // All that moves, to tell whether two runs did the same to the last bit.
 std::string state_hash(const track::Passage& passage) {
@@ -127,7 +131,7 @@ std::string state_hash(const track::Passage& passage) {
 }
 
 // Names as in summary.json of other runs where they mean the same; a window is a step.
-Json figures(const TrackModel& model, const Built& built, const Extremes& wheels,
+Json figures(const TrackModel& model, const Built& built, const WheelExtremes& wheels,
              const std::vector<double>& lowest) {
   const track::Passage& passage = built.passage;
   const auto steps = static_cast<double>(std::max<std::int64_t>(passage.steps(), 1));
@@ -147,29 +151,125 @@ Json figures(const TrackModel& model, const Built& built, const Extremes& wheels
   return json;
 }
 
-// Steps, with a row of the histories when one is due and a line for those who wait.
-Extremes pass(const par::Comm& comm, const TrackModel& model, Built& built,
-              observe::PassageHistories& histories) {
-  Extremes wheels;
-  const std::int64_t steps = steps_of(model, built);
-  const auto every =
-      std::max<std::int64_t>(1, std::llround(model.passage.history_interval / model.passage.step));
-  const Watch::time_point begin = Watch::now();
-  double said = 0;
-  histories.sample(built.passage);
-  for (std::int64_t i = 1; i <= steps; ++i) {
+// A run under way: what moves, what is kept of it, and where it was last written down.
+class Run {
+ public:
+  Run(const par::Comm& comm, const TrackModel& model, const TrackRunOf& of)
+      : built(model),
+        histories(built.line, built.train, model.passage.points, model.passage.forces.size()),
+        comm_(comm),
+        model_(model),
+        of_(of) {}
+
+  // Whether it came to its end.
+  bool go();
+  void resume();
+
+  Built built;
+  observe::PassageHistories histories;
+  WheelExtremes wheels;
+
+ private:
+  bool stops_here() const;
+  void progress(std::int64_t steps);
+  void checkpoint();
+  void save(io::File& file) const;
+
+  const par::Comm& comm_;
+  const TrackModel& model_;
+  const TrackRunOf& of_;
+  Watch::time_point begin_ = Watch::now();
+  double said_ = 0;  // s of wall time
+  std::int64_t resumed_at_ = 0;
+  std::vector<std::string> periodic_;  // checkpoints of this run, the oldest first
+};
+
+std::int64_t steps_in(double interval, double step) {
+  return std::max<std::int64_t>(1, std::llround(interval / step));
+}
+
+// Rows and checkpoints are counted in steps from the begin: a resumed run has them at the same
+// ones.
+bool Run::go() {
+  const TrackOutput& passage = model_.passage;
+  const std::int64_t steps = steps_of(model_, built);
+  const std::int64_t row = steps_in(passage.history_interval, passage.step);
+  const std::int64_t written = steps_in(passage.checkpoint_interval, passage.step);
+  catch_interrupts();
+  if (built.passage.steps() == 0) histories.sample(built.passage);
+  while (built.passage.steps() < steps) {
     built.passage.advance();
-    wheels.see(built.passage, built);
-    if (i % every == 0) histories.sample(built.passage);
-    const double wall = seconds_since(begin);
-    if (!comm.root() || wall < said + seconds_between_lines) continue;
-    said = wall;
-    const double left = wall * static_cast<double>(steps - i) / static_cast<double>(i);
-    say(comm, fmt::format("  {:>8.4f} s | left {:.0f} s | first wheel at {:.2f} m, {:.2f} kN",
-                          built.passage.time(), left, built.passage.wheel_x(0),
-                          built.passage.wheel_force(0) / 1e3));
+    see_wheels(built, wheels);
+    const std::int64_t done = built.passage.steps();
+    if (done % row == 0) histories.sample(built.passage);
+    progress(steps);
+    if (done < steps && stops_here()) {
+      checkpoint();
+      return false;
+    }
+    if (passage.checkpoint_interval > 0 && done % written == 0) checkpoint();
   }
-  return wheels;
+  return true;
+}
+
+// Signals may reach any rank and clocks differ: asked of all, but not in every step, which may take
+// less than a message.
+bool Run::stops_here() const {
+  const std::int64_t done = built.passage.steps();
+  if (model_.passage.stop_after > 0 && done == model_.passage.stop_after) return true;
+  if (done % steps_between_looks != 0) return false;
+  const bool late = comm_.root() && model_.passage.wall_time > 0 &&
+                    seconds_since(begin_) > model_.passage.wall_time;
+  return comm_.max(std::int64_t{interrupted() || late}) != 0;
+}
+
+void Run::progress(std::int64_t steps) {
+  const double wall = seconds_since(begin_);
+  if (!comm_.root() || wall < said_ + seconds_between_lines) return;
+  said_ = wall;
+  const std::int64_t done = built.passage.steps();
+  const double left =
+      wall * static_cast<double>(steps - done) / static_cast<double>(done - resumed_at_);
+  std::string line = fmt::format("  {:>8.4f} s | left {:.0f} s", built.passage.time(), left);
+  if (!built.train.wheels().empty())
+    line += fmt::format(" | first wheel at {:.2f} m, {:.2f} kN", built.passage.wheel_x(0),
+                        built.passage.wheel_force(0) / 1e3);
+  say(comm_, line);
+}
+
+// Two are kept, as of runs of a bed: a disk that fills up while writing must not cost both.
+void Run::checkpoint() {
+  const std::string name = fmt::format("checkpoint_{:010d}.h5", built.passage.steps());
+  io::write_checkpoint(comm_, of_.folder, name, [&](io::File& file) { save(file); });
+  periodic_.push_back(of_.folder + "/" + name);
+  if (periodic_.size() <= 2) return;
+  std::error_code ignored;
+  if (comm_.root()) std::filesystem::remove(periodic_.front(), ignored);
+  periodic_.erase(periodic_.begin());
+}
+
+// Attributes as those of a bed, which `trackbed info` reads.
+void Run::save(io::File& file) const {
+  file.attribute("/", "version", version());
+  file.attribute("/", "deck", of_.effective);
+  file.attribute("/", "deck_name", of_.deck);
+  file.attribute("/", "stage", std::string("passage"));
+  file.attribute("/", "stage_finished", std::int64_t{0});
+  file.attribute("/", "time", built.passage.time());
+  file.attribute("/", "particles", std::int64_t{0});
+  built.passage.save(file, "train", comm_);
+  histories.save(file, comm_);
+  wheels.save(file, comm_);
+}
+
+void Run::resume() {
+  remove_parts(comm_, of_.folder);
+  const io::File file = io::open_checkpoint(comm_, of_.checkpoint);
+  built.passage.load(file, "train");
+  histories.load(file);
+  wheels.load(file);
+  resumed_at_ = built.passage.steps();
+  say(comm_, fmt::format("  goes on at {:.6g} s from {}", built.passage.time(), of_.checkpoint));
 }
 
 }  // namespace
@@ -180,40 +280,40 @@ void require_files(const TrackModel& model) {
     track::Irregularity(model.irregularity, model.line.track.length);
 }
 
-// Histories and summary come at the end: a run that is killed has left nothing, and is repeated.
-void run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run) {
+// Histories and summary come at the end, or when the run is stopped. A run that is killed has left
+// its checkpoints, if it was asked for some.
+bool run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& of) {
   const Watch::time_point begin = Watch::now();
-  say(comm, fmt::format("trackbed: {} on {} rank{}", run.deck, comm.size(),
+  say(comm, fmt::format("trackbed: {} on {} rank{}", of.deck, comm.size(),
                         comm.size() > 1 ? "s, each of which computes the whole track" : ""));
-  Built built(model);
-  introduce(comm, model, built);
-  observe::PassageHistories histories(built.line, built.train, model.passage.points);
+  Run run(comm, model, of);
+  introduce(comm, model, run.built);
+  if (!of.checkpoint.empty()) run.resume();
   const Watch::time_point moving = Watch::now();
-  const Extremes wheels = pass(comm, model, built, histories);
+  const bool finished = run.go();
   const double stepping = seconds_since(moving);
-  histories.write(comm, run.folder + "/results.h5", {.deck = run.effective, .version = version()});
+  run.histories.write(comm, of.folder + "/results.h5",
+                      {.deck = of.effective, .version = version()});
   const double wall = comm.max(seconds_since(begin));
-  const std::vector<double> lowest = histories.lowest();
-  Json json{{"deck", run.deck},
+  Json json{{"deck", of.deck},
             {"model", "track"},
-            {"finished", true},
+            {"finished", finished},
             {"ranks", comm.size()},
-            {"simulated_time_s", built.passage.time()},
+            {"simulated_time_s", run.built.passage.time()},
             {"wall_time_s", wall},
-            {"windows", built.passage.steps()}};
-  json["track"] = figures(model, built, wheels, lowest);
+            {"windows", run.built.passage.steps()}};
+  json["track"] = figures(model, run.built, run.wheels, run.histories.lowest());
   json["share"] = {{"track", comm.max(stepping) / wall}, {"other", 1 - comm.max(stepping) / wall}};
-  json["energy"] = {{"track_j", built.passage.line_motion().energy()}};
+  json["energy"] = {{"track_j", run.built.passage.line_motion().energy()}};
   json["warnings"] = Json::array();
-  write_summary_file(comm, run.folder, json.dump(2));
-  for (std::size_t i = 0; i < lowest.size(); ++i)
-    say(comm, fmt::format("  rail at {:g} m: down to {:.4f} mm", model.passage.points[i],
-                          -1e3 * lowest[i]));
-  say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN; {} steps of {:g} s, {:.2f} s of wall time "
-                        "for {:.4g} s",
-                        wheels.least / 1e3, wheels.most / 1e3, built.passage.steps(),
-                        model.passage.step, wall, built.passage.time()));
-  say(comm, "results: " + run.folder);
+  write_summary_file(comm, of.folder, json.dump(2));
+  if (finished) conclude(comm, model, run.built, run.wheels, run.histories.lowest());
+  say(comm,
+      fmt::format("  {} steps of {:g} s, {:.2f} s of wall time for {:.4g} s",
+                  run.built.passage.steps(), model.passage.step, wall, run.built.passage.time()));
+  say(comm, finished ? "results: " + of.folder
+                     : "stopped early; go on with: trackbed resume " + of.folder);
+  return finished;
 }
 
 // Some steps from the begin, where most wheels may still be on rigid rails: they cost the same.
@@ -227,23 +327,6 @@ void check_track(const par::Comm& comm, const TrackModel& model) {
   const double each = seconds_since(begin) / tried;
   say(comm, fmt::format("  passage: {:.4g} s in {} steps, about {:.0f} s of wall time",
                         built.passage.duration(), steps, each * static_cast<double>(steps)));
-}
-
-// Rank 0 looks; the summary says what kind of run it was. A file that is no summary says nothing.
-void refuse_to_resume_track(const par::Comm& comm, const std::string& path) {
-  namespace fs = std::filesystem;
-  std::string found;
-  if (comm.root()) {
-    const fs::path folder = fs::is_directory(path) ? fs::path(path) : fs::path(path).parent_path();
-    std::stringstream text;
-    text << std::ifstream(folder / "summary.json").rdbuf();
-    const Json summary = Json::parse(text.str(), nullptr, false);
-    if (summary.is_object() && summary.value("model", "") == "track") found = folder.string();
-  }
-  found = comm.broadcast(found);
-  if (!found.empty())
-    throw InputError({found + ": holds a run of a track alone; these are not resumed, since they "
-                              "take seconds: run the deck again"});
 }
 
 }  // namespace trackbed::app

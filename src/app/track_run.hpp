@@ -1,9 +1,10 @@
-// Runs of a track alone: seconds, so neither stages nor checkpoints.
+// Runs of a track alone: no stages; checkpoints if asked for, or when a run is stopped.
 #pragma once
 
 #include <string>
 
 #include "app/track_model.hpp"
+#include "trackbed/input/deck.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -11,16 +12,25 @@ namespace trackbed::app {
 // What a run needs besides its model.
 struct TrackRunOf {
   std::string deck, effective, folder;  // name, effective input, result folder
+  std::string checkpoint = "";          // to go on from; empty: from the begin
 };
 
 // Reads the files the deck names, so that a bad one is refused before anything is touched. Local;
 // throws InputError.
 void require_files(const TrackModel& model);
-// The folder is there and held. Collective; throws InputError, RunError.
-void run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run);
+// The folder is there and held. Whether the run came to its end; else it was stopped, with a
+// checkpoint. Collective; throws InputError, RunError.
+bool run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run);
 // Says what the model is made of and, from some steps, how long a run takes. Collective.
 void check_track(const par::Comm& comm, const TrackModel& model);
-// Throws InputError if `path` is, or lies in, the result folder of a track alone. Collective.
-void refuse_to_resume_track(const par::Comm& comm, const std::string& path);
+
+// Throws InputError if `path` is, or lies in, the result folder of a track alone that holds no
+// checkpoint. Collective.
+void require_track_checkpoint(const par::Comm& comm, const std::string& path);
+// Whether the run that wrote `checkpoint` has something left to do. Throws InputError with all
+// parameters in which its deck and `effective` differ, except those a run may go on with, and for
+// bad files. Collective.
+bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
+                   const std::string& effective, const input::Deck& deck);
 
 }  // namespace trackbed::app

@@ -90,6 +90,10 @@ void declare_doubts(const Model& model, input::Section& s) {
   unused("passage.duration", passage.duration != none.duration, "the duration of the stage");
   unused("passage.history_interval", passage.history_interval != none.history_interval,
          "output.history_interval");
+  unused("passage.checkpoint_interval", passage.checkpoint_interval != none.checkpoint_interval,
+         "output.checkpoint_interval");
+  unused("passage.wall_time", passage.wall_time != none.wall_time, "output.wall_time");
+  unused("passage.stop_after", passage.stop_after != none.stop_after, "output.stop_after");
   unused("passage.points", passage.points != none.points,
          "the rail above each sleeper is in the histories, so only that");
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "observe/room.hpp"
+#include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
 
 namespace trackbed::observe {
@@ -19,15 +20,16 @@ enum Which : std::size_t {
   sleeper_acceleration,
   seat_force,
   body_displacement,
-  body_acceleration
+  body_acceleration,
+  rail_force
 };
 
 }  // namespace
 
 // Columns stand in the order of `Which`. Points may share their nearest sleeper: it is kept once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
-                                   std::vector<double> points)
-    : line_(line), train_(train), points_(std::move(points)) {
+                                   std::vector<double> points, std::size_t forces)
+    : line_(line), train_(train), points_(std::move(points)), forces_(forces) {
   for (const double x : points_)
     if (line.sleepers() > 0) sleepers_.push_back(line.nearest_sleeper(x));
   std::sort(sleepers_.begin(), sleepers_.end());
@@ -47,7 +49,8 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
        bodies,
        {}},
-      {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}}};
+      {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}},
+      {"history/rail/force", {"N", "of [[force]], down positive"}, forces_, {}}};
 }
 
 // All at one time level, the end of a step.
@@ -72,6 +75,7 @@ void PassageHistories::sample(const track::Passage& passage) {
     put(body_displacement, forces ? 0 : train.displacement[body]);
     put(body_acceleration, forces ? 0 : train.acceleration[body]);
   }
+  for (std::size_t i = 0; i < forces_; ++i) put(rail_force, passage.rail_force(i));
 }
 
 std::vector<double> PassageHistories::lowest() const {
@@ -80,6 +84,27 @@ std::vector<double> PassageHistories::lowest() const {
   for (std::size_t i = 0; i < w.size(); ++i)
     lowest[i % points_.size()] = std::min(lowest[i % points_.size()], w[i]);
   return lowest;
+}
+
+// As in results.h5: a checkpoint holds its own rows, so that no other file is needed to go on.
+void PassageHistories::save(io::File& file, const par::Comm& comm) const {
+  const auto own = [&](const std::vector<double>& values) {
+    return std::span(values).first(comm.root() ? values.size() : 0);
+  };
+  file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
+  for (const Column& column : columns_)
+    if (column.width > 0)
+      file.write<double>(column.path, own(column.values), column.width, column.label);
+}
+
+void PassageHistories::load(const io::File& file) {
+  times_ = file.read_all<double>("history/time");
+  for (Column& column : columns_) {
+    if (column.width == 0) continue;
+    column.values = file.read_all<double>(column.path);
+    if (column.values.size() != column.width * times_.size())
+      throw RunError(column.path + " belongs to another track or train");
+  }
 }
 
 // Under another name first: a reader meets the old file or the whole new one.
@@ -99,10 +124,7 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path,
     file.write<double>("rail/x", own(points_), 1, {"m", "points of the rail that are watched"});
     if (!sleeper_x.empty())
       file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "sleepers that are watched"});
-    file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
-    for (const Column& column : columns_)
-      if (column.width > 0)
-        file.write<double>(column.path, own(column.values), column.width, column.label);
+    save(file, comm);
     file.close();
   });
 }

@@ -62,7 +62,7 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irr
   track_change = track.flexibility(track_columns);
 }
 
-// Where the wheels are now, and what constant forces do there.
+// Where the wheels are now, and what constant forces do there; other forces as they are now.
 void Passage::Room::place_wheels() {
   point.clear();
   constant_load = Vector::Zero(line.system().mass.rows());
@@ -71,6 +71,8 @@ void Passage::Room::place_wheels() {
     if (train.wheels()[k].unknown < 0) point.back().add(-train.wheels()[k].force, constant_load);
   }
   line.add_seats(seats, constant_load);
+  for (const RailForce& one : parameters.forces)
+    line.at(one.at).add(-one.force(time()), constant_load);
   touching.clear();
   for (const std::size_t k : rolling) touching.push_back(point[k]);
   for (const Stop& stop : line.stops()) touching.push_back(stop.point);
@@ -290,6 +292,10 @@ double Passage::wheel_force(std::size_t i) const {
 double Passage::wheel_height(std::size_t i) const {
   const std::int32_t unknown = room_->train.wheels().at(i).unknown;
   return unknown < 0 ? 0 : room_->vehicles.displacement[unknown];
+}
+
+double Passage::rail_force(std::size_t i) const {
+  return room_->parameters.forces.at(i).force(room_->time());
 }
 
 double Passage::rail_displacement(double x) const {

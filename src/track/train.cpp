@@ -14,7 +14,6 @@
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/types.hpp"
-#include "trackbed/input/deck.hpp"
 
 namespace trackbed::track {
 
@@ -115,16 +114,10 @@ std::vector<double> axles_of(const VehicleParameters& v) {
 
 // One of the deck's own, or of the library.
 VehicleParameters found(const std::string& name, const std::vector<VehicleParameters>& known) {
-  std::vector<std::string> names;
   for (const auto* list : {&known, &vehicle_library()})
-    for (const VehicleParameters& vehicle : *list) {
+    for (const VehicleParameters& vehicle : *list)
       if (vehicle.name == name) return complete(vehicle);
-      names.push_back(vehicle.name);
-    }
-  const std::string near = input::nearest(name, names);
-  throw InputError({fmt::format("train.vehicles: there is no vehicle \"{}\"{}; there are {}", name,
-                                near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
-                                fmt::join(names, ", "))});
+  throw InputError({"train.vehicles: " + why_no_vehicle(name, known)});
 }
 
 // kg, of the whole vehicle.
@@ -164,7 +157,7 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
     vehicles_.push_back(v);
     front += v.length;
   }
-  const double first = wheels_.front().behind;
+  const double first = wheels_.empty() ? 0 : wheels_.front().behind;
   for (Wheel& wheel : wheels_) wheel.behind -= first;
   system_ = builder.system();
   weight_ = builder.weight();

@@ -6,6 +6,7 @@
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/types.hpp"
+#include "trackbed/input/deck.hpp"
 #include "trackbed/track/train.hpp"
 
 namespace trackbed::track {
@@ -133,6 +134,23 @@ VehicleParameters complete(const VehicleParameters& given) {
   return v;
 }
 
+std::vector<std::string> vehicle_names(const std::vector<VehicleParameters>& own) {
+  std::vector<std::string> names;
+  for (const auto* list : {&own, &vehicle_library()})
+    for (const VehicleParameters& vehicle : *list) names.push_back(vehicle.name);
+  return names;
+}
+
+// The nearest name is worth saying: vehicles are long words.
+std::string why_no_vehicle(const std::string& name, const std::vector<VehicleParameters>& own) {
+  const std::vector<std::string> names = vehicle_names(own);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return "";
+  const std::string near = input::nearest(name, names);
+  return fmt::format("there is no vehicle \"{}\"{}; there are {}", name,
+                     near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
+                     fmt::join(names, ", "));
+}
+
 // What cannot be 0: masses and springs without which a body would have no place to be. Dampers may.
 std::vector<std::string> lacking(const VehicleParameters& v) {
   std::vector<std::string> names;
@@ -200,11 +218,11 @@ void VehicleParameters::declare(input::Section& s) {
 
 // Names are checked where both lists are known (app/track_model.cpp).
 void TrainParameters::declare(input::Section& s) {
-  s.texts("vehicles", vehicles, "Names of [[vehicle]] or of the library, front first.");
+  s.texts("vehicles", vehicles,
+          "Names of [[vehicle]] or of the library, front first; none if there is a [[force]].");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 1, .usually_to = 170},
            "Along x.");
   s.number("start", start, {.unit = "m"}, "x of the first axle at the begin.");
-  s.rule("vehicles", !vehicles.empty(), "must name at least one vehicle");
 }
 
 }  // namespace trackbed::track

@@ -29,6 +29,7 @@ REFUSED = {
     "wheel_rail.flat_axle=5": "is not there: the train has 4 axles",
     "wheel_rail.flat_length=0.5 wheel_rail.flat_axle=1": "must be at most the radius",
     "passage.points=[70]": "70 m lies beyond the track",
+    "passage.stop_after=-1": "at least 0",
 }
 TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all named at once
 VEHICLE = """
@@ -100,11 +101,96 @@ def check_runs(program, decks, folder):
         if not np.allclose(force[0], 54545, atol=10):
             raise SystemExit(f"forces at rest: {force[0]}")
     ran = program(1, "resume", folder / "run")
-    if ran.returncode != 2 or "these are not resumed" not in ran.stderr:
-        raise SystemExit(f"a track alone is not resumed: {ran.stderr}")
+    if ran.returncode != 2 or "a track alone without a checkpoint" not in ran.stderr:
+        raise SystemExit(f"there is no checkpoint to resume: {ran.stderr}")
     ran = program(1, "run", decks / "plain.toml", *SHORT, "-o", folder / "run")
     if ran.returncode != 2 or "--force" not in ran.stderr:
         raise SystemExit(f"older results must not be replaced: {ran.stderr}")
+
+
+HANGING = """
+[[track.zone]]
+from = 26.9
+to = 28.3
+gap = 3e-4
+
+[[force]]
+kind = "impact"
+at = 27
+begin = 0.02
+length = 5e-3
+size = 20e3
+"""
+
+
+def same_bits(one, other, what):
+    found = []
+    for place in (one, other):
+        datasets = {}
+        with h5py.File(place / "results.h5") as file:
+            file.visititems(lambda name, item, to=datasets: to.update({name: item[()]})
+                            if isinstance(item, h5py.Dataset) else None)
+        found.append(datasets)
+    first, second = found
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
+    for name, values in first.items():
+        if not np.array_equal(values, second[name]):
+            raise SystemExit(f"{what}: {name} differs")
+    tracks = [summary(place)["track"] for place in (one, other)]
+    if tracks[0] != tracks[1] or not summary(other)["finished"]:
+        raise SystemExit(f"{what}: {tracks}")
+
+
+def check_resume(program, decks, folder):
+    """Stopped on two ranks after any step, gone on with on one: the same bits. Sleepers hang, pads
+    have a knee, a hammer strikes."""
+    deck = folder / "hanging.toml"
+    deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + HANGING, encoding="utf-8")
+    words = [*SHORT, "pad.knee=1e-4", "pad.beyond=300e6"]
+    program.done(1, "run", deck, *words, "-o", folder / "through")
+    for steps in (1, 100, 203, 249):
+        place = folder / f"stopped_{steps}"
+        program.done(2, "run", deck, *words, f"passage.stop_after={steps}", "-o", place, code=3)
+        if summary(place)["finished"] or summary(place)["windows"] != steps:
+            raise SystemExit(f"stopped after {steps} steps: {summary(place)}")
+        program.done(1, "resume", place)
+        same_bits(folder / "through", place, f"stopped after {steps} steps")
+    written = folder / "written"
+    program.done(1, "run", deck, *words, "passage.checkpoint_interval=0.01", "-o", written)
+    left = sorted(file.name for file in written.glob("checkpoint_*.h5"))
+    if left != [f"checkpoint_{steps:010d}.h5" for steps in (200, 250)]:
+        raise SystemExit(f"the last two of the checkpoints stay: {left}")
+    ran = program.done(1, "resume", written)
+    if "nothing is left to do" not in ran.stdout:
+        raise SystemExit(f"a finished run: {ran.stdout}")
+    program.done(1, "resume", written / left[0], "-o", folder / "again")
+    same_bits(folder / "through", folder / "again", "from a checkpoint in between")
+    program.done(1, "resume", written, "passage.duration=0.06", "-o", folder / "longer")
+    if summary(folder / "longer")["windows"] != 300:
+        raise SystemExit("a finished run may be made longer")
+    for change, words in (("pad.stiffness=1e8", "was made with 1.2e+08"),
+                          ("passage.stop_after=200", "are done already"),
+                          ("passage.points=[31]", "was made with [30, 30.3]")):
+        ran = program(1, "resume", written, change, "-o", folder / "refused")
+        if ran.returncode != 2 or words not in ran.stderr:
+            raise SystemExit(f"resume with {change}: {ran.stdout}{ran.stderr}")
+    ran = program.done(1, "info", written)
+    if "train" not in ran.stdout:
+        raise SystemExit(f"info of a checkpoint: {ran.stdout}")
+
+
+def check_forces(program, decks, folder):
+    """No train but a hammer: the rail under it goes down and comes back."""
+    words = ["train.vehicles=[]", "passage.duration=0.1", "passage.points=[27]"]
+    program.done(1, "run", folder / "hanging.toml", *words, "-o", folder / "hammer")
+    with h5py.File(folder / "hammer/results.h5") as file:
+        rail = file["history/rail/displacement"][()].ravel()
+        force = file["history/rail/force"][()].ravel()
+    if abs(force.max() - 20e3) > 1e3 or rail.min() > -1e-5 or abs(rail[-1]) > 0.05 * -rail.min():
+        raise SystemExit(f"a blow of {force.max()} N: rail {rail.min()} m, {rail[-1]} m")
+    refuse(program, folder / "hanging.toml", words[:1], "must be above 0 s without vehicles")
+    refuse(program, folder / "hanging.toml", ["force.0.at=61"], "beyond the track")
 
 
 def check_targets(program, decks, folder):
@@ -141,6 +227,8 @@ def main():
     check_refusals(program, decks, folder)
     check_files(program, decks, folder)
     check_runs(program, decks, folder)
+    check_resume(program, decks, folder)
+    check_forces(program, decks, folder)
     check_targets(program, decks, folder)
     check_crossing(program, decks, folder)
 

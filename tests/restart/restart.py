@@ -50,6 +50,9 @@ def compare(reference, other, what):
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")
+    wheels = [summary(folder).get("track") for folder in (reference, other)]
+    if wheels[0] != wheels[1]:
+        raise SystemExit(f"{what}: forces of wheels {wheels}")
     records = [stage_records(folder) for folder in (reference, other)]
     if records[0] != records[1]:
         raise SystemExit(f"{what}: stages ended otherwise: {records}")

@@ -15,13 +15,19 @@ namespace trackbed::observe {
 
 class PassageHistories {
  public:
-  // Rail displacements at `points` (m); sleepers nearest to them, each once, if there are any.
-  PassageHistories(const track::Line& line, const track::Train& train, std::vector<double> points);
+  // Rail displacements at `points` (m); sleepers nearest to them, each once, if there are any;
+  // so many forces on the rail.
+  PassageHistories(const track::Line& line, const track::Train& train, std::vector<double> points,
+                   std::size_t forces = 0);
   // A row. Local.
   void sample(const track::Passage& passage);
   std::int64_t rows() const { return static_cast<std::int64_t>(times_.size()); }
   // Of all rows: lowest rail displacement at each point, m.
   std::vector<double> lowest() const;
+  // Rows so far to a checkpoint, and back into histories of the same model. Collective; `load`
+  // throws RunError for those of another one.
+  void save(io::File& file, const par::Comm& comm) const;
+  void load(const io::File& file);
   // Writes results.h5 at `path`, in place of what is there. Collective; throws RunError.
   void write(const par::Comm& comm, const std::string& path, const About& about) const;
 
@@ -38,6 +44,7 @@ class PassageHistories {
   const track::Line& line_;
   const track::Train& train_;
   std::vector<double> points_;
+  std::size_t forces_;
   std::vector<std::size_t> sleepers_;
   std::vector<double> times_;
   std::vector<Column> columns_;

@@ -10,6 +10,7 @@
 
 #include "trackbed/input/section.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/track/forces.hpp"
 #include "trackbed/track/irregularity.hpp"
 #include "trackbed/track/line.hpp"
 #include "trackbed/track/newmark.hpp"
@@ -19,9 +20,10 @@
 namespace trackbed::track {
 
 struct PassageParameters {
-  double step = 2e-4;        // s
-  double duration = 0;       // s; 0: until the last axle has left the track
-  double tolerance = 1e-12;  // m, of the approach of wheel and rail
+  double step = 2e-4;                  // s
+  double duration = 0;                 // s; 0: until the last axle has left the track
+  double tolerance = 1e-12;            // m, of the approach of wheel and rail
+  std::vector<RailForce> forces = {};  // a section of its own
   void declare(input::Section& s);
 };
 
@@ -57,6 +59,7 @@ class Passage {
   double wheel_force(std::size_t i) const;   // N, on the rail, of one wheel
   double wheel_height(std::size_t i) const;  // m, of a wheelset; 0 for a constant force
   double rail_displacement(double x) const;  // m, upwards
+  double rail_force(std::size_t i) const;    // N, downwards, of the i-th of the forces
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far

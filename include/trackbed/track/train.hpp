@@ -36,6 +36,10 @@ const std::vector<VehicleParameters>& vehicle_library();
 // it needs is named in the second.
 VehicleParameters complete(const VehicleParameters& given);
 std::vector<std::string> lacking(const VehicleParameters& complete);
+// Of `own` and of the library.
+std::vector<std::string> vehicle_names(const std::vector<VehicleParameters>& own);
+// Why there is no vehicle of that name, with the nearest one there is; empty if there is one.
+std::string why_no_vehicle(const std::string& name, const std::vector<VehicleParameters>& own);
 
 struct TrainParameters {
   std::vector<std::string> vehicles = {"manchester_1"};  // front first

@@ -1,6 +1,9 @@
 // Tracks and trains of the verification cases.
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "trackbed/track/passage.hpp"
 
 namespace trackbed::track {
@@ -39,6 +42,25 @@ inline Vector at_rest(const Line& line, double x, double force) {
   Vector load = Vector::Zero(line.system().mass.rows());
   line.at(x).add(-force, load);
   return Statics(line.system()).flexibility(load);
+}
+
+// Amplitude of sin(pi x/L) in what a span does: its share of the motion by the mass matrix.
+inline double first_mode(const Line& line, int elements, const Vector& u) {
+  const double wave = std::numbers::pi / line.length();
+  Vector shape = Vector::Zero(u.size());
+  const auto put = [&](std::int32_t unknown, double value) {
+    if (unknown >= 0) shape[unknown] = value;
+  };
+  for (int e = 0; e < elements; ++e) {
+    const auto unknown = line.at((e + 0.5) * line.length() / elements).unknown;
+    for (const int end : {0, 1}) {
+      const double x = (e + end) * line.length() / elements;
+      put(unknown[static_cast<std::size_t>(2 * end)], std::sin(wave * x));
+      put(unknown[static_cast<std::size_t>(2 * end + 1)], wave * std::cos(wave * x));
+    }
+  }
+  const Vector momentum = line.system().mass * shape;
+  return momentum.dot(u) / momentum.dot(shape);
 }
 
 }  // namespace trackbed::track

@@ -1,0 +1,174 @@
+// Vehicles on a single span against the sum of the beam's modes, integrated here on its own:
+//   q_n'' + w_n^2 q_n = (2/(m L)) sin(n pi x_w/L) (-F),   w_n = (n pi/L)^2 sqrt(E I/m),
+//   rail at x: sum q_n sin(n pi x/L);  F = k_c (rail - wheel), N, x_w = v t,
+// with Newton's equations of the masses on their spring, by Runge and Kutta's fourth order in steps
+// that leave nothing.
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "support/verified.hpp"
+#include "trackbed/core/types.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+constexpr double young = 2.87e9, inertia = 2.90, mass = 2303, length = 25;  // Yang and Yau's span
+constexpr double speed = 100 / 3.6, duration = 0.9;                         // m/s, s
+constexpr double body = 5000, wheelset = 750, spring = 1595e3, damper = 10e3, contact = 50e6;
+constexpr int modes = 15;
+
+// Heights and rates: modes, then body, then wheelset.
+using State = Eigen::Matrix<double, modes + 2, 2>;
+
+double wave(int mode, double x) { return std::sin((mode + 1) * std::numbers::pi * x / length); }
+
+State rate(const State& s, double time) {
+  const double base =
+      std::pow(std::numbers::pi / length, 2) * std::sqrt(young * inertia / mass);  // rad/s
+  double rail = 0;
+  for (int n = 0; n < modes; ++n) rail += s(n, 0) * wave(n, speed * time);
+  const double force = contact * std::max(0.0, rail - s(modes + 1, 0));
+  const double between =
+      spring * (s(modes + 1, 0) - s(modes, 0)) + damper * (s(modes + 1, 1) - s(modes, 1));
+  State d;
+  d.col(0) = s.col(1);
+  for (int n = 0; n < modes; ++n)
+    d(n, 1) = -std::pow((n + 1) * (n + 1) * base, 2) * s(n, 0) -
+              2 / (mass * length) * wave(n, speed * time) * force;
+  d(modes, 1) = between / body - gravity;
+  d(modes + 1, 1) = (force - between) / wheelset - gravity;
+  return d;
+}
+
+struct Crossing {
+  std::vector<double> rail, wheel, body;  // m, mid-span, downwards; N; m; every 2 ms
+};
+
+Crossing by_modes() {
+  constexpr double step = 2e-5;
+  State s = State::Zero();
+  s(modes + 1, 0) = -(body + wheelset) * gravity / contact;
+  s(modes, 0) = s(modes + 1, 0) - body * gravity / spring;
+  Crossing found;
+  for (int i = 1; i <= std::lround(duration / step); ++i) {
+    const double t = (i - 1) * step;
+    const State a = rate(s, t), b = rate(s + step / 2 * a, t + step / 2),
+                c = rate(s + step / 2 * b, t + step / 2), d = rate(s + step * c, t + step);
+    s += step / 6 * (a + 2 * b + 2 * c + d);
+    if (i % 100 != 0) continue;
+    double middle = 0, below = 0;
+    for (int n = 0; n < modes; ++n) {
+      middle -= s(n, 0) * wave(n, length / 2);
+      below += s(n, 0) * wave(n, speed * i * step);
+    }
+    found.rail.push_back(middle);
+    found.wheel.push_back(contact * std::max(0.0, below - s(modes + 1, 0)));
+    found.body.push_back(s(modes, 0));
+  }
+  return found;
+}
+
+Crossing by_passage(double step) {
+  const Line line(span(young, inertia, mass));
+  VehicleParameters v;
+  v.name = "mass";
+  v.kind = VehicleKind::sprung;
+  v.length = 1;
+  v.body_mass = body, v.wheelset_mass = wheelset;
+  v.primary_stiffness = spring, v.primary_damping = damper;
+  const TrainParameters motion{.vehicles = {"mass"}, .speed = speed, .start = 0};
+  const Train train(motion, {v}, 1);
+  WheelRailParameters law;
+  law.law = WheelRailLaw::linear;
+  law.stiffness = contact;
+  Passage passage(line, train, WheelRail(law), Irregularity({}, length), motion,
+                  {.step = step, .duration = duration});
+  const auto every = std::lround(2e-3 / step);
+  Crossing found;
+  for (int i = 1; i <= std::lround(duration / step); ++i) {
+    passage.advance();
+    if (i % every != 0) continue;
+    found.rail.push_back(-passage.rail_displacement(length / 2));
+    found.wheel.push_back(passage.wheel_force(0));
+    found.body.push_back(passage.train_motion().displacement[0]);
+  }
+  return found;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// A body on spring and damper, the wheelset below it on a linear contact. Steps of 0.1 ms; fifteen
+// modes leave 1e-5 of the deflection.
+TEST(SprungMass, WithAnUnsprungMassOnASpan) {
+  const Crossing reference = by_modes(), found = by_passage(1e-4);
+  const auto most = [](const std::vector<double>& v) {
+    return *std::max_element(v.begin(), v.end());
+  };
+  verified::near("largest at mid-span", "m", most(found.rail), most(reference.rail), 2e-6);
+  verified::near("largest wheel force", "N", most(found.wheel), most(reference.wheel), 20);
+  verified::below("mid-span, root mean square of the difference", "m",
+                  distance(found.rail, reference.rail), 2e-6);
+  verified::below("wheel force, root mean square of the difference", "N",
+                  distance(found.wheel, reference.wheel), 20);
+}
+
+// Of the body: it does not feel the highest modes of the span, which no step resolves.
+TEST(SprungMass, IsOfSecondOrderInTheStep) {
+  const Crossing a = by_passage(1e-3), b = by_passage(5e-4), c = by_passage(2.5e-4);
+  verified::near("order from steps of 1, 0.5, 0.25 ms, body", "-",
+                 std::log2(distance(a.body, b.body) / distance(b.body, c.body)), 2, 0.2);
+  verified::below("body against the sum of modes, steps of 0.25 ms, root mean square", "m",
+                  distance(c.body, by_modes().body), 1e-6);
+}
+
+// A constant force on the same span, its first mode against the closed form
+//   q = (2 P/(m L)) (sin(W t) - (W/w) sin(w t))/(w^2 - W^2),  W = pi v/L:
+// root mean square of the difference over the passage, m.
+double moving_force_error(int elements, double step) {
+  LineParameters p = span(young, inertia, mass);
+  p.track.spacing = length / 2;
+  p.track.elements = elements / 2;
+  const Line line(p);
+  VehicleParameters v;
+  v.name = "force";
+  v.kind = VehicleKind::forces;
+  v.length = 1;
+  v.axles = {0}, v.loads = {1e5};
+  const TrainParameters motion{.vehicles = {"force"}, .speed = speed, .start = 0};
+  const Train train(motion, {v}, 1);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, length), motion,
+                  {.step = step, .duration = duration});
+  const double k = std::numbers::pi / length, drive = k * speed,
+               own = k * k * std::sqrt(young * inertia / mass);
+  double sum = 0;
+  const auto steps = std::lround(duration / step);
+  for (int i = 1; i <= steps; ++i) {
+    passage.advance();
+    const double exact =
+        2e5 / (mass * length) *
+        (std::sin(drive * passage.time()) - drive / own * std::sin(own * passage.time())) /
+        (own * own - drive * drive);
+    sum += std::pow(-first_mode(line, elements, passage.line_motion().displacement) - exact, 2);
+  }
+  return std::sqrt(sum / static_cast<double>(steps));
+}
+
+// Cubic elements with consistent mass: the fourth order of their length.
+TEST(MovingForce, OrdersOnASpan) {
+  verified::near("order in the step, 2 and 1 ms, 40 elements", "-",
+                 std::log2(moving_force_error(40, 2e-3) / moving_force_error(40, 1e-3)), 2, 0.1);
+  verified::near("order in element length, 8 and 16 elements", "-",
+                 std::log2(moving_force_error(8, 5e-5) / moving_force_error(16, 5e-5)), 4, 0.5);
+}
+
+}  // namespace
+}  // namespace trackbed::track
