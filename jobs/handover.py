@@ -2,10 +2,13 @@
 """The hand-over loop of long-term studies: what the bed is like goes to the train over a track
 alone, what this does to each sleeper goes back to the bed, round after round.
 
-    handover.py PROGRAM DECK CHECKPOINT FOLDER [--rounds N] [--trains N] [--each N] [--load N]
+    handover.py PROGRAM DECK FOLDER [--start CHECKPOINT]
+                [--rounds N] [--trains N] [--each N] [--load N]
 
-DECK: a bed with the sections of rail and train (inputs/track/on_bed.toml); CHECKPOINT: a
-stage_NAME.h5 of a run of it, with sleepers that are bedded in. One round, in FOLDER/round_K:
+DECK: a bed with the sections of rail and train, and [handover] (inputs/track/on_bed.toml): a stage
+`after` which the rounds begin, with sleepers that are bedded in, and numbers that words of the
+command line may replace. The bed is run up to that stage in FOLDER/bed; CHECKPOINT, a stage_NAME.h5
+of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
    load goes is the support stiffness of each sleeper.
@@ -36,6 +39,7 @@ import numpy as np  # noqa: E402
 
 OF_THE_TRAIN = ("rail", "pad", "ballast", "seat", "track", "train", "wheel_rail", "irregularity",
                 "passage", "vehicle")
+OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
 
@@ -72,21 +76,28 @@ class Loop:
         self.given = given
         text = given.deck.read_text(encoding="utf-8")
         self.deck = tomllib.loads(text)
-        done = given.checkpoint.name.removeprefix("stage_").removesuffix(".h5")
+        loop = self.deck.get("handover", {})
+        for name, default in OPTIONS.items():
+            if getattr(given, name) is None:
+                setattr(given, name, loop.get(name, default))
+        done = loop.get("after")
+        if given.start:
+            done = given.start.name.removeprefix("stage_").removesuffix(".h5")
         names = [stage["name"] for stage in self.deck["stage"]]
         trains = [stage for stage in self.deck["stage"] if stage.get("train")]
         if done not in names:
-            sys.exit(f"{given.checkpoint} is no stage_NAME.h5 of {given.deck}")
+            sys.exit(f"{given.start} is no stage_NAME.h5 of {given.deck}" if given.start else
+                     f"{given.deck}: [handover] with `after`, the name of a stage, is needed")
         if not trains:
             sys.exit(f"{given.deck} has no stage with train = true")
         if self.deck.get("irregularity", {}).get("kind", "none") != "none":
             sys.exit(f"{given.deck}: the loop has its own irregularity, leave out [irregularity]")
         self.preload = trains[0].get("seat_force", 0)
         kept = [part for name, part in chunks(text)
-                if name.split(".")[0] not in (*OF_THE_TRAIN, "stage", "load")]
+                if name.split(".")[0] not in (*OF_THE_TRAIN, "stage", "load", "handover")]
         stages = [part for name, part in chunks(text) if name == "stage"]
         self.bed = "".join(kept) + "".join(stages[:names.index(done) + 1])
-        self.start = given.checkpoint.resolve()
+        self.start = given.start.resolve() if given.start else self.make_bed(done)
         sleepers = self.deck["sleepers"]
         self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
         seat = self.deck.get("seat", {})
@@ -103,6 +114,14 @@ class Loop:
             ran = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)
             if ran.returncode:
                 sys.exit(f"{' '.join(command)} failed: see {folder}.log")
+
+    def make_bed(self, last):
+        """Checkpoint of the bed after stage `last`."""
+        self.given.folder.mkdir(parents=True, exist_ok=True)
+        deck, folder = self.given.folder / "bed.toml", self.given.folder / "bed"
+        deck.write_text(self.bed, encoding="utf-8")
+        self.program(deck, folder, ranks=int(os.environ.get("RANKS", "2")))
+        return (folder / f"stage_{last}.h5").resolve()
 
     def run_bed(self, stage, folder, *overrides):
         """One stage more of the bed; histories of it."""
@@ -224,12 +243,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("program", type=Path)
     parser.add_argument("deck", type=Path)
-    parser.add_argument("checkpoint", type=Path)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--trains", type=int, default=2, help="computed in a round")
-    parser.add_argument("--each", type=float, default=1, help="trains that one stands for")
-    parser.add_argument("--load", type=float, default=30e3, help="N on each seat while weighing")
+    parser.add_argument("--start", type=Path, help="checkpoint of an earlier run of the deck")
+    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--trains", type=int, help="computed in a round")
+    parser.add_argument("--each", type=float, help="trains that one stands for")
+    parser.add_argument("--load", type=float, help="N on each seat while weighing")
     loop = Loop(parser.parse_args())
     for number in range(loop.given.rounds):
         loop.round(number)

@@ -236,6 +236,8 @@ void Model::declare(input::Section& s) {
   declare_intervals(*this, s);
   track.declare(s);
   declare_train(*this, s);
+  s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
+  declare_handover(*this, s);
 }
 
 bool Model::periodic_in(const std::string& axis) const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/handover.hpp"
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/bed/tamping.hpp"
@@ -119,6 +120,7 @@ struct Model {
   TimeParameters time;
   std::vector<Stage> stages;
   TrackModel track;
+  HandoverParameters handover;  // for jobs/handover.py
   void declare(input::Section& s);
 
   bool periodic_in(const std::string& axis) const;

@@ -1,0 +1,41 @@
+// Parameters of the hand-over loop stand in the deck of the bed, so that one file says all; the
+// loop itself is jobs/handover.py: each round runs the program on decks of a stage more, from
+// checkpoint to checkpoint. Rejected: a stage that does a whole round, whose track alone would hide
+// in a run of stones with neither its own results nor its own figures.
+#include "app/handover.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/parameters.hpp"
+
+namespace trackbed::app {
+
+void HandoverParameters::declare(input::Section& s) {
+  s.text("after", after, "Stage with whose bed the rounds begin; none: there is no loop.");
+  s.integer("rounds", rounds, {.at_least = 1, .at_most = 1000},
+            "Rounds: support stiffness, track alone, trains over the bed, new geometry.");
+  s.integer("trains", trains, {.at_least = 1, .at_most = 10000}, "Trains computed in a round.");
+  s.number("each", each, {.above = 0, .usually_to = 1e6},
+           "Trains that a computed one stands for when its settlement becomes geometry.");
+  s.number("load", load, {.unit = "N", .above = 0, .usually_to = 1e6},
+           "On each seat, above seat_force, while the stiffness of the supports is weighed.");
+}
+
+// The geometry of the rail is the loop's own.
+void declare_handover(const Model& model, input::Section& s) {
+  const std::string& after = model.handover.after;
+  if (after.empty()) return;
+  const bool known = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [&](const Stage& stage) { return stage.name == after; });
+  s.rule("handover.after", known, fmt::format("there is no stage \"{}\"", after),
+         {.reads = {"handover", "stage"}});
+  s.rule("handover.after", model.has_train(), "needs a stage with train = true",
+         {.reads = {"handover", "stage"}});
+  s.rule("irregularity.kind", model.track.irregularity.kind == track::IrregularityKind::none,
+         "must be none in a deck with [handover]: the settlement is the geometry of its rail",
+         {.reads = {"handover", "irregularity"}});
+}
+
+}  // namespace trackbed::app
