@@ -79,6 +79,8 @@ Json ground_figures(const SummaryOf& run) {
           {"steps", totals.steps},
           {"element_steps_per_second_per_core", ratio(elements * steps, seconds) / comm.size()},
           {"iterations_mean", totals.iterations_mean},
+          {"newton_rounds_mean", totals.rounds_mean},
+          {"newton_rounds_most", totals.rounds_most},
           {"seconds_per_step", ratio(seconds, steps)},
           {"kinetic_j", totals.kinetic},
           {"elastic_j", totals.elastic},

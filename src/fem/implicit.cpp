@@ -86,8 +86,12 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
                      inertia * state.acceleration[c][n];
     }
   // Held freedoms keep a = 0: the solver leaves them out.
-  iterations += implicit_->solve(right_, state.acceleration);
-  ++solves;
+  if (plasticity) {
+    newton(dt, s);
+  } else {
+    iterations += implicit_->solve(right_, state.acceleration);
+    ++solves;
+  }
   ++steps;
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {

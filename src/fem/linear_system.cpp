@@ -6,10 +6,10 @@
 #include "linear_system.hpp"
 
 #include <fmt/format.h>
-#include <petscksp.h>
 
 #include <array>
 
+#include "linear_system_handles.hpp"
 #include "petsc_check.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/par/mpi.hpp"
@@ -37,44 +37,6 @@ bool suggest(const std::string& name, const char* value) {
 
 }  // namespace
 
-// PETSc's objects, destroyed in one place, and how they are filled.
-struct LinearSystem::Handles {
-  explicit Handles(Mesh& m) : mesh(m), components(m.lattice.components()) {}
-  ~Handles() {
-    // Static destruction after PetscFinalize would be an error of PETSc's.
-    PetscBool running = PETSC_FALSE;
-    PetscInitialized(&running);
-    if (running == PETSC_FALSE) return;
-    KSPDestroy(&solver);
-    MatDestroy(&matrix);
-    VecDestroy(&right);
-    VecDestroy(&solution);
-  }
-  Handles(const Handles&) = delete;
-  Handles& operator=(const Handles&) = delete;
-
-  // In this order: sizes, numbers, rigid motions, solver.
-  void create();
-  void assemble(const Stiffness& stiffness, const Spec& spec);
-  void add_zone(std::size_t zone, const Eigen::MatrixXd& stiffness, const Spec& spec);
-  void tell_rigid_motions();
-  void make_solver(double tolerance);
-  bool is_held(const Spec& spec, std::int32_t node, int c) const {
-    return (spec.held[static_cast<std::size_t>(node)] >> c & 1) != 0;
-  }
-  PetscInt row(std::int32_t node, int c) const {
-    return static_cast<PetscInt>(number[static_cast<std::size_t>(node)] * components + c);
-  }
-
-  Mesh& mesh;
-  int components;
-  std::vector<std::int64_t> number;  // of local nodes among all ranks' own nodes
-  std::vector<std::uint8_t> held;
-  Mat matrix = nullptr;
-  KSP solver = nullptr;
-  Vec right = nullptr, solution = nullptr;
-};
-
 // Unknowns are numbered by owner, then by node, components of a node together (blocks for solvers
 // that know them). Ghosts learn their number from the owner.
 void LinearSystem::Handles::create() {
@@ -96,27 +58,27 @@ void LinearSystem::Handles::create() {
 }
 
 // Rows of own nodes are complete here: every zone that touches them is held.
-void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k, const Spec& spec) {
+void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& k,
+                                     double factor) {
   const int corners = mesh.lattice.corners();
   for (int a = 0; a < corners; ++a) {
     const std::int32_t node = mesh.corner(zone, a);
     if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
     for (int c = 0; c < components; ++c) {
       // Rows and columns of held unknowns are left out: the matrix stays symmetric.
-      if (is_held(spec, node, c)) continue;
+      if (is_held(node, c)) continue;
       std::array<PetscInt, 24> columns{};
       std::array<PetscScalar, 24> values{};
       PetscInt count = 0;
       for (int b = 0; b < corners; ++b)
         for (int d = 0; d < components; ++d) {
-          if (is_held(spec, mesh.corner(zone, b), d)) continue;
+          if (is_held(mesh.corner(zone, b), d)) continue;
           columns[static_cast<std::size_t>(count)] = row(mesh.corner(zone, b), d);
           values[static_cast<std::size_t>(count++)] =
-              spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[zone])] *
-              k(a * components + c, b * components + d);
+              factor * k(a * components + c, b * components + d);
         }
       const PetscInt at = row(node, c);
-      check(MatSetValues(matrix, 1, &at, count, columns.data(), values.data(), ADD_VALUES),
+      check(MatSetValues(to, 1, &at, count, columns.data(), values.data(), ADD_VALUES),
             "fill a matrix");
     }
   }
@@ -127,7 +89,8 @@ void LinearSystem::Handles::add_zone(std::size_t zone, const Eigen::MatrixXd& k,
 void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spec) {
   held = spec.held;
   for (std::size_t z = 0; z < mesh.zone.size(); ++z)
-    add_zone(z, stiffness.element(mesh.solid[z]).stiffness, spec);
+    add_zone(matrix, z, stiffness.element(mesh.solid[z]).stiffness,
+             spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])]);
   // A held unknown keeps a row of its own, as stiff as its neighbours for the multigrid's sake.
   double stiff = 0;
   for (std::size_t z = 0; z < mesh.zone.size() && stiff == 0; ++z)
@@ -136,7 +99,7 @@ void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spe
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) {
       const PetscInt at = row(node, c);
-      const double value = is_held(spec, node, c) ? stiff : spec.diagonal[c][node];
+      const double value = is_held(node, c) ? stiff : spec.diagonal[c][node];
       check(MatSetValues(matrix, 1, &at, 1, &at, &value, ADD_VALUES), "fill a matrix");
     }
   check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
@@ -200,38 +163,46 @@ LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& s
 
 LinearSystem::~LinearSystem() = default;
 
-// Held unknowns have a row of their own with 0 on the right: they come out as 0.
-int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
-  Handles& h = *handles_;
-  PetscScalar *b = nullptr, *guess = nullptr;
-  check(VecGetArray(h.right, &b), "open a vector");
-  check(VecGetArray(h.solution, &guess), "open a vector");
+void LinearSystem::Handles::give(const Nodal& from, Vec to) const {
+  PetscScalar* values = nullptr;
+  check(VecGetArray(to, &values), "open a vector");
   std::size_t at = 0;
-  for (const std::int32_t node : h.mesh.own)
-    for (int c = 0; c < h.components; ++c, ++at) {
-      const bool held = (h.held[static_cast<std::size_t>(node)] >> c & 1) != 0;
-      b[at] = held ? 0 : right_side[c][node];
-      guess[at] = held ? 0 : x[c][node];
-    }
-  check(VecRestoreArray(h.right, &b), "close a vector");
-  check(VecRestoreArray(h.solution, &guess), "close a vector");
-  check(KSPSolve(h.solver, h.right, h.solution), "solve the ground");
+  for (const std::int32_t node : mesh.own)
+    for (int c = 0; c < components; ++c) values[at++] = is_held(node, c) ? 0 : from[c][node];
+  check(VecRestoreArray(to, &values), "close a vector");
+}
+
+void LinearSystem::Handles::take(Vec from, Nodal& to) const {
+  const PetscScalar* values = nullptr;
+  check(VecGetArrayRead(from, &values), "open a vector");
+  std::size_t at = 0;
+  for (const std::int32_t node : mesh.own)
+    for (int c = 0; c < components; ++c) to[c][node] = values[at++];
+  check(VecRestoreArrayRead(from, &values), "close a vector");
+}
+
+int LinearSystem::Handles::outcome(KSP of) {
   // The same reason on every rank, so all throw together.
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
-  check(KSPGetConvergedReason(h.solver, &reason), "say why it stopped");
-  check(KSPGetIterationNumber(h.solver, &iterations), "count iterations");
+  check(KSPGetConvergedReason(of, &reason), "say why it stopped");
+  check(KSPGetIterationNumber(of, &iterations), "count iterations");
   if (reason < 0)
     throw RunError("the linear solver of the ground stopped after " + std::to_string(iterations) +
                    " iterations: " + KSPConvergedReasons[reason] +
                    "; try other solver options after --");
-  const PetscScalar* found = nullptr;
-  check(VecGetArrayRead(h.solution, &found), "open a vector");
-  at = 0;
-  for (const std::int32_t node : h.mesh.own)
-    for (int c = 0; c < h.components; ++c, ++at) x[c][node] = found[at];
-  check(VecRestoreArrayRead(h.solution, &found), "close a vector");
   return static_cast<int>(iterations);
+}
+
+// Held unknowns have a row of their own with 0 on the right: they come out as 0.
+int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
+  Handles& h = *handles_;
+  h.give(right_side, h.right);
+  h.give(x, h.solution);
+  check(KSPSolve(h.solver, h.right, h.solution), "solve the ground");
+  const int iterations = Handles::outcome(h.solver);
+  h.take(h.solution, x);
+  return iterations;
 }
 
 }  // namespace trackbed::fem

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,19 @@ class LinearSystem {
   // Solves for x of own nodes, starting from the x given. Returns the iterations. Throws RunError
   // on all ranks if it does not converge. Collective.
   int solve(const Nodal& right_side, Nodal& x);
+
+  // For Newton, whose tangent differs from the matrix in some zones. Calls of `Add` name a local
+  // zone and what comes to the matrix there (N/m, freedoms as in ZoneElement, of any symmetry);
+  // ranks that share a zone must say the same.
+  using Add = std::function<void(std::size_t, const Eigen::MatrixXd&)>;
+  using Changes = std::function<void(const Add&)>;
+  // Solves the changed system from x = 0 until the residual is `tolerance` of the right side: GMRES
+  // (Saad, Schultz 1986, doi:10.1137/0907058), options with the prefix `ground_tangent_`, on the
+  // preconditioner of the matrix, which is not set up anew. Returns the iterations, -1 on all ranks
+  // if the system is singular.
+  int solve_changed(const Changes& changes, const Nodal& right_side, double tolerance, Nodal& x);
+  // right_side - matrix x on own freedoms, 0 on held ones; returns its norm, N. Collective.
+  double residual(const Nodal& right_side, const Nodal& x, Nodal& r);
 
  private:
   struct Handles;

@@ -119,23 +119,71 @@ bool MohrCoulomb::try_set(unsigned set, double rounding, Vec3& stress, Vec3& pla
   return true;
 }
 
-bool MohrCoulomb::bring_back(Vec6& stress, Vec6& plastic) const {
+// With the planes of the set held: I - back (normal . back)^-1 normal.
+Mat3 MohrCoulomb::principal_slope(unsigned set) const {
+  std::array<const Plane*, 3> active{};
+  int count = 0;
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    if ((set >> k & 1) != 0) active[static_cast<std::size_t>(count++)] = &planes_[k];
+  Mat3 system = Mat3::Identity(), back = Mat3::Zero(), normal = Mat3::Zero();
+  for (int i = 0; i < count; ++i) {
+    normal.row(i) = active[static_cast<std::size_t>(i)]->normal.transpose();
+    back.col(i) = active[static_cast<std::size_t>(i)]->back;
+  }
+  system.topLeftCorner(count, count) = (normal * back).topLeftCorner(count, count);
+  return Mat3::Identity() - back * system.inverse() * normal;
+}
+
+namespace {
+
+// Derivative of an isotropic function of a tensor: principal values change by `slope`, and a turn
+// of the axes by an angle moves the given and the returned tensor in proportion to the differences
+// of their principal values (Ogden 1984, Non-linear elastic deformations, section 6.1.4).
+Voigt turned_slope(const Mat3& slope, const Principal& trial, const Vec3& returned) {
+  // Below it two values count as one, and the limit of the ratio is taken.
+  const double same = 1e-9 * trial.value.cwiseAbs().maxCoeff();
+  Mat3 ratio = Mat3::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const double apart = trial.value(i) - trial.value(j);
+      ratio(i, j) = std::abs(apart) > same
+                        ? (returned(i) - returned(j)) / apart
+                        : 0.5 * (slope(i, i) - slope(i, j) + slope(j, j) - slope(j, i));
+    }
+  Voigt found;
+  for (int k = 0; k < 6; ++k) {
+    Mat3 unit = Mat3::Zero();
+    unit(k % 3, k < 3 ? k : (k + 1) % 3) = unit(k < 3 ? k : (k + 1) % 3, k % 3) = 1;
+    const Mat3 given = trial.axes.transpose() * unit * trial.axes;
+    Mat3 change = ratio.cwiseProduct(given);
+    change.diagonal() = slope * given.diagonal();
+    const Mat3 t = trial.axes * change * trial.axes.transpose();
+    found.col(k) << t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(1, 2), t(2, 0);
+  }
+  return found;
+}
+
+}  // namespace
+
+bool MohrCoulomb::bring_back(Vec6& stress, Vec6& plastic, Voigt* slope) const {
   Principal trial = principal(stress);
   const double scale = trial.value.cwiseAbs().maxCoeff() * planes_[0].normal(0) + planes_[0].limit;
   if (!(beyond(trial.value) > held * scale)) return false;
-  Vec3 flowed = Vec3::Zero();
+  Vec3 flowed = Vec3::Zero(), returned = trial.value;
+  unsigned set = 0;
   // Where sets meet, rounding may refuse all of them: the next rounds forgive more.
   bool found = false;
   for (double rounding = 1e-3 * held; !found && rounding < 1; rounding *= 100)
     for (std::size_t k = 0; k < sets.size() && !found; ++k)
-      found = try_set(sets[k], rounding * scale, trial.value, flowed);
+      found = try_set(set = sets[k], rounding * scale, returned, flowed);
   const auto turned = [&](const Vec3& value) {
     const Mat3 t = trial.axes * value.asDiagonal() * trial.axes.transpose();
     Vec6 v;
     v << t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(1, 2), t(2, 0);
     return v;
   };
-  stress = turned(trial.value);
+  if (slope != nullptr) *slope = turned_slope(principal_slope(set), trial, returned);
+  stress = turned(returned);
   plastic = turned(flowed);
   plastic.tail<3>() *= 2;
   return true;

@@ -33,7 +33,9 @@ class MohrCoulomb {
 
   // Takes a stress beyond the surface back to it; `plastic` is the strain that flowed. Leaves a
   // stress within it alone, to the bit, and says false.
-  bool bring_back(Vec6& stress, Vec6& plastic) const;
+  // `slope`: the derivative of the stress on the surface by the one given, both as they stand in
+  // Voigt's order; not set if false.
+  bool bring_back(Vec6& stress, Vec6& plastic, Voigt* slope = nullptr) const;
   // Pa, how far principal stresses (any order) are beyond the surface; below 0: within.
   double beyond(const Vec3& stress) const;
 
@@ -52,6 +54,7 @@ class MohrCoulomb {
   };
   // Return along the planes of `set` (bits); false if another set holds.
   bool try_set(unsigned set, double rounding, Vec3& stress, Vec3& plastic) const;
+  Mat3 principal_slope(unsigned set) const;
 
   std::array<Plane, 6> planes_;
   std::array<Cone, 2> cones_;

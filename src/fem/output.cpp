@@ -78,6 +78,10 @@ GroundTotals Ground::totals() const {
   if (room.solves > 0)
     totals.iterations_mean =
         static_cast<double>(room.iterations) / static_cast<double>(room.solves);
+  if (room.newton_steps > 0)
+    totals.rounds_mean = static_cast<double>(room.rounds) / static_cast<double>(room.newton_steps);
+  totals.rounds_most = static_cast<double>(room.most_rounds);
+  totals.rounds_left = room.left;
   // Energies of the motion since rest: 1/2 v M v and 1/2 u K u with the springs.
   Nodal force(room.components(), mesh.nodes());
   room.stiffness.apply(room.state.displacement, force);

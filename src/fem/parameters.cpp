@@ -139,9 +139,6 @@ void declare_alphas(GroundParameters& p, Section& s) {
 // What has no part in yielding would be wrong without a word.
 void declare_yielding(const GroundParameters& p, Section& s) {
   const bool yields = p.yields();
-  s.rule("integrator", !yields || p.integrator == Integrator::explicit_,
-         "takes the ground as elastic; layers that yield need integrator = \"explicit\"",
-         {.reads = {"integrator", "layer", "block"}});
   s.rule("sides", !yields || p.sides != Sides::free_field,
          "has elastic columns beside the model, which layers that yield would tear off; take quiet "
          "or roller",

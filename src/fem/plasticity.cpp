@@ -138,8 +138,8 @@ void Plasticity::bring_back(const Law& law, std::size_t zone, int lane, const Ba
 
 // Stress of the present motion with the plastic strain of the step before: enhanced strains follow
 // what flows one step later.
-template <int D>
-void Plasticity::flow_runs(const Nodal& rest, const Nodal& u) {
+template <int D, class Beyond>
+void Plasticity::test_runs(const Nodal& rest, const Nodal& u, const Beyond& beyond) {
   constexpr int corners = 1 << D;
   Lane motion[D][corners];
   Batch<D> stress, strain, relief;
@@ -167,13 +167,33 @@ void Plasticity::flow_runs(const Nodal& rest, const Nodal& u) {
       stress.to_corners();
       const Lane room = stress.room(law.surface.cones());
       for (int l = 0; l < count; ++l)
-        if (room[l] < 0) bring_back<D>(law, first + static_cast<std::size_t>(l), l, stress);
+        if (room[l] < 0) beyond(law, first + static_cast<std::size_t>(l), l, stress);
     }
   }
 }
 
 void Plasticity::flow(const Nodal& rest, const Nodal& u) {
-  mesh_.lattice.plane ? flow_runs<2>(rest, u) : flow_runs<3>(rest, u);
+  const auto run = [&]<int D>(std::integral_constant<int, D>) {
+    test_runs<D>(rest, u, [this](const Law& law, std::size_t zone, int lane, const Batch<D>& b) {
+      bring_back<D>(law, zone, lane, b);
+    });
+  };
+  mesh_.lattice.plane ? run(std::integral_constant<int, 2>())
+                      : run(std::integral_constant<int, 3>());
+}
+
+void Plasticity::beyond(const Nodal& rest, const Nodal& u, const Take& take) {
+  const auto run = [&]<int D>(std::integral_constant<int, D>) {
+    test_runs<D>(rest, u, [&](const Law&, std::size_t zone, int lane, const Batch<D>& b) {
+      double stress[Batch<D>::components * Batch<D>::points];
+      for (int c = 0; c < Batch<D>::components; ++c)
+        for (int g = 0; g < Batch<D>::points; ++g)
+          stress[c * Batch<D>::points + g] = b.value[c][g][lane];
+      take(zone, stress);
+    });
+  };
+  mesh_.lattice.plane ? run(std::integral_constant<int, 2>())
+                      : run(std::integral_constant<int, 3>());
 }
 
 // Strain is taken in lanes, forces are added zone by zone: neighbours share nodes.

@@ -25,6 +25,21 @@ class Plasticity {
   // Returns the stress of the motion rest + u to the surface, once, and keeps the plastic strain.
   // Ghosts of both must be current. Local.
   void flow(const Nodal& rest, const Nodal& u);
+  // Calls take(number in zones(), Pa) for each zone that goes beyond the surface somewhere under
+  // the motion rest + u with the plastic strain it has; stress as the strain in Zone. Ascending.
+  using Take = std::function<void(std::size_t, const double*)>;
+  void beyond(const Nodal& rest, const Nodal& u, const Take& take);
+  // One zone for those who let it flow themselves (plastic_step.hpp). Component * points + point.
+  struct Zone {
+    double *strain, *work;  // -, J
+    std::uint8_t* flowed;
+    std::int32_t solid;
+  };
+  Zone zone(std::size_t number) {
+    return {&strain_[number * width_], &work_[number], &flowed_[number],
+            mesh_.solid[zone_[number]]};
+  }
+  std::size_t width() const { return width_; }  // numbers of strain per zone
   // Takes the forces of the plastic strain since rest off `internal` (N), complete on own nodes;
   // zones in ascending order. Local.
   void act_on(Nodal& internal) const;
@@ -65,8 +80,8 @@ class Plasticity {
   };
   template <int D>
   struct Batch;
-  template <int D>
-  void flow_runs(const Nodal& rest, const Nodal& u);
+  template <int D, class Beyond>
+  void test_runs(const Nodal& rest, const Nodal& u, const Beyond& beyond);
   template <int D>
   void act_runs(Nodal& internal) const;
   template <int D>

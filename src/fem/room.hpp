@@ -19,6 +19,7 @@
 #include "free_field.hpp"
 #include "linear_system.hpp"
 #include "mesh.hpp"
+#include "plastic_step.hpp"
 #include "plasticity.hpp"
 #include "stiffness.hpp"
 #include "terms.hpp"
@@ -89,6 +90,9 @@ struct Ground::Room {
   double critical = 0;  // s, without safety
   std::string limit, trouble;
   std::int64_t steps = 0, solves = 0, iterations = 0;
+  // Newton's: rounds of all implicit steps, most of one, what the last one left round by round.
+  std::int64_t newton_steps = 0, rounds = 0, most_rounds = 0;
+  std::vector<double> left;  // residual over the forces of the step
   double seconds = 0;
 
  private:
@@ -96,6 +100,9 @@ struct Ground::Room {
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces
+  void newton(double dt, const AlphaScheme& scheme);
+  double out_of_balance(double dt, const AlphaScheme& scheme, const Nodal& acceleration);
+  double line_search(double dt, const AlphaScheme& scheme, const Nodal& step, double open);
   void elastic_rest(const Nodal& right);
   void yielding_rest(const Nodal& right);
   enum class Part { drift, kick_and_drift, kick };
@@ -113,6 +120,8 @@ struct Ground::Room {
   // Implicit: scratch of a window, and the operator.
   Nodal mixed_, right_;
   std::unique_ptr<LinearSystem> implicit_;
+  std::unique_ptr<PlasticStep> plastic_step_;  // if a solid yields
+  Nodal begin_force_, end_force_, residual_;   // N: of plastic strain at begin and end; of Newton
   double implicit_step_ = -1;
 };
 

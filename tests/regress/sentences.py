@@ -69,7 +69,6 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "ground.base=fixed ground.base_motion={deck}": "needs base = \"quiet\"",
            "ground.integrator=hht ground.alpha=-0.5": "must be at least -1/3 for hht",
            "ground.layer.soil.yield=mohr_coulomb": 'take plane = "strain"',
-           f"{YIELDS} ground.integrator=newmark": "layers that yield need integrator",
            f"{YIELDS} ground.sides=free_field": "has elastic columns beside the model",
            f"{YIELDS} ground.layer.soil.dilation_angle=31": "is above friction_angle (30): flow",
            f"{YIELDS} ground.layer.soil.tensile_strength=2e4":

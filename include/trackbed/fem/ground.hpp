@@ -97,6 +97,10 @@ struct GroundTotals {
   double iterations_mean = 0, seconds = 0;  // linear solver; wall time in steps on this rank
   double kinetic = 0, elastic = 0;          // J over all ranks
   double plastic = 0;                       // J lost by yielding, over all ranks
+  // Newton's in implicit steps of a ground that yields: mean and most in a step, and what the last
+  // step left of its forces from round to round.
+  double rounds_mean = 0, rounds_most = 0;
+  std::vector<double> rounds_left = {};
 };
 
 class Ground {

@@ -8,9 +8,8 @@
 #include <random>
 
 #include "trackbed/core/error.hpp"
-#include "trackbed/core/hash.hpp"
 #include "trackbed/io/file.hpp"
-#include "unit/fem/ground_scene.hpp"
+#include "unit/fem/yielding_scene.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -77,52 +76,12 @@ TEST_P(Plastic, EvenPlasticStrainIsFreeOfStress) {
   EXPECT_LT(force.cwiseAbs().maxCoeff(), 1e-9 * scale);
 }
 
-// Two layers, the upper one and a corner of the lower one weak; an uneven load in hard pushes.
-GroundParameters scene() {
-  GroundParameters p = box({3, 1, 1}, {13, 4, 5}, {80e6, 0.3, 1900});
-  p.layers = {{"weak", 0.55, {60e6, 0.3, 1900}}, {"strong", 0.45, {80e6, 0.3, 1900}}};
-  p.layers[0].strength = {Yield::mohr_coulomb, 8e3, 25, 5, 2e3};
-  Block block{"corner", true, {0, -0.5, 1, -0.5, 1, -1, 0, -1}, {70e6, 0.25, 2000}};
-  block.strength = {Yield::mohr_coulomb, 15e3, 0, 0, 5e3};
-  p.blocks = {block};
-  p.plane = PlaneState::strain;
-  p.sides = Sides::quiet;
-  p.rayleigh_stiffness = 1e-5;
-  return p;
-}
-
-std::vector<Vec3> load_of(const Surface& top, int window) {
-  std::vector<Vec3> force(top.nodes());
-  const double each = 1.2e5 / static_cast<double>(force.size());
-  for (std::size_t n = 0; n < force.size(); ++n)
-    force[n] = {0.2 * each * std::sin(0.3 * static_cast<double>(n) + window), 0,
-                -each * (1 + std::sin(1.7 * static_cast<double>(n))) * (window % 3)};
-  return force;
-}
-
-// What the ground is let go under: less than a third of the pushes.
-std::vector<Vec3> settled(const Surface& top) {
-  std::vector<Vec3> force = load_of(top, 1);
-  for (Vec3& each : force) each *= 0.3;
-  return force;
-}
-
-std::uint64_t bits(const Comm& comm, const Ground& ground) {
-  std::uint64_t sum = 0;
-  for (const std::int32_t n : ground.own_top()) {
-    const auto state = ground.top_state(n);
-    sum += mix(hash_bytes(state.displacement.data(), 24, static_cast<std::uint64_t>(n)));
-    sum += mix(hash_bytes(state.velocity.data(), 24, static_cast<std::uint64_t>(n) + 1000));
-    sum += mix(hash_bytes(&state.sigma_z, 8, static_cast<std::uint64_t>(n) + 2000));
-  }
-  return static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum)));
-}
-
 TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
   const Comm world = Comm::world(), self = Comm::self();
   const std::string path = "plastic_on_" + std::to_string(world.size()) +
                            (GetParam() == Dimension::plane ? "_plane.h5" : "_space.h5");
-  Ground spread(world, scene(), GetParam(), 1.0), alone(self, scene(), GetParam(), 1.0);
+  Ground spread(world, yielding_scene(), GetParam(), 1.0),
+      alone(self, yielding_scene(), GetParam(), 1.0);
   const double dt = 2.5 * spread.stable_step();
   const auto go = [&](Ground& ground, int from, int to) {
     for (int w = from; w < to; ++w) ground.advance(dt, load_of(ground.top(), w));
@@ -139,7 +98,8 @@ TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
   EXPECT_EQ(bits(world, spread), bits(self, alone));
   EXPECT_GT(alone.totals().plastic, 0.01 * alone.totals().elastic);  // much of it yields
 
-  Ground resumed(world, scene(), GetParam(), 1.0), one(self, scene(), GetParam(), 1.0);
+  Ground resumed(world, yielding_scene(), GetParam(), 1.0),
+      one(self, yielding_scene(), GetParam(), 1.0);
   {
     const io::File file(world, path, io::Mode::read);
     resumed.load(file, "ground");
@@ -156,7 +116,7 @@ TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
 // Layers that could yield but do not: the bits of elastic ones.
 TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
   const Comm self = Comm::self();
-  GroundParameters strong = scene(), elastic = scene();
+  GroundParameters strong = yielding_scene(), elastic = yielding_scene();
   for (Strength* s : {&strong.layers[0].strength, &strong.blocks[0].strength}) {
     s->cohesion = 1e9;
     s->tensile_strength = 1e9;
@@ -188,7 +148,7 @@ TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
 TEST_P(Plastic, EnergyIsBalanced) {
   const Comm self = Comm::self();
   const auto error = [&](double safety) {
-    GroundParameters p = scene();
+    GroundParameters p = yielding_scene();
     p.base = Base::fixed;
     p.sides = Sides::roller;
     p.rayleigh_stiffness = 0;

@@ -1,0 +1,60 @@
+// Inside of LinearSystem: PETSc's objects, for its elastic part and its tangent
+// (linear_system_tangent.cpp).
+#pragma once
+
+#include <petscksp.h>
+
+#include "linear_system.hpp"
+
+namespace trackbed::fem {
+
+// PETSc's objects, destroyed in one place, and how they are filled.
+struct LinearSystem::Handles {
+  explicit Handles(Mesh& m) : mesh(m), components(m.lattice.components()) {}
+  ~Handles() {
+    // Static destruction after PetscFinalize would be an error of PETSc's.
+    PetscBool running = PETSC_FALSE;
+    PetscInitialized(&running);
+    if (running == PETSC_FALSE) return;
+    KSPDestroy(&direct);
+    KSPDestroy(&tangent_solver);
+    KSPDestroy(&solver);
+    MatDestroy(&tangent);
+    MatDestroy(&matrix);
+    VecDestroy(&right);
+    VecDestroy(&solution);
+  }
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  // In this order: sizes, numbers, rigid motions, solver.
+  void create();
+  void assemble(const Stiffness& stiffness, const Spec& spec);
+  // Into rows of own nodes of a matrix.
+  void add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& stiffness, double factor);
+  void tell_rigid_motions();
+  void make_solver(double tolerance);
+  void make_tangent();
+  void make_direct();
+  bool is_held(std::int32_t node, int c) const {
+    return (held[static_cast<std::size_t>(node)] >> c & 1) != 0;
+  }
+  // Between own nodes and PETSc's vectors; held freedoms give 0.
+  void give(const Nodal& from, Vec to) const;
+  void take(Vec from, Nodal& to) const;
+  // Throws RunError on all ranks if the solver gave up; its iterations otherwise.
+  static int outcome(KSP of);
+  PetscInt row(std::int32_t node, int c) const {
+    return static_cast<PetscInt>(number[static_cast<std::size_t>(node)] * components + c);
+  }
+
+  Mesh& mesh;
+  int components;
+  std::vector<std::int64_t> number;  // of local nodes among all ranks' own nodes
+  std::vector<std::uint8_t> held;
+  Mat matrix = nullptr, tangent = nullptr;  // the tangent and its solver once asked for
+  KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;
+  Vec right = nullptr, solution = nullptr;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,301 @@
+// Implicit steps of zones that yield: tangents against differences, stresses on the surface, bits
+// of elastic layers and through a checkpoint, ranks, agreement with the explicit scheme, collapse.
+#include "fem/plastic_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "trackbed/core/error.hpp"
+#include "trackbed/io/file.hpp"
+#include "unit/fem/yielding_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+// All planes and corners: stresses of random size about the apex and far from it.
+TEST(Slope, IsTheDerivativeOfTheReturn) {
+  std::mt19937_64 random(5);
+  const auto number = [&](double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random);
+  };
+  int yielded = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const MohrCoulomb surface(
+        {50e6, number(0, 0.45), 2000},
+        {Yield::mohr_coulomb, 20e3, number(10, 40), number(0, 10), number(0, 20e3)});
+    Vec6 trial, plastic;
+    for (double& value : trial) value = number(-1e5, 1e5);
+    if (k % 2 == 0) trial(3) = trial(4) = 0;  // as in a plane
+    Vec6 stress = trial;
+    Voigt slope;
+    if (!surface.bring_back(stress, plastic, &slope)) continue;
+    ++yielded;
+    // A corner of the surface between both ends of a difference is no error of the slope: try again
+    // with a shorter one.
+    double error = 1;
+    for (const double h : {1.0, 0.1, 0.01}) {
+      Voigt difference = Voigt::Identity();
+      for (int c = 0; c < 6; ++c) {
+        Vec6 high = trial, low = trial;
+        high(c) += h, low(c) -= h;
+        surface.bring_back(high, plastic);
+        surface.bring_back(low, plastic);
+        difference.col(c) = (high - low) / (2 * h);
+      }
+      error = std::min(error, (difference - slope).cwiseAbs().maxCoeff());
+    }
+    EXPECT_LT(error, 1e-4) << trial.transpose();  // rounding of 1e5 Pa over 0.01 Pa, and h^2
+  }
+  EXPECT_GT(yielded, 500);
+}
+
+class Step : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, Step, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
+
+// One zone, moved at random: enhanced strains work.
+struct OneZone {
+  explicit OneZone(Dimension dimension, double dilation)
+      : parameters(make(dilation)),
+        mesh(Comm::self(), parameters, dimension, 0.2),
+        plasticity(mesh),
+        step(mesh, plasticity),
+        element(zone_element(mesh.lattice.size, parameters.layers[0].solid, dimension,
+                             PlaneState::strain)),
+        none(mesh.lattice.components(), mesh.nodes()) {}
+  static GroundParameters make(double dilation) {
+    GroundParameters p = box({0.3, 0.2, 0.1}, {1, 1, 1}, {50e6, 0.3, 2000});
+    p.layers[0].strength = {Yield::mohr_coulomb, 20e3, 30, dilation, 10e3};
+    return p;
+  }
+  Nodal nodal(const Eigen::VectorXd& u) const {
+    Nodal values = none;
+    const int parts = mesh.lattice.components();
+    for (int k = 0; k < mesh.lattice.corners(); ++k)
+      for (int c = 0; c < parts; ++c) values[c][mesh.corner(0, k)] = u(parts * k + c);
+    return values;
+  }
+  // N on the corners at the end of a step with this motion.
+  Eigen::VectorXd force(const Eigen::VectorXd& u) {
+    step.flow(none, nodal(u));
+    Nodal plastic = none;
+    plasticity.act_on(plastic);
+    Eigen::VectorXd found = element.stiffness * u;
+    const int parts = mesh.lattice.components();
+    for (int k = 0; k < mesh.lattice.corners(); ++k)
+      for (int c = 0; c < parts; ++c) found(parts * k + c) += plastic[c][mesh.corner(0, k)];
+    return found;
+  }
+  GroundParameters parameters;
+  Mesh mesh;
+  Plasticity plasticity;
+  PlasticStep step;
+  ZoneElement element;
+  Nodal none;
+};
+
+TEST_P(Step, TangentIsTheDerivativeOfTheForce) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (const double dilation : {0.0, 30.0}) {
+    OneZone zone(GetParam(), dilation);
+    const Eigen::Index freedoms = zone.element.stiffness.rows();
+    // A first step leaves plastic strain, so that the second one does not begin at nothing.
+    Eigen::VectorXd first(freedoms), u(freedoms);
+    for (double& value : first) value = 1e-4 * normal(random);
+    zone.force(first);
+    EXPECT_EQ(zone.step.flowing(), 1u);
+    zone.step.keep();
+    int smooth = 0, tried = 0;
+    for (int k = 0; k < 10; ++k) {
+      for (Eigen::Index n = 0; n < freedoms; ++n) u(n) = first(n) + 1e-4 * normal(random);
+      zone.force(u);
+      if (zone.step.flowing() == 0) continue;
+      ++tried;
+      Eigen::MatrixXd tangent = zone.element.stiffness;
+      zone.step.tangent([&](std::size_t, const Eigen::MatrixXd& change) { tangent += change; });
+      const double h = 1e-10, size = zone.element.stiffness.cwiseAbs().maxCoeff();
+      Eigen::MatrixXd difference = tangent;
+      for (Eigen::Index n = 0; n < freedoms; ++n) {
+        Eigen::VectorXd high = u, low = u;
+        high(n) += h, low(n) -= h;
+        difference.col(n) = (zone.force(high) - zone.force(low)) / (2 * h);
+      }
+      // A point that changes its planes between two ends spoils a few: most trials have none.
+      if ((difference - tangent).cwiseAbs().maxCoeff() < 1e-4 * size) ++smooth;
+      if (dilation == 30) {
+        EXPECT_LT((tangent - tangent.transpose()).cwiseAbs().maxCoeff(), 1e-9 * size);
+      }
+    }
+    EXPECT_GE(smooth, tried - 2);
+    EXPECT_GT(tried, 4);
+  }
+}
+
+// The stress of the zone, enhanced strains in equilibrium, lies within the surface at every point.
+TEST_P(Step, StressLiesOnTheSurface) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  OneZone zone(GetParam(), 0);
+  const ZonePoints points =
+      zone_points(zone.mesh.lattice.size, zone.parameters.layers[0].solid, GetParam());
+  const MohrCoulomb surface(zone.parameters.layers[0].solid, zone.parameters.layers[0].strength);
+  Eigen::VectorXd u(zone.element.stiffness.rows());
+  for (int k = 0; k < 20; ++k) {
+    for (double& value : u) value = 2e-4 * normal(random);
+    zone.step.flow(zone.none, zone.nodal(u));
+    const double before = *zone.plasticity.zone(0).work;
+    zone.step.keep();
+    const int parts = points.components, count = static_cast<int>(points.relief.rows()) / parts;
+    Eigen::VectorXd strain(points.relief.rows());
+    for (int g = 0; g < count; ++g)
+      for (int c = 0; c < parts; ++c)
+        strain(parts * g + c) = zone.plasticity.zone(0).strain[c * count + g];
+    const Eigen::VectorXd stress = points.recovery * u + points.relief * strain;
+    double beyond = -1e9;
+    for (int g = 0; g < count; ++g) {
+      Vec6 at = Vec6::Zero();
+      for (int c = 0; c < parts; ++c) at(points.voigt(c)) = stress(parts * g + c);
+      beyond = std::max(beyond, surface.beyond(principal(at).value));
+    }
+    // Of stresses of some 1e5 Pa.
+    EXPECT_LT(beyond, 1e-4);
+    if (*zone.plasticity.zone(0).work > before) {
+      EXPECT_GT(beyond, -1e-4);
+    }
+  }
+}
+
+GroundParameters scene(Integrator integrator = Integrator::newmark) {
+  GroundParameters p = yielding_scene();
+  p.integrator = integrator;
+  p.tolerance = 1e-10;
+  return p;
+}
+
+void go(Ground& ground, int from, int to, double dt = 5e-4) {
+  for (int w = from; w < to; ++w) ground.advance(dt, load_of(ground.top(), w));
+}
+
+// Forces weighted between begin and end, mass too: every integrator resumes with its bits.
+TEST_P(Step, SameBitsThroughACheckpoint) {
+  const Comm world = Comm::world();
+  const std::string path = "plastic_step_on_" + std::to_string(world.size()) +
+                           (GetParam() == Dimension::plane ? "_plane.h5" : "_space.h5");
+  for (const Integrator integrator : {Integrator::newmark, Integrator::generalized_alpha}) {
+    const GroundParameters p = scene(integrator);
+    Ground ground(world, p, GetParam(), 1.0), resumed(world, p, GetParam(), 1.0);
+    ground.settle(settled(ground.top()));
+    go(ground, 0, 5);
+    {
+      io::File file(world, path, io::Mode::create);
+      ground.save(file, "ground");
+    }
+    go(ground, 5, 10);
+    {
+      const io::File file(world, path, io::Mode::read);
+      resumed.load(file, "ground");
+    }
+    go(resumed, 5, 10);
+    EXPECT_EQ(bits(world, ground), bits(world, resumed));
+    EXPECT_GT(ground.totals().plastic, 0.01 * ground.totals().elastic);
+    EXPECT_GT(ground.totals().rounds_mean, 1);
+  }
+}
+
+TEST_P(Step, RanksAgreeToTheTolerance) {
+  const Comm world = Comm::world(), self = Comm::self();
+  Ground spread(world, scene(), GetParam(), 1.0), alone(self, scene(), GetParam(), 1.0);
+  for (Ground* ground : {&spread, &alone}) {
+    ground->settle(settled(ground->top()));
+    go(*ground, 0, 10);
+  }
+  double difference = 0, size = 0;
+  for (const std::int32_t n : spread.own_top()) {
+    const Vec3 u = alone.top_state(n).displacement;
+    size = std::max(size, u.norm());
+    difference = std::max(difference, (spread.top_state(n).displacement - u).norm());
+  }
+  // Residuals of 1e-10 through the condition of a step, some hundred, in each of ten steps.
+  EXPECT_LT(world.max(difference), 1e-7 * world.max(size));
+}
+
+TEST_P(Step, StrongLayersHaveTheBitsOfElasticOnes) {
+  const Comm self = Comm::self();
+  GroundParameters strong = scene(), elastic = scene();
+  for (Strength* s : {&strong.layers[0].strength, &strong.blocks[0].strength})
+    s->cohesion = s->tensile_strength = 1e9;
+  elastic.layers[0].strength.yield = elastic.blocks[0].strength.yield = Yield::none;
+  Ground a(self, strong, GetParam(), 1.0), b(self, elastic, GetParam(), 1.0);
+  go(a, 0, 8);
+  go(b, 0, 8);
+  EXPECT_EQ(bits(self, a), bits(self, b));
+  EXPECT_EQ(a.totals().plastic, 0);
+}
+
+// Both schemes in ever shorter steps: one motion, of first order as the return.
+TEST_P(Step, AgreesWithTheExplicitScheme) {
+  const Comm self = Comm::self();
+  const auto run = [&](Integrator integrator, double dt) {
+    GroundParameters p = scene(integrator);
+    p.safety = 0.05;
+    Ground ground(self, p, GetParam(), 1.0);
+    const auto quiet = settled(ground.top()), push = load_of(ground.top(), 5);
+    ground.settle(quiet);
+    const int windows = static_cast<int>(std::lround(4e-3 / dt));
+    for (int w = 0; w < windows; ++w) {
+      // Rises and falls: both load and unload. Linear within a window for the one, constant at its
+      // mean for the other.
+      const double t = (integrator == Integrator::explicit_ ? w + 0.5 : w + 1) * dt / 4e-3;
+      auto load = quiet;
+      for (std::size_t n = 0; n < load.size(); ++n)
+        load[n] += std::sin(M_PI * t) * (push[n] - quiet[n]);
+      ground.advance(dt, load);
+    }
+    EXPECT_GT(ground.totals().plastic, 0);
+    std::vector<double> u;
+    for (const std::int32_t n : ground.own_top()) u.push_back(ground.top_state(n).displacement.z());
+    return u;
+  };
+  const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double difference = 0, size = 0;
+    for (std::size_t n = 0; n < a.size(); ++n) {
+      difference = std::max(difference, std::abs(a[n] - b[n]));
+      size = std::max(size, std::abs(a[n]));
+    }
+    return difference / size;
+  };
+  const auto exact = run(Integrator::explicit_, 1e-4);
+  const double coarse = apart(exact, run(Integrator::newmark, 1e-3)),
+               fine = apart(exact, run(Integrator::newmark, 1e-4));
+  EXPECT_LT(fine, 0.01);
+  EXPECT_LT(fine, 0.5 * coarse);
+}
+
+// Half of a strip under twice what it carries, at once and for so long that inertia does not help:
+// there is no end, and the run says so.
+TEST(Collapse, EndsWithASentence) {
+  GroundParameters p = box({2.5, 1, 1.25}, {10, 1, 5}, {50e6, 0.3, 2000});
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  p.integrator = Integrator::newmark;
+  p.layers[0].strength = {Yield::mohr_coulomb, 50e3, 0, 0, 50e6};
+  Ground ground(Comm::world(), p, Dimension::plane, 1.0);
+  std::vector<Vec3> force(ground.top().nodes(), Vec3::Zero());
+  for (std::size_t n = 0; n < force.size(); ++n)
+    if (ground.top().position[n].x() < 0.6) force[n].z() = -0.5 * 0.25 * 10 * 50e3;
+  try {
+    ground.advance(1e3, force);
+    FAIL() << "twice what it carries is carried";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("finds no end of an implicit step"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::fem
