@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "support/verified.hpp"
-#include "unit/fem/ground_scene.hpp"
+#include "verify/ground/half_space.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -111,6 +111,40 @@ TEST_P(Column, ImpedanceJumpReflectsItsShare) {
   // Ringing of the fronts.
   verified::near("velocity of the top over the first one", "-", sum / samples / particle_velocity,
                  expected, 0.02);
+}
+
+// A dashpot a rho c reflects (1 - a)/(1 + a): those of a base whose lowest zones, a hundredth of
+// the column, have a times the impedance of the others. What meets the front has 2/(1 + a).
+TEST_P(Column, DashpotReflectsItsShare) {
+  const Comm comm = Comm::world();
+  for (const double a : {0.5, 3.0}) {
+    GroundParameters p = column(200);
+    p.layers = {{"column", 9.9, {50e6, 0.3, 2000}}, {"base", 0.1, {50e6 * a, 0.3, 2000 * a}}};
+    p.base = Base::quiet;
+    p.base_stiffness = 0;
+    Ground ground(comm, p, GetParam(), 1.0);
+    const auto load = pressure(ground, step_pressure);
+    const double travel = 10 / wave_speed;  // the front is back amid the column after 1.5 of them
+    ground.advance(1.7 * travel, load);
+    double sum = 0;
+    constexpr int samples = 40;
+    for (int s = 0; s < samples; ++s) {
+      ground.advance(0.6 * travel / samples, load);
+      sum += downward_velocity(comm, ground, -5.0);
+    }
+    // Ringing of both fronts.
+    verified::near(fmt::format("share of the velocity sent back, a = {:g}", a), "-",
+                   sum / samples / particle_velocity - 1, (1 - a) / (1 + a), 0.02);
+  }
+}
+
+TEST_P(Column, SinksByItsStaticDisplacement) {
+  const Comm comm = Comm::world();
+  Ground ground(comm, half_space(column(20)), GetParam(), 1.0);
+  load_statically(ground, pressure(ground, step_pressure));
+  // Linear displacement: exact on any mesh, to the tolerance of the solver.
+  verified::near("displacement of the top", "m", top_displacement(comm, ground), 0.148571e-3,
+                 5e-10);
 }
 
 TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {

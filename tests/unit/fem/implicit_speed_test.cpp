@@ -1,0 +1,92 @@
+// Study: iterations and milliseconds of an implicit step against its length, for the
+// preconditioners worth a choice, in a ground of 35000 hexahedra and one of 30000 plane zones.
+// Prints rows for the table in docs/decisions/ground_elements.md; run it on 1 and 2 ranks. Fails if
+// the default is far from the best.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <petscsys.h>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "trackbed/fem/petsc.hpp"
+#include "unit/fem/ground_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+// 0.25 m zones below 10 m of track, layers of a railway line; a bogie's load that passes at 50 m/s.
+GroundParameters line(Dimension dimension) {
+  const bool flat = dimension == Dimension::plane;
+  GroundParameters p =
+      flat ? box({30, 1, 10}, {300, 1, 100}, {}) : box({10, 7.5, 7.25}, {40, 30, 29}, {});
+  p.layers = {{"surface", 0.7, {500e6, 0.33, 1950}},
+              {"bottom", 2.3, {200e6, 0.35, 1900}},
+              {"subgrade", flat ? 7 : 4.25, {150e6, 0.35, 1850}}};
+  p.sides = Sides::quiet;
+  p.rayleigh_stiffness = 1e-4;
+  p.integrator = Integrator::bossak;
+  p.alpha = -0.1;
+  return p;
+}
+
+// Seconds of a step, mean over 20 after the first, which sets up.
+double seconds(Dimension dimension, double dt, const std::string& preconditioner) {
+  const Comm comm = Comm::world();
+  Petsc::ensure();
+  PetscOptionsClear(nullptr);
+  if (!preconditioner.empty())
+    PetscOptionsSetValue(nullptr, "-ground_pc_type", preconditioner.c_str());
+  Ground ground(comm, line(dimension), dimension, 1.0);
+  const auto unit = pressure(ground, 1e5);
+  const auto load = [&](double t) {
+    auto force = unit;
+    for (std::size_t n = 0; n < force.size(); ++n) {
+      const double away = ground.top().position[n].x() - 2 - 50 * t;
+      force[n] *= std::exp(-away * away);
+    }
+    return force;
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  const auto since = [&] {
+    return comm.max(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  };
+  ground.settle(load(0));
+  const double rest = since();
+  const double at_rest = ground.totals().iterations_mean;
+  ground.advance(dt, load(dt));
+  const double before = since();
+  constexpr int steps = 20;
+  double inside = ground.totals().seconds;
+  for (int k = 2; k < 2 + steps; ++k) ground.advance(dt, load(k * dt));
+  inside = comm.max(ground.totals().seconds - inside) / steps;
+  const GroundTotals totals = ground.totals();
+  const double iterations = (totals.iterations_mean * (steps + 2) - at_rest) / (steps + 1);
+  PetscOptionsClear(nullptr);
+  if (comm.root())
+    fmt::print("| {} | {} | {:g} | {} | {} | {:.1f} | {:.1f} | {:.1f} ms |\n", totals.unknowns,
+               comm.size(), 1e3 * dt, preconditioner.empty() ? "default" : preconditioner, at_rest,
+               rest, iterations, 1e3 * inside);
+  std::fflush(stdout);
+  EXPECT_GT(before, rest);
+  return inside;
+}
+
+TEST(Speed, DefaultIsNearTheBest) {
+  for (const Dimension dimension : {Dimension::space, Dimension::plane})
+    for (const double dt : {1e-4, 5e-4, 2e-3, 1e-2}) {
+      double best = seconds(dimension, dt, "jacobi");
+      for (const char* other : {"gamg", "hypre"})
+        best = std::min(best, seconds(dimension, dt, other));
+      // Timing on a shared machine.
+      EXPECT_LT(seconds(dimension, dt, ""), 2 * best) << dt;
+    }
+}
+
+}  // namespace
+}  // namespace trackbed::fem
