@@ -93,11 +93,14 @@ std::string objection(const std::string& folder, const std::vector<fs::path>& ol
         "another folder (-o DIR)",
         folder, start);
   if (remove || old.empty()) return "";
+  // A run that was killed before its first checkpoint cannot go on.
+  const bool goes_on = fs::exists(fs::path(folder) / "latest");
   return fmt::format(
-      "{0}: holds results of an earlier run ({1}{2}); go on with that run (trackbed resume {0}), "
-      "choose another folder (-o DIR) or have them removed (--force)",
+      "{}: holds results of an earlier run ({}{}); {}choose another folder (-o DIR) or have them "
+      "removed (--force)",
       folder, old.front().lexically_relative(folder).string(),
-      old.size() > 1 ? fmt::format(" and {} more", old.size() - 1) : "");
+      old.size() > 1 ? fmt::format(" and {} more", old.size() - 1) : "",
+      goes_on ? fmt::format("go on with that run (trackbed resume {}), ", folder) : "");
 }
 
 // Returns what went wrong, or nothing.

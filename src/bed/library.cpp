@@ -164,17 +164,45 @@ void save_library(const par::Comm& comm, const std::string& file,
   });
 }
 
+namespace {
+
+// Numbers that no body has: a bed of it would be blamed for them, or stop when it is under way.
+// Mass properties are those of the scan, not of its pieces, and may be a little beyond their ball.
+void require_possible(const NamedShape& named) {
+  constexpr double beyond = 1.5;  // of the radius
+  const dem::Template& shape = named.shape;
+  const auto possible = [](double value, double most) { return value > 0 && value <= most; };
+  bool finite = true;
+  for (const geom::Piece& piece : shape.pieces) {
+    finite = finite && piece.radius >= 0 && std::isfinite(piece.radius);
+    for (const Vec3& corner : piece.core.vertices) finite = finite && corner.allFinite();
+  }
+  const double ball = finite ? beyond * geom::bounding_radius(shape) : 0;
+  const double volume = 4 * std::numbers::pi / 3 * ball * ball * ball;
+  if (!finite || !possible(shape.volume, volume) || !possible(shape.sieve, 2 * ball) ||
+      !possible(shape.gyration.minCoeff(), ball * ball) ||
+      !possible(shape.gyration.maxCoeff(), ball * ball))
+    throw RunError(
+        fmt::format("shape {} has a size, volume or inertia that no body has", named.name));
+}
+
+}  // namespace
+
 // Any failure means the same to a user: the file is none of ours. What the file's reader says
 // begins with rank and file, which stand in the sentence already.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
   std::vector<NamedShape> shapes;
   try {
     const io::File library(comm, file, io::Mode::read);
+    const std::int64_t version = library.integer_attribute("/", "version");
+    if (library.text_attribute("/", "kind") != "shapes" || version != library_format)
+      throw RunError(fmt::format("its kind must be shapes and its version {}", library_format));
     const auto letters = library.read_all<std::uint8_t>("shapes/names");
     std::istringstream names(std::string(letters.begin(), letters.end()));
     for (dem::Template& shape : dem::load_templates(library, "shapes")) {
       NamedShape named{"", std::move(shape), {}};
       std::getline(names, named.name);
+      require_possible(named);
       shapes.push_back(std::move(named));
     }
   } catch (const std::exception& problem) {  // the same on all ranks

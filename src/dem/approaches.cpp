@@ -104,7 +104,8 @@ void take_history(const std::vector<History>& history, std::int64_t key, int nam
 //
 // A surface is not repeated across periodic sides. A particle is brought into the domain and meets
 // what is there, so whoever makes a surface lets it reach beyond a periodic side. The shift is
-// added to the particle's place and never kept in it: positions stay unwrapped.
+// added to the particle's place and never kept in it: positions stay unwrapped. Lists are made anew
+// at once when a particle crosses such a side, so that its image does not depend on their age.
 void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
                      const std::vector<int>& names, const std::vector<History>& history,
                      std::vector<Approach>& approaches) {

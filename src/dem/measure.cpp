@@ -144,7 +144,7 @@ struct Particles::ContactLoop {
     see(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
                     pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M,
                     centre(o.piece), centre(entry.piece) + stones.shifts[entry.shift].vec3(),
-                    o.wrench.N},
+                    o.wrench.N.normalized()},
         stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
             rolling(stones, o.entry, o.wrench.M, radius));
   }
@@ -181,7 +181,7 @@ struct Particles::ContactLoop {
     const Coefficients c = coefficients<true>(law, p.overlap, 0, p.radius);
     const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
     see(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
-                    p.overlap, centre(a.piece), p.point, p.N},
+                    p.overlap, centre(a.piece), p.point, p.N.normalized()},
         stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
             rolling_energy(law, p.overlap, p.radius, p.roll));
   }

@@ -295,6 +295,28 @@ void Particles::Room::remember_reference() {
   }
 }
 
+// A particle moves by less than the skin until the next rebuild.
+void Particles::Room::find_at_border() {
+  at_border.clear();
+  for (const Approach& a : approaches) {
+    const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
+    if (!at_border.empty() && at_border.back().body == b) continue;
+    const Cell wrap = grid.locate(state.x[b].vec3()).wrap;
+    for (const double way : {-skin, skin}) {
+      const Vec3 there = state.x[b].vec3() + Vec3::Constant(way);
+      if (grid.locate(there).wrap == wrap) continue;
+      at_border.push_back({b, wrap});
+      break;
+    }
+  }
+}
+
+bool Particles::Room::crossed_a_border() const {
+  return std::any_of(at_border.begin(), at_border.end(), [&](const AtBorder& p) {
+    return grid.locate(state.x[p.body].vec3()).wrap != p.wrap;
+  });
+}
+
 // Collective. In this order: histories are read from the old lists before these go; owners before
 // ghosts, ghosts before pieces, pieces before lists.
 void Particles::Room::rebuild() {
@@ -311,6 +333,7 @@ void Particles::Room::rebuild() {
   find_pairs(scene(), carried, pairs, stones);
   stone_contacts.reset(scene(), stones);
   find_approaches(scene(), surfaces, surface_names, carried, approaches);
+  find_at_border();
   remember_reference();
   ++rebuilds;
   ready = true;

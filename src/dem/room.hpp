@@ -40,6 +40,7 @@ struct Particles::Room {
 
   void substep(const SubStep& step);            // step.cpp
   bool lists_are_old() const;                   // collective
+  bool crossed_a_border() const;                // an own particle, since the last rebuild
   double surface_motion_since_rebuild() const;  // m, at the end of this window
   void kick_and_drift(double dt);
   void kick(double dt);
@@ -76,6 +77,7 @@ struct Particles::Room {
   // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
   // (m).
   double stiffest_contact(double radius) const;
+  void find_at_border();
   void remember_reference();
   // balance.cpp: sizes of cells and their owners; collective.
   void choose_grid(const std::vector<double>& work);  // of own particles
@@ -132,6 +134,13 @@ struct Particles::Room {
   StoneList stones;
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;
+  // Own particles that may cross a periodic side before the next rebuild and touch a surface: which
+  // of its images a surface meets is a matter of where it is, not of when lists were made.
+  struct AtBorder {
+    std::size_t body;
+    Cell wrap;
+  };
+  std::vector<AtBorder> at_border;
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double reference_grown = 1;                  // share of their size then
   double largest_motion = 0;  // m, of a surface point of an own particle since then

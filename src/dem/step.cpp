@@ -160,7 +160,7 @@ bool Particles::Room::lists_are_old() const {
   const double closer = std::max(2 * largest_motion, largest_motion + surface_motion) +
                         2 * bound * (state.grown - reference_grown);
   // Written so that a position that is not a number asks for a rebuild, which reports it.
-  const bool old = !(closer <= skin);
+  const bool old = !(closer <= skin) || crossed_a_border();
   return comm.max(static_cast<std::int64_t>(old)) > 0;
 }
 

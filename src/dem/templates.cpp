@@ -4,6 +4,8 @@
 // doubles as they are in memory: a shape that was read has the bits of the one that was written.
 #include "trackbed/dem/templates.hpp"
 
+#include <algorithm>
+
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::dem {
@@ -65,6 +67,9 @@ std::vector<Template> load_templates(const io::File& file, const std::string& gr
       const auto first = loops.begin() + static_cast<std::ptrdiff_t>(loop) + 1;
       const std::int64_t count = loops[loop];
       whole(count < static_cast<std::int64_t>(loops.size() - loop));
+      whole(std::all_of(first, first + count, [&](std::int64_t corner_of_face) {
+        return corner_of_face >= 0 && corner_of_face < sizes[2 * p];
+      }));
       faces.emplace_back(first, first + count);
       loop += 1 + static_cast<std::size_t>(count);
     }
@@ -77,6 +82,7 @@ std::vector<Template> load_templates(const io::File& file, const std::string& gr
     t.volume = solids[5 * k];
     t.gyration = {solids[5 * k + 1], solids[5 * k + 2], solids[5 * k + 3]};
     t.sieve = solids[5 * k + 4];
+    whole(counts[k] > 0);
     for (std::int64_t n = 0; n < counts[k]; ++n, ++p) t.pieces.push_back(piece(p));
     templates.push_back(std::move(t));
   }

@@ -4,6 +4,7 @@
     shapes.py PROGRAM FOLDER
 """
 import json
+import math
 import os
 import pathlib
 import resource
@@ -13,6 +14,7 @@ import subprocess
 import sys
 
 import h5py
+import numpy as np
 
 BENCH = pathlib.Path(__file__).resolve().parents[2] / "inputs/bench/stones12.toml"
 
@@ -62,13 +64,25 @@ def bed_of_library(program, library, folder, made):
                             folder / "none"], capture_output=True, text=True, check=False)
     if wrong.returncode != 2 or "is no library" not in wrong.stderr:
         raise SystemExit(f"a deck is no library: {wrong.stdout}{wrong.stderr}")
-    sharp = folder / "sharp.h5"
-    shutil.copy(library, sharp)
-    with h5py.File(sharp, "r+") as file:
-        file["shapes/radius"][1] = 0
-    deck = write_deck(folder, sharp)
-    refused(program, deck, [], "bed.library",
-            [f'"{sharp.resolve()}" shape stone_6 has edges without rounding'])
+    for change, reason in ((("radius", 1, 0), "shape stone_6 has edges without rounding"),
+                           (("radius", 1, math.nan), "shape stone_6 has a size, volume or"),
+                           (("solid", (2, 0), -1), "shape stone_7 has a size, volume or"),
+                           (("solid", (0, 0), 100), "shape stone_5 has a size, volume or"),
+                           (("solid", (0, 4), 0), "shape stone_5 has a size, volume or"),
+                           (("faces", 1, 2**32 + 1), "parts do not fit together"),
+                           (("pieces", 0, -1), "parts do not fit together"),
+                           ("kind", "its kind must be shapes"),
+                           ("version", "its version 1")):
+        changed = folder / "changed.h5"
+        shutil.copy(library, changed)
+        with h5py.File(changed, "r+") as file:
+            if isinstance(change, str):
+                file.attrs[change] = np.bytes_("others") if change == "kind" else 2
+            else:
+                name, place, value = change
+                file[f"shapes/{name}"][place] = value
+        refused(program, write_deck(folder, changed), [], "bed.library",
+                [f'"{changed.resolve()}" ', reason])
     refused(program, BENCH, ["bed.x=[0.0,0.2]"], "command line: bed.x", ["0.2 m long", "3 times"])
 
 

@@ -61,6 +61,41 @@ TEST(StoneSurfaceRanks, TheSameBits) {
   EXPECT_EQ(together, hash_after(par::Comm::world(), 0.012));  // m, other times of rebuild
 }
 
+// A wedge of ground that is higher at one end, periodic along it: a stone that crosses the side
+// comes down on the other end, whenever lists were made. Stones have a speed along x.
+std::uint64_t crossing(const par::Comm& comm, double skin) {
+  dem::Domain domain = test::box({-0.3, -0.3, -0.05}, {0.3, 0.3, 0.4});
+  domain.periodic = {true, false, false};
+  Surface wedge = test::floor_of(22, 0.4);
+  for (Vec3& node : wedge.position) node.z() = 0.02 * node.x();
+  dem::Particles particles(comm, test::one_material(rough()), {.skin = skin, .largest_overlap = 1},
+                           domain);
+  particles.add_template(test::irregular(0.016, 0.0015, 1));
+  particles.add_template(test::sphere(0.012));
+  auto all = test::lattice({6, 3, 1}, 0.09, 1, 2);
+  for (auto& p : all) {
+    p.position += Vec3(-0.27, -0.13, -0.02);
+    p.velocity = Vec3(1, 0, 0);
+  }
+  particles.add(test::mine(comm, all));
+  particles.set_surfaces({&wedge});
+  double furthest = 0;
+  for (int k = 0; k < 200; ++k) particles.advance(50 * dt, 50);
+  EXPECT_EQ(particles.trouble(), "");
+  for (std::size_t b = 0; b < particles.size(); ++b)
+    furthest = std::max(furthest, particles[b].position.x());
+  EXPECT_GT(comm.max(furthest), 0.35);  // they did cross
+  EXPECT_GT(particles.totals().contacts, 5);
+  return particles.state_hash();
+}
+
+TEST(StoneSurfaceRanks, CrossingAPeriodicSideGivesTheSameBitsAtAnyTimeOfRebuild) {
+  const std::uint64_t alone = crossing(par::Comm::self(), 0);
+  EXPECT_EQ(alone, crossing(par::Comm::world(), 0));
+  EXPECT_EQ(alone, crossing(par::Comm::world(), 0.012));
+  EXPECT_EQ(alone, crossing(par::Comm::world(), 2e-4));
+}
+
 TEST(StoneSurfaceRanks, ARestartGivesTheSameBits) {
   const par::Comm world = par::Comm::world();
   const std::string path = (std::filesystem::temp_directory_path() /

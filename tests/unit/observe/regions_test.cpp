@@ -214,7 +214,12 @@ TEST(Regions, RanksChangeNoBit) {
                             shared = figures(par::Comm::world());
   EXPECT_EQ(alone, shared);
   double contacts = 0;
-  for (std::size_t k = 4; k < alone.size(); k += 18) contacts += alone[k];
+  for (std::size_t k = 4; k < alone.size(); k += 18) {
+    contacts += alone[k];
+    // Normals of corners, edges and faces alike have unit length.
+    const double* fabric = &alone[k + 8];
+    if (alone[k] > 0) EXPECT_NEAR(fabric[0] + fabric[1] + fabric[2], 1, rounding);
+  }
   EXPECT_GT(contacts, 0);
 }
 
