@@ -40,8 +40,7 @@ class LinearSystem {
   using Changes = std::function<void(const Add&)>;
   // Solves the changed system from x = 0 until the residual is `tolerance` of the right side: GMRES
   // (Saad, Schultz 1986, doi:10.1137/0907058), options with the prefix `ground_tangent_`, on the
-  // preconditioner of the matrix, which is not set up anew. Returns the iterations, -1 on all ranks
-  // if the system is singular.
+  // preconditioner of the matrix as it stands. Returns the iterations, -1 on all ranks if singular.
   int solve_changed(const Changes& changes, const Nodal& right_side, double tolerance, Nodal& x);
   // right_side - matrix x on own freedoms, 0 on held ones; returns its norm, N. Collective.
   double residual(const Nodal& right_side, const Nodal& x, Nodal& r);

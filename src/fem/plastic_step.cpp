@@ -95,9 +95,9 @@ PlasticStep::PlasticStep(const Mesh& mesh, Plasticity& plasticity)
 // from 0 to 1, so the most damped step gets nearer. What is left after `most` lags as in explicit
 // steps: the balance of the nodes, which is what the step asks for, holds without it.
 void PlasticStep::solve(Flow& flow) const {
-  constexpr int most = 30;
+  constexpr int most = 100;
   constexpr double enough = 1e-12, rounding = 1e-15;
-  constexpr std::array damping = {1e-10, 1e-4, 1e-2, 1.0};
+  constexpr std::array damping = {1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0};
   const Law& l = law(flow);
   const double scale = l.modes.cwiseAbs().maxCoeff();
   const double least = rounding * flow.elastic.norm() / l.elasticity(0, 0);

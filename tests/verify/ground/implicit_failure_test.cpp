@@ -106,7 +106,7 @@ double settlement(const Comm& comm, Integrator integrator) {
   return comm.max(found);
 }
 
-// Elastic: 3.2 mm. Steps of 2 ms.
+// Implicit steps of 2 ms, windows of 0.1 ms.
 TEST(ImplicitFooting, SettlesAsInExplicitSteps) {
   const Comm comm = Comm::world();
   const double exact = settlement(comm, Integrator::explicit_);
@@ -115,7 +115,8 @@ TEST(ImplicitFooting, SettlesAsInExplicitSteps) {
 }
 
 // Order two: the residual of a round over the square of the one before has a bound. Residuals over
-// the forces of the step, from below 0.1 down to rounding; of order one that ratio would be 1e6.
+// the forces of the step, from below 0.1 to where the square is rounding. Of order one it would be
+// 1e4.
 TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
   GroundParameters p = yielding_scene();
   p.integrator = Integrator::newmark;
@@ -129,7 +130,7 @@ TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
     const std::vector<double>& left = totals.rounds_left;
     most = std::max(most, static_cast<double>(left.size()) - 1);
     for (std::size_t k = 1; k < left.size(); ++k)
-      if (left[k - 1] < 0.1 && left[k] > 1e-13) {
+      if (left[k - 1] < 0.1 && left[k - 1] > 1e-5) {
         ratio = std::max(ratio, left[k] / (left[k - 1] * left[k - 1]));
         ++count;
       }
