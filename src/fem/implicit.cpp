@@ -33,6 +33,8 @@ void Ground::Room::prepare_window(double dt, const AlphaScheme& s) {
   const double m = 1 - s.alpha_m, f = 1 - s.alpha_f;
   const std::size_t nodes = mesh.nodes();
   LinearSystem::Spec spec{{}, Nodal(components(), nodes), terms.held, parameters.tolerance};
+  spec.common = f * (s.beta * dt * dt + s.gamma * dt * parameters.rayleigh_stiffness);
+  spec.damping = f * s.gamma * dt;
   for (const Elastic& solid : mesh.solids.solid)
     spec.stiffness_factor.push_back(f *
                                     (s.beta * dt * dt + s.gamma * dt * solid.rayleigh_stiffness));

@@ -86,20 +86,18 @@ void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::Matr
 
 // Zones in ascending order per row: the matrix has the same bits on any number of ranks, though the
 // solution has not (dot products).
-void LinearSystem::Handles::assemble(const Stiffness& stiffness, const Spec& spec) {
-  held = spec.held;
+void LinearSystem::Handles::assemble(const Spec& spec) {
   for (std::size_t z = 0; z < mesh.zone.size(); ++z)
     add_zone(matrix, z, stiffness.element(mesh.solid[z]).stiffness,
              spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])]);
   // A held unknown keeps a row of its own, as stiff as its neighbours for the multigrid's sake.
-  double stiff = 0;
   for (std::size_t z = 0; z < mesh.zone.size() && stiff == 0; ++z)
     stiff = spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])] *
             stiffness.element(mesh.solid[z]).stiffness(0, 0);
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) {
       const PetscInt at = row(node, c);
-      const double value = is_held(node, c) ? stiff : spec.diagonal[c][node];
+      const double value = is_held(node, c) ? stiff : diagonal[c][node];
       check(MatSetValues(matrix, 1, &at, 1, &at, &value, ADD_VALUES), "fill a matrix");
     }
   check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY), "assemble a matrix");
@@ -140,7 +138,7 @@ void LinearSystem::Handles::make_solver(double tolerance) {
   }
   check(KSPCreate(par::mpi(mesh.comm), &solver), "create a solver");
   check(KSPSetOptionsPrefix(solver, prefix), "name a solver");
-  check(KSPSetOperators(solver, matrix, matrix), "give a solver its matrix");
+  check(KSPSetOperators(solver, product, matrix), "give a solver its matrix");
   check(KSPSetTolerances(solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
         "set the tolerance");
   check(KSPSetFromOptions(solver), "take the solver options after --");
@@ -154,9 +152,10 @@ void LinearSystem::Handles::make_solver(double tolerance) {
 
 LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec) {
   Petsc::ensure();
-  handles_ = std::make_unique<Handles>(mesh);
+  handles_ = std::make_unique<Handles>(mesh, stiffness, spec);
   handles_->create();
-  handles_->assemble(stiffness, spec);
+  handles_->assemble(spec);
+  handles_->make_product();
   handles_->tell_rigid_motions();
   handles_->make_solver(spec.tolerance);
 }

@@ -1,6 +1,9 @@
 // Distributed linear system sum of s K over the solids + diagonal by PETSc: assembled once, solved
 // many times.
 //
+// Iterations multiply by the kernel of the explicit step (linear_system_product.cpp), which takes a
+// tenth of the assembled matrix's time; that one is what preconditioners are made of.
+//
 // Default: conjugate gradients with hypre's BoomerAMG on the single unknowns, 12 iterations for the
 // static start of a transition zone; its nodal variants took six times more. The rigid body motions
 // are attached for solvers that use them (gamg). Every choice is open through PETSc options with
@@ -25,6 +28,9 @@ class LinearSystem {
     Nodal diagonal;                         // N/m per component and node
     const std::vector<std::uint8_t>& held;  // bit c: the unknown is zero
     double tolerance = 1e-8;                // residual over right-hand side
+    // The same factors as Stiffness has them: s = common + damping (its stiffness damping less the
+    // common one), s^2 and s if s is of a time step.
+    double common = 1, damping = 0;
   };
   LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec);
   ~LinearSystem();
@@ -40,7 +46,8 @@ class LinearSystem {
   using Changes = std::function<void(const Add&)>;
   // Solves the changed system from x = 0 until the residual is `tolerance` of the right side: GMRES
   // (Saad, Schultz 1986, doi:10.1137/0907058), options with the prefix `ground_tangent_`, on the
-  // preconditioner of the matrix as it stands. Returns the iterations, -1 on all ranks if singular.
+  // preconditioner of the matrix, which is not set up anew. Returns the iterations, -1 on all ranks
+  // if the system is singular.
   int solve_changed(const Changes& changes, const Nodal& right_side, double tolerance, Nodal& x);
   // right_side - matrix x on own freedoms, 0 on held ones; returns its norm, N. Collective.
   double residual(const Nodal& right_side, const Nodal& x, Nodal& r);

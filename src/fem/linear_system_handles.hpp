@@ -10,7 +10,17 @@ namespace trackbed::fem {
 
 // PETSc's objects, destroyed in one place, and how they are filled.
 struct LinearSystem::Handles {
-  explicit Handles(Mesh& m) : mesh(m), components(m.lattice.components()) {}
+  Handles(Mesh& m, const Stiffness& k, const Spec& spec)
+      : mesh(m),
+        stiffness(k),
+        components(m.lattice.components()),
+        held(spec.held),
+        diagonal(spec.diagonal),
+        common(spec.common),
+        damping(spec.damping),
+        motion(components, m.nodes()),
+        force(motion),
+        damped(motion) {}
   ~Handles() {
     // Static destruction after PetscFinalize would be an error of PETSc's.
     PetscBool running = PETSC_FALSE;
@@ -20,6 +30,7 @@ struct LinearSystem::Handles {
     KSPDestroy(&tangent_solver);
     KSPDestroy(&solver);
     MatDestroy(&tangent);
+    MatDestroy(&product);
     MatDestroy(&matrix);
     VecDestroy(&right);
     VecDestroy(&solution);
@@ -29,10 +40,13 @@ struct LinearSystem::Handles {
 
   // In this order: sizes, numbers, rigid motions, solver.
   void create();
-  void assemble(const Stiffness& stiffness, const Spec& spec);
+  void assemble(const Spec& spec);
   // Into rows of own nodes of a matrix.
   void add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& stiffness, double factor);
   void tell_rigid_motions();
+  void make_product();
+  void multiply(Vec from, Vec to);
+  static int multiply_shell(Mat shell, Vec from, Vec to);
   void make_solver(double tolerance);
   void make_tangent();
   void make_direct();
@@ -49,10 +63,16 @@ struct LinearSystem::Handles {
   }
 
   Mesh& mesh;
+  const Stiffness& stiffness;
   int components;
   std::vector<std::int64_t> number;  // of local nodes among all ranks' own nodes
   std::vector<std::uint8_t> held;
-  Mat matrix = nullptr, tangent = nullptr;  // the tangent and its solver once asked for
+  Nodal diagonal;
+  double common, damping;                   // factors of Stiffness::apply and add_damping
+  Nodal motion, force, damped;              // scratch of a product
+  double stiff = 0;                         // N/m, of the rows of held freedoms
+  Mat matrix = nullptr, product = nullptr;  // assembled; by the kernel
+  Mat tangent = nullptr;                    // with its solver once asked for
   KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;
   Vec right = nullptr, solution = nullptr;
 };

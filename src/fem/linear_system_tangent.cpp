@@ -92,7 +92,7 @@ double LinearSystem::residual(const Nodal& right_side, const Nodal& x, Nodal& r)
   h.give(x, h.solution);
   h.give(right_side, h.right);
   check(VecDuplicate(h.right, &product), "create a vector");
-  check(MatMult(h.matrix, h.solution, product), "multiply by a matrix");
+  check(MatMult(h.product, h.solution, product), "multiply by a matrix");
   check(VecAXPY(h.right, -1, product), "add vectors");
   check(VecNorm(h.right, NORM_2, &norm), "measure a vector");
   VecDestroy(&product);
