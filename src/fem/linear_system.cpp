@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "linear_system_handles.hpp"
@@ -127,17 +128,42 @@ void LinearSystem::Handles::tell_rigid_motions() {
   VecDestroy(&places);
 }
 
+// Where inertia holds its own against stiffness, plain scaling by the diagonal takes few
+// iterations, and each costs a product; beyond, multigrid does. In a plane BoomerAMG starts sooner
+// than gamg.
+const char* LinearSystem::Handles::chosen() {
+  // Of stiffness over inertia on the diagonal: gamg costs as much as some 60 iterations.
+  constexpr double most = 100;
+  const PetscScalar* all = nullptr;
+  check(MatGetDiagonal(matrix, right), "ask for a diagonal");
+  check(VecGetArrayRead(right, &all), "open a vector");
+  double ratio = 0;
+  std::size_t at = 0;
+  for (const std::int32_t n : mesh.own)
+    for (int c = 0; c < components; ++c, ++at)
+      if (!is_held(n, c)) ratio = std::max(ratio, all[at] / std::max(diagonal[c][n], 1e-300));
+  check(VecRestoreArrayRead(right, &all), "close a vector");
+  if (mesh.comm.max(ratio) <= most) return PCJACOBI;
+  return components == 3 ? PCGAMG : PCHYPRE;
+}
+
 // The unpreconditioned residual is a force, which is what the tolerance in the deck means.
 // A thousand iterations are a bound for what has gone wrong; a good solve takes some ten.
 void LinearSystem::Handles::make_solver(double tolerance) {
   if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
-  if (suggest("pc_type", "hypre")) {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, prefix, "-pc_type", &given), "read its options");
+  const char* type = chosen();
+  if (given == PETSC_TRUE ? suggest("pc_type", PCHYPRE) : std::string(type) == PCHYPRE) {
     suggest("pc_hypre_type", "boomeramg");
     suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
     suggest("pc_hypre_boomeramg_relax_type_all", "symmetric-SOR/Jacobi");
   }
   check(KSPCreate(par::mpi(mesh.comm), &solver), "create a solver");
   check(KSPSetOptionsPrefix(solver, prefix), "name a solver");
+  PC preconditioner = nullptr;
+  check(KSPGetPC(solver, &preconditioner), "find a preconditioner");
+  check(PCSetType(preconditioner, type), "type a preconditioner");
   check(KSPSetOperators(solver, product, matrix), "give a solver its matrix");
   check(KSPSetTolerances(solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
         "set the tolerance");

@@ -4,10 +4,10 @@
 // Iterations multiply by the kernel of the explicit step (linear_system_product.cpp), which takes a
 // tenth of the assembled matrix's time; that one is what preconditioners are made of.
 //
-// Default: conjugate gradients with hypre's BoomerAMG on the single unknowns, 12 iterations for the
-// static start of a transition zone; its nodal variants took six times more. The rigid body motions
-// are attached for solvers that use them (gamg). Every choice is open through PETSc options with
-// the prefix `ground_`.
+// Default: conjugate gradients, in short steps scaled by the diagonal, else with gamg in space and
+// BoomerAMG on the single unknowns in a plane (its nodal variants took six times more). The rigid
+// body motions are attached for solvers that use them (gamg). Every choice is open through PETSc
+// options with the prefix `ground_`.
 #pragma once
 
 #include <cstdint>

@@ -47,6 +47,7 @@ struct LinearSystem::Handles {
   void make_product();
   void multiply(Vec from, Vec to);
   static int multiply_shell(Mat shell, Vec from, Vec to);
+  const char* chosen();  // preconditioner, unless the user chooses
   void make_solver(double tolerance);
   void make_tangent();
   void make_direct();
