@@ -1,8 +1,8 @@
 // The product of the system's matrix and a vector by the kernel of the explicit step.
 //
-// 312 flops and no matrix per zone, against some 250 numbers per node and component to load: in
-// space an iteration of 35000 zones takes a tenth of the time. Bits are not those of the assembled
-// matrix, which preconditioners and direct solvers still get.
+// 312 flops a zone in space and no matrix to load: steps take a half to a tenth of the time that
+// multigrid needs (docs/decisions/ground_elements.md). Bits are not those of the assembled matrix,
+// which preconditioners and direct solvers still get.
 #include "linear_system_handles.hpp"
 #include "petsc_check.hpp"
 #include "trackbed/core/error.hpp"
