@@ -4,7 +4,8 @@
     track_figures.py RESULT_DIR -o DIR
 
 RESULT_DIR holds results.h5. Writes track.png (wheel forces, rail and sleepers, seat loads, sleeper
-acceleration) and track.txt into DIR. What is drawn is explained in docs/track.md.
+acceleration) and track.txt into DIR; receptance.png and .csv of each point of the rail if the only
+force of the run is one impact. What is drawn is explained in docs/track.md.
 """
 import argparse
 import io
@@ -17,6 +18,7 @@ import numpy as np  # noqa: E402
 
 import read  # noqa: E402
 import signals  # noqa: E402
+import track_measures  # noqa: E402
 import write  # noqa: E402
 
 FILTER = signals.LowPass()
@@ -29,12 +31,19 @@ def history(run, name):
     return values.reshape(len(values), -1)
 
 
+def places(run, name):
+    """Words for places in x; on two rails each stands twice, left before right."""
+    x = run[name].values
+    twice = len(x) > 1 and len(x) % 2 == 0 and np.array_equal(x[::2], x[1::2])
+    return [f"{at:g} m" + ((", left", ", right")[i % 2] if twice else "") for i, at in enumerate(x)]
+
+
 def loaded(run):
     """Datasets of a run of a track alone by their path."""
     run = read.datasets(run)
     if "history/energy/kinetic" in run and "history/wheel/force" in run:
         raise read.Unreadable("this is a train over a bed: use train_figures.py")
-    if "history/wheel/force" not in run:
+    if "history/wheel/force" not in run and "history/rail/force" not in run:
         raise read.Unreadable("this is no run of a track alone: it has no wheels; use figures.py")
     return run
 
@@ -45,49 +54,106 @@ def on_track(run, length):
     return (x >= 0) & (x <= length)
 
 
-def numbers(run, length):
-    """Name -> (value, unit). Of wheels only while they are on the track."""
+def wheel_numbers(run, length):
     force = history(run, "wheel/force")[on_track(run, length)]
     if not len(force):
         raise read.Unreadable("no wheel was on the track while histories were written")
     found = {"largest wheel force": (force.max() / 1e3, "kN"),
              "least wheel force": (force.min() / 1e3, "kN"),
              "scatter of wheel forces": (force.std() / 1e3, "kN")}
+    if "history/wheel/height" in run:
+        path = track_measures.loaded_rail(history(run, "wheel/x")[:, 0],
+                                          history(run, "wheel/height")[:, 0], 0, length)[1]
+        if len(path):
+            found["loaded rail under the first wheel, D1 (3 to 25 m), root mean square"] = (
+                1e3 * path.std(), "mm")
+    return found
+
+
+def numbers(run, length):
+    """Name -> (value, unit). Of wheels only while they are on the track."""
+    found = wheel_numbers(run, length) if "history/wheel/force" in run else {}
     time, rail = run["history/time"].values, history(run, "rail/displacement")
-    for x, down in zip(run["rail/x"].values, -rail.min(axis=0)):
-        found[f"rail at {x:g} m, down"] = (1e3 * down, "mm")
+    for x, down in zip(places(run, "rail/x"), -rail.min(axis=0)):
+        found[f"rail at {x}, down"] = (1e3 * down, "mm")
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
-    for i, x in enumerate(run["sleepers/x"].values):
-        found[f"sleeper at {x:g} m, down"] = (
+    for i, x in enumerate(places(run, "sleepers/x")):
+        found[f"sleeper at {x}, down"] = (
             -1e3 * history(run, "sleeper/displacement")[:, i].min(), "mm")
-        found[f"seat at {x:g} m, largest load"] = (
+        found[f"seat at {x}, largest load"] = (
             history(run, "sleeper/seat_force")[:, i].max() / 1e3, "kN")
-        found[f"sleeper at {x:g} m, acceleration, {FILTER.name_for(time)}"] = (
+        found[f"sleeper at {x}, acceleration, {FILTER.name_for(time)}"] = (
             np.abs(acceleration[:, i]).max(), "m/s2")
     return found
+
+
+def draw_wheels(run, length, panel):
+    x, force = history(run, "wheel/x"), history(run, "wheel/force")
+    shown = np.where(on_track(run, length), force / 1e3, np.nan)
+    for i in range(min(SHOWN_WHEELS, shown.shape[1])):
+        panel.plot(x[:, i], shown[:, i], lw=0.8, label=f"wheel {i + 1}")
+    panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
+
+
+def receptances(run):
+    """(Hz, {name: m/N complex}) of the points under the only force of the run; None: there are
+    wheels, or other forces."""
+    if "history/wheel/force" in run or history(run, "rail/force").shape[1] != 1:
+        return None
+    time, force = run["history/time"].values, history(run, "rail/force")[:, 0]
+    if signals.step_of(time) is None or force[-1] or not np.any(force):
+        return None
+    found = {}
+    for x, up in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
+        frequency, found[x] = track_measures.receptance(time, force, -up)
+    return frequency, found
+
+
+def draw_receptances(frequency, found):
+    figure, (size, phase) = plt.subplots(2, 1, figsize=(8, 7), sharex=True, layout="constrained")
+    for name, values in found.items():
+        size.loglog(frequency, np.abs(values), lw=0.9, label=f"rail at {name}")
+        phase.semilogx(frequency, np.degrees(np.angle(values)), lw=0.9)
+    size.set(ylabel="receptance, m/N")
+    phase.set(ylabel="phase, degrees", xlabel="frequency, Hz")
+    for panel in (size, phase):
+        panel.grid(alpha=0.3, which="both")
+    size.legend(fontsize=7)
+    return figure
+
+
+def table_of(frequency, found):
+    """As CSV."""
+    head = ["frequency_Hz", *(f"{part} rail at {name} m/N" for name in found
+                              for part in ("real", "imaginary"))]
+    columns = [frequency, *(part for values in found.values()
+                            for part in (values.real, values.imag))]
+    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
+    return "\n".join([",".join(head), *rows]) + "\n"
 
 
 def draw(run, length):
     """The four panels; those about sleepers stay away if there are none."""
     time = run["history/time"].values
-    sleepers = run["sleepers/x"].values if "sleepers/x" in run else []
+    sleepers = places(run, "sleepers/x") if "sleepers/x" in run else []
     figure, panels = plt.subplots(4 if len(sleepers) else 2, 1, figsize=(8, 10), squeeze=False,
                                   layout="constrained")
-    wheels, rail, *others = panels[:, 0]
-    x, force = history(run, "wheel/x"), history(run, "wheel/force")
-    shown = np.where(on_track(run, length), force / 1e3, np.nan)
-    for i in range(min(SHOWN_WHEELS, shown.shape[1])):
-        wheels.plot(x[:, i], shown[:, i], lw=0.8, label=f"wheel {i + 1}")
-    wheels.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
-    for place, values in zip(run["rail/x"].values, history(run, "rail/displacement").T):
-        rail.plot(time, 1e3 * values, lw=0.9, label=f"rail at {place:g} m")
+    first, rail, *others = panels[:, 0]
+    if "history/wheel/force" in run:
+        draw_wheels(run, length, first)
+    else:
+        for i, force in enumerate(history(run, "rail/force").T):
+            first.plot(time, force / 1e3, lw=0.8, label=f"force {i + 1}")
+        first.set(xlabel="time, s", ylabel="force on the rail, kN")
+    for place, values in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
+        rail.plot(time, 1e3 * values, lw=0.9, label=f"rail at {place}")
     rail.set(ylabel="displacement, mm", xlabel="time, s")
     if others:
         acceleration = FILTER(time, history(run, "sleeper/acceleration"))
         for i, place in enumerate(sleepers):
-            words = f"sleeper at {place:g} m"
+            words = f"sleeper at {place}"
             rail.plot(time, 1e3 * history(run, "sleeper/displacement")[:, i], "--", lw=0.9,
                       label=words)
             others[0].plot(time, history(run, "sleeper/seat_force")[:, i] / 1e3, lw=0.9,
@@ -116,6 +182,11 @@ def main():
     picture = io.BytesIO()
     draw(run, length).savefig(picture, dpi=130, format="png")
     write.whole(given.folder / "track.png", picture.getvalue())
+    if found := receptances(run):
+        picture = io.BytesIO()
+        draw_receptances(*found).savefig(picture, dpi=130, format="png")
+        write.whole(given.folder / "receptance.png", picture.getvalue())
+        write.whole(given.folder / "receptance.csv", table_of(*found).encode())
     text = "".join(f"{name:60} {value:10.4g} {unit}\n"
                    for name, (value, unit) in numbers(run, length).items())
     write.whole(given.folder / "track.txt", text.encode())

@@ -166,7 +166,8 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   const std::vector<LayerForecast> layers = forecast(world);
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
-    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made) lines.push_back(sentence_of(layer));
+    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
+      lines.push_back(sentence_of(layer));
   double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
   std::size_t filled = 0;
   std::string shared, numbers;  // of the stages since the limits changed

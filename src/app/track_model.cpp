@@ -43,6 +43,22 @@ void declare_forces(const TrackModel& model, input::Section& s) {
          {.reads = {"train.vehicles", "passage.duration", "force"}});
 }
 
+// What only a track with two rails has, and a bed has not.
+void declare_sides(const TrackModel& model, input::Section& s) {
+  const bool space = model.line.track.dimension == Dimension::space;
+  const input::About about{.reads = {"track", "irregularity", "irregularity_right", "force"}};
+  using Kind = track::IrregularityKind;
+  s.rule("irregularity.kind", model.irregularity.kind != Kind::same,
+         "same is for the right rail (irregularity_right)", about);
+  s.rule("irregularity_right.kind", space || model.irregularity_right.kind == Kind::same,
+         "needs two rails (track.dimension = \"space\")", about);
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
+    s.rule(fmt::format("force[{}].side", i), space || model.passage.forces[i].number() == 0,
+           "needs two rails (track.dimension = \"space\")", about);
+  s.rule("track.dimension", !space || !model.on_bed,
+         "must be plane on a bed: its sleepers carry one rail, or both alike", about);
+}
+
 // Of trains that can be built; what others lack is said already. -1: unknown.
 std::int64_t axles_of(const TrackModel& model) {
   try {
@@ -83,10 +99,13 @@ void TrackModel::declare(input::Section& s) {
   s.table("train", train, "Vehicles and their motion.");
   s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
   s.table("irregularity", irregularity, "How even the rail's running surface is.");
+  s.table("irregularity_right", irregularity_right,
+          "The same of the right rail, if it is another one than of the left.");
   s.tables("force", passage.forces, "A force on the rail of a track alone, besides a train.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_vehicles(*this, s);
   declare_forces(*this, s);
+  declare_sides(*this, s);
   if (const std::int64_t axles = wheel_rail.flat_axle > 0 ? axles_of(*this) : -1; axles >= 0)
     s.rule("wheel_rail.flat_axle", wheel_rail.flat_axle <= axles,
            fmt::format("is not there: the train has {} axles", axles),

@@ -24,7 +24,8 @@ struct TrackModel {
   std::vector<track::VehicleParameters> vehicles;
   track::TrainParameters train;
   track::WheelRailParameters wheel_rail;
-  track::IrregularityParameters irregularity;
+  track::IrregularityParameters irregularity;  // of the left rail, or of both
+  track::IrregularityParameters irregularity_right{.kind = track::IrregularityKind::same};
   TrackOutput passage;
   bool on_bed = false;  // the run is that of a bed
   void declare(input::Section& s);

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
@@ -45,10 +46,16 @@ double seconds_since(Watch::time_point begin) {
 struct Built {
   explicit Built(const TrackModel& m)
       : line(m.line),
-        train(m.train, m.vehicles, m.line.track.rails),
+        train(m.train, m.vehicles, m.line.track.rails, m.line.track.wheel_gauge()),
         law(m.wheel_rail),
         irregularity(m.irregularity, m.line.track.length),
-        passage(line, train, law, irregularity, m.train, m.passage) {}
+        passage(line, train, law, irregularity, m.train, m.passage, right_of(m)) {}
+
+  static std::optional<track::Irregularity> right_of(const TrackModel& m) {
+    if (m.irregularity_right.kind == track::IrregularityKind::same) return {};
+    return track::Irregularity(m.irregularity_right, m.line.track.length);
+  }
+
   track::Line line;
   track::Train train;
   track::WheelRail law;
@@ -57,11 +64,11 @@ struct Built {
 };
 
 // Frequencies show at once whether a mass or a spring was meant per side, per axle or in all.
-std::string words_of(const track::VehicleParameters& vehicle) {
+std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
   std::string text = fmt::format("  vehicle {}:", vehicle.name);
   if (vehicle.kind == track::VehicleKind::forces)
     return text + fmt::format(" {} axles of constant force", vehicle.axles.size());
-  const std::vector<double> frequencies = track::natural_frequencies(vehicle);
+  const std::vector<double> frequencies = track::natural_frequencies(vehicle, rolls);
   if (!frequencies.empty())
     text += fmt::format(" natural frequencies {:.4g} Hz, wheelsets held;",
                         fmt::join(frequencies, ", "));
@@ -74,18 +81,19 @@ void introduce(const par::Comm& comm, const TrackModel& model, const Built& buil
   say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
                         rail.bending_stiffness, rail.shear_stiffness,
                         rail.shear_stiffness > 0 ? "" : " (rigid in shear)", rail.mass));
-  say(comm, fmt::format("  track: {:g} m, {} sleepers, {} unknowns", built.line.length(),
+  say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
+                        built.line.sides(), built.line.sides() > 1 ? "s" : "",
                         built.line.sleepers(), built.line.system().mass.rows()));
   std::vector<std::string> said;
   for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
     if (std::find(said.begin(), said.end(), vehicle.name) != said.end()) continue;
     said.push_back(vehicle.name);
-    say(comm, words_of(vehicle));
+    say(comm, words_of(vehicle, built.line.sides() > 1));
   }
   if (!built.train.wheels().empty())
     say(comm,
         fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
-                    built.train.vehicles().size(), built.train.wheels().size(),
+                    built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
                     model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
   say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
@@ -112,9 +120,13 @@ void see_wheels(const Built& built, WheelExtremes& wheels) {
 // Where the wheels have not been is nothing to tell.
 void conclude(const par::Comm& comm, const TrackModel& model, const Built& built,
               const WheelExtremes& wheels, const std::vector<double>& lowest) {
+  const std::size_t sides = built.line.sides();
   for (std::size_t i = 0; i < lowest.size(); ++i)
-    say(comm, fmt::format("  rail at {:g} m: down to {:.4f} mm", model.passage.points[i],
-                          -1e3 * lowest[i]));
+    say(comm, fmt::format("  {}rail at {:g} m: down to {:.4f} mm",
+                          sides == 1   ? ""
+                          : i % 2 == 0 ? "left "
+                                       : "right ",
+                          model.passage.points[i / sides], -1e3 * lowest[i]));
   if (!built.train.wheels().empty())
     say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN", wheels.least / 1e3, wheels.most / 1e3));
 }
@@ -276,8 +288,9 @@ void Run::resume() {
 
 // Read again when the model is built: they are small.
 void require_files(const TrackModel& model) {
-  if (model.irregularity.kind == track::IrregularityKind::file)
-    track::Irregularity(model.irregularity, model.line.track.length);
+  for (const auto* one : {&model.irregularity, &model.irregularity_right})
+    if (one->kind == track::IrregularityKind::file)
+      track::Irregularity(*one, model.line.track.length);
 }
 
 // Histories and summary come at the end, or when the run is stopped. A run that is killed has left

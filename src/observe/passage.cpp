@@ -21,7 +21,9 @@ enum Which : std::size_t {
   seat_force,
   body_displacement,
   body_acceleration,
-  rail_force
+  rail_force,
+  body_roll,
+  wheel_height
 };
 
 }  // namespace
@@ -35,54 +37,64 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
   std::sort(sleepers_.begin(), sleepers_.end());
   sleepers_.erase(std::unique(sleepers_.begin(), sleepers_.end()), sleepers_.end());
   const std::size_t wheels = train.wheels().size(), bodies = train.vehicles().size();
+  const std::size_t sides = line.sides(), points_each = sides * points_.size(),
+                    sleepers_each = sides * sleepers_.size();
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
       {"history/wheel/x", {"m", "where it is"}, wheels, {}},
-      {"history/rail/displacement", {"m", "vertical, up positive"}, points_.size(), {}},
-      {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_.size(), {}},
-      {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_.size(), {}},
-      {"history/sleeper/seat_force",
-       {"N", "of the pad, compression positive"},
-       sleepers_.size(),
-       {}},
+      {"history/rail/displacement", {"m", "vertical, up positive"}, points_each, {}},
+      {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_each, {}},
+      {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_each, {}},
+      {"history/sleeper/seat_force", {"N", "of the pad, compression positive"}, sleepers_each, {}},
       {"history/body/displacement",
        {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
        bodies,
        {}},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}},
-      {"history/rail/force", {"N", "of [[force]], down positive"}, forces_, {}}};
+      {"history/rail/force", {"N", "of [[force]], down positive"}, forces_, {}},
+      {"history/body/roll", {"rad", "left side up positive"}, sides > 1 ? bodies : 0, {}},
+      {"history/wheel/height",
+       {"m", "of a wheel, up positive, at rest on an even rigid rail: minus its approach"},
+       wheels,
+       {}}};
 }
 
-// All at one time level, the end of a step.
+// All at one time level, the end of a step. Left before right.
 void PassageHistories::sample(const track::Passage& passage) {
   times_.push_back(passage.time());
   for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
     put(wheel_force, passage.wheel_force(i));
     put(wheel_x, passage.wheel_x(i));
+    put(wheel_height, passage.wheel_height(i));
   }
-  for (const double x : points_) put(rail_displacement, passage.rail_displacement(x));
+  for (const double x : points_)
+    for (std::size_t side = 0; side < line_.sides(); ++side)
+      put(rail_displacement, passage.rail_displacement(x, side));
   const track::Newmark& rail = passage.line_motion();
-  for (const std::size_t i : sleepers_) {
-    const std::int32_t unknown = line_.sleeper_unknown(i);
-    put(sleeper_displacement, rail.displacement[unknown]);
-    put(sleeper_acceleration, rail.acceleration[unknown]);
-    put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity));
-  }
+  for (const std::size_t i : sleepers_)
+    for (std::size_t side = 0; side < line_.sides(); ++side) {
+      const std::int32_t unknown = line_.sleeper_unknown(i, side);
+      put(sleeper_displacement, rail.displacement[unknown]);
+      put(sleeper_acceleration, rail.acceleration[unknown]);
+      put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity, {}, side));
+    }
   const track::Newmark& train = passage.train_motion();
   for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {
     const bool forces = train_.vehicles()[i].kind == track::VehicleKind::forces;
     const std::int32_t body = train_.first_unknown()[i];
     put(body_displacement, forces ? 0 : train.displacement[body]);
     put(body_acceleration, forces ? 0 : train.acceleration[body]);
+    if (const std::int32_t roll = train_.roll_unknown()[i]; line_.sides() > 1)
+      put(body_roll, roll < 0 ? 0 : train.displacement[roll]);
   }
   for (std::size_t i = 0; i < forces_; ++i) put(rail_force, passage.rail_force(i));
 }
 
 std::vector<double> PassageHistories::lowest() const {
-  std::vector<double> lowest(points_.size(), 0);
+  const std::size_t width = columns_[rail_displacement].width;
+  std::vector<double> lowest(width, 0);
   const std::vector<double>& w = columns_[rail_displacement].values;
-  for (std::size_t i = 0; i < w.size(); ++i)
-    lowest[i % points_.size()] = std::min(lowest[i % points_.size()], w[i]);
+  for (std::size_t i = 0; i < w.size(); ++i) lowest[i % width] = std::min(lowest[i % width], w[i]);
   return lowest;
 }
 
@@ -113,15 +125,18 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path,
   const auto own = [&](const std::vector<double>& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
-  std::vector<double> sleeper_x;
-  for (const std::size_t i : sleepers_) sleeper_x.push_back(line_.sleeper_x(i));
+  // On two rails each place stands twice, left before right.
+  std::vector<double> sleeper_x, rail_x;
+  for (const std::size_t i : sleepers_)
+    sleeper_x.insert(sleeper_x.end(), line_.sides(), line_.sleeper_x(i));
+  for (const double x : points_) rail_x.insert(rail_x.end(), line_.sides(), x);
   io::replace_file(comm, path, [&](const std::string& part) {
     io::File file(comm, part, io::Mode::create);
     file.attribute("/", "kind", std::string(results_kind));
     file.attribute("/", "version", about.version);
     file.attribute("/", "deck", about.deck);
     file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
-    file.write<double>("rail/x", own(points_), 1, {"m", "points of the rail that are watched"});
+    file.write<double>("rail/x", own(rail_x), 1, {"m", "points of the rail that are watched"});
     if (!sleeper_x.empty())
       file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "sleepers that are watched"});
     save(file, comm);

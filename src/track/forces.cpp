@@ -25,6 +25,7 @@ double smooth(double s) {
 void RailForce::declare(input::Section& s) {
   s.choice("kind", kind, {"harmonic", "impact"},
            "harmonic: goes on as a sine; impact: half a sine, as of a hammer.");
+  s.choice("side", side, {"left", "right"}, "Rail it acts on, of two.");
   s.number("at", at, {.unit = "m", .at_least = 0},
            "x of the rail it acts on; best a node of the rail (see passage.points).");
   s.number("size", size, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},

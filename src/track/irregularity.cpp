@@ -90,10 +90,10 @@ double rms_of(Spectrum spectrum, double shortest, double longest) {
 
 // Each kind uses some of these; brackets and the kind's words say which.
 void IrregularityParameters::declare(input::Section& s) {
-  s.choice("kind", kind, {"none", "versine", "vee", "joint", "waves", "spectrum", "file"},
+  s.choice("kind", kind, {"none", "versine", "vee", "joint", "waves", "spectrum", "file", "same"},
            "Shape of the running surface: even; a dip that is smooth, of two ramps, or of two "
            "parabolas that meet in a point; smooth dips one after the other; random from a "
-           "spectrum; measured.");
+           "spectrum; measured; same: of a right rail, as the left one.");
   s.number("at", at, {.unit = "m"}, "x of the middle of the dip, or of the begin of the waves.");
   s.number("depth", depth, {.unit = "m", .usually_from = -0.02, .usually_to = 0.02},
            "Depth of dip or waves; negative: a bump.");

@@ -32,8 +32,9 @@ constexpr double most_change = 1e300;  // m, of what is no number
 }  // namespace
 
 // What does not change from step to step: which wheels roll, columns of the train and of the stops.
-Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irregularity& i,
-                    const TrainParameters& m, const PassageParameters& p)
+Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
+                    const std::array<Irregularity, 2>& i, const TrainParameters& m,
+                    const PassageParameters& p)
     : line(l),
       train(t),
       law(w),
@@ -50,13 +51,16 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w, const Irr
   approach = Vector::Zero(n);
   stop_before = stop_rate = Vector::Zero(stops);
   wheel_columns = Columns::Zero(train.weight().size(), n);
-  for (std::size_t k = 0; k < rolling.size(); ++k)
-    wheel_columns(train.wheels()[rolling[k]].unknown, static_cast<Eigen::Index>(k)) = 1;
+  for (std::size_t k = 0; k < rolling.size(); ++k) {
+    const Train::Wheel& wheel = train.wheels()[rolling[k]];
+    wheel_columns(wheel.unknown, static_cast<Eigen::Index>(k)) = 1;
+    if (wheel.roll >= 0) wheel_columns(wheel.roll, static_cast<Eigen::Index>(k)) = wheel.aside;
+  }
   wheel_change = vehicles.flexibility(wheel_columns);
   track_columns = Columns::Zero(line.system().mass.rows(), n);
   for (Eigen::Index k = 0; k < stops; ++k) {
     const RailPoint& p = line.stops()[static_cast<std::size_t>(k)].point;
-    for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t i = 0; i < p.unknown.size(); ++i)
       if (p.unknown[i] >= 0) track_columns(p.unknown[i], wheels_rolling() + k) = p.value[i];
   }
   track_change = track.flexibility(track_columns);
@@ -67,12 +71,12 @@ void Passage::Room::place_wheels() {
   point.clear();
   constant_load = Vector::Zero(line.system().mass.rows());
   for (std::size_t k = 0; k < train.wheels().size(); ++k) {
-    point.push_back(line.at(x(k)));
+    point.push_back(line.at(x(k), train.wheels()[k].side));
     if (train.wheels()[k].unknown < 0) point.back().add(-train.wheels()[k].force, constant_load);
   }
   line.add_seats(seats, constant_load);
   for (const RailForce& one : parameters.forces)
-    line.at(one.at).add(-one.force(time()), constant_load);
+    line.at(one.at, one.number()).add(-one.force(time()), constant_load);
   touching.clear();
   for (const std::size_t k : rolling) touching.push_back(point[k]);
   for (const Stop& stop : line.stops()) touching.push_back(stop.point);
@@ -125,15 +129,22 @@ Vector Passage::Room::slopes() const {
   return slope;
 }
 
+// m, of the wheel itself, beside the middle of a wheelset that rolls.
+double Passage::Room::wheel_height(const Train::Wheel& wheel, const Vector& of_train) const {
+  const double middle = of_train[wheel.unknown];
+  return wheel.roll < 0 ? middle : middle + wheel.aside * of_train[wheel.roll];
+}
+
 // m, the approach of each contact if track and train stood like this.
 Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train) const {
   Vector result(contacts());
   for (Eigen::Index i = 0; i < contacts(); ++i)
     result[i] = touching[static_cast<std::size_t>(i)].deflection(of_track);
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i) {
-    const std::size_t wheel = rolling[static_cast<std::size_t>(i)];
-    result[i] += irregularity.at(x(wheel)) - law.flat(wheel, x(wheel)) -
-                 of_train[train.wheels()[wheel].unknown];
+    const std::size_t number = rolling[static_cast<std::size_t>(i)];
+    const Train::Wheel& wheel = train.wheels()[number];
+    result[i] += irregularity[wheel.side].at(x(number)) - law.flat(wheel.axle, x(number)) -
+                 wheel_height(wheel, of_train);
   }
   for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k) {
     const Stop& stop = line.stops()[static_cast<std::size_t>(k)];
@@ -242,8 +253,10 @@ void Passage::Room::step() {
 
 Passage::Passage(const Line& line, const Train& train, const WheelRail& law,
                  const Irregularity& irregularity, const TrainParameters& motion,
-                 const PassageParameters& parameters)
-    : room_(std::make_unique<Room>(line, train, law, irregularity, motion, parameters)) {
+                 const PassageParameters& parameters, const std::optional<Irregularity>& right)
+    : room_(std::make_unique<Room>(line, train, law,
+                                   std::array{irregularity, right ? *right : irregularity}, motion,
+                                   parameters)) {
   room_->start();
 }
 
@@ -290,16 +303,16 @@ double Passage::wheel_force(std::size_t i) const {
 }
 
 double Passage::wheel_height(std::size_t i) const {
-  const std::int32_t unknown = room_->train.wheels().at(i).unknown;
-  return unknown < 0 ? 0 : room_->vehicles.displacement[unknown];
+  const Train::Wheel& wheel = room_->train.wheels().at(i);
+  return wheel.unknown < 0 ? 0 : room_->wheel_height(wheel, room_->vehicles.displacement);
 }
 
 double Passage::rail_force(std::size_t i) const {
   return room_->parameters.forces.at(i).force(room_->time());
 }
 
-double Passage::rail_displacement(double x) const {
-  return room_->line.at(x).deflection(room_->track.displacement);
+double Passage::rail_displacement(double x, std::size_t side) const {
+  return room_->line.at(x, side).deflection(room_->track.displacement);
 }
 
 }  // namespace trackbed::track

@@ -62,7 +62,29 @@ void TrackZone::declare(input::Section& s) {
            "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .usually_to = 0.02},
            "Between sleepers and ballast while nothing is on the track: these sleepers hang.");
+  s.choice("side", side, {"both", "left", "right"},
+           "Rail, or end of the sleepers, that is so; of two.");
   s.rule("to", to > from, "must lie beyond from");
+}
+
+// What only a track with two rails has.
+void TrackParameters::declare_space(input::Section& s) {
+  s.choice(
+      "dimension", dimension, {"plane", "space"},
+      "plane: one rail with its share of vehicles and sleepers; space: two rails, sleepers and "
+      "vehicles that roll as well.");
+  s.number("gauge", gauge, {.unit = "m", .above = 0, .usually_from = 0.6, .usually_to = 2},
+           "Between the middles of both rails (space).");
+  s.number("sleeper_length", sleeper_length, {.unit = "m", .above = 0, .usually_to = 5},
+           "Of sleepers, over which the ballast bears them evenly (space).");
+  s.number("sleeper_inertia", sleeper_inertia, {.unit = "kg m2", .at_least = 0},
+           "Of a whole sleeper in roll (space); 0: of a uniform bar.");
+  s.rule("rails", dimension == Dimension::plane || rails == 2, "must be 2 where dimension = space",
+         {.reads = {"dimension", "rails"}});
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    s.rule(fmt::format("zone[{}].side", i),
+           zones[i].side == ZoneSide::both || dimension == Dimension::space,
+           "is for dimension = space", {.reads = {"dimension", "zone"}});
 }
 
 // Everything here is of one rail, except the sleeper: that is how drawings give it.
@@ -95,6 +117,7 @@ void TrackParameters::declare(input::Section& s) {
   s.number("run_in_factor", run_in_factor, {.at_least = 1},
            "Stiffness and damping at the very ends over that of the track.");
   s.tables("zone", zones, "Where the track differs; factors of zones that overlap multiply.");
+  declare_space(s);
   s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
          {.reads = {"length", "spacing"}});
   s.rule("ends", support != Support::none || ends == RailEnds::pinned,

@@ -1,6 +1,7 @@
 // What a passage keeps between steps, and what it makes anew in each.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "trackbed/track/passage.hpp"
@@ -11,8 +12,9 @@ using Matrix = Eigen::MatrixXd;
 
 // State is listed once, in passage_file.cpp; all else follows from the deck or from state.
 struct Passage::Room {
-  Room(const Line& line, const Train& train, const WheelRail& law, const Irregularity& irregularity,
-       const TrainParameters& motion, const PassageParameters& parameters);
+  Room(const Line& line, const Train& train, const WheelRail& law,
+       const std::array<Irregularity, 2>& irregularity, const TrainParameters& motion,
+       const PassageParameters& parameters);
 
   double x(std::size_t wheel) const {
     return motion.start + motion.speed * time() - train.wheels()[wheel].behind;
@@ -26,6 +28,7 @@ struct Passage::Room {
   void solve_contacts(const Vector& without, const Matrix& flexibility);
   void put_wheels(Columns& into) const;
   Vector approaches(const Vector& of_track, const Vector& of_train) const;
+  double wheel_height(const Train::Wheel& wheel, const Vector& of_train) const;
   double improve_rest(Vector& u, const Matrix& g, const Vector& without);
   double rate(Eigen::Index stop) const;
   Vector forces() const;
@@ -36,7 +39,7 @@ struct Passage::Room {
   const Line& line;
   const Train& train;
   WheelRail law;
-  Irregularity irregularity;
+  std::array<Irregularity, 2> irregularity;  // of both sides
   TrainParameters motion;
   PassageParameters parameters;
   Newmark track, vehicles;

@@ -1,8 +1,9 @@
-// Matrices of a train: each body has its height and, if it is long, its pitch; springs join points
-// of bodies. A point at distance d ahead of a body's centre stands at height z + d phi, so a spring
-// between two points is one row of four numbers, whose outer product is its share of K and of C.
-// Small angles; horizontal motion is given. Static sag of the springs is in the unknowns: heights
-// count from where nothing is loaded.
+// Matrices of a train: each body has its height and, if it is long, its pitch, and on two rails its
+// roll; springs join points of bodies. A point d ahead of a body's centre and y to its left stands
+// at height z + d theta + y phi, so a spring between two points is one row of numbers, whose outer
+// product is its share of K and of C. Small angles; motion along the track is given, none across
+// it: a body's height above its springs does not matter. Static sag of the springs is in the
+// unknowns: heights count from where nothing is loaded.
 #include "trackbed/track/train.hpp"
 
 #include <fmt/format.h>
@@ -19,42 +20,51 @@ namespace trackbed::track {
 
 namespace {
 
-// A point of a body: unknowns of height and pitch (-1: none), distance ahead of the centre, m.
+// N/m, N s/m.
+struct Kelvin {
+  double stiffness, damping;
+};
+
+// Unknowns of a body, -1: none.
+struct Body {
+  std::int32_t height, pitch = -1, roll = -1;
+};
+
+// Where springs are fixed: a body, m ahead of its centre.
 struct Point {
-  std::int32_t height, pitch;
-  double ahead;
+  Body body;
+  double ahead = 0;
+};
+
+struct Inertia {
+  double mass, pitch = 0, roll = 0;  // kg, kg m^2
+  double offset = 0;                 // m, of the centre of mass to the left
 };
 
 // Collects bodies and springs; both know only unknowns, so a vehicle of any layout can be built.
 class Builder {
  public:
-  explicit Builder(double share) : share_(share) {}
+  // `share`: of the vehicle that one rail carries.
+  Builder(double share, bool rolls) : share_(share), rolls_(rolls) {}
 
-  // A body with pitch if it has inertia. Returns its first unknown.
-  std::int32_t body(double mass, double inertia) {
-    const std::int32_t first = next_;
-    mass_.emplace_back(next_, next_, mass * share_);
-    weight_.push_back(-mass * share_ * gravity);
-    ++next_;
-    if (inertia <= 0) return first;
-    mass_.emplace_back(next_, next_, inertia * share_);
-    weight_.push_back(0);
-    ++next_;
-    return first;
+  // Pitch and roll if it has inertia for them. With the centre of mass e aside its velocity is
+  // z' + e phi', which couples both.
+  Body body(const Inertia& of) {
+    const double mass = of.mass * share_, aside = of.offset;
+    Body made{.height = add(mass, -mass * gravity)};
+    if (of.pitch > 0) made.pitch = add(of.pitch * share_, 0);
+    if (!rolls_) return made;
+    made.roll = add(of.roll * share_ + mass * aside * aside, -mass * gravity * aside);
+    mass_.emplace_back(made.height, made.roll, mass * aside);
+    mass_.emplace_back(made.roll, made.height, mass * aside);
+    return made;
   }
 
-  // Stretch of the spring = row . u; its share of K is stiffness row row^T, of C likewise.
-  void join(const Point& upper, const Point& lower, double stiffness, double damping) {
-    const std::pair<std::int32_t, double> row[] = {{upper.height, 1},
-                                                   {upper.pitch, upper.ahead},
-                                                   {lower.height, -1},
-                                                   {lower.pitch, -lower.ahead}};
-    for (const auto& [i, a] : row)
-      for (const auto& [j, b] : row) {
-        if (i < 0 || j < 0) continue;
-        stiffness_.emplace_back(i, j, a * b * stiffness * share_);
-        damping_.emplace_back(i, j, a * b * damping * share_);
-      }
+  // Springs of both sides together, `base` m apart, which matters to roll alone.
+  void join(const Point& upper, const Point& lower, const Kelvin& both, double base) {
+    if (!rolls_) return join(upper, lower, 0, both);
+    const Kelvin one{both.stiffness / 2, both.damping / 2};
+    for (const double side : {1.0, -1.0}) join(upper, lower, side * base / 2, one);
   }
 
   std::int32_t unknowns() const { return next_; }
@@ -71,35 +81,56 @@ class Builder {
   }
 
  private:
-  double share_;  // of the vehicle that one rail carries
+  std::int32_t add(double inertia, double weight) {
+    mass_.emplace_back(next_, next_, inertia);
+    weight_.push_back(weight);
+    return next_++;
+  }
+
+  // Stretch of the spring = row . u; its share of K is stiffness row row^T, of C likewise.
+  void join(const Point& upper, const Point& lower, double aside, const Kelvin& spring) {
+    const std::pair<std::int32_t, double> row[] = {
+        {upper.body.height, 1},  {upper.body.pitch, upper.ahead},  {upper.body.roll, aside},
+        {lower.body.height, -1}, {lower.body.pitch, -lower.ahead}, {lower.body.roll, -aside}};
+    for (const auto& [i, a] : row)
+      for (const auto& [j, b] : row) {
+        if (i < 0 || j < 0) continue;
+        stiffness_.emplace_back(i, j, a * b * spring.stiffness * share_);
+        damping_.emplace_back(i, j, a * b * spring.damping * share_);
+      }
+  }
+
+  double share_;
+  bool rolls_;
   std::int32_t next_ = 0;
   std::vector<Eigen::Triplet<double>> mass_, damping_, stiffness_;
   std::vector<double> weight_;
 };
 
-// Unknown of each wheelset, front first.
-std::vector<std::int32_t> add_coach(Builder& to, const VehicleParameters& v) {
-  std::vector<std::int32_t> wheelsets;
-  const std::int32_t body = to.body(v.body_mass, v.body_inertia);
+// Wheelsets, front first.
+std::vector<Body> add_coach(Builder& to, const VehicleParameters& v) {
+  std::vector<Body> wheelsets;
+  const Body body = to.body({v.body_mass, v.body_inertia, v.body_roll, v.body_offset});
   for (const double side : {1.0, -1.0}) {
-    const std::int32_t bogie = to.body(v.bogie_mass, v.bogie_inertia);
-    to.join({body, body + 1, side * v.bogie_distance / 2}, {bogie, -1, 0}, v.secondary_stiffness,
-            v.secondary_damping);
+    const Body bogie = to.body({v.bogie_mass, v.bogie_inertia, v.bogie_roll});
+    to.join({body, side * v.bogie_distance / 2}, {bogie},
+            {v.secondary_stiffness, v.secondary_damping}, v.secondary_base);
     for (const double end : {1.0, -1.0}) {
-      wheelsets.push_back(to.body(v.wheelset_mass, 0));
-      to.join({bogie, bogie + 1, end * v.wheelbase / 2}, {wheelsets.back(), -1, 0},
-              v.primary_stiffness, v.primary_damping);
+      wheelsets.push_back(to.body({v.wheelset_mass, 0, v.wheelset_roll}));
+      to.join({bogie, end * v.wheelbase / 2}, {wheelsets.back()},
+              {v.primary_stiffness, v.primary_damping}, v.primary_base);
     }
   }
   return wheelsets;
 }
 
-// A wheelset stands for both its wheels: roll is not modelled.
-std::vector<std::int32_t> add_bodies(Builder& to, const VehicleParameters& v) {
+// On one rail a wheelset stands for both its wheels.
+std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
   if (v.kind == VehicleKind::coach) return add_coach(to, v);
-  if (v.kind == VehicleKind::wheel) return {to.body(v.wheelset_mass, 0)};
-  const std::int32_t body = to.body(v.body_mass, 0), wheelset = to.body(v.wheelset_mass, 0);
-  to.join({body, -1, 0}, {wheelset, -1, 0}, v.primary_stiffness, v.primary_damping);
+  if (v.kind == VehicleKind::wheel) return {to.body({v.wheelset_mass, 0, v.wheelset_roll})};
+  const Body body = to.body({v.body_mass, 0, v.body_roll, v.body_offset});
+  const Body wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
+  to.join({body}, {wheelset}, {v.primary_stiffness, v.primary_damping}, v.primary_base);
   return {wheelset};
 }
 
@@ -137,23 +168,35 @@ double mass_of(const VehicleParameters& v) {
 // Vehicles stand coupling to coupling. Distances count from the first axle, which is what a train
 // is placed by; the front of the first vehicle is out of the model.
 Train::Train(const TrainParameters& parameters, const std::vector<VehicleParameters>& known,
-             std::int64_t rails) {
-  const double share = 1 / static_cast<double>(rails);
-  Builder builder(share);
+             std::int64_t rails, double gauge) {
+  const bool rolls = gauge > 0;
+  const double share = rolls ? 1 : 1 / static_cast<double>(rails);
+  Builder builder(share, rolls);
   double front = 0;  // m, of the vehicle, behind the train's
+  std::size_t number = 0;
   for (const std::string& name : parameters.vehicles) {
     const VehicleParameters v = found(name, known);
     if (const auto missing = lacking(v); !missing.empty())
       throw InputError({fmt::format("vehicle \"{}\" lacks {}", name, fmt::join(missing, ", "))});
+    const bool constant = v.kind == VehicleKind::forces;
     const std::vector<double> axles = axles_of(v);
     first_.push_back(builder.unknowns());
-    std::vector<std::int32_t> wheelsets(axles.size(), -1);
-    if (v.kind != VehicleKind::forces) wheelsets = add_bodies(builder, v);
-    for (std::size_t i = 0; i < axles.size(); ++i) {
-      const bool constant = v.kind == VehicleKind::forces;
-      const double each = mass_of(v) * gravity * share / static_cast<double>(axles.size());
-      wheels_.push_back({front + axles[i], wheelsets[i], constant ? v.loads[i] * share : 0, each});
-    }
+    std::vector<Body> wheelsets(axles.size(), Body{-1});
+    if (!constant) wheelsets = add_bodies(builder, v);
+    const std::size_t each = rolls ? 2 : 1;  // wheels of an axle
+    const double part = share / static_cast<double>(each);
+    for (std::size_t i = 0; i < axles.size(); ++i, ++number)
+      for (std::size_t side = 0; side < each; ++side)
+        wheels_.push_back({.behind = front + axles[i],
+                           .unknown = wheelsets[i].height,
+                           .force = constant ? v.loads[i] * part : 0,
+                           .share = mass_of(v) * gravity * part / static_cast<double>(axles.size()),
+                           .axle = number,
+                           .side = side,
+                           .roll = wheelsets[i].roll,
+                           .aside = side == 0 ? gauge / 2 : -gauge / 2});
+    const std::int32_t behind = v.kind == VehicleKind::coach ? 2 : 1;  // height, then pitch
+    roll_.push_back(rolls && !constant ? first_.back() + behind : -1);
     vehicles_.push_back(v);
     front += v.length;
   }
@@ -172,11 +215,13 @@ double Train::axle_distance() const {
 
 // Rows and columns of the wheelsets are left out: that is to hold them.
 //   K x = w^2 M x,   f = w/(2 pi)
-std::vector<double> natural_frequencies(const VehicleParameters& vehicle) {
+std::vector<double> natural_frequencies(const VehicleParameters& vehicle, bool rolls) {
   const VehicleParameters v = complete(vehicle);
   if (v.kind == VehicleKind::forces || v.kind == VehicleKind::wheel) return {};
-  Builder builder(1);
-  const std::vector<std::int32_t> held = add_bodies(builder, v);
+  Builder builder(1, rolls);
+  std::vector<std::int32_t> held;
+  for (const Body& wheelset : add_bodies(builder, v))
+    held.insert(held.end(), {wheelset.height, wheelset.roll});
   std::vector<Eigen::Index> kept;
   for (std::int32_t i = 0; i < builder.unknowns(); ++i)
     if (std::find(held.begin(), held.end(), i) == held.end()) kept.push_back(i);

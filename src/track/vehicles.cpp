@@ -28,6 +28,9 @@ VehicleParameters manchester_1() {
           .secondary_damping = 40e3,
           .bogie_distance = 19,
           .wheelbase = 2.56,
+          .body_roll = 56800,
+          .bogie_roll = 1722,
+          .wheelset_roll = 1120,
           .source =
               "Manchester benchmarks, passenger vehicle 1 (Iwnicki 1998, "
               "doi:10.1080/00423119808969454); length assumed"};
@@ -94,6 +97,11 @@ VehicleParameters load_model_71() {
   return v;
 }
 
+// m, radii of gyration in roll, of passenger vehicle 1 of the Manchester benchmarks; distance of
+// springs across the track, from memory of the same.
+constexpr double body_gyration = 1.33, bogie_gyration = 0.81, wheelset_gyration = 0.79;
+constexpr double usual_base = 2.0;
+
 // Numbers that `like` may give.
 constexpr double VehicleParameters::*numbers[] = {&VehicleParameters::length,
                                                   &VehicleParameters::body_mass,
@@ -106,7 +114,12 @@ constexpr double VehicleParameters::*numbers[] = {&VehicleParameters::length,
                                                   &VehicleParameters::secondary_stiffness,
                                                   &VehicleParameters::secondary_damping,
                                                   &VehicleParameters::bogie_distance,
-                                                  &VehicleParameters::wheelbase};
+                                                  &VehicleParameters::wheelbase,
+                                                  &VehicleParameters::body_roll,
+                                                  &VehicleParameters::bogie_roll,
+                                                  &VehicleParameters::wheelset_roll,
+                                                  &VehicleParameters::primary_base,
+                                                  &VehicleParameters::secondary_base};
 
 }  // namespace
 
@@ -131,6 +144,14 @@ VehicleParameters complete(const VehicleParameters& given) {
   }
   if (v.body_inertia == 0) v.body_inertia = v.body_mass * v.length * v.length / 12;
   if (v.bogie_inertia == 0) v.bogie_inertia = v.bogie_mass * v.wheelbase * v.wheelbase / 12;
+  const auto roll = [](double& inertia, double mass, double gyration) {
+    if (inertia == 0) inertia = mass * gyration * gyration;
+  };
+  roll(v.body_roll, v.body_mass, body_gyration);
+  roll(v.bogie_roll, v.bogie_mass, bogie_gyration);
+  roll(v.wheelset_roll, v.wheelset_mass, wheelset_gyration);
+  if (v.primary_base == 0) v.primary_base = usual_base;
+  if (v.secondary_base == 0) v.secondary_base = usual_base;
   return v;
 }
 
@@ -174,6 +195,23 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
   return names;
 }
 
+// Of a plane track none of these matters.
+void VehicleParameters::declare_roll(input::Section& s) {
+  const auto inertia = [&](const char* of, double& value, const char* words) {
+    s.number(of, value, {.unit = "kg m2", .at_least = 0}, words);
+  };
+  inertia("body_roll", body_roll, "Roll inertia of the body (on two rails); 0: mass (1.33 m)^2.");
+  inertia("bogie_roll", bogie_roll, "Of one bogie (on two rails); 0: mass (0.81 m)^2.");
+  inertia("wheelset_roll", wheelset_roll, "Of one wheelset (on two rails); 0: mass (0.79 m)^2.");
+  s.number("primary_base", primary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
+           "Between left and right primary springs (on two rails); 0: 2 m.");
+  s.number("secondary_base", secondary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
+           "Between left and right secondary springs (on two rails); 0: 2 m.");
+  s.number(
+      "body_offset", body_offset, {.unit = "m", .usually_from = -0.5, .usually_to = 0.5},
+      "Of the body's centre of mass to the left, as of a load that has shifted (on two rails).");
+}
+
 // Zeros mean "as `like` says", so limits that a kind needs are checked on the completed vehicle.
 void VehicleParameters::declare(input::Section& s) {
   std::vector<std::string_view> library = {""};
@@ -210,6 +248,7 @@ void VehicleParameters::declare(input::Section& s) {
            "Between the bogies' centres (coach).");
   s.number("wheelbase", wheelbase, {.unit = "m", .at_least = 0, .usually_to = 10},
            "Between the axles of a bogie (coach).");
+  declare_roll(s);
   s.numbers("axles", axles, {.unit = "m", .at_least = 0}, "Behind the vehicle's front (forces).");
   s.numbers("loads", loads, {.unit = "N", .at_least = 0}, "Of each axle, both wheels (forces).");
   if (const auto missing = lacking(complete(*this)); !missing.empty())

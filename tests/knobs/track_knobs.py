@@ -123,6 +123,36 @@ KNOBS = {
     "force.[].length": ("force.0.length=5e-3", ["force.0.kind=impact"]),
 }
 
+# With two rails; the force of the deck is on the left one, so that all of it rolls.
+SPACE = ["track.dimension=space"]
+KNOBS |= {
+    "track.dimension": (SPACE[0], []),
+    "track.gauge": ("track.gauge=1", SPACE),
+    "track.sleeper_length": ("track.sleeper_length=2.2", SPACE),
+    "track.sleeper_inertia": ("track.sleeper_inertia=50", SPACE),
+    "track.zone.[].side": ("track.zone.0.side=left", SPACE),
+    "force.[].side": ("force.0.side=right", SPACE),
+    "vehicle.[].body_roll": ("vehicle.own.body_roll=40e3", [*COACH, *SPACE]),
+    "vehicle.[].bogie_roll": ("vehicle.own.bogie_roll=1500", [*COACH, *SPACE]),
+    "vehicle.[].wheelset_roll": ("vehicle.own.wheelset_roll=900", [*COACH, *SPACE]),
+    "vehicle.[].primary_base": ("vehicle.own.primary_base=1.8", [*COACH, *SPACE]),
+    "vehicle.[].secondary_base": ("vehicle.own.secondary_base=1.8", [*COACH, *SPACE]),
+    "vehicle.[].body_offset": ("vehicle.own.body_offset=0.05", [*COACH, *SPACE]),
+}
+
+
+def to_the_right(words):
+    return words.replace("irregularity.", "irregularity_right.")
+
+
+KNOBS |= {to_the_right(name): (to_the_right(change), [*SPACE, *map(to_the_right, around)])
+          for name, (change, around) in KNOBS.items() if name.startswith("irregularity.")}
+# The deck's own dip has a place, a depth and a length; that of the right rail has none yet.
+for _name in ("at", "depth", "length", "kind", "waves"):
+    KNOBS[f"irregularity_right.{_name}"][1].extend(
+        word for word in ("irregularity_right.at=8.5", "irregularity_right.length=1.2",
+                          "irregularity_right.depth=1e-4") if f".{_name}=" not in word)
+
 
 class Bench:
     def __init__(self, program, deck, folder):

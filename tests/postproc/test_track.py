@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import read
 import track_figures
+import track_measures
 
 
 def made(sleepers=True):
@@ -43,6 +44,57 @@ def test_panels(sleepers, panels):
     figure = track_figures.draw(made(sleepers), 20)
     assert len(figure.axes) == panels
     plt.close(figure)
+
+
+@pytest.mark.parametrize("wavelength, gain", [(3, 0.7071), (25, 0.7071), (40, 0.1110), (8, 1.0)])
+def test_d1_passes_its_band(wavelength, gain):
+    step, n = 0.05, 24000  # a whole number of waves in 1200 m but for 25 m; the middle is looked at
+    x = step * np.arange(n)
+    passed = track_measures.band(np.cos(2 * np.pi * x / wavelength), step)[n // 3:2 * n // 3]
+    assert np.sqrt(2) * passed.std() == pytest.approx(gain, abs=2e-3)
+
+
+def test_loaded_rail_is_that_between_the_places():
+    x = np.linspace(-10, 110, 2401)
+    height = -2e-3 + 1e-5 * x + 1e-3 * np.sin(2 * np.pi * x / 8)
+    at, path = track_measures.loaded_rail(x, height, 0, 100)
+    assert at[0] >= 0 and at[-1] <= 100
+    assert path[400:-400].std() == pytest.approx(1e-3 / np.sqrt(2), rel=0.02)
+
+
+def hammered():
+    """A mass on spring and damper under half a sine, by its closed form in the frequency domain."""
+    step, n, mass, spring, damper = 1e-4, 20000, 100.0, 4e7, 1e4
+    time = step * np.arange(n)
+    force = np.where(time < 2e-3, 1e4 * np.sin(np.pi * time / 2e-3), 0.0)
+    w = 2 * np.pi * np.fft.rfftfreq(n, step)
+    exact = 1 / (spring + 1j * w * damper - mass * w**2)
+    rail = np.fft.irfft(np.fft.rfft(force) * exact, n)
+    run = {"history/time": time, "history/rail/force": force, "rail/x": np.array([5.0]),
+           "history/rail/displacement": -rail}
+    return {name: read.Quantity(values, "-", "made for a test") for name, values in run.items()}
+
+
+def test_receptance_of_a_blow():
+    run = hammered()
+    frequency, found = track_figures.receptances(run)
+    assert frequency[0] == pytest.approx(0.5) and 500 < frequency[-1] < 1000
+    exact = 1 / (4e7 + 2j * np.pi * frequency * 1e4 - 100 * (2 * np.pi * frequency)**2)
+    assert np.allclose(found["5 m"], exact, rtol=1e-6)
+    assert len(track_figures.table_of(frequency, found).splitlines()) == len(frequency) + 1
+    for figure in (track_figures.draw_receptances(frequency, found), track_figures.draw(run, 20)):
+        plt.close(figure)
+    assert "rail at 5 m, down" in track_figures.numbers(run, 20)
+    assert track_figures.receptances(made()) is None
+
+
+def test_two_rails_are_told_apart():
+    run = made() | {"rail/x": read.Quantity(np.array([5.0, 5.0]), "m", "both rails")}
+    run["history/rail/displacement"] = read.Quantity(
+        np.outer(run["history/rail/displacement"].values, [1, 2]), "m", "left, right")
+    found = track_figures.numbers(run, 20)
+    assert found["rail at 5 m, right, down"][0] == pytest.approx(
+        2 * found["rail at 5 m, left, down"][0])
 
 
 def test_runs_of_a_bed_are_refused(monkeypatch):

@@ -30,6 +30,9 @@ REFUSED = {
     "wheel_rail.flat_length=0.5 wheel_rail.flat_axle=1": "must be at most the radius",
     "passage.points=[70]": "70 m lies beyond the track",
     "passage.stop_after=-1": "at least 0",
+    "track.dimension=space track.rails=1": "must be 2 where dimension = space",
+    "irregularity.kind=same": "same is for the right rail",
+    "irregularity_right.kind=versine": "needs two rails",
 }
 TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all named at once
 VEHICLE = """
@@ -180,6 +183,32 @@ def check_resume(program, decks, folder):
         raise SystemExit(f"info of a checkpoint: {ran.stdout}")
 
 
+def check_two_rails(program, decks, folder):
+    """Stopped and resumed on another number of ranks: the same bits. The body leans towards the
+    rail that has no support."""
+    words = [*SHORT, "track.dimension=space", "irregularity_right.kind=spectrum",
+             "irregularity_right.seed=2", "track.zone.0.side=left"]
+    deck = folder / "hanging.toml"
+    program.done(2, "run", deck, *words, "-o", folder / "space")
+    place = folder / "space_stopped"
+    program.done(1, "run", deck, *words, "passage.stop_after=111", "-o", place, code=3)
+    program.done(3, "resume", place)
+    same_bits(folder / "space", place, "two rails")
+    with h5py.File(place / "results.h5") as file:
+        force, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
+        shapes = [file[f"history/{name}"].shape[1:] for name in (
+            "wheel/force", "rail/displacement", "sleeper/seat_force", "body/roll")]
+        roll = file["history/body/roll"][()].ravel()
+    if shapes != [(8,), (4,), (4,), ()] or np.any(x[:, ::2] != x[:, 1::2]):
+        raise SystemExit(f"histories of two rails: {shapes}")
+    if not np.abs(force[:, ::2] - force[:, 1::2]).max() > 1e3 or not np.abs(roll).max() > 1e-6:
+        raise SystemExit("left and right wheels feel the same")
+    for change, words in (("irregularity_right.seed=3", "was made with 2"),):
+        ran = program(1, "resume", place, change, "-o", folder / "refused")
+        if ran.returncode != 2 or words not in ran.stderr:
+            raise SystemExit(f"resume with {change}: {ran.stdout}{ran.stderr}")
+
+
 def check_forces(program, decks, folder):
     """No train but a hammer: the rail under it goes down and comes back."""
     words = ["train.vehicles=[]", "passage.duration=0.1", "passage.points=[27]"]
@@ -191,6 +220,8 @@ def check_forces(program, decks, folder):
         raise SystemExit(f"a blow of {force.max()} N: rail {rail.min()} m, {rail[-1]} m")
     refuse(program, folder / "hanging.toml", words[:1], "must be above 0 s without vehicles")
     refuse(program, folder / "hanging.toml", ["force.0.at=61"], "beyond the track")
+    refuse(program, folder / "hanging.toml", ["force.0.side=right"], "needs two rails")
+    refuse(program, folder / "hanging.toml", ["track.zone.0.side=left"], "dimension = space")
 
 
 def check_targets(program, decks, folder):
@@ -228,6 +259,7 @@ def main():
     check_files(program, decks, folder)
     check_runs(program, decks, folder)
     check_resume(program, decks, folder)
+    check_two_rails(program, decks, folder)
     check_forces(program, decks, folder)
     check_targets(program, decks, folder)
     check_crossing(program, decks, folder)

@@ -17,8 +17,8 @@ double density_of(Spectrum spectrum, double wave_number);
 double rms_of(Spectrum spectrum, double shortest, double longest);
 
 // versine: smooth; vee: two straight ramps; joint: two parabolas that meet in a point, as rails at
-// a weld or joint do; waves: versines one after the other.
-enum class IrregularityKind { none, versine, vee, joint, waves, spectrum, file };
+// a weld or joint do; waves: versines one after the other; same: of a right rail, as the left one.
+enum class IrregularityKind { none, versine, vee, joint, waves, spectrum, file, same };
 
 struct IrregularityParameters {
   IrregularityKind kind = IrregularityKind::none;
@@ -29,8 +29,8 @@ struct IrregularityParameters {
   Spectrum spectrum = Spectrum::erri_low;
   double shortest = 1, longest = 70;  // m, wavelengths of the spectrum
   std::int64_t seed = 1;
-  double fade = 10;  // m from the begin of the track over which spectrum and file fade in
-  std::string file;  // CSV
+  double fade = 10;       // m from the begin of the track over which spectrum and file fade in
+  std::string file = {};  // CSV
   void declare(input::Section& s);
 };
 

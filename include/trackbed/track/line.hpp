@@ -1,6 +1,7 @@
 // The track as one linear structure: a rail on a Kelvin bed, or on pads, sleepers and ballast.
-// Vertical motion in the plane of one rail. What stands here is that of one rail: half a sleeper's
-// mass, the pad and the ballast below one rail seat. Upwards is positive.
+// Vertical motion in the plane of one rail, or of two rails on sleepers that roll. Pad and ballast
+// are those of one rail seat; a plane track has half a sleeper. Upwards is positive, the left side
+// (number 0) lies at positive y, and roll is positive where the left side is higher.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "trackbed/core/types.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/track/rail.hpp"
 
@@ -25,6 +27,7 @@ struct LinearSystem {
 // none: the rail hangs at its ends, as a bridge does.
 enum class Support { sleepers, continuous, none };
 enum class RailEnds { free, pinned };
+enum class ZoneSide { both, left, right };
 
 struct PadParameters {
   double stiffness = 120e6, damping = 25e3;  // N/m, N s/m, of one rail seat
@@ -43,13 +46,16 @@ struct BallastParameters {
 
 // Where the track differs from the rest.
 struct TrackZone {
-  double from = 0, to = 0;   // m
-  double rail = 1, bed = 1;  // factors of E I, k G A and mass; of bed or ballast
-  double gap = 0;            // m, between sleepers and ballast while nothing is on the track
+  double from = 0, to = 0;         // m
+  double rail = 1, bed = 1;        // factors of E I, k G A and mass; of bed or ballast
+  double gap = 0;                  // m, between sleepers and ballast while nothing is on the track
+  ZoneSide side = ZoneSide::both;  // of a track with two rails
+  bool covers(double x, std::size_t of_side) const;
   void declare(input::Section& s);
 };
 
 struct TrackParameters {
+  Dimension dimension = Dimension::plane;  // space: both rails, bodies roll
   Support support = Support::sleepers;
   RailEnds ends = RailEnds::pinned;
   std::int64_t rails = 2;       // alike, sharing vehicles and sleepers evenly
@@ -57,12 +63,18 @@ struct TrackParameters {
   double spacing = 0.6;         // m, of sleepers
   std::int64_t elements = 4;    // in a spacing
   double sleeper_mass = 300;    // kg, whole
+  double gauge = 1.5;           // m, between the rails' middles, space
+  double sleeper_length = 2.6;  // m, space
+  double sleeper_inertia = 0;   // kg m^2, roll, space; 0: of a uniform bar
   double bed_stiffness = 50e6;  // N/m^2, continuous
   double bed_damping = 50e3;    // N s/m^2, continuous
   double run_in = 6;            // m, at both ends
   double run_in_factor = 100;   // of all stiffness and damping at the very end
   std::vector<TrackZone> zones;
+  // m, between the rails that wheels roll on; 0: one rail.
+  double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
   void declare(input::Section& s);
+  void declare_space(input::Section& s);
 };
 
 struct LineParameters {
@@ -109,22 +121,25 @@ class Line {
   Line(Line&&) noexcept;
 
   const LinearSystem& system() const;
-  double length() const;  // m
-  RailPoint at(double x) const;
+  double length() const;      // m
+  std::size_t sides() const;  // rails: 1 or 2
+  RailPoint at(double x, std::size_t side = 0) const;
   const std::vector<Stop>& stops() const;  // not part of `system`
   std::size_t sleepers() const;            // 0 unless supported by sleepers
   double sleeper_x(std::size_t i) const;
-  std::int32_t sleeper_unknown(std::size_t i) const;  // -1: moved by somebody else
-  std::size_t first_moved() const;                    // see LineParameters
+  // Its height below a rail; -1: moved by somebody else.
+  std::int32_t sleeper_unknown(std::size_t i, std::size_t side = 0) const;
+  std::size_t first_moved() const;  // see LineParameters
   std::size_t moved() const;
   std::size_t nearest_sleeper(double x) const;
   // N, of the pad on sleeper i, compression positive. `seat`: of a sleeper that is moved.
-  double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {}) const;
+  double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {},
+                    std::size_t side = 0) const;
   // Adds what the pads of moved sleepers do to the rail besides holding it, N.
   void add_seats(const std::vector<Seat>& seats, Vector& to) const;
   // N m in the rail just left of x, which should be a node; positive where it is bent upwards
   // (sagging). From element forces, so that a bed's share is in it.
-  double bending_moment(double x, const Vector& u) const;
+  double bending_moment(double x, const Vector& u, std::size_t side = 0) const;
 
  private:
   struct Room;

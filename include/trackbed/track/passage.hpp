@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,12 @@ struct PassageParameters {
 
 class Passage {
  public:
+  // `right`: of the right rail, if it is another one than of the left.
   // Keeps references to `line` and `train`; they outlive it. Begins in static equilibrium, the
   // train moving at its speed. Throws RunError if there is none.
   Passage(const Line& line, const Train& train, const WheelRail& law,
           const Irregularity& irregularity, const TrainParameters& motion,
-          const PassageParameters& parameters);
+          const PassageParameters& parameters, const std::optional<Irregularity>& right = {});
   ~Passage();
   Passage(Passage&&) noexcept;
 
@@ -57,9 +59,9 @@ class Passage {
   double duration() const;                   // s, as asked for or until the last axle has left
   double wheel_x(std::size_t i) const;       // m
   double wheel_force(std::size_t i) const;   // N, on the rail, of one wheel
-  double wheel_height(std::size_t i) const;  // m, of a wheelset; 0 for a constant force
-  double rail_displacement(double x) const;  // m, upwards
-  double rail_force(std::size_t i) const;    // N, downwards, of the i-th of the forces
+  double wheel_height(std::size_t i) const;  // m, of a wheel; 0 for a constant force
+  double rail_displacement(double x, std::size_t side = 0) const;  // m, upwards
+  double rail_force(std::size_t i) const;  // N, downwards, of the i-th of the forces
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far

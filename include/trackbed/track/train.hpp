@@ -1,4 +1,5 @@
-// Vehicles as rigid bodies on springs and dampers in the vertical plane, and trains of them.
+// Vehicles as rigid bodies on springs and dampers, and trains of them: bounce and pitch, on two
+// rails also roll.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +27,15 @@ struct VehicleParameters {
   double primary_stiffness = 0, primary_damping = 0;      // N/m, N s/m, of one wheelset
   double secondary_stiffness = 0, secondary_damping = 0;  // N/m, N s/m, of one bogie
   double bogie_distance = 0, wheelbase = 0;               // m, between centres of bogies, of axles
+  // On two rails: kg m^2, roll, 0: see `complete`; m, between the springs of both sides; m, of the
+  // body's centre of mass, to the left.
+  double body_roll = 0, bogie_roll = 0, wheelset_roll = 0;
+  double primary_base = 0, secondary_base = 0;
+  double body_offset = 0;
   std::vector<double> axles = {}, loads = {};  // forces: m behind the front, N of each axle
   std::string_view source = {};                // of the library's
   void declare(input::Section& s);
+  void declare_roll(input::Section& s);
 };
 
 const std::vector<VehicleParameters>& vehicle_library();
@@ -48,22 +55,28 @@ struct TrainParameters {
   void declare(input::Section& s);
 };
 
-// Hz, undamped, of the vehicle with its wheelsets held, rising.
-std::vector<double> natural_frequencies(const VehicleParameters& vehicle);
+// Hz, undamped, of the vehicle with its wheelsets held, rising; with roll if it stands on two
+// rails.
+std::vector<double> natural_frequencies(const VehicleParameters& vehicle, bool rolls = false);
 
-// Its share of one rail of `rails` alike.
+// Its share of one rail of `rails` alike, or the whole on two rails.
 class Train {
  public:
   struct Wheel {
-    double behind;         // m, behind the first axle
-    std::int32_t unknown;  // of its wheelset's height; -1: constant force
-    double force;          // N downwards on the rail, if constant
-    double share;          // N, vehicle's weight per wheel: a first guess
+    double behind;           // m, behind the first axle
+    std::int32_t unknown;    // of its wheelset's height; -1: constant force
+    double force;            // N downwards on the rail, if constant
+    double share;            // N, vehicle's weight per wheel: a first guess
+    std::size_t axle = 0;    // its number in the train
+    std::size_t side = 0;    // of two rails: left, right
+    std::int32_t roll = -1;  // unknown of its wheelset's roll; -1: none
+    double aside = 0;        // m, where it stands left of the wheelset's middle
   };
-  // `known`: vehicles beside the library, which they come before. Throws InputError for unknown
-  // names.
+  // `known`: vehicles beside the library, which they come before. `gauge`, m: of two rails, which
+  // take a left and a right wheel of each axle, left first; 0: one rail. Throws InputError for
+  // unknown names.
   Train(const TrainParameters& parameters, const std::vector<VehicleParameters>& known,
-        std::int64_t rails);
+        std::int64_t rails, double gauge = 0);
 
   const LinearSystem& system() const { return system_; }
   const Vector& weight() const { return weight_; }  // N on each unknown, upwards
@@ -71,6 +84,8 @@ class Train {
   const std::vector<VehicleParameters>& vehicles() const { return vehicles_; }
   // First unknown of each vehicle: body height (and pitch) come first.
   const std::vector<std::int32_t>& first_unknown() const { return first_; }
+  // Of each vehicle's body (wheelset if it has none), -1: it does not roll.
+  const std::vector<std::int32_t>& roll_unknown() const { return roll_; }
   double axle_distance() const;  // m, first to last axle
 
  private:
@@ -78,7 +93,7 @@ class Train {
   Vector weight_;
   std::vector<Wheel> wheels_;
   std::vector<VehicleParameters> vehicles_;
-  std::vector<std::int32_t> first_;
+  std::vector<std::int32_t> first_, roll_;
 };
 
 }  // namespace trackbed::track

@@ -1,0 +1,48 @@
+"""Quantities of a track alone that need more than a glance at its histories."""
+import numpy as np
+
+import signals
+
+D1 = (3.0, 25.0)  # m, wavelengths, EN 13848-1
+ORDER = 4         # of the Butterworth prototype; each border has 3 dB
+
+
+def band(values, step, wavelengths=D1):
+    """The part of `values`, sampled every `step` m, between two wavelengths. The filter has the
+    magnitude of a Butterworth band pass and no phase:
+        |H|^2 = 1/(1 + W^(2n)),  W = (k^2 - k1 k2)/(k (k2 - k1)),  k = 1/wavelength.
+    Straight lines are taken out first; the ends are continued by their mirror image."""
+    x = np.arange(len(values)) * step
+    even = values - np.polyval(np.polyfit(x, values, 1), x)
+    mirrored = np.concatenate([even[::-1], even, even[::-1]])
+    k = np.fft.rfftfreq(len(mirrored), step)
+    low, high = 1 / max(wavelengths), 1 / min(wavelengths)
+    gain = np.zeros_like(k)
+    w = (k[1:]**2 - low * high) / (k[1:] * (high - low))
+    gain[1:] = 1 / np.sqrt(1 + w**(2 * ORDER))
+    passed = np.fft.irfft(np.fft.rfft(mirrored) * gain, len(mirrored))
+    return passed[len(values):2 * len(values)]
+
+
+def loaded_rail(x, height, begin, end):
+    """(x, m; D1 part of the path of a wheel, m) between two places: what a loaded measuring axle
+    sees. A wheel's height is that of the loaded rail but for its own approach to it, a few um."""
+    on = (x >= begin) & (x <= end)
+    if on.sum() < 8:
+        return np.array([]), np.array([])
+    step = (x[on][-1] - x[on][0]) / (on.sum() - 1)
+    return x[on], band(height[on], step)
+
+
+def receptance(time, force, rail, least=0.02):
+    """(Hz, m/N complex) of `rail` (m, downwards) under one impact (N): the ratio of both
+    transforms where the force has more than `least` of its largest. Both begin at rest; a rail that
+    still moves at the end of the histories falsifies low frequencies."""
+    step = signals.step_of(time)
+    frequency = np.fft.rfftfreq(len(time), step)
+    of_force, of_rail = np.fft.rfft(force), np.fft.rfft(rail)
+    told = (np.abs(of_force) > least * np.abs(of_force).max()) & (frequency > 0)
+    # Beyond the first zero of a half sine there is nothing but rounding of rows.
+    first_gap = np.argmax(~told[1:]) + 1 if not told[1:].all() else len(told)
+    use = np.arange(1, first_gap)
+    return frequency[use], of_rail[use] / of_force[use]

@@ -1,0 +1,126 @@
+// What a Line tells: points of its rails, forces of its pads and stops.
+#include <algorithm>
+#include <cmath>
+
+#include "line_room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+// A damper that began with its full force would make a jump at touching, which Newton's method of
+// the contacts cannot find its way around.
+double Stop::force(double approach, double rate) const {
+  if (approach <= 0) return 0;
+  const double spring = stiffness * approach;
+  return spring + std::clamp(damping * rate, -spring, spring);
+}
+
+// The derivative of the force above, piece by piece.
+double Stop::slope(double approach, double rate, double rate_slope) const {
+  if (approach <= 0) return 0;
+  const double spring = stiffness * approach, damper = damping * rate;
+  if (std::abs(damper) < spring) return stiffness + damping * rate_slope;
+  return damper > 0 ? 2 * stiffness : 0;
+}
+
+bool TrackZone::covers(double x, std::size_t of_side) const {
+  return x >= from && x <= to &&
+         (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
+}
+
+double RailPoint::deflection(const Vector& u) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (unknown[k] >= 0) sum += value[k] * u[unknown[k]];
+  return sum;
+}
+
+void RailPoint::add(double force, Vector& to) const {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (unknown[k] >= 0) to[unknown[k]] += value[k] * force;
+}
+
+Line::Line(const LineParameters& parameters) : room_(std::make_unique<Room>(parameters)) {}
+Line::~Line() = default;
+Line::Line(Line&&) noexcept = default;
+
+const LinearSystem& Line::system() const { return room_->system; }
+const std::vector<Stop>& Line::stops() const { return room_->stops; }
+double Line::length() const { return room_->parameters.track.length; }
+std::size_t Line::sleepers() const { return room_->sleepers.size(); }
+double Line::sleeper_x(std::size_t i) const { return room_->sleepers.at(i).x; }
+std::int32_t Line::sleeper_unknown(std::size_t i, std::size_t side) const {
+  return room_->sleepers.at(i).unknown.at(side);
+}
+std::size_t Line::sides() const { return room_->sides; }
+std::size_t Line::first_moved() const { return room_->parameters.first_moved; }
+std::size_t Line::moved() const { return room_->parameters.moved; }
+
+// The last element also holds the end itself.
+RailPoint Line::at(double x, std::size_t side) const {
+  RailPoint point;
+  if (x < 0 || x > length()) return point;
+  const double along = x / room_->element_length;
+  const std::size_t e = std::min(static_cast<std::size_t>(along), room_->elements - 1);
+  const double xi = along - static_cast<double>(e);
+  const BeamElement rail = room_->element(e, side);
+  const Four shape = rail.deflection(xi);
+  point.unknown = room_->unknowns_of(e, side);
+  for (std::size_t k = 0; k < 4; ++k) point.value[k] = shape[static_cast<Eigen::Index>(k)];
+  point.local = rail.local_flexibility(xi);
+  return point;
+}
+
+std::size_t Line::nearest_sleeper(double x) const {
+  const auto last = static_cast<double>(sleepers() - 1);
+  const double number = std::round(x / room_->parameters.track.spacing);
+  return static_cast<std::size_t>(std::clamp(number, 0.0, last));
+}
+
+// What the pad gives to the sleeper; its inertia is none, so the rail gets the same.
+double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat,
+                        std::size_t side) const {
+  const Sleeper& sleeper = room_->sleepers.at(i);
+  const Kelvin& pad = sleeper.pad.at(side);
+  const auto [rail, below, none] = pad.unknown;
+  const auto of = [&](const Vector& y, double given) {
+    return (below >= 0 ? y[below] : given) - (rail >= 0 ? y[rail] : 0.0);
+  };
+  // Over a run-in all is as much stiffer as the knee comes earlier.
+  const double knee = room_->parameters.pad.knee / room_->run_in(sleeper.x);
+  const double pressed = of(u, seat.height);
+  return pad.stiffness * pressed + pad.damping * of(v, seat.rate) +
+         sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
+}
+
+// The linear part: that beyond a knee is a stop.
+void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
+  require(seats.size() == moved(), "one seat for each sleeper that is moved");
+  for (std::size_t k = 0; k < seats.size(); ++k) {
+    const Kelvin& pad = room_->sleepers[first_moved() + k].pad[0];
+    if (pad.unknown[0] >= 0)
+      to[pad.unknown[0]] += pad.stiffness * seats[k].height + pad.damping * seats[k].rate;
+  }
+}
+
+// The element's own end moment is exact for its loads at nodes; of a bed's force between nodes it
+// has the consistent share.
+double Line::bending_moment(double x, const Vector& u, std::size_t side) const {
+  const Room& room = *room_;
+  const auto node = static_cast<std::size_t>(std::llround(x / room.element_length));
+  require(node >= 1 && node <= room.elements, "a bending moment is asked for left of a node");
+  const BeamElement rail = room.element(node - 1, side);
+  Matrix4 k = rail.stiffness();
+  if (room.parameters.track.support == Support::continuous)
+    k += room.parameters.track.bed_stiffness *
+         room.bed_factor((static_cast<double>(node) - 0.5) * room.element_length, side) *
+         rail.bed();
+  const auto unknown = room.unknowns_of(node - 1, side);
+  Four ends = Four::Zero();
+  for (int i = 0; i < 4; ++i)
+    if (unknown[static_cast<std::size_t>(i)] >= 0)
+      ends[i] = u[unknown[static_cast<std::size_t>(i)]];
+  return (k * ends)[3];
+}
+
+}  // namespace trackbed::track

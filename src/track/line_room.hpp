@@ -1,0 +1,65 @@
+// What a Line keeps: unknowns, supports and the triplets its matrices are made of.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "beam.hpp"
+#include "trackbed/track/line.hpp"
+
+namespace trackbed::track {
+
+// A spring and a damper side by side; its stretch is sum value_k u[unknown_k], -1 is the ground.
+struct Kelvin {
+  std::array<std::int32_t, 3> unknown{-1, -1, -1};
+  std::array<double, 3> value{};
+  double stiffness = 0, damping = 0;  // N/m, N s/m
+};
+
+// A plane track has the left side alone.
+struct Sleeper {
+  double x;
+  std::array<std::int32_t, 2> unknown{-1, -1};  // heights below the rails
+  std::array<Kelvin, 2> pad;
+  std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
+};
+
+using RailNode = std::array<std::int32_t, 2>;  // unknowns of w and theta
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+struct Line::Room {
+  explicit Room(const LineParameters& given);
+  void number();
+  void assemble();
+  void assemble_element(std::size_t e, std::size_t side);
+  void connect(const Kelvin& element);
+  void add_sleeper(std::size_t index);
+  void add_pad(std::size_t index, std::size_t side);
+  void add_sleeper_mass(const Sleeper& sleeper);
+  void add_ballast(std::size_t index, std::size_t side);
+  Kelvin bed_below(const Sleeper& sleeper, std::size_t side) const;
+  double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
+  double run_in(double x) const;
+  double gap_below(double x, std::size_t side) const;
+  double bed_factor(double x, std::size_t side) const;
+  BeamElement element(std::size_t e, std::size_t side) const;
+  std::array<std::int32_t, 4> unknowns_of(std::size_t e, std::size_t side) const;
+  bool bears(std::size_t n) const;  // a sleeper
+  bool is_moved(std::size_t sleeper) const {
+    return sleeper >= parameters.first_moved && sleeper - parameters.first_moved < parameters.moved;
+  }
+
+  LineParameters parameters;
+  Beam beam;
+  std::size_t sides;
+  std::size_t elements = 0;                    // of a rail
+  double element_length = 0;                   // m
+  std::array<std::vector<RailNode>, 2> nodes;  // of each side
+  std::vector<Sleeper> sleepers;
+  std::int32_t unknowns = 0;
+  Triplets mass, damping, stiffness;
+  LinearSystem system;
+  std::vector<Stop> stops;
+};
+
+}  // namespace trackbed::track
