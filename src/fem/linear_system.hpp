@@ -1,8 +1,8 @@
 // Distributed linear system sum of s K over the solids + diagonal by PETSc: assembled once, solved
 // many times.
 //
-// Iterations multiply by the kernel of the explicit step (linear_system_product.cpp), which loads no
-// matrix; the assembled one is what preconditioners are made of.
+// Iterations multiply by the kernel of the explicit step (linear_system_product.cpp): no matrix to
+// load; the assembled one is what preconditioners are made of.
 //
 // Default: conjugate gradients, in short steps scaled by the diagonal, else with gamg in space and
 // BoomerAMG on the single unknowns in a plane (its nodal variants took six times more). The rigid
