@@ -15,7 +15,8 @@ constexpr double rounding = 1e-9;  // m
 void declare_room(const Model& model, input::Section& s) {
   const bed::TampingParameters& p = model.tamping;
   const track::SleeperParameters& sleepers = model.sleepers;
-  const input::About about{.reads = {"tamping", "sleepers", "bed", "stage", "dimension"}};
+  const input::About about{
+      .reads = {"tamping", "sleepers", "bed", "stage", "dimension", "periodic"}};
   const double reach = p.reach();
   s.rule("tamping.gap",
          sleepers.count < 2 || 2 * reach <= sleepers.spacing - sleepers.width + rounding,
@@ -23,13 +24,17 @@ void declare_room(const Model& model, input::Section& s) {
                      "between sleepers ({:g} m)",
                      reach, sleepers.spacing - sleepers.width),
          about);
-  const double half = sleepers.width / 2 + reach;
+  // A surface is not repeated beyond a periodic side: a stone there would come down on it all at
+  // once when it crosses the side.
+  const double stone = model.bed.sieve.empty() ? 0 : 1.5e-3 * model.bed.sieve.back();  // mm
+  const double half = sleepers.width / 2 + reach + (model.periodic_in("x") ? stone : 0);
   const double last = sleepers.first + static_cast<double>(sleepers.count - 1) * sleepers.spacing;
   const auto& x = model.bed.x;
   s.rule(
       "tamping.gap",
       x.size() != 2 || (sleepers.first - half >= x[0] - rounding && last + half <= x[1] + rounding),
-      fmt::format("puts tines at x = {:g} to {:g} m, beyond the ends of the bed",
+      fmt::format("tines and what they need beside them go from x = {:g} to {:g} m, beyond the "
+                  "ends of the bed",
                   sleepers.first - half, last + half),
       about);
   if (model.dimension == Dimension::plane) return;
