@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -84,10 +85,13 @@ double seconds(Dimension dimension, double dt, const std::string& preconditioner
 TEST(Speed, DefaultIsNearTheBest) {
   for (const Dimension dimension : {Dimension::space, Dimension::plane})
     for (const double dt : {5e-4, 2e-3, 1e-2}) {
-      double best = seconds(dimension, dt, "jacobi");
-      best = std::min(best, seconds(dimension, dt, "gamg"));
-      // Timing on a shared machine: up to a factor of two for each of both.
-      EXPECT_LT(seconds(dimension, dt, ""), 4 * best) << dt;
+      double best = seconds(dimension, dt, "gamg");
+      try {
+        best = std::min(best, seconds(dimension, dt, "jacobi"));
+      } catch (const RunError& no_end) {  // the same on all ranks: the static start in a plane
+        if (Comm::world().root()) fmt::print("jacobi: {}\n", no_end.what());
+      }
+      EXPECT_LT(seconds(dimension, dt, ""), 2 * best) << dt;  // timing on a shared machine
     }
 }
 
