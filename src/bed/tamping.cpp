@@ -1,13 +1,13 @@
-// Tamping as the machines do it: tines vibrate at about 35 Hz, go in, squeeze for about a second,
-// and come out while they open (a description: Lichtberger, Track Compendium, 2011, chapter 20).
+// Tamping as the machines do it: tines vibrate at about 35 Hz (Shi et al. 2020,
+// doi:10.1016/j.compgeo.2020.103574), go in, squeeze, and come out while they open.
 //
 // Insertion and squeeze yield to the resistance of stones; the vibration does not, as an eccentric
 // shaft makes it. A tine is a box as long as it needs to stay out of the bed at its upper end;
-// shank and plate are not told apart. With a way that is given whatever resists, stones jammed
-// between a tine and a sleeper went into each other by half their corners' roundings.
+// shank and plate are not told apart. With a way that is given whatever resists, pebbles jammed
+// between a tine and a sleeper were pressed into them by as much as the deck allowed.
 //
-// Cost: 8 nodes and 12 triangles for each tine. Rejected: tines of one sleeper after the other as
-// in the field, since sleepers further away do not feel the one that is tamped.
+// Cost: 8 nodes and 12 triangles for each tine. All sleepers are tamped at once; one after the
+// other as in the field is left out, since it would take as many times as long.
 #include "trackbed/bed/tamping.hpp"
 
 #include <fmt/format.h>

@@ -129,8 +129,9 @@ void LinearSystem::Handles::tell_rigid_motions() {
 }
 
 // Where inertia holds its own against stiffness, plain scaling by the diagonal takes few
-// iterations, and each costs a product; beyond, multigrid does. In a plane BoomerAMG starts sooner
-// than gamg.
+// iterations, and each costs a product; beyond, multigrid does. In a plane BoomerAMG started sooner
+// than gamg while products were assembled; in long steps gamg is faster by now
+// (docs/decisions/ground_elements.md).
 const char* LinearSystem::Handles::chosen() {
   // Of stiffness over inertia on the diagonal: gamg costs as much as some 60 iterations.
   constexpr double most = 100;
