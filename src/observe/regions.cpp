@@ -198,8 +198,21 @@ void images(const dem::Domain& domain, const Cells& cells, const Vec3& low, cons
                  static_cast<double>(k) * period.z()));
 }
 
+// Points of a stone in a cell.
+using Points = std::pair<std::size_t, int>;
+
+void count_in(std::size_t cell, std::vector<Points>& within) {
+  const auto known = std::find_if(within.begin(), within.end(),
+                                  [&](const Points& points) { return points.first == cell; });
+  if (known == within.end())
+    within.emplace_back(cell, 1);
+  else
+    ++known->second;
+}
+
 void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums) {
   constexpr double share = 1.0 / dem::Particles::points_of_particle;
+  std::vector<Points> within;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
     double reach = 0;  // m
@@ -215,12 +228,14 @@ void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums)
                sums.add(*whole, solid, stone.volume), sums.add(*whole, mass, stone.mass);
                return;
              }
+             within.clear();
              particles.points(i, [&](const Vec3& point) {
-               const auto cell = cells.at(point + shift);
-               if (!cell) return;
-               sums.add(*cell, solid, share * stone.volume);
-               sums.add(*cell, mass, share * stone.mass);
+               if (const auto cell = cells.at(point + shift)) count_in(*cell, within);
              });
+             for (const auto& [cell, points] : within) {
+               sums.add(cell, solid, share * points * stone.volume);
+               sums.add(cell, mass, share * points * stone.mass);
+             }
            });
   }
 }
