@@ -52,6 +52,9 @@ void Stage::declare_course(input::Section& s) {
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
            "Fill: time in which stones grow to their size in place, begun so small that they fill "
            "the height of the bed loosely, instead of falling from far above it; 0: they fall.");
+  s.number("growth_room", growth_room, {.unit = "-", .at_least = 0.5, .at_most = 10},
+           "Fill with growth: the height that stones begin in over that of the bed. More than 1, "
+           "and they throw each other about less; the bed is then a little looser.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: the materials' own.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},

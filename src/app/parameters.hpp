@@ -45,6 +45,7 @@ struct Stage {
   std::string layer = {};     // fill: name of a layer of the bed; none: the uppermost
   double duration = 0;        // s; passage, tamp: 0 means as long as it takes
   double growth = 0;          // s, fill: in which stones grow in place; 0: they fall
+  double growth_room = 1;     // height in which they begin over that of the bed
   double local_damping = -1;  // Cundall's alpha during the stage; < 0: the materials' own
   double friction = -1;       // of all contacts during the stage; < 0: the contacts' own
   double until_ratio = 0;     // stop early once Totals::unbalanced is below; 0: never

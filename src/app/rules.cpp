@@ -72,14 +72,17 @@ void declare_ground_below(const Model& model, input::Section& s) {
                        "ground; make it longer or the bed shorter",
                        axis, ground[0], ground[1]),
            {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
+    if (!model.periodic_in(axis) || model.bed.sieve.empty() || bed.size() != 2) return;
+    const double stone = 1e-3 * model.bed.sieve.back();  // mm
+    s.rule("ground." + axis, is_within({bed[0] - stone, bed[1] + stone}, ground),
+           fmt::format("ends less than a stone ({:g} m) beyond a periodic side of the bed: what "
+                       "hangs over the end there is held by nothing",
+                       stone),
+           {.weight = input::Weight::warning,
+            .reads = {"ground.present", "ground." + axis, "bed", "periodic"}});
   };
   below("x", model.bed.x, model.ground.x);
   if (model.dimension == Dimension::space) below("y", model.bed.y, model.ground.y);
-}
-
-// m, centre of the sleeper furthest along x.
-double last_sleeper(const track::SleeperParameters& p) {
-  return p.first + static_cast<double>(p.count - 1) * p.spacing;
 }
 
 // Outside is an error, sticking out a warning: half a sleeper at the end of a bed is a legitimate
@@ -88,7 +91,7 @@ void declare_sleepers(const Model& model, input::Section& s) {
   const auto& p = model.sleepers;
   const auto& x = model.bed.x;
   if (!model.has_stage(StageKind::sleepers) || p.count < 1 || x.size() != 2) return;
-  const double last = last_sleeper(p);
+  const double last = p.last();
   const std::string bed = fmt::format("the bed (bed.x: {:g} to {:g} m)", x[0], x[1]);
   const std::vector<std::string> reads = {
       "bed.x",      "bed.y",          "sleepers.count", "sleepers.first", "sleepers.spacing",
@@ -130,7 +133,7 @@ struct Passing {
 };
 
 Passing::Passing(const Model& model, const Stage& stage)
-    : first(model.sleepers.first), last(last_sleeper(model.sleepers)) {
+    : first(model.sleepers.first), last(model.sleepers.last()) {
   const auto& load = model.load;
   rear = *std::max_element(load.axles.begin(), load.axles.end());
   lead = *std::min_element(load.axles.begin(), load.axles.end());

@@ -83,6 +83,10 @@ void declare_uses(const Model& model, input::Section& s) {
     const std::string growth = fmt::format("stage[{}].growth", i);
     s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
            "copies of a cell lie packed already: leave it out", {.reads = {growth, "bed.cell"}});
+    const std::string room = growth + "_room";
+    s.rule(room, stage.growth_room == none.growth_room || stage.growth > 0,
+           "has no effect: the stage has no growth",
+           {.weight = input::Weight::warning, .reads = {growth, room}});
     only("load", stage.load != none.load, {load}, "load");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
          "load, compact, shear and triaxial");

@@ -52,10 +52,9 @@ void StageTrain::send(double step) {
 // Beyond the bed wheels meet springs, which tell nothing about it.
 void StageTrain::see_wheels() {
   const track::SleeperParameters& bed = model_.sleepers;
-  const double last = bed.first + static_cast<double>(bed.count - 1) * bed.spacing;
   for (std::size_t i = 0; i < wheels_; ++i)
     if (const double x = train_->wheel_x(i);
-        x >= bed.first - bed.spacing / 2 && x <= last + bed.spacing / 2)
+        x >= bed.first - bed.spacing / 2 && x <= bed.last() + bed.spacing / 2)
       forces_.see(train_->passage().wheel_force(i));
 }
 

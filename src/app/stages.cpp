@@ -102,7 +102,8 @@ void StageActions::pour(const Stage& stage) {
   const double below = std::max(0.0, world_.top_of_stones());  // minus infinity without stones
   const int material = model_.material(layer.material);
   if (stage.growth > 0) {
-    const double top = bed::fill_to_grow(world_.particles, world_.comm, layer, material, below);
+    const double top =
+        bed::fill_to_grow(world_.particles, world_.comm, layer, material, below, stage.growth_room);
     world_.walls.raise(below + grown_height * (top - below));
     return;
   }

@@ -28,15 +28,14 @@ void declare_room(const Model& model, input::Section& s) {
   // once when it crosses the side.
   const double stone = model.bed.sieve.empty() ? 0 : 1.5e-3 * model.bed.sieve.back();  // mm
   const double half = sleepers.width / 2 + reach + (model.periodic_in("x") ? stone : 0);
-  const double last = sleepers.first + static_cast<double>(sleepers.count - 1) * sleepers.spacing;
   const auto& x = model.bed.x;
-  s.rule(
-      "tamping.gap",
-      x.size() != 2 || (sleepers.first - half >= x[0] - rounding && last + half <= x[1] + rounding),
-      fmt::format("tines and what they need beside them go from x = {:g} to {:g} m, beyond the "
-                  "ends of the bed",
-                  sleepers.first - half, last + half),
-      about);
+  s.rule("tamping.gap",
+         x.size() != 2 || (sleepers.first - half >= x[0] - rounding &&
+                           sleepers.last() + half <= x[1] + rounding),
+         fmt::format("tines and what they need beside them go from x = {:g} to {:g} m, beyond the "
+                     "ends of the bed",
+                     sleepers.first - half, sleepers.last() + half),
+         about);
   if (model.dimension == Dimension::plane) return;
   s.rule("tamping.y", !p.y.empty(), "must say where the tines are across the track", about);
   const auto& y = model.bed.y;

@@ -123,7 +123,7 @@ double reach_of(const par::Comm& comm, const Columns& columns) {
 // The share by its own law, height ~ share^3 (in a plane ^2), a few times over, as the number of
 // columns changes with it too.
 double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
-                    const BedParameters& parameters, int material, double foot) {
+                    const BedParameters& parameters, int material, double foot, double room) {
   const dem::Domain& domain = particles.domain();
   const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
   const double power = domain.dimension == Dimension::plane ? 2 : 3;
@@ -131,7 +131,7 @@ double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
   double share = 1;
   for (int round = 0; round < rounds; ++round) {
     const double top = reach_of(comm, Columns(parameters, domain, mix, share));
-    share = std::min(1.0, share * std::pow(parameters.height / top, 1 / power));
+    share = std::min(1.0, share * std::pow(room * parameters.height / top, 1 / power));
   }
   const Id first = first_free_id(particles, comm);
   particles.grow_from(first, share);

@@ -215,6 +215,7 @@ KNOBS = {
     "stage.[].duration": ("stage.fill.duration=0.14", []),
     "stage.[].friction": ("stage.load.friction=0.1", []),
     "stage.[].growth": ("stage.fill.growth=0.05", []),
+    "stage.[].growth_room": ("stage.fill.growth_room=1.3", ["stage.fill.growth=0.05"]),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
     "stage.[].until_ratio": ("stage.compact.until_ratio=1e3", []),
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),

@@ -96,10 +96,11 @@ struct BedParameters : LayerParameters {
 // together, RunError if that height is beyond the domain (stones_of tells before). Collective.
 double fill(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
             int material, double foot = 0);
-// The same stones, all of that share of their size with which loose columns of them are about as
-// high as the bed is to be; they are to grow (Particles::grow_to). Collective.
+// The same stones, all of that share of their size with which loose columns of them are about
+// `room` times as high as the bed is to be; they are to grow (Particles::grow_to). Collective.
 double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
-                    const BedParameters& parameters, int material, double foot = 0);
+                    const BedParameters& parameters, int material, double foot, double room);
+
 struct Box {
   Vec3 low, high;  // m; plane: y counts for nothing
 };

@@ -24,6 +24,8 @@ struct SleeperParameters {
   double density = 2441;  // kg/m^3, of the material: who knows it sets it, decks do not
   std::vector<std::string> free = {"x", "z", "ry"};  // degrees of freedom: x y z rx ry rz
   double bevel = 0;                                  // m, cut of the lower edges; 0: sharp
+  // m, x of the last centre.
+  double last() const { return first + static_cast<double>(count - 1) * spacing; }
   void declare(input::Section& s);
 };
 
