@@ -208,7 +208,7 @@ struct Terms {
   using Axes = std::array<std::vector<double>, 3>;
   std::vector<double> mass, kinetic, potential, elastic;
   std::vector<double> net, contact;  // N, sizes of net forces and of contact forces
-  Axes momentum, force, moment;
+  Axes momentum, force;
 
   static void add(Axes& axes, const Vec3& term) {
     for (int a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(term[a]);
@@ -227,7 +227,6 @@ struct Terms {
     contact.push_back(c.force.norm());
     if (c.second >= 0) return;  // what follows is of surfaces
     add(force, -c.force);
-    add(moment, c.to.cross(-c.force));
   }
 };
 
@@ -279,7 +278,6 @@ Totals Particles::totals() const {
   total.elastic = exact_total(r.comm, terms.elastic);
   total.momentum = exact_total(r.comm, terms.momentum);
   total.surface_force = exact_total(r.comm, terms.force);
-  total.surface_moment = exact_total(r.comm, terms.moment);
   const double mean_contact = mean(exact_total(r.comm, terms.contact), total.contacts);
   const double mean_net = mean(exact_total(r.comm, terms.net), total.particles);
   total.unbalanced = mean_contact > 0 ? mean_net / mean_contact : 1;

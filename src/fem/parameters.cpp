@@ -287,7 +287,8 @@ void GroundParameters::declare(Section& s) {
   declare_alphas(*this, s);
   declare_yielding(*this, s);
   s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
-           "Relative residual at which linear solves stop (implicit steps, equilibrium at rest).");
+           "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
+           "Newton's rounds of layers that yield stop at 100 times it.");
 }
 
 }  // namespace trackbed::fem

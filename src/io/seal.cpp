@@ -63,14 +63,16 @@ bool plausible(const std::vector<Extent>& extents, std::uint64_t file_bytes) {
   return true;
 }
 
-// HDF5 File Format Specification 3.0, section II.A, superblock 2: where the file should end.
+// HDF5 File Format Specification 3.0, section II.A, superblock 2: where its own part of the file
+// should end; the seal lies behind it.
 std::string cut_or_foreign(std::ifstream& in, std::uint64_t present) {
   constexpr std::streamoff end_of_file_at = 28;
   std::uint64_t expected = 0;
   in.seekg(end_of_file_at);
   in.read(reinterpret_cast<char*>(&expected), sizeof expected);
   if (!in || present > expected) return "is cut short";
-  if (present < expected) return fmt::format("is cut short ({} of {} bytes)", present, expected);
+  if (present < expected)
+    return fmt::format("is cut short ({} of more than {} bytes)", present, expected);
   return "is not a trackbed checkpoint (or its last bytes are missing)";
 }
 

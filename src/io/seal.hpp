@@ -26,7 +26,7 @@ std::vector<Extent> extents_of(const File& file);
 
 // Appends the seal to a closed file. Not collective. Returns what went wrong, or nothing.
 std::string seal(const std::string& path, const std::vector<Extent>& extents);
-// What is wrong with a file ("is cut short (9 of 10 bytes)"), or nothing. Not collective.
+// What is wrong with a file ("is cut short (9 of more than 10 bytes)"), or nothing. Not collective.
 std::string why_not_whole(const std::string& path);
 
 }  // namespace trackbed::io

@@ -81,7 +81,7 @@ struct Totals {
   double mass = 0, kinetic = 0, potential = 0, elastic = 0;  // kg, J
   double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
-  Vec3 momentum = Vec3::Zero(), surface_force = Vec3::Zero(), surface_moment = Vec3::Zero();
+  Vec3 momentum = Vec3::Zero(), surface_force = Vec3::Zero();
 };
 
 // Bytes. Contacts: neighbour lists, kept features, histories.

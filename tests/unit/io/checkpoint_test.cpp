@@ -114,8 +114,8 @@ TEST(Checkpoint, SaysWhatIsWrongWithAFile) {
   const auto whole = fs::file_size(path);
   constexpr std::uintmax_t seal_bytes = 32 + 16;  // one dataset
   on_root([&] { fs::resize_file(path, whole / 2); });
-  EXPECT_EQ(refusal(path), path + ": is cut short (" + std::to_string(whole / 2) + " of " +
-                               std::to_string(whole - seal_bytes) + " bytes)");
+  EXPECT_EQ(refusal(path), path + ": is cut short (" + std::to_string(whole / 2) +
+                               " of more than " + std::to_string(whole - seal_bytes) + " bytes)");
   on_root([&] { fs::remove(path); });
   EXPECT_EQ(refusal(scratch.folder()), path + ": does not exist");
 }

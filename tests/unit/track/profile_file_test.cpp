@@ -15,7 +15,7 @@ IrregularityParameters from(const std::string& name, const std::string& rows) {
   IrregularityParameters p;
   p.kind = IrregularityKind::file;
   p.fade = 0;
-  p.file = (std::filesystem::temp_directory_path() / name).string();
+  p.file = name;
   std::ofstream(p.file) << "x_m,z_m\n" << rows;
   return p;
 }

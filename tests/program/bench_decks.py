@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""A deck of the benchmarks, smaller and shorter, makes what it is to measure: a bed at rest in its
+box whose stones carry each other.
+
+    bench_decks.py PROGRAM DECK FOLDER
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+SIDE = (-0.2, 0.2)  # m
+SHORT = [f"bed.x={list(SIDE)}", f"bed.y={list(SIDE)}", "bed.height=0.08", "bed.shapes=6",
+         "stage.fill.duration=0.3", "stage.settle.duration=0.1", "stage.rest.duration=0.005",
+         "--force"]
+
+
+def expect(holds, what):
+    if not holds:
+        raise SystemExit(what)
+
+
+def main():
+    program, deck, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    subprocess.run([program, "run", deck, *SHORT, "-o", folder], check=True)
+    bed = tomllib.loads(deck.read_text(encoding="utf-8"))["bed"]
+    dem = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["dem"]
+    with h5py.File(folder / "stage_rest.h5") as file:
+        place, velocity = file["particles/position"][:], file["particles/velocity"][:]
+    expect(len(place) == dem["particles"] > 100, f"{len(place)} stones")
+    # Beyond periodic sides stones go on until lists are made anew: by less than their size.
+    size = bed["sieve"][-1] * 1e-3
+    for axis, (low, high) in enumerate([SIDE, SIDE, (size, np.inf)]):
+        inside = (place[:, axis] > low - size) & (place[:, axis] < high + size)
+        expect(inside.all(), f"{np.sum(~inside)} stones beyond side {axis}")
+    speed = np.median(np.linalg.norm(velocity, axis=1))
+    expect(speed < 0.05, f"stones move with {speed:g} m/s")
+    # A frictional bed is stable with four partners each (isostatic; walls count), less some loose
+    # stones; more than twelve neighbours have no room around balls of a size.
+    partners = dem["neighbours_per_particle"]
+    expect(3 < partners < 12, f"{partners:g} partners a stone")
+    expect(dem["measured_stage"] == "rest" and dem["measured_steps"] > 0, "nothing was measured")
+
+
+main()
