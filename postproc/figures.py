@@ -345,7 +345,7 @@ def main():
     arguments = parser.parse_args()
     runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
     for run in runs:
-        if run.deck.get("model") == "track":
+        if run.deck.get("model", "bed") != "bed":
             raise read.Unreadable(f"{run.name}: holds a track alone; draw it with track_figures.py")
         if not len(run.time):
             raise read.Unreadable(f"{run.name}: its results.h5 holds no row of the histories yet")

@@ -80,7 +80,7 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
 }
 
 int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
-  return static_cast<int>(run_track(comm, model.track, of) ? ExitCode::success : ExitCode::stopped);
+  return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
 }
 
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before
@@ -115,7 +115,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
-  const bool alone = model.kind == ModelKind::track;
+  const bool alone = !model.has_stages();
   if (alone) require_files(model.track);
   const std::string start = checked_start(comm, model, deck);
   if (!alone) require_stones(comm, model, deck);
@@ -236,7 +236,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck =
       input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
-  const bool alone = model.kind == ModelKind::track;
+  const bool alone = !model.has_stages();
   // In another folder the end of a track alone is worth doing again.
   const bool left =
       alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) || !at_home
@@ -272,8 +272,8 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
-  if (model.kind == ModelKind::track) {
-    check_track(comm, model.track);
+  if (!model.has_stages()) {
+    check_track(comm, model);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }

@@ -20,6 +20,8 @@ namespace {
 // More than anybody can compute; the windows of so many trains still fit an integer.
 constexpr double most_cycles = 1e6;
 
+constexpr const char* footing_meaning =
+    "Where sleepers of model = \"track_on_ground\" rest on its ground.";
 constexpr double room_beside_floor = 0.25;  // m
 // Of the bed's larger side: how far walls that hold a pressure may give way. At 15 % of axial
 // strain a bed of twice that height widens by a fifth or so.
@@ -191,19 +193,34 @@ void Output::declare(input::Section& s) {
             "checkpoint is written and the run stops; 0: no limit.");
 }
 
-// The rough limits follow when all they depend on has been read, so `time` is declared last.
-void Model::declare(input::Section& s) {
-  s.text("title", title, "What the deck is about.");
-  s.choice("model", kind, {"bed", "track"},
-           "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
-           "alone, made of title and the sections that say so.");
-  track.on_bed = kind == ModelKind::bed;
-  if (kind == ModelKind::track) return track.declare(s);
+// Space, ground and track; nothing that stones have.
+void Model::declare_on_ground(input::Section& s) {
+  declare_space(s);
+  s.table("ground", ground, "The continuum below the bed.");
+  track.declare(s);
+  s.table("footing", footing, footing_meaning);
+  declare_footing(*this, s);
+}
+
+void Model::declare_space(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
   s.number(
       "thickness", thickness, {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
       "Extent of a plane model across the track: that of half a sleeper if seat loads are those of "
       "one rail.");
+}
+
+// The rough limits follow when all they depend on has been read, so `time` is declared last.
+void Model::declare(input::Section& s) {
+  s.text("title", title, "What the deck is about.");
+  s.choice("model", kind, {"bed", "track", "track_on_ground"},
+           "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
+           "alone, made of title and the sections that say so; track_on_ground: the same with "
+           "[ground] below the springs of some sleepers.");
+  track.on_bed = kind == ModelKind::bed;
+  if (kind == ModelKind::track) return track.declare(s);
+  if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
+  declare_space(s);
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file(
       "start", start,
@@ -239,6 +256,8 @@ void Model::declare(input::Section& s) {
   declare_intervals(*this, s);
   track.declare(s);
   declare_train(*this, s);
+  s.table("footing", footing, footing_meaning);
+  declare_footing(*this, s);
   s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
   declare_handover(*this, s);
 }

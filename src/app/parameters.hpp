@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/footing.hpp"
 #include "app/handover.hpp"
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
@@ -94,8 +95,9 @@ struct TimeParameters {
   void declare(input::Section& s);
 };
 
-// bed: stones, ground, sleepers and seat loads; track: a train on a rail and springs alone.
-enum class ModelKind { bed, track };
+// bed: stones, ground, sleepers and seat loads; track: a train on a rail and springs alone;
+// track_on_ground: the same with a ground below the springs of some sleepers, without stones.
+enum class ModelKind { bed, track, track_on_ground };
 
 // Read once, then constant: what a run changes lives in World and Course.
 struct Model {
@@ -121,19 +123,25 @@ struct Model {
   TimeParameters time;
   std::vector<Stage> stages;
   TrackModel track;
+  FootingParameters footing;    // of track_on_ground
   HandoverParameters handover;  // for jobs/handover.py
   void declare(input::Section& s);
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
   bool uses_platen() const;
-  bool has_train() const;      // in any stage
+  bool has_train() const;  // in any stage
+  bool has_stages() const { return kind == ModelKind::bed; }
   bool uses_walls() const;     // or the platen, which is of their material
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;
   bed::Container container() const { return bed.container_in(domain()); }
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
+
+ private:
+  void declare_space(input::Section& s);
+  void declare_on_ground(input::Section& s);
 };
 
 }  // namespace trackbed::app

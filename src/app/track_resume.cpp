@@ -49,7 +49,8 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
   std::string found;
   if (comm.root()) {
     const fs::path folder = fs::is_directory(path) ? fs::path(path) : fs::path(path).parent_path();
-    if (summary_in(folder).value("model", "") == "track" && !fs::exists(folder / "latest"))
+    if (summary_in(folder).value("model", "").starts_with("track") &&
+        !fs::exists(folder / "latest"))
       found = folder.string();
   }
   found = comm.broadcast(found);

@@ -1,6 +1,6 @@
 // A train over a track from equilibrium to the end of the passage. Every rank computes the same
 // numbers from the same input; rank 0 prints and writes. More ranks bring nothing, and change
-// nothing.
+// nothing, unless there is a ground below, which they share.
 #include "app/track_run.hpp"
 
 #include <fmt/format.h>
@@ -8,13 +8,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
+#include "app/track_built.hpp"
 #include "app/version.hpp"
 #include "app/wheel_extremes.hpp"
 #include "trackbed/core/error.hpp"
@@ -31,78 +30,8 @@ using Watch = std::chrono::steady_clock;
 constexpr double seconds_between_lines = 5;
 constexpr std::int64_t steps_between_looks = 50;  // for wishes to stop
 
-void say(const par::Comm& comm, const std::string& line) {
-  if (!comm.root()) return;
-  std::fputs((line + "\n").c_str(), stdout);
-  std::fflush(stdout);
-}
-
 double seconds_since(Watch::time_point begin) {
   return std::chrono::duration<double>(Watch::now() - begin).count();
-}
-
-// The model built from its parameters. Members stand in the order they need each other: the passage
-// keeps references to line and train.
-struct Built {
-  explicit Built(const TrackModel& m)
-      : line(m.line),
-        train(m.train, m.vehicles, m.line.track.rails, m.line.track.wheel_gauge()),
-        law(m.wheel_rail),
-        irregularity(m.irregularity, m.line.track.length),
-        passage(line, train, law, irregularity, m.train, m.passage, right_of(m)) {}
-
-  static std::optional<track::Irregularity> right_of(const TrackModel& m) {
-    if (m.irregularity_right.kind == track::IrregularityKind::same) return {};
-    return track::Irregularity(m.irregularity_right, m.line.track.length);
-  }
-
-  track::Line line;
-  track::Train train;
-  track::WheelRail law;
-  track::Irregularity irregularity;
-  track::Passage passage;
-};
-
-// Frequencies show at once whether a mass or a spring was meant per side, per axle or in all.
-std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
-  std::string text = fmt::format("  vehicle {}:", vehicle.name);
-  if (vehicle.kind == track::VehicleKind::forces)
-    return text + fmt::format(" {} axles of constant force", vehicle.axles.size());
-  const std::vector<double> frequencies = track::natural_frequencies(vehicle, rolls);
-  if (!frequencies.empty())
-    text += fmt::format(" natural frequencies {:.4g} Hz, wheelsets held;",
-                        fmt::join(frequencies, ", "));
-  return text + fmt::format(" wheelset {:g} kg", vehicle.wheelset_mass);
-}
-
-// What a user checks first: is this the model that was meant?
-void introduce(const par::Comm& comm, const TrackModel& model, const Built& built) {
-  const track::Beam rail = track::beam_of(model.line.rail);
-  say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
-                        rail.bending_stiffness, rail.shear_stiffness,
-                        rail.shear_stiffness > 0 ? "" : " (rigid in shear)", rail.mass));
-  say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
-                        built.line.sides(), built.line.sides() > 1 ? "s" : "",
-                        built.line.sleepers(), built.line.system().mass.rows()));
-  std::vector<std::string> said;
-  for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
-    if (std::find(said.begin(), said.end(), vehicle.name) != said.end()) continue;
-    said.push_back(vehicle.name);
-    say(comm, words_of(vehicle, built.line.sides() > 1));
-  }
-  if (!built.train.wheels().empty())
-    say(comm,
-        fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
-                    built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
-                    model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
-  const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
-  say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
-                        built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
-  if (model.irregularity.kind == track::IrregularityKind::spectrum)
-    say(comm, fmt::format("  irregularity: D1 (3 to 25 m) root mean square {:.4f} mm; of the whole "
-                          "spectrum {:.4f} mm",
-                          1e3 * built.irregularity.d1_rms(),
-                          1e3 * track::rms_of(model.irregularity.spectrum, 3, 25)));
 }
 
 // Whole steps: the last one may go a little beyond the duration.
@@ -166,11 +95,13 @@ Json figures(const TrackModel& model, const Built& built, const WheelExtremes& w
 // A run under way: what moves, what is kept of it, and where it was last written down.
 class Run {
  public:
-  Run(const par::Comm& comm, const TrackModel& model, const TrackRunOf& of)
-      : built(model),
-        histories(built.line, built.train, model.passage.points, model.passage.forces.size()),
+  Run(const par::Comm& comm, Together& whole, const TrackRunOf& of)
+      : built(whole.track, whole.line),
+        histories(built.line, built.train, whole.track.passage.points,
+                  whole.track.passage.forces.size()),
         comm_(comm),
-        model_(model),
+        model_(whole.track),
+        below_(whole.below),
         of_(of) {}
 
   // Whether it came to its end.
@@ -189,6 +120,7 @@ class Run {
 
   const par::Comm& comm_;
   const TrackModel& model_;
+  std::optional<GroundBelow>& below_;
   const TrackRunOf& of_;
   Watch::time_point begin_ = Watch::now();
   double said_ = 0;  // s of wall time
@@ -210,7 +142,10 @@ bool Run::go() {
   catch_interrupts();
   if (built.passage.steps() == 0) histories.sample(built.passage);
   while (built.passage.steps() < steps) {
-    built.passage.advance();
+    if (below_)
+      below_->advance(built.passage);
+    else
+      built.passage.advance();
     see_wheels(built, wheels);
     const std::int64_t done = built.passage.steps();
     if (done % row == 0) histories.sample(built.passage);
@@ -230,6 +165,7 @@ bool Run::stops_here() const {
   const std::int64_t done = built.passage.steps();
   if (model_.passage.stop_after > 0 && done == model_.passage.stop_after) return true;
   if (done % steps_between_looks != 0) return false;
+  if (below_) comm_.agree(below_->trouble());
   const bool late = comm_.root() && model_.passage.wall_time > 0 &&
                     seconds_since(begin_) > model_.passage.wall_time;
   return comm_.max(std::int64_t{interrupted() || late}) != 0;
@@ -270,6 +206,7 @@ void Run::save(io::File& file) const {
   file.attribute("/", "time", built.passage.time());
   file.attribute("/", "particles", std::int64_t{0});
   built.passage.save(file, "train", comm_);
+  if (below_) below_->save(file);
   histories.save(file, comm_);
   wheels.save(file, comm_);
 }
@@ -278,10 +215,42 @@ void Run::resume() {
   remove_parts(comm_, of_.folder);
   const io::File file = io::open_checkpoint(comm_, of_.checkpoint);
   built.passage.load(file, "train");
+  if (below_) below_->load(file);
   histories.load(file);
   wheels.load(file);
   resumed_at_ = built.passage.steps();
   say(comm_, fmt::format("  goes on at {:.6g} s from {}", built.passage.time(), of_.checkpoint));
+}
+
+// How a run went, beside its model and its state.
+struct Went {
+  std::string deck;
+  bool finished;
+  double wall, stepping;  // s
+};
+
+Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, const Went& went) {
+  const bool alone = !whole.below;
+  Json json{{"deck", went.deck},
+            {"model", alone ? "track" : "track_on_ground"},
+            {"finished", went.finished},
+            {"ranks", comm.size()},
+            {"simulated_time_s", run.built.passage.time()},
+            {"wall_time_s", went.wall},
+            {"windows", run.built.passage.steps()}};
+  json["track"] = figures(whole.track, run.built, run.wheels, run.histories.lowest());
+  const double moving = comm.max(went.stepping) / went.wall;
+  const double ground = alone ? 0 : comm.max(whole.below->seconds()) / went.wall;
+  json["share"] = {{"track", moving - ground}, {"other", 1 - moving}};
+  json["energy"] = {{"track_j", run.built.passage.line_motion().energy()}};
+  if (!alone) {
+    json["share"]["ground"] = ground;
+    json["ground"] = whole.below->figures();
+    json["coupling"] = whole.below->balance();
+    json["energy"] = whole.below->energies(run.built.passage);
+  }
+  json["warnings"] = Json::array();
+  return json;
 }
 
 }  // namespace
@@ -295,12 +264,16 @@ void require_files(const TrackModel& model) {
 
 // Histories and summary come at the end, or when the run is stopped. A run that is killed has left
 // its checkpoints, if it was asked for some.
-bool run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& of) {
+bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   const Watch::time_point begin = Watch::now();
+  Together whole(comm, model);
+  const bool alone = !whole.below;
   say(comm, fmt::format("trackbed: {} on {} rank{}", of.deck, comm.size(),
-                        comm.size() > 1 ? "s, each of which computes the whole track" : ""));
-  Run run(comm, model, of);
-  introduce(comm, model, run.built);
+                        comm.size() == 1 ? ""
+                        : alone          ? "s, each of which computes the whole track"
+                                         : "s, which share the ground"));
+  Run run(comm, whole, of);
+  introduce(comm, model, whole, run.built);
   if (!of.checkpoint.empty()) run.resume();
   const Watch::time_point moving = Watch::now();
   const bool finished = run.go();
@@ -308,35 +281,32 @@ bool run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf&
   run.histories.write(comm, of.folder + "/results.h5",
                       {.deck = of.effective, .version = version()});
   const double wall = comm.max(seconds_since(begin));
-  Json json{{"deck", of.deck},
-            {"model", "track"},
-            {"finished", finished},
-            {"ranks", comm.size()},
-            {"simulated_time_s", run.built.passage.time()},
-            {"wall_time_s", wall},
-            {"windows", run.built.passage.steps()}};
-  json["track"] = figures(model, run.built, run.wheels, run.histories.lowest());
-  json["share"] = {{"track", comm.max(stepping) / wall}, {"other", 1 - comm.max(stepping) / wall}};
-  json["energy"] = {{"track_j", run.built.passage.line_motion().energy()}};
-  json["warnings"] = Json::array();
-  write_summary_file(comm, of.folder, json.dump(2));
-  if (finished) conclude(comm, model, run.built, run.wheels, run.histories.lowest());
+  write_summary_file(comm, of.folder,
+                     summary_of(comm, whole, run, {of.deck, finished, wall, stepping}).dump(2));
+  const TrackModel& track = whole.track;
+  if (finished) conclude(comm, track, run.built, run.wheels, run.histories.lowest());
   say(comm,
       fmt::format("  {} steps of {:g} s, {:.2f} s of wall time for {:.4g} s",
-                  run.built.passage.steps(), model.passage.step, wall, run.built.passage.time()));
+                  run.built.passage.steps(), track.passage.step, wall, run.built.passage.time()));
   say(comm, finished ? "results: " + of.folder
                      : "stopped early; go on with: trackbed resume " + of.folder);
   return finished;
 }
 
 // Some steps from the begin, where most wheels may still be on rigid rails: they cost the same.
-void check_track(const par::Comm& comm, const TrackModel& model) {
-  Built built(model);
-  introduce(comm, model, built);
+void check_track(const par::Comm& comm, const Model& model) {
+  Together whole(comm, model);
+  Built built(whole.track, whole.line);
+  introduce(comm, model, whole, built);
   constexpr int tried = 50;
-  const std::int64_t steps = steps_of(model, built);
+  const std::int64_t steps = steps_of(whole.track, built);
   const Watch::time_point begin = Watch::now();
-  for (int i = 0; i < tried; ++i) built.passage.advance();
+  for (int i = 0; i < tried; ++i) {
+    if (whole.below)
+      whole.below->advance(built.passage);
+    else
+      built.passage.advance();
+  }
   const double each = seconds_since(begin) / tried;
   say(comm, fmt::format("  passage: {:.4g} s in {} steps, about {:.0f} s of wall time",
                         built.passage.duration(), steps, each * static_cast<double>(steps)));

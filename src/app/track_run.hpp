@@ -1,9 +1,10 @@
-// Runs of a track alone: no stages; checkpoints if asked for, or when a run is stopped.
+// Runs of a track alone, or on a ground: no stages; checkpoints if asked for, or when a run is
+// stopped.
 #pragma once
 
 #include <string>
 
-#include "app/track_model.hpp"
+#include "app/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/par/comm.hpp"
 
@@ -20,9 +21,9 @@ struct TrackRunOf {
 void require_files(const TrackModel& model);
 // The folder is there and held. Whether the run came to its end; else it was stopped, with a
 // checkpoint. Collective; throws InputError, RunError.
-bool run_track(const par::Comm& comm, const TrackModel& model, const TrackRunOf& run);
+bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& run);
 // Says what the model is made of and, from some steps, how long a run takes. Collective.
-void check_track(const par::Comm& comm, const TrackModel& model);
+void check_track(const par::Comm& comm, const Model& model);
 
 // Throws InputError if `path` is, or lies in, the result folder of a track alone that holds no
 // checkpoint. Collective.

@@ -94,6 +94,22 @@ void Ground::Room::yield(bool ghosts_current) {
   plasticity->act_on(state.internal);
 }
 
+// Tell the ghosts, pull back, and what comes from beside and below at the time `at`, s.
+void Ground::Room::pull_back(double h, double at) {
+  // Without stiffness damping the zones see the displacement itself: one array less to move.
+  Nodal& w = parameters.rayleigh_stiffness > 0 ? blend_ : state.displacement;
+  mesh.exchange(w);
+  internal_force(w, state.displacement);
+  if (plasticity) yield(&w == &state.displacement);
+  if (stiffness.damps()) {
+    mesh.exchange(state.velocity);
+    stiffness.add_damping(state.velocity, state.internal);
+  }
+  if (!free_field) return;
+  free_field->explicit_step(h, at);
+  free_field->act_on(state.internal);
+}
+
 // As many equal steps as fill the window, each at most the stable one. The load is constant in the
 // window: it is the mean of the last one.
 void Ground::Room::explicit_window(double dt) {
@@ -104,24 +120,25 @@ void Ground::Room::explicit_window(double dt) {
   const std::int64_t n = count > 0 ? count : 1;
   const double h = dt / static_cast<double>(n);
   prepare_step(h);
-  // Without stiffness damping the zones see the displacement itself: one array less to move.
-  Nodal& w = parameters.rayleigh_stiffness > 0 ? blend_ : state.displacement;
-  // Move, tell the ghosts, pull back: three calls a step, and what comes from beside and below.
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
-    mesh.exchange(w);
-    internal_force(w, state.displacement);
-    if (plasticity) yield(&w == &state.displacement);
-    if (stiffness.damps()) {
-      mesh.exchange(state.velocity);
-      stiffness.add_damping(state.velocity, state.internal);
-    }
-    if (!free_field) continue;
-    free_field->explicit_step(h, time + static_cast<double>(s + 1) * h);
-    free_field->act_on(state.internal);
+    pull_back(h, time + static_cast<double>(s + 1) * h);
   }
   move(Part::kick, h);
   steps += n;
+}
+
+// The same step in halves: the load at its end may be that of where it ended, so that whoever gives
+// it feels the ground at the same instant (velocity Verlet form of the leapfrog scheme).
+void Ground::Room::begin_step(double h) {
+  prepare_step(h);
+  move(Part::drift, h);
+  pull_back(h, time + h);
+}
+
+void Ground::Room::end_step(double h) {
+  move(Part::kick, h);
+  ++steps;
 }
 
 }  // namespace trackbed::fem

@@ -178,4 +178,25 @@ void Ground::advance(double dt, std::span<const Vec3> top_force) {
   room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+// Local but for ghosts. A step that is too long would only show as divergence.
+void Ground::begin_step(double dt) {
+  const auto begin = std::chrono::steady_clock::now();
+  constexpr double rounding = 1e-9;
+  require(room_->parameters.integrator == Integrator::explicit_ &&
+              dt <= room_->parameters.safety * room_->critical * (1 + rounding),
+          "a ground in halves of steps is explicit, and the step is stable");
+  room_->step_in_halves = dt;
+  room_->begin_step(dt);
+  room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void Ground::end_step(std::span<const Vec3> top_force) {
+  const auto begin = std::chrono::steady_clock::now();
+  room_->set_load(top_force);
+  room_->end_step(room_->step_in_halves);
+  room_->time += room_->step_in_halves;
+  room_->publish();
+  room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 }  // namespace trackbed::fem

@@ -54,17 +54,32 @@ std::vector<std::int32_t> Ground::own_top() const {
   return numbers;
 }
 
-// Both faces of a plane model show the plane node.
-Ground::TopState Ground::top_state(std::int32_t number) const {
-  const auto& own = room_->own_top;
+// Where an own node of the surface lives. Both faces of a plane model show the plane node.
+std::int32_t Ground::Room::node_of_top(std::int32_t number) const {
   const auto found =
-      std::lower_bound(own.begin(), own.end(), number,
+      std::lower_bound(own_top.begin(), own_top.end(), number,
                        [](const TopNode& t, std::int32_t n) { return t.number < n; });
-  require(found != own.end() && found->number == number, "top_state: not an own node");
+  require(found != own_top.end() && found->number == number, "top node: not an own one");
+  return found->node;
+}
+
+Ground::TopState Ground::top_state(std::int32_t number) const {
+  const std::int32_t node = room_->node_of_top(number);
   const State& state = room_->state;
-  return {room_->vector(state.displacement, found->node),
-          room_->vector(state.velocity, found->node),
-          room_->vector(state.acceleration, found->node), room_->surface_stress(found->node)};
+  return {room_->vector(state.displacement, node), room_->vector(state.velocity, node),
+          room_->vector(state.acceleration, node), room_->surface_stress(node)};
+}
+
+Ground::TopMotion Ground::top_motion(std::int32_t number) const {
+  const std::int32_t node = room_->node_of_top(number);
+  const State& state = room_->state;
+  return {room_->vector(state.displacement, node), room_->vector(state.velocity, node),
+          room_->vector(state.acceleration, node)};
+}
+
+double Ground::top_mass(std::int32_t number) const {
+  const auto node = static_cast<std::size_t>(room_->node_of_top(number));
+  return room_->terms.mass[node] / (room_->mesh.lattice.plane ? 2 : 1);
 }
 
 GroundTotals Ground::totals() const {
@@ -108,6 +123,8 @@ GroundTotals Ground::totals() const {
   totals.unknowns = mesh.comm.sum(unknowns);
   return totals;
 }
+
+double Ground::seconds() const { return room_->seconds; }
 
 // Bytes on this rank; PETSc's matrices are not known here.
 std::size_t Ground::memory() const {

@@ -64,6 +64,8 @@ struct Ground::Room {
   int components() const { return mesh.lattice.components(); }
   void set_load(std::span<const Vec3> top_force);  // load = top_force - settled
   void explicit_window(double dt);
+  void begin_step(double h);
+  void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);
   void settle(std::span<const Vec3> top_force);
   // Local; of the model's state, whatever is asked: Pa since rest or at rest.
@@ -73,7 +75,8 @@ struct Ground::Room {
   void refresh_surface();  // positions from the state, no motion
   Vec3 vector(const Nodal& values, std::int32_t node) const;
   Vec3 shown_displacement(std::int32_t node) const;
-  double surface_stress(std::int32_t node) const;  // Pa, sigma_z at a top node
+  double surface_stress(std::int32_t node) const;       // Pa, sigma_z at a top node
+  std::int32_t node_of_top(std::int32_t number) const;  // local, of an own node of the surface
 
   GroundParameters parameters;
   Dimension dimension;
@@ -85,6 +88,7 @@ struct Ground::Room {
   std::unique_ptr<FreeField> free_field;   // if a wave comes from below
   std::unique_ptr<Extremes> extremes;      // if begun, of all zones held
   double time = 0;                         // s since `settle`, for that wave
+  double step_in_halves = 0;               // s, of begin_step and end_step
   Surface surface;
   std::vector<TopNode> own_top;
   double critical = 0;  // s, without safety
@@ -107,6 +111,7 @@ struct Ground::Room {
   void yielding_rest(const Nodal& right);
   enum class Part { drift, kick_and_drift, kick };
   void move(Part part, double h);
+  void pull_back(double h, double at);  // internal forces once the nodes have moved
   void prepare_step(double h);
   void prepare_window(double dt, const AlphaScheme& scheme);
   void predict(double dt, const AlphaScheme& scheme);

@@ -23,7 +23,9 @@ enum Which : std::size_t {
   body_acceleration,
   rail_force,
   body_roll,
-  wheel_height
+  wheel_height,
+  ground_displacement,
+  ground_force
 };
 
 }  // namespace
@@ -39,6 +41,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
   const std::size_t wheels = train.wheels().size(), bodies = train.vehicles().size();
   const std::size_t sides = line.sides(), points_each = sides * points_.size(),
                     sleepers_each = sides * sleepers_.size();
+  const bool on_ground = line.moved() > 0 && line.moves() == track::MovedPart::ground;
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
       {"history/wheel/x", {"m", "where it is"}, wheels, {}},
@@ -56,6 +59,14 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/wheel/height",
        {"m", "of a wheel, up positive, at rest on an even rigid rail: minus its approach"},
        wheels,
+       {}},
+      {"history/ground/displacement",
+       {"m", "vertical, up positive: mean below the ballast of a sleeper; on rigid ground 0"},
+       on_ground ? sleepers_.size() : 0,
+       {}},
+      {"history/ground/force",
+       {"N", "of a sleeper's ballast under one rail on it, compression positive"},
+       on_ground ? sleepers_.size() : 0,
        {}}};
 }
 
@@ -77,6 +88,11 @@ void PassageHistories::sample(const track::Passage& passage) {
       put(sleeper_displacement, rail.displacement[unknown]);
       put(sleeper_acceleration, rail.acceleration[unknown]);
       put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity, {}, side));
+    }
+  for (const std::size_t i : sleepers_)
+    if (columns_[ground_force].width > 0) {
+      put(ground_displacement, passage.ground_below(i).height);
+      put(ground_force, passage.ground_force(i));
     }
   const track::Newmark& train = passage.train_motion();
   for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {

@@ -53,7 +53,7 @@ Line::Room::Room(const LineParameters& given)
   require(bays >= 1 && track.elements >= 1, "a track has at least one element");
   require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
           "sleepers that are moved are sleepers of the track");
-  require(sides == 1 || given.moved == 0, "a bed's sleepers carry one rail of a plane track");
+  require(sides == 1 || given.moved == 0, "what is moved carries one rail of a plane track");
   elements = static_cast<std::size_t>(bays * track.elements);
   element_length = track.length / static_cast<double>(elements);
   number();
@@ -76,7 +76,7 @@ void Line::Room::number() {
       nodes[side].push_back({w, unknowns++});
     }
     if (!bears(n)) continue;
-    Sleeper sleeper{.x = node_x(n), .unknown = {-1, -1}, .pad = {}, .beyond = {}};
+    Sleeper sleeper{.x = node_x(n), .unknown = {-1, -1}, .pad = {}};
     if (!is_moved(sleepers.size())) {
       for (std::size_t side = 0; side < sides; ++side) sleeper.unknown[side] = unknowns++;
       if (parameters.ballast.mass > 0) unknowns += static_cast<std::int32_t>(sides);
@@ -213,20 +213,31 @@ Kelvin Line::Room::bed_below(const Sleeper& sleeper, std::size_t side) const {
       {own, sleeper.unknown[1 - side], below}, {0.5 + aside, 0.5 - aside, -1}, stiffness, damping};
 }
 
+// A sleeper that hangs over ground that moves meets it where it is.
+void Line::Room::hang(std::size_t index, const Kelvin& bed, double gap) {
+  stops.push_back(stop_of(bed, gap));
+  if (parameters.ballast.mass > 0) return;
+  sleepers[index].stop = static_cast<std::int32_t>(stops.size() - 1);
+  if (is_of(MovedPart::ground, index))
+    stops.back().seat = static_cast<std::int32_t>(index - parameters.first_moved);
+}
+
 // Sleeper - ballast spring (- ballast mass - spring) - ground.
 void Line::Room::add_ballast(std::size_t index, std::size_t side) {
-  const Sleeper& sleeper = sleepers[index];
+  Sleeper& sleeper = sleepers[index];
   const BallastParameters& ballast = parameters.ballast;
   const Kelvin bed = bed_below(sleeper, side);
   if (const double gap = gap_below(sleeper.x, side); gap > 0)
-    stops.push_back(stop_of(bed, gap));
+    hang(index, bed, gap);
   else
-    connect(bed);
+    connect(sleeper.lowest = bed);
   if (ballast.mass == 0) return;
   const std::int32_t below = sleeper.unknown[side] + static_cast<std::int32_t>(sides);
   const double factor = bed_factor(sleeper.x, side);
   add(mass, below, below, ballast.mass);
-  connect(between(below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor));
+  sleeper.lowest =
+      between(below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor);
+  connect(sleeper.lowest);
 }
 
 // Sleepers at the very ends carry half a spacing, but are whole: the run-in hides it.

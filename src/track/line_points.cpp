@@ -55,6 +55,7 @@ std::int32_t Line::sleeper_unknown(std::size_t i, std::size_t side) const {
 std::size_t Line::sides() const { return room_->sides; }
 std::size_t Line::first_moved() const { return room_->parameters.first_moved; }
 std::size_t Line::moved() const { return room_->parameters.moved; }
+MovedPart Line::moves() const { return room_->parameters.moves; }
 
 // The last element also holds the end itself.
 RailPoint Line::at(double x, std::size_t side) const {
@@ -93,13 +94,31 @@ double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const S
          sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
 }
 
-// The linear part: that beyond a knee is a stop.
+double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {
+  const Kelvin& ballast = room_->sleepers.at(i).lowest;
+  if (ballast.unknown[0] < 0) return 0;  // it hangs
+  return ballast.stiffness * (seat.height - u[ballast.unknown[0]]) +
+         ballast.damping * (seat.rate - v[ballast.unknown[0]]);
+}
+
+std::int32_t Line::ground_stop(std::size_t i) const { return room_->sleepers.at(i).stop; }
+
+std::array<double, 2> Line::ground_spring(std::size_t i) const {
+  const Sleeper& sleeper = room_->sleepers.at(i);
+  if (sleeper.stop < 0) return {sleeper.lowest.stiffness, sleeper.lowest.damping};
+  const Stop& stop = stops()[static_cast<std::size_t>(sleeper.stop)];
+  return {stop.stiffness, stop.damping};
+}
+
+// The linear part: that beyond a knee, or of a sleeper that hangs, is a stop.
 void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
   require(seats.size() == moved(), "one seat for each sleeper that is moved");
+  const bool ground = room_->parameters.moves == MovedPart::ground;
   for (std::size_t k = 0; k < seats.size(); ++k) {
-    const Kelvin& pad = room_->sleepers[first_moved() + k].pad[0];
-    if (pad.unknown[0] >= 0)
-      to[pad.unknown[0]] += pad.stiffness * seats[k].height + pad.damping * seats[k].rate;
+    const Sleeper& sleeper = room_->sleepers[first_moved() + k];
+    const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[0];
+    if (held.unknown[0] >= 0)
+      to[held.unknown[0]] += held.stiffness * seats[k].height + held.damping * seats[k].rate;
   }
 }
 

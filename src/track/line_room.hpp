@@ -22,6 +22,8 @@ struct Sleeper {
   std::array<std::int32_t, 2> unknown{-1, -1};  // heights below the rails
   std::array<Kelvin, 2> pad;
   std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
+  Kelvin lowest = {};              // on the ground; plane
+  std::int32_t stop = -1;          // the same of a sleeper that hangs, number of a stop; plane
 };
 
 using RailNode = std::array<std::int32_t, 2>;  // unknowns of w and theta
@@ -37,6 +39,7 @@ struct Line::Room {
   void add_pad(std::size_t index, std::size_t side);
   void add_sleeper_mass(const Sleeper& sleeper);
   void add_ballast(std::size_t index, std::size_t side);
+  void hang(std::size_t index, const Kelvin& bed, double gap);
   Kelvin bed_below(const Sleeper& sleeper, std::size_t side) const;
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
@@ -45,9 +48,11 @@ struct Line::Room {
   BeamElement element(std::size_t e, std::size_t side) const;
   std::array<std::int32_t, 4> unknowns_of(std::size_t e, std::size_t side) const;
   bool bears(std::size_t n) const;  // a sleeper
-  bool is_moved(std::size_t sleeper) const {
-    return sleeper >= parameters.first_moved && sleeper - parameters.first_moved < parameters.moved;
+  bool is_of(MovedPart part, std::size_t sleeper) const {
+    return parameters.moves == part && sleeper >= parameters.first_moved &&
+           sleeper - parameters.first_moved < parameters.moved;
   }
+  bool is_moved(std::size_t sleeper) const { return is_of(MovedPart::sleepers, sleeper); }
 
   LineParameters parameters;
   Beam beam;

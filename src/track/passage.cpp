@@ -277,8 +277,26 @@ double Passage::seat_force(std::size_t i) const {
                               room.track.velocity, room.seats.at(i));
 }
 
+Seat Passage::ground_below(std::size_t i) const {
+  const Line& line = room_->line;
+  const bool moved = line.moves() == MovedPart::ground && i >= line.first_moved() &&
+                     i - line.first_moved() < line.moved();
+  return moved ? room_->seats[i - line.first_moved()] : Seat{};
+}
+
+double Passage::ground_force(std::size_t i) const {
+  const Room& room = *room_;
+  const double ballast =
+      room.line.ground_force(i, room.track.displacement, room.track.velocity, ground_below(i));
+  const std::int32_t stop = room.line.ground_stop(i);
+  if (stop < 0) return ballast;
+  return ballast + room.line.stops()[static_cast<std::size_t>(stop)].force(
+                       room.approach[room.wheels_rolling() + stop], room.stop_rate[stop]);
+}
+
 double Passage::time() const { return room_->time(); }
 double Passage::wheel_x(std::size_t i) const { return room_->x(i); }
+const Line& Passage::line() const { return room_->line; }
 const Newmark& Passage::line_motion() const { return room_->track; }
 const Newmark& Passage::train_motion() const { return room_->vehicles; }
 std::int64_t Passage::iterations() const { return room_->iterations; }

@@ -125,6 +125,11 @@ class Ground {
   // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit
   // step. Afterwards top() holds position at the start and motion over the window.
   void advance(double dt, std::span<const Vec3> top_force);
+  // The same for one explicit step in two halves, for a load that depends on where the top goes:
+  // `begin_step` moves the nodes by dt under the load they have, `end_step` gives them the load of
+  // their new place (as above) and completes their velocities. dt is at most stable_step().
+  void begin_step(double dt);
+  void end_step(std::span<const Vec3> top_force);
   std::string trouble() const;  // of this rank (divergence, not a number), or empty
 
   // For output: of the own top nodes, in the order of own_top(): displacement from the reference,
@@ -135,6 +140,13 @@ class Ground {
     double sigma_z;
   };
   TopState top_state(std::int32_t node) const;
+  // Of an own top node: between the halves of a step displacement at its end, velocity amid it and
+  // acceleration at its begin.
+  struct TopMotion {
+    Vec3 displacement, velocity, acceleration;  // m, m/s, m/s^2
+  };
+  TopMotion top_motion(std::int32_t node) const;
+  double top_mass(std::int32_t node) const;  // kg, lumped; in a plane each face has half
   // Own elements with displacement, velocity, stress since settling and at rest; of both together
   // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
   io::Grid fields() const;
@@ -143,6 +155,7 @@ class Ground {
   void begin_extremes();
   void take_extremes();
   GroundTotals totals() const;  // collective
+  double seconds() const;       // wall time in steps on this rank
   std::size_t memory() const;   // bytes on this rank
 
   void save(io::File& file, const std::string& group) const;

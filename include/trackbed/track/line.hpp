@@ -77,17 +77,22 @@ struct TrackParameters {
   void declare_space(input::Section& s);
 };
 
+// What somebody else moves: sleepers, or the ground below the ballast of sleepers.
+enum class MovedPart { sleepers, ground };
+
 struct LineParameters {
   RailParameters rail;
   PadParameters pad;
   BallastParameters ballast;
   TrackParameters track;
-  // Sleepers that somebody else moves, from this number on; no parameters of a deck. They and what
-  // is below them are not in the line: of their pads it has the upper ends.
+  // So many sleepers, from this number on, are moved by somebody else, or the ground below their
+  // ballast is; no parameters of a deck. What moves and what is below it is not in the line: of
+  // pads or ballast it has the upper ends.
   std::size_t first_moved = 0, moved = 0;
+  MovedPart moves = MovedPart::sleepers;
 };
 
-// How a sleeper that somebody else moves stands: m and m/s, upwards.
+// How a sleeper that somebody else moves, or the ground below it, stands: m and m/s, upwards.
 struct Seat {
   double height = 0, rate = 0;
 };
@@ -108,7 +113,7 @@ struct RailPoint {
 struct Stop {
   RailPoint point;
   double gap, stiffness, damping;  // m, N/m, N s/m
-  std::int32_t seat = -1;          // of the sleepers moved by somebody else: its height adds
+  std::int32_t seat = -1;          // of those moved by somebody else: its height adds
   double force(double approach, double rate) const;
   // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
   double slope(double approach, double rate, double rate_slope) const;
@@ -131,11 +136,17 @@ class Line {
   std::int32_t sleeper_unknown(std::size_t i, std::size_t side = 0) const;
   std::size_t first_moved() const;  // see LineParameters
   std::size_t moved() const;
+  MovedPart moves() const;
   std::size_t nearest_sleeper(double x) const;
   // N, of the pad on sleeper i, compression positive. `seat`: of a sleeper that is moved.
   double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {},
                     std::size_t side = 0) const;
-  // Adds what the pads of moved sleepers do to the rail besides holding it, N.
+  // N, of the ballast of sleeper i on the ground, compression positive; of a hanging sleeper
+  // without what its stop does. Plane tracks on sleepers.
+  double ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const;
+  std::int32_t ground_stop(std::size_t i) const;             // number of that stop; -1: none
+  std::array<double, 2> ground_spring(std::size_t i) const;  // N/m, N s/m
+  // Adds what pads of moved sleepers, or ballast on moved ground, do besides holding, N.
   void add_seats(const std::vector<Seat>& seats, Vector& to) const;
   // N m in the rail just left of x, which should be a node; positive where it is bent upwards
   // (sagging). From element forces, so that a bed's share is in it.

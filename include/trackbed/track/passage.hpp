@@ -41,11 +41,15 @@ class Passage {
 
   // One step. Throws RunError if the contact cannot be solved or something is no number.
   void advance();
-  // How the sleepers that somebody else moves stand at the end of the next step. Until it is
-  // called: where they were when the rail was laid on them.
+  // How the sleepers, or the ground, that somebody else moves stand at the end of the next step.
+  // Until it is called: where they were when the rail was laid.
   void place_seats(const std::vector<Seat>& seats);
   double seat_force(
       std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
+  // Of sleeper i of a plane track: N, downwards, on the ground below its ballast, and how that
+  // stands; at the present time. The ground is at rest unless it is moved.
+  double ground_force(std::size_t i) const;
+  Seat ground_below(std::size_t i) const;
   // Puts the train back to its start, at rest as at the begin, on a rail that goes on as it is. For
   // trains that start on rigid rails.
   void send_again();
@@ -62,6 +66,7 @@ class Passage {
   double wheel_height(std::size_t i) const;  // m, of a wheel; 0 for a constant force
   double rail_displacement(double x, std::size_t side = 0) const;  // m, upwards
   double rail_force(std::size_t i) const;  // N, downwards, of the i-th of the forces
+  const Line& line() const;
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far

@@ -1,0 +1,138 @@
+// Errors are what cannot be computed, or would be computed as something else than was meant.
+#include "app/footing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/parameters.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // m, of borders that are meant to meet
+
+bool is_plane(const Model& model) { return model.dimension == Dimension::plane; }
+
+// The exchange needs both sides at the same instants, and a ground that has no weight.
+void declare_kind(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"ground", "model"}};
+  s.rule("ground.present", model.ground.present, "must be true: without it the model is \"track\"",
+         about);
+  s.rule("ground.integrator", model.ground.integrator == fem::Integrator::explicit_,
+         "must be explicit: ballast and ground exchange forces at each of its steps", about);
+  s.rule("ground.layer", !model.ground.yields(),
+         "must not yield below a track without stones, whose weight is not in the model", about);
+}
+
+// Sleepers on the ground are sleepers of the track, in its plain part.
+void declare_track(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  const FootingParameters& footing = model.footing;
+  const input::About about{.reads = {"track", "footing", "model"}};
+  s.rule("track.support", track.support == track::Support::sleepers,
+         "must be sleepers: the ground is below their ballast", about);
+  s.rule("track.dimension", track.dimension == Dimension::plane,
+         "must be plane on a ground: its sleepers carry one rail, or both alike", about);
+  const double first = static_cast<double>(footing.before) * track.spacing;
+  const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
+  s.rule("footing.before", first >= track.run_in - rounding,
+         fmt::format("puts the first sleeper on the ground {:g} m behind the begin of the track, "
+                     "within its run-in of {:g} m",
+                     first, track.run_in),
+         about);
+  s.rule("footing.count", last <= track.length - track.run_in + rounding,
+         fmt::format("puts the last sleeper on the ground {:g} m behind the begin of the track; it "
+                     "ends at {:g} m, and its run-in takes the last {:g} m",
+                     last, track.length, track.run_in),
+         about);
+  s.rule("train.start", model.track.train.start <= 0,
+         "must be at most 0 on a ground: the train comes from the rigid rail before the track",
+         {.reads = {"train", "model"}});
+}
+
+// m: what all footprints cover along x.
+std::array<double, 2> extent_of(const Model& model) {
+  const FootingParameters& footing = model.footing;
+  const double way = static_cast<double>(footing.count - 1) * model.track.line.track.spacing;
+  return {footing.first - footing.width / 2, footing.first + way + footing.width / 2};
+}
+
+void declare_place(const Model& model, input::Section& s) {
+  const FootingParameters& footing = model.footing;
+  const fem::GroundParameters& ground = model.ground;
+  const input::About about{.reads = {"ground", "footing", "track", "dimension"}};
+  if (ground.x.size() != 2 || ground.y.size() != 2) return;  // another rule's sentence
+  const auto [from, to] = extent_of(model);
+  s.rule("footing.first", from >= ground.x[0] - rounding,
+         fmt::format("puts a footprint from {:g} m on, beyond the ground (ground.x: {:g} to {:g} "
+                     "m)",
+                     from, ground.x[0], ground.x[1]),
+         about);
+  s.rule("footing.count", to <= ground.x[1] + rounding,
+         fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
+                     to, ground.x[0], ground.x[1]),
+         about);
+  if (is_plane(model)) {
+    const FootingParameters none;
+    s.rule("footing.length", footing.length == none.length && footing.y == none.y,
+           "and y have no effect in a plane model: footprints are as long as it is thick", about);
+    return;
+  }
+  const double low = footing.y - footing.length / 2, high = footing.y + footing.length / 2;
+  s.rule("footing.length", low >= ground.y[0] - rounding && high <= ground.y[1] + rounding,
+         fmt::format("puts footprints from y = {:g} to {:g} m, beyond the ground (ground.y: {:g} "
+                     "to {:g} m)",
+                     low, high, ground.y[0], ground.y[1]),
+         about);
+}
+
+}  // namespace
+
+void FootingParameters::declare(input::Section& s) {
+  s.integer("before", before, {.at_least = 0, .at_most = 10000},
+            "Sleepers of the track, on springs alone, before the first one on the ground.");
+  s.integer("count", count, {.at_least = 1, .at_most = 10000}, "Sleepers on the ground.");
+  s.number("first", first, {.unit = "m"}, "x, in the ground, of the first of them.");
+  s.number("width", width, {.unit = "m", .above = 0, .usually_to = 3},
+           "Along the track, of what the ballast of a sleeper presses on.");
+  s.number("length", length, {.unit = "m", .above = 0, .usually_to = 5},
+           "The same across the track (space; in a plane model its thickness).");
+  s.number("y", y, {.unit = "m"}, "Middle of that (space).");
+  s.number("rails", rails, {.above = 0, .at_most = 2},
+           "Rails whose load the ground carries: 1 for half a track, 2 for a whole one.");
+}
+
+// A plane model is as thick as its surface is wide.
+std::vector<couple::Rectangle> footprints_of(const Model& model) {
+  const FootingParameters& footing = model.footing;
+  const double across = is_plane(model) ? model.thickness : footing.length;
+  const double middle = is_plane(model) ? 0 : footing.y;
+  std::vector<couple::Rectangle> footprints;
+  for (std::int64_t i = 0; i < footing.count; ++i) {
+    const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
+    footprints.push_back({.x = {x - footing.width / 2, x + footing.width / 2},
+                          .y = {middle - across / 2, middle + across / 2}});
+  }
+  return footprints;
+}
+
+void declare_footing(const Model& model, input::Section& s) {
+  if (model.kind != ModelKind::track_on_ground) {
+    const auto text = [](FootingParameters footing) {
+      return input::effective([&footing](input::Section& inner) { footing.declare(inner); });
+    };
+    return s.rule("footing", text(model.footing) == text({}),
+                  "has no effect: sleepers of a bed lie on its stones (model = "
+                  "\"track_on_ground\" has none)",
+                  {.reads = {"footing", "model"}});
+  }
+  declare_kind(model, s);
+  declare_track(model, s);
+  declare_place(model, s);
+}
+
+}  // namespace trackbed::app

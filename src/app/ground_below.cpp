@@ -1,0 +1,257 @@
+// In each step, from t_n to t_n+1 = t_n + h, with g the mean height of the top below a sleeper, u
+// that of the sleeper (or ballast mass) above it, k and c of the spring between them:
+//   1. ground: half a kick under the forces F_n, drift to t_n+1: g_n+1
+//   2. track: implicit step with g_n+1, g'_n+1 below its ballast: u_n+1
+//   3. F_n+1 = k (g_n+1 - u_n+1) + c (g'_n+1 - u'_n+1), upwards on the track, downwards on the top
+//   4. ground: the other half of the kick, under F_n+1.
+// g'_n+1, which only the damper feels, is that amid the step and h/2 of the acceleration at its
+// begin: off by h^2. So both sides are of second order, and no force is late (Belytschko, Mullen
+// 1978, doi:10.1002/nme.1620121008: explicit nodes next to implicit ones).
+#include "app/ground_below.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/footing.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* group = "footing";  // of checkpoints
+// Beyond any ground that is still one: ranges of exact sums.
+constexpr double largest_height = 1e3, largest_rate = 1e5;  // m, m/s
+constexpr double largest_work = 1e8;                        // J
+
+double ratio(double above, double below) { return below > 0 ? above / below : 0; }
+
+}  // namespace
+
+track::LineParameters line_on_ground(const Model& model) {
+  track::LineParameters line = model.track.line;
+  line.first_moved = static_cast<std::size_t>(model.footing.before);
+  line.moved = static_cast<std::size_t>(model.footing.count);
+  line.moves = track::MovedPart::ground;
+  return line;
+}
+
+GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
+    : comm_(comm),
+      ground_(comm, model.ground, model.dimension, model.thickness),
+      own_(ground_.own_top()),
+      footprints_(comm, ground_.top(), own_, footprints_of(model)),
+      first_(static_cast<std::size_t>(model.footing.before)),
+      rails_(model.footing.rails),
+      force_(footprints_.count(), 0.0),
+      load_(ground_.top().nodes(), Vec3::Zero()),
+      mean_(footprints_.count(), 0.0),
+      height_(own_.size(), 0.0),
+      mean_way_(mean_),
+      way_(height_),
+      node_work_(exact_quantum(largest_work)) {
+  for (const couple::Rectangle& r : footprints_of(model)) centre_.push_back((r.x[0] + r.x[1]) / 2);
+  for (const Vec3& home : ground_.top().position) node_x_.push_back(home.x());
+  const double stable = stable_step(model), longest = model.track.passage.step;
+  constexpr double rounding = 1e-9;
+  step_ = longest / std::max(1.0, std::ceil(longest / stable - rounding));
+}
+
+// The ground alone is stable up to h_c; springs and dampers of stiffness k and c on its top add
+//   h^2 k L/4 + h c L,   L = largest eigenvalue of W' M^-1 W <= max_i sum_n w_in sum_j w_jn / m_n
+// to what must stay below 1 (W the weights w_in of node n in footprint i, m_n kg; the damper with
+// its velocity from before, hence twice its half). What the ground itself has used of it at h is at
+// most h/h_c, as that is convex in h. The same on any number of ranks.
+double GroundBelow::stable_step(const Model& model) {
+  std::vector<double> mass(ground_.top().nodes(), 0.0), shares(mass.size(), 0.0);
+  for (const std::int32_t node : own_)
+    mass[static_cast<std::size_t>(node)] = ground_.top_mass(node);
+  comm_.max(std::span(mass));
+  const track::Line line(line_on_ground(model));
+  double k = 0, c = 0, most = 0;
+  for (std::size_t i = 0; i < footprints_.count(); ++i) {
+    const auto [stiffness, damping] = line.ground_spring(first_ + i);
+    k = std::max(k, rails_ * stiffness), c = std::max(c, rails_ * damping);
+    for (const auto& share : footprints_.shares(i))
+      shares[static_cast<std::size_t>(share.node)] += share.weight;
+  }
+  for (std::size_t i = 0; i < footprints_.count(); ++i) {
+    double sum = 0;
+    for (const auto& share : footprints_.shares(i)) {
+      const auto node = static_cast<std::size_t>(share.node);
+      sum += share.weight * shares[node] / mass[node];
+    }
+    most = std::max(most, sum);
+  }
+  const double safety = model.ground.safety, alone = ground_.stable_step(&limit_) / safety;
+  const double b = 1 / alone + c * most;
+  if (c * most > 1 / alone) limit_ = "ballast dampers on " + limit_;
+  return 2 * safety / (b + std::sqrt(b * b + k * most * safety));
+}
+
+void GroundBelow::advance(track::Passage& passage) {
+  ground_.begin_step(step_);
+  sense(passage);
+  passage.advance();
+  press(passage);
+  ground_.end_step(load_);
+  ++steps_here_;
+}
+
+// What the track finds below its ballast at the end of the step.
+void GroundBelow::sense(track::Passage& passage) {
+  std::vector<couple::Footprints::Values> values{{{}, largest_height}, {{}, largest_rate}};
+  for (std::size_t n = 0; n < own_.size(); ++n) {
+    const fem::Ground::TopMotion motion = ground_.top_motion(own_[n]);
+    way_[n] = motion.displacement.z() - height_[n];
+    height_[n] = motion.displacement.z();
+    values[0].own.push_back(height_[n]);
+    values[1].own.push_back(motion.velocity.z() + 0.5 * step_ * motion.acceleration.z());
+  }
+  const auto means = footprints_.means(values);
+  std::vector<track::Seat> seats(footprints_.count());
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    mean_way_[i] = means[0][i] - mean_[i];
+    mean_[i] = means[0][i];
+    seats[i] = {.height = means[0][i], .rate = means[1][i]};
+  }
+  passage.place_seats(seats);
+}
+
+// The ballast's forces of this instant go to the nodes.
+void GroundBelow::press(const track::Passage& passage) {
+  const std::vector<double> force_before = force_;
+  const std::vector<Vec3> load_before = load_;
+  for (std::size_t i = 0; i < force_.size(); ++i)
+    force_[i] = rails_ * passage.ground_force(first_ + i);
+  std::fill(load_.begin(), load_.end(), Vec3::Zero());
+  footprints_.press(force_, load_);
+  account(force_before, load_before);
+}
+
+// Force and moment about the first footprint of both sides; work over the step by the mean of the
+// forces at its ends, which is what leapfrog's kicks give to a ground without dampers, to second
+// order.
+void GroundBelow::account(const std::vector<double>& force_before,
+                          const std::vector<Vec3>& load_before) {
+  double force = 0, moment = 0, all = 0, all_moment = 0;
+  for (std::size_t i = 0; i < force_.size(); ++i) {
+    const double arm = centre_[i] - centre_[0], given = (force_before[i] + force_[i]) / 2;
+    force += force_[i], moment += force_[i] * arm;
+    all += std::abs(force_[i]), all_moment += std::abs(force_[i] * arm);
+    work_ -= given * mean_way_[i];
+    all_work_ += std::abs(given * mean_way_[i]);
+  }
+  for (std::size_t n = 0; n < load_.size(); ++n) {
+    force += load_[n].z();
+    moment += load_[n].z() * (node_x_[n] - centre_[0]);
+  }
+  force_off_ = std::max(force_off_, ratio(std::abs(force), all));
+  moment_off_ = std::max(moment_off_, ratio(std::abs(moment), all_moment));
+  for (std::size_t n = 0; n < own_.size(); ++n) {
+    const auto node = static_cast<std::size_t>(own_[n]);
+    node_work_.add((load_before[node].z() + load_[node].z()) / 2 * way_[n]);
+  }
+}
+
+Json GroundBelow::figures() const {
+  const fem::GroundTotals totals = ground_.totals();
+  const double seconds = comm_.max(totals.seconds);
+  const auto done = static_cast<double>(totals.elements) * static_cast<double>(steps_here_);
+  return {{"elements", totals.elements},
+          {"unknowns", totals.unknowns},
+          {"steps", totals.steps},
+          {"step_s", step_},
+          {"element_steps_per_second_per_core", ratio(done, seconds) / comm_.size()},
+          {"state_hash", fmt::format("{:016x}", state_hash())}};
+}
+
+double GroundBelow::seconds() const { return ground_.seconds(); }
+
+// Work of nodes and of footprints over the magnitudes of what they exchanged.
+Json GroundBelow::balance() const {
+  ExactSum nodes = node_work_;
+  nodes.count() = comm_.sum(nodes.count());
+  return {{"force", force_off_},
+          {"moment", moment_off_},
+          {"work", ratio(std::abs(nodes.value() - work_), all_work_)}};
+}
+
+// The track's own account takes the ground for rigid: k u^2/2 of a spring instead of
+// k (u - g)^2/2, which is more by g (k (g - u) - k g/2).
+Json GroundBelow::energies(const track::Passage& passage) const {
+  const fem::GroundTotals totals = ground_.totals();
+  const track::Newmark& motion = passage.line_motion();
+  const track::Vector still = track::Vector::Zero(motion.velocity.size());
+  const track::Line& line = passage.line();
+  double track = motion.energy();
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    if (line.ground_stop(first_ + i) >= 0) continue;
+    const double spring =
+        line.ground_force(first_ + i, motion.displacement, still, {.height = mean_[i]});
+    track += mean_[i] * (spring - line.ground_spring(first_ + i)[0] * mean_[i] / 2);
+  }
+  return {{"track_j", track},
+          {"given_to_ground_j", work_},
+          {"ground_kinetic_j", totals.kinetic},
+          {"ground_elastic_j", totals.elastic}};
+}
+
+// Hashes of nodes are added: any order, any rank. 40 bits each, so that no sum runs over.
+std::uint64_t GroundBelow::state_hash() const {
+  std::int64_t sum = 0;
+  for (const std::int32_t node : own_) {
+    const fem::Ground::TopMotion motion = ground_.top_motion(node);
+    std::uint64_t hash = static_cast<std::uint64_t>(node);
+    for (const Vec3* of : {&motion.displacement, &motion.velocity, &motion.acceleration})
+      hash = mix(hash + hash_bytes(of->data(), 3 * sizeof(double)));
+    sum += static_cast<std::int64_t>(hash >> 24);
+  }
+  return static_cast<std::uint64_t>(comm_.sum(sum));
+}
+
+// Beside the ground's own state: what the next step needs of the last forces, and the sums so far.
+void GroundBelow::save(io::File& file) const {
+  ground_.save(file, "ground");
+  ExactSum nodes = node_work_;
+  nodes.count() = comm_.sum(nodes.count());
+  const std::vector<std::int64_t> quanta{nodes.count()};
+  const std::vector<double> sums{work_, all_work_, force_off_, moment_off_};
+  const auto root = [&](const auto& values) {
+    return std::span(values).first(comm_.root() ? values.size() : 0);
+  };
+  file.write<double>(std::string(group) + "/force", root(force_), 1,
+                     {"N", "of the ballast of each sleeper on the ground, down positive"});
+  file.write<std::int64_t>(std::string(group) + "/node_work", root(quanta), 1,
+                           {"-", "work on the ground by its nodes so far, quanta of an exact sum"});
+  file.write<double>(
+      std::string(group) + "/sums", root(sums), 4,
+      {"J, J, -, -",
+       "work on the ground so far, sum of its magnitudes; largest imbalance of force "
+       "and moment"});
+}
+
+void GroundBelow::load(const io::File& file) {
+  ground_.load(file, "ground");
+  force_ = file.read_all<double>(std::string(group) + "/force");
+  if (force_.size() != footprints_.count())
+    throw RunError(std::string(group) + "/force belongs to another number of sleepers");
+  footprints_.press(force_, load_);
+  const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
+  node_work_.count() = comm_.root() ? quanta.at(0) : 0;
+  const auto sums = file.read_all<double>(std::string(group) + "/sums");
+  work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2), moment_off_ = sums.at(3);
+  std::vector<couple::Footprints::Values> values{{{}, largest_height}};
+  for (std::size_t n = 0; n < own_.size(); ++n) {
+    height_[n] = ground_.top_motion(own_[n]).displacement.z();
+    values[0].own.push_back(height_[n]);
+  }
+  mean_ = footprints_.means(values)[0];
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,75 @@
+// A ground of elements below the ballast springs of a track. Both sides feel each other at the same
+// instants (docs/decisions/track_on_ground.md). The track is computed by every rank alike, the
+// ground is spread over ranks.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/parameters.hpp"
+#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/couple/footprints.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/io/file.hpp"
+#include "trackbed/par/comm.hpp"
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::app {
+
+class GroundBelow {
+ public:
+  // Collective; a model of kind track_on_ground.
+  GroundBelow(const par::Comm& comm, const Model& model);
+
+  // s: a whole part of passage.step that is stable; `limit` says what limits it if that is less.
+  double step() const { return step_; }
+  const std::string& limit() const { return limit_; }
+  // One step of both. Collective; throws as Passage::advance.
+  void advance(track::Passage& passage);
+  std::string trouble() const { return ground_.trouble(); }  // of this rank, or empty
+
+  double seconds() const;  // of this rank in the ground, since built
+  // For summary.json. Collective.
+  nlohmann::ordered_json figures() const;  // of the ground itself
+  nlohmann::ordered_json balance() const;  // largest relative imbalance of any step; of all work
+  // J, of ground and track, the springs between them counted with the track.
+  nlohmann::ordered_json energies(const track::Passage& passage) const;
+  std::uint64_t state_hash() const;  // of the motion of the top; on any number of ranks
+
+  void save(io::File& file) const;
+  void load(const io::File& file);
+
+ private:
+  double stable_step(const Model& model);
+  void sense(track::Passage& passage);
+  void press(const track::Passage& passage);
+  void account(const std::vector<double>& force_before, const std::vector<Vec3>& load_before);
+
+  par::Comm comm_;
+  fem::Ground ground_;
+  std::vector<std::int32_t> own_;  // nodes of the top that this rank moves
+  couple::Footprints footprints_;
+  std::vector<double> centre_, node_x_;  // m, x of each footprint, of each node at rest
+  std::size_t first_;                    // sleeper of the track
+  double rails_;
+  double step_;
+  std::string limit_;
+  std::int64_t steps_here_ = 0;  // since built; for the speed alone
+  // At the end of the last step: N on each footprint, on each node of the top; m, of each footprint
+  // and of own nodes, and how far they went in it.
+  std::vector<double> force_;
+  std::vector<Vec3> load_;
+  std::vector<double> mean_, height_, mean_way_, way_;
+  // What the ballast has given to the ground so far, J: by nodes (of this rank), by footprints, and
+  // the sum of magnitudes of these.
+  ExactSum node_work_;
+  double work_ = 0, all_work_ = 0;
+  double force_off_ = 0, moment_off_ = 0;  // largest relative imbalance of a step
+};
+
+// The line of a model of kind track_on_ground: which of its sleepers stand on what moves.
+track::LineParameters line_on_ground(const Model& model);
+
+}  // namespace trackbed::app

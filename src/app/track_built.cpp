@@ -1,0 +1,84 @@
+// What is said of a track before it runs.
+#include "app/track_built.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace trackbed::app {
+
+namespace {
+
+// Frequencies show at once whether a mass or a spring was meant per side, per axle or in all.
+std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
+  std::string text = fmt::format("  vehicle {}:", vehicle.name);
+  if (vehicle.kind == track::VehicleKind::forces)
+    return text + fmt::format(" {} axles of constant force", vehicle.axles.size());
+  const std::vector<double> frequencies = track::natural_frequencies(vehicle, rolls);
+  if (!frequencies.empty())
+    text += fmt::format(" natural frequencies {:.4g} Hz, wheelsets held;",
+                        fmt::join(frequencies, ", "));
+  return text + fmt::format(" wheelset {:g} kg", vehicle.wheelset_mass);
+}
+
+void introduce_track(const par::Comm& comm, const TrackModel& model, const Built& built) {
+  const track::Beam rail = track::beam_of(model.line.rail);
+  say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
+                        rail.bending_stiffness, rail.shear_stiffness,
+                        rail.shear_stiffness > 0 ? "" : " (rigid in shear)", rail.mass));
+  say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
+                        built.line.sides(), built.line.sides() > 1 ? "s" : "",
+                        built.line.sleepers(), built.line.system().mass.rows()));
+  std::vector<std::string> said;
+  for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
+    if (std::find(said.begin(), said.end(), vehicle.name) != said.end()) continue;
+    said.push_back(vehicle.name);
+    say(comm, words_of(vehicle, built.line.sides() > 1));
+  }
+  if (!built.train.wheels().empty())
+    say(comm,
+        fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
+                    built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
+                    model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
+  const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
+  say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
+                        built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
+  if (model.irregularity.kind == track::IrregularityKind::spectrum)
+    say(comm, fmt::format("  irregularity: D1 (3 to 25 m) root mean square {:.4f} mm; of the whole "
+                          "spectrum {:.4f} mm",
+                          1e3 * built.irregularity.d1_rms(),
+                          1e3 * track::rms_of(model.irregularity.spectrum, 3, 25)));
+}
+
+}  // namespace
+
+void say(const par::Comm& comm, const std::string& line) {
+  if (!comm.root()) return;
+  std::fputs((line + "\n").c_str(), stdout);
+  std::fflush(stdout);
+}
+
+Together::Together(const par::Comm& comm, const Model& model)
+    : track(model.track), line(model.track.line) {
+  if (model.kind != ModelKind::track_on_ground) return;
+  below.emplace(comm, model);
+  line = line_on_ground(model);
+  track.passage.step = below->step();
+}
+
+void introduce(const par::Comm& comm, const Model& model, const Together& whole,
+               const Built& built) {
+  introduce_track(comm, whole.track, built);
+  if (!whole.below) return;
+  const nlohmann::ordered_json of = whole.below->figures();
+  say(comm, fmt::format("  ground: {} elements, {} unknowns, below sleepers at {:g} to {:g} m",
+                        of["elements"].get<std::int64_t>(), of["unknowns"].get<std::int64_t>(),
+                        built.line.sleeper_x(built.line.first_moved()),
+                        built.line.sleeper_x(built.line.first_moved() + built.line.moved() - 1)));
+  if (whole.track.passage.step < model.track.passage.step)
+    say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,
+                          whole.below->limit()));
+}
+
+}  // namespace trackbed::app

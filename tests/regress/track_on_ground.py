@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""A track on a ground of elements: what is refused and how, every parameter of the footing acts,
+the same bits on any number of ranks and after a stop, balances.
+
+    track_on_ground.py PROGRAM DECK NETIRAIL_DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import h5py
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+sys.path.insert(0, str(HERE.parent / "knobs"))
+from ground_knobs import KNOBS  # noqa: E402
+from program import Program, summary  # noqa: E402
+
+REFUSED = {
+    "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
+    "footing.count=8": "puts a footprint up to 5.35 m, beyond the ground",
+    "footing.length=2.2": "puts footprints from y = -0.2 to 2 m, beyond the ground",
+    "footing.before=3": "1.8 m behind the begin of the track, within its run-in of 2.4 m",
+    "track.length=9": "puts the last sleeper on the ground 7.2 m behind",
+    "ground.present=false": "without it the model is \"track\"",
+    "ground.integrator=newmark": "must be explicit: ballast and ground exchange forces",
+    "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
+    "track.support=continuous": "must be sleepers: the ground is below their ballast",
+    "track.dimension=space": "must be plane on a ground",
+    "train.start=1": "the train comes from the rigid rail before the track",
+    "dimension=plane": "and y have no effect in a plane model",
+    "bed.height=0.3": "bed is not a section",
+    "seat.before=5": "seat is not a section",
+    "model=track": "ground is not a section",
+}
+# Relative. Weights and sums of a few hundred nodes in double precision, exact sums of 1e-12 J.
+BALANCE = 1e-9
+
+
+def datasets(place):
+    found = {}
+    with h5py.File(place / "results.h5") as file:
+        file.visititems(lambda name, item: found.update({name: item[()]})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def same_bits(one, other, what):
+    first, second = datasets(one), datasets(other)
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
+    for name, values in first.items():
+        if not np.array_equal(values, second[name]):
+            raise SystemExit(f"{what}: {name} differs")
+    found = [(summary(place)["track"], summary(place)["ground"]["state_hash"],
+              summary(place)["ground"]["steps"]) for place in (one, other)]
+    if found[0] != found[1]:
+        raise SystemExit(f"{what}: {found}")
+
+
+def check_refusals(program, deck):
+    for change, words in REFUSED.items():
+        ran = program(1, "check", deck, change)
+        if ran.returncode != 2 or words not in ran.stderr:
+            raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+
+
+def check_ranks(program, deck, folder):
+    for ranks in (1, 2, 3, 4):
+        place = folder / f"ranks_{ranks}"
+        program.done(ranks, "run", deck, "-o", place)
+        for name, value in summary(place)["coupling"].items():
+            if not 0 <= value <= BALANCE:
+                raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
+        same_bits(folder / "ranks_1", place, f"{ranks} ranks")
+    found = datasets(folder / "ranks_1")
+    down, force = -found["history/ground/displacement"], found["history/ground/force"]
+    if down.max() < 1e-4 or force.max() < 1e4:
+        raise SystemExit(f"the ground goes down by {down.max()} m under {force.max()} N")
+    energy = summary(folder / "ranks_1")["energy"]
+    held = energy["ground_kinetic_j"] + energy["ground_elastic_j"]
+    if not 0 < held < energy["given_to_ground_j"]:
+        raise SystemExit(f"a ground that damps holds less than it got: {energy}")
+
+
+def check_resume(program, deck, folder):
+    steps = summary(folder / "ranks_1")["windows"]
+    for stop, before, after in ((1, 2, 3), (steps // 2 + 3, 3, 1), (steps - 1, 1, 2)):
+        place = folder / f"stopped_{stop}"
+        program.done(before, "run", deck, f"passage.stop_after={stop}", "-o", place, code=3)
+        program.done(after, "resume", place)
+        same_bits(folder / "ranks_1", place, f"stopped after {stop} steps")
+    ran = program(1, "resume", place, "ground.layer.soil.young=70e6", "-o", folder / "other")
+    if ran.returncode != 2 or "young" not in ran.stderr:
+        raise SystemExit(f"another ground must be refused: {ran.stdout}{ran.stderr}")
+
+
+def check_knobs(program, deck, folder):
+    def seen(words):
+        place = folder / "knob"
+        program.done(1, "run", deck, *words, "--force", "-o", place)
+        return summary(place)["track"]["state_hash"]
+
+    for name, (change, around) in KNOBS.items():
+        if seen([*around, change]) == seen(around):
+            raise SystemExit(f"{name}: {change} changes nothing")
+
+
+def check_hanging(program, deck, folder):
+    """Without ballast force below a sleeper that hangs far, its neighbours give more."""
+    text = deck.read_text(encoding="utf-8")
+    path = folder / "hanging.toml"
+    path.write_text(text + "\n[[track.zone]]\nfrom = 5.9\nto = 6.1\ngap = 5e-3\n",
+                    encoding="utf-8")
+    program.done(2, "run", path, "-o", folder / "hanging")
+    even, hangs = (datasets(folder / name)["history/ground/force"].max(axis=0)
+                   for name in ("ranks_1", "hanging"))
+    if hangs[0] != 0 or hangs[1] < 1.1 * even[1]:
+        raise SystemExit(f"largest forces on the ground {even} N, if the first hangs {hangs} N")
+
+
+PLAIN = [f"ground.block.{name}.present=false" for name in ("ugm", "cbm", "abutment")]
+
+
+def check_netirail(program, deck, folder):
+    """The first bogie on plain track, 20.4 m behind the ground's begin; a quarter of the report's
+    figures either way: rail 0.8, rail against sleeper 0.2, ground 0.6 mm."""
+    words = [*PLAIN, 'train.vehicles=["alfa_pendular"]']
+    place = folder / "netirail"
+    program.done(2, "run", deck, *words, "passage.duration=0.62", "-o", place)
+    found = datasets(place)
+    rail, sleeper, ground = (found[f"history/{name}/displacement"][:, 0]
+                             for name in ("rail", "sleeper", "ground"))
+    measured = [-rail.min(), (sleeper - rail).max(), -ground.min()]
+    if not np.allclose(measured, [0.8e-3, 0.2e-3, 0.6e-3], rtol=0.25):
+        raise SystemExit(f"rail, rail against sleeper, ground: {measured} m")
+    words.append("passage.duration=0.02")
+    program.done(2, "run", deck, *words, "-o", folder / "begin")
+    place = folder / "begin_stopped"
+    program.done(1, "run", deck, *words, "passage.stop_after=151", "-o", place, code=3)
+    program.done(2, "resume", place)
+    same_bits(folder / "begin", place, "the deck, stopped")
+
+
+def main():
+    program, deck, netirail, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:5])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_refusals(program, deck)
+    check_ranks(program, deck, folder)
+    check_resume(program, deck, folder)
+    check_knobs(program, deck, folder)
+    check_hanging(program, deck, folder)
+    check_netirail(program, netirail, folder)
+
+
+if __name__ == "__main__":
+    main()

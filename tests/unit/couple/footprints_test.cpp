@@ -1,0 +1,102 @@
+// A rectangle on a surface: weights sum to one and have its centre, whatever triangles it cuts;
+// means are the same bits on any number of ranks.
+#include "trackbed/couple/footprints.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace trackbed::couple {
+namespace {
+
+constexpr double rounding = 1e-13;
+constexpr int cells = 8;  // of 0.3 m along x; of 0.25 m along y
+
+Surface plate() {
+  Surface surface;
+  for (int j = 0; j <= cells; ++j)
+    for (int i = 0; i <= cells; ++i) surface.position.emplace_back(0.3 * i, 0.25 * j, 0.0);
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i) {
+      const int a = i + (cells + 1) * j, d = a + cells + 1;
+      surface.triangles.push_back({a, a + 1, d + 1});
+      surface.triangles.push_back({a, d + 1, d});
+    }
+  return surface;
+}
+
+// Nodes in turn.
+std::vector<std::int32_t> own_of(const par::Comm& comm, const Surface& surface) {
+  std::vector<std::int32_t> own;
+  for (int n = comm.rank(); n < static_cast<int>(surface.nodes()); n += comm.size())
+    own.push_back(n);
+  return own;
+}
+
+const std::vector<Rectangle> rectangles = {{{0.31, 0.88}, {0.1, 1.43}},  // across many
+                                           {{0.35, 0.4}, {0.3, 0.31}},   // in one zone
+                                           {{0.6, 1.2}, {0.5, 1.0}},     // along borders
+                                           {{0.0, 2.4}, {0.0, 2.0}}};    // all of it
+
+TEST(Footprints, KeepForceAndMoment) {
+  const Surface surface = plate();
+  const Footprints prints(par::Comm::world(), surface, {}, rectangles);
+  for (std::size_t i = 0; i < rectangles.size(); ++i) {
+    Vec3 centre = Vec3::Zero();
+    double sum = 0;
+    for (const auto& [node, weight] : prints.shares(i)) {
+      EXPECT_GT(weight, -rounding);
+      centre += weight * surface.position[static_cast<std::size_t>(node)];
+      sum += weight;
+    }
+    EXPECT_NEAR(sum, 1, rounding);
+    EXPECT_NEAR(centre.x(), (rectangles[i].x[0] + rectangles[i].x[1]) / 2, rounding);
+    EXPECT_NEAR(centre.y(), (rectangles[i].y[0] + rectangles[i].y[1]) / 2, rounding);
+  }
+  std::vector<Vec3> load(surface.nodes(), Vec3::Zero());
+  prints.press(std::vector<double>{1, 2, 3, 4}, load);
+  double all = 0;
+  for (const Vec3& force : load) all += force.z();
+  EXPECT_NEAR(all, -10, 10 * rounding);
+}
+
+// What hangs over the border is lost: a deck that does so is refused.
+TEST(Footprints, BeyondTheBorderTheyCarryLess) {
+  const Footprints prints(par::Comm::world(), plate(), {}, {{{2.3, 2.6}, {0.5, 1.0}}});
+  double sum = 0;
+  for (const auto& share : prints.shares(0)) sum += share.weight;
+  EXPECT_NEAR(sum, 1.0 / 3, rounding);
+}
+
+TEST(Footprints, MeansOfAPlaneAreItsHeightAtTheCentre) {
+  const par::Comm comm = par::Comm::world();
+  const Surface surface = plate();
+  const std::vector<std::int32_t> own = own_of(comm, surface);
+  const Footprints prints(comm, surface, own, rectangles);
+  const Footprints alone(par::Comm::self(), surface, own_of(par::Comm::self(), surface),
+                         rectangles);
+  const auto height = [&](std::int32_t node) {
+    const Vec3& x = surface.position[static_cast<std::size_t>(node)];
+    return 1e-3 * (1 + 2 * x.x() - 0.7 * x.y());
+  };
+  std::vector<Footprints::Values> mine{{{}, 10}, {{}, 1e3}}, all = mine;
+  for (const std::int32_t node : own) {
+    mine[0].own.push_back(height(node));
+    mine[1].own.push_back(-height(node));
+  }
+  for (std::size_t n = 0; n < surface.nodes(); ++n) {
+    all[0].own.push_back(height(static_cast<std::int32_t>(n)));
+    all[1].own.push_back(-height(static_cast<std::int32_t>(n)));
+  }
+  const auto means = prints.means(mine);
+  EXPECT_EQ(means, alone.means(all));
+  for (std::size_t i = 0; i < rectangles.size(); ++i) {
+    const double x = (rectangles[i].x[0] + rectangles[i].x[1]) / 2;
+    const double y = (rectangles[i].y[0] + rectangles[i].y[1]) / 2;
+    EXPECT_NEAR(means[0][i], 1e-3 * (1 + 2 * x - 0.7 * y), 1e-15);
+    EXPECT_NEAR(means[1][i], -means[0][i], 2e-15);
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::couple

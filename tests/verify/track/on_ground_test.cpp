@@ -1,0 +1,209 @@
+// Sleepers on ballast springs on a ground of elements: at rest against springs in series, in motion
+// by order, energy and the limits of a rigid ground.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "app/ground_below.hpp"
+#include "app/track_built.hpp"
+#include "support/verified.hpp"
+#include "unit/fem/ground_scene.hpp"
+#include "verify/ground/half_space.hpp"
+
+namespace trackbed::app {
+namespace {
+
+using par::Comm;
+
+constexpr std::size_t before = 7;  // sleepers on springs before those on the ground
+
+// A track of 19 sleepers, some of them from 0.3 m on along the ground; a blow amid them.
+Model model_of(std::int64_t count, const fem::Elastic& soil) {
+  Model m;
+  m.kind = ModelKind::track_on_ground;
+  m.track.line.track.length = 10.8;
+  m.track.line.track.run_in = 2.4;
+  m.track.line.ballast = {.stiffness = 100e6, .damping = 50e3};
+  m.ground = fem::box({0.6 * static_cast<double>(count), 1.2, 1.2}, {4 * count, 1, 8}, soil);
+  m.ground.plane = fem::PlaneState::strain;
+  m.ground.base = fem::Base::fixed;
+  m.ground.sides = fem::Sides::roller;
+  m.thickness = 1.2;
+  m.footing.before = before;
+  m.footing.count = count;
+  m.footing.first = 0.3;
+  m.footing.width = 0.6;
+  m.track.passage.forces = {{.kind = track::ForceKind::impact,
+                             .at = 0.6 * (before + static_cast<double>((count - 1) / 2)),
+                             .size = 50e3,
+                             .length = 0.01}};
+  m.track.passage.step = 1e-3;
+  m.track.train.vehicles = {};
+  return m;
+}
+
+// Both sides as a run has them.
+struct Pair {
+  explicit Pair(const Model& m) : whole(Comm::world(), m), built(whole.track, whole.line) {}
+  void step() { whole.below->advance(built.passage); }
+  void run(double time) {
+    for (std::int64_t n = std::llround(time / whole.below->step()); n > 0; --n) step();
+  }
+  double energy() const {
+    double sum = 0;
+    for (const char* of : {"track_j", "ground_kinetic_j", "ground_elastic_j"})
+      sum += whole.below->energies(built.passage)[of].get<double>();
+    return sum;
+  }
+  Together whole;
+  Built built;
+};
+
+// m, of sleeper i.
+double sleeper(const Pair& pair, std::size_t i) {
+  return pair.built.passage.line_motion().displacement[pair.built.line.sleeper_unknown(i)];
+}
+
+// The peak of a blow that takes 2 s, long beside all periods (20 ms): at rest to (10 ms/s)^2. What
+// its begin has set swinging is damped away by then; dampers feel no velocity at the peak.
+Model at_rest(Model m) {
+  m.ground.rayleigh_mass = 50;
+  m.track.passage.forces[0].size = 100e3;
+  m.track.passage.forces[0].length = 2;
+  return m;
+}
+
+// A sleeper whose footprint is all of the ground: a column, H/(M A) with M = E (1-nu)/((1+nu)
+// (1-2nu)), which zones give exactly; above it the ballast spring.
+TEST(TrackOnGround, SpringAndColumnInSeries) {
+  const fem::Elastic soil{60e6, 0.3, 2000};
+  Pair pair(at_rest(model_of(1, soil)));
+  pair.run(1.0);
+  const double modulus = 60e6 * 0.7 / (1.3 * 0.4), area = 0.6 * 1.2, height = 1.2;
+  const track::Passage& passage = pair.built.passage;
+  const double force = pair.built.line.seat_force(before, passage.line_motion().displacement,
+                                                  passage.line_motion().velocity);
+  const double give = 1 / 100e6 + height / (modulus * area);
+  verified::near("sleeper per seat force", "m/N", -sleeper(pair, before) / force, give,
+                 2e-4 * give);
+  verified::near("force on the ground over seat force", "-", passage.ground_force(before) / force,
+                 1, 2e-4);
+}
+
+// In space, a footprint that is a part of the top and cuts its zones. The ground's share comes from
+// one implicit solve of another ground under the weights alone.
+TEST(TrackOnGround, SpringAndBlockInSeries) {
+  Model m = model_of(1, {60e6, 0.3, 2000});
+  m.dimension = Dimension::space;
+  m.ground = fem::box({2.4, 1.8, 1.2}, {8, 6, 4}, {60e6, 0.3, 2000});
+  m.ground.base = fem::Base::fixed;
+  m.ground.sides = fem::Sides::roller;
+  m.footing.first = 1.1, m.footing.width = 0.5, m.footing.length = 1.1, m.footing.y = 0.8;
+  Pair pair(at_rest(m));
+  pair.run(1.0);
+  fem::Ground ground(Comm::world(), fem::half_space(m.ground), Dimension::space, 1);
+  const couple::Footprints print(Comm::world(), ground.top(), ground.own_top(),
+                                 {{{0.85, 1.35}, {0.25, 1.35}}});
+  std::vector<Vec3> load(ground.top().nodes(), Vec3::Zero());
+  print.press(std::array{1e5}, load);
+  fem::load_statically(ground, load);
+  std::vector<couple::Footprints::Values> height{{{}, 1.0}};
+  for (const auto node : ground.own_top())
+    height[0].own.push_back(ground.top_motion(node).displacement.z());
+  const double give = 1 / 100e6 - print.means(height)[0][0] / 1e5;
+  verified::near("sleeper per force on the ground", "m/N",
+                 -sleeper(pair, before) / pair.built.passage.ground_force(before), give,
+                 2e-4 * give);
+}
+
+// Every 0.4 ms: m, of a sleeper and of the ground below it, while a force of 50 Hz grows.
+using Histories = std::array<std::vector<double>, 2>;
+Histories shaken(double step) {
+  Model m = model_of(5, {60e6, 0.3, 2000});
+  auto& force = m.track.passage.forces[0];
+  force.kind = track::ForceKind::harmonic, force.frequency = 50, force.rise = 0.02;
+  m.track.passage.step = step;
+  Pair pair(m);
+  Histories found;
+  for (int row = 0; row < 75; ++row) {
+    pair.run(4e-4);
+    found[0].push_back(sleeper(pair, before + 2));
+    found[1].push_back(pair.built.passage.ground_below(before + 2).height);
+  }
+  return found;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+TEST(TrackOnGround, IsOfSecondOrder) {
+  const Histories a = shaken(8e-5), b = shaken(4e-5), c = shaken(2e-5);
+  for (const std::size_t k : {0, 1}) {
+    const std::string of = k == 0 ? "sleeper" : "ground";
+    verified::near("order in the step, " + of, "-",
+                   std::log2(distance(a[k], b[k]) / distance(b[k], c[k])), 2, 0.15);
+    verified::below("change from steps of 0.04 to 0.02 ms, root mean square, " + of, "m",
+                    distance(b[k], c[k]), 1e-7);
+  }
+}
+
+// Without dampers energy stays what the blow gave, at the longest step that the program takes, for
+// 40000 steps of it; leapfrog keeps an energy that differs from this one by (h w/2)^2.
+TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
+  Model m = model_of(5, {60e6, 0.3, 2000});
+  m.track.line.ballast.damping = m.track.line.pad.damping = 0;
+  Pair pair(m);
+  pair.run(0.01);
+  double begin = 0, end = 0, most = 0;
+  constexpr int steps = 40000, part = 400;
+  for (int n = 0; n < steps / part; ++n) {
+    pair.run(part * pair.whole.below->step());
+    const double energy = pair.energy();
+    if (n < 10) begin += energy / 10;
+    if (n >= steps / part - 10) end += energy / 10;
+    most = std::max(most, energy);
+  }
+  verified::near("mean energy after 36000 steps over that of the first 4000", "-", end / begin, 1,
+                 0.01);
+  verified::below("largest energy over the first mean", "-", most / begin, 1.1);
+  const auto of = pair.whole.below->energies(pair.built.passage);
+  const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
+  verified::near("energy of the ground over what the ballast gave it", "-",
+                 held / of["given_to_ground_j"].get<double>(), 1, 0.02);
+  const auto balance = pair.whole.below->balance();
+  for (const char* name : {"force", "moment", "work"})
+    verified::below(std::string("largest imbalance of ") + name, "-", balance[name].get<double>(),
+                    1e-9);
+}
+
+// A ground a million times as stiff, and as heavy, so that waves in it take as long: the track
+// alone, but for what the ground gives, 1e-6 of the ballast.
+TEST(TrackOnGround, ARigidGroundIsTheTrackAlone) {
+  Model m = model_of(5, {60e12, 0.3, 2000e6});
+  m.track.passage.step = 5e-5;
+  Pair pair(m);
+  ASSERT_EQ(pair.whole.below->step(), 5e-5);
+  Model other = m;
+  other.kind = ModelKind::track;
+  const Together whole(Comm::world(), other);
+  Built alone(whole.track, whole.line);
+  double off = 0, most = 0;
+  for (int n = 0; n < 600; ++n) {
+    pair.step();
+    alone.passage.advance();
+    const std::int32_t at = alone.line.sleeper_unknown(before + 2);
+    const double there = alone.passage.line_motion().displacement[at];
+    off = std::max(off, std::abs(sleeper(pair, before + 2) - there));
+    most = std::max(most, std::abs(there));
+  }
+  verified::below("largest difference of a sleeper over its largest motion", "-", off / most, 5e-6);
+}
+
+}  // namespace
+}  // namespace trackbed::app
