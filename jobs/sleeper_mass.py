@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Sleepers of 0.5, 1, 2 and 3 times the mass on four transitions to a bridge, on a track alone.
+"""Sleepers of 0.5, 1, 2 and 3 times the mass on four transitions to a bridge.
 
-    sleeper_mass.py PROGRAM FOLDER
+    sleeper_mass.py PROGRAM FOLDER [--ground] [--masses 0.5 3]
 
 After the parametric study of "NeTIRail-INFRA D2.10, cost-effective transition zone design": its
 original geometry (cement bound mixture, then unbound granular material, tapered with depth), the
@@ -9,12 +9,17 @@ same over one width at all depths, and both with embankment soil throughout. Two
 220 km/h leave the bridge; rail displacements at 14.7 and 41 m from it are compared. Writes
 FOLDER/sleeper_mass.csv and sleeper_mass.png.
 
-The springs below the sleepers are columns of that report's Table 2: each layer's modulus over an
-area that grows by its depth on all sides together (2:1), scaled so that embankment has the 42 MN/m
-of inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and capping layer, and how far the
-wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are assumed: the report only draws
-them. Columns do not know that soil moves as a whole, so both geometries of embankment are the same
-here, and what sleepers' mass does through waves in the ground is not in it.
+With --ground: one coach on the ground of elements of inputs/track/netirail.toml, on two ranks. Of
+embankment, there all layers are made of it and nothing is left to taper, so that both geometries
+are one.
+
+Else on a track alone: the springs below the sleepers are columns of that report's Table 2: each
+layer's modulus over an area that grows by its depth on all sides together (2:1), scaled so that
+embankment has the 42 MN/m of inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and
+capping layer, and how far the wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are
+assumed: the report only draws them. Columns do not know that soil moves as a whole, so both
+geometries of embankment are the same here, and what sleepers' mass does through waves in the ground
+is not in it.
 """
 import argparse
 import csv
@@ -92,18 +97,44 @@ def run(program, folder, name, mass, text):
         return -file["history/rail/displacement"][()].min(axis=0)
 
 
+EMBANKED = [f"ground.layer.{layer}.{word}" for layer in ("sub_ballast", "capping")
+            for word in ("young=80e6", "density=2040", "rayleigh_stiffness=2.9e-3")]
+STRAIGHT = {"ugm": "[6,-0.6,19,-0.6,19,-9,6,-9]", "cbm": "[6,-0.6,12.5,-0.6,12.5,-9,6,-9]"}
+
+
+def run_on_ground(program, folder, name, mass):
+    """m, lowest rail displacement at the deck's points under the first bogies of a train."""
+    tapered, reinforced = GEOMETRIES[name]
+    words = []
+    if not reinforced:
+        words = [*EMBANKED, "ground.block.ugm.present=false", "ground.block.cbm.present=false"]
+    elif not tapered:
+        words = [f"ground.block.{block}.outline={outline}" for block, outline in STRAIGHT.items()]
+    place = folder / f"ground_{name.replace(', ', '_').replace(' ', '_')}_{mass}"
+    ran = subprocess.run(["mpirun", "-n", "2", "--oversubscribe", "--bind-to", "none", program,
+                          "run", DECK.parent / "netirail.toml", *words,
+                          f"track.sleeper_mass={mass * SLEEPER}", "passage.duration=1.1",
+                          'train.vehicles=["alfa_pendular"]', "--force", "-o", place],
+                         capture_output=True, text=True, check=False)
+    if ran.returncode:
+        sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
+    with h5py.File(place / "results.h5") as file:
+        return -file["history/rail/displacement"][()].min(axis=0)
+
+
 def draw(found, path):
+    masses = sorted({mass for _, mass in found})
     figure, panels = plt.subplots(1, len(POINTS), figsize=(10, 4.5), sharey=True,
                                   layout="constrained")
     for k, panel in enumerate(panels):
         for number, name in enumerate(GEOMETRIES):
-            panel.bar(np.arange(len(MASSES)) + 0.2 * number, [1e3 * found[name, mass][k]
-                                                              for mass in MASSES], 0.2, label=name)
-        panel.set_xticks(np.arange(len(MASSES)) + 0.3, [f"{mass} x" for mass in MASSES])
+            panel.bar(np.arange(len(masses)) + 0.2 * number, [1e3 * found[name, mass][k]
+                                                              for mass in masses], 0.2, label=name)
+        panel.set_xticks(np.arange(len(masses)) + 0.3, [f"{mass} x" for mass in masses])
         panel.set(title=f"{POINTS[k]} m from the bridge", xlabel="mass of sleepers")
         panel.grid(alpha=0.3, axis="y")
     panels[0].set(ylabel="rail, down, mm")
-    panels[0].legend(fontsize=7)
+    panels[0].legend(fontsize=7, loc="lower left")
     figure.savefig(path, dpi=130)
 
 
@@ -111,6 +142,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("program", type=os.path.abspath)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--ground", action="store_true")
+    parser.add_argument("--masses", type=float, nargs="+", default=MASSES)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     plain = DECK.read_text(encoding="utf-8")
@@ -118,11 +151,17 @@ def main():
     found = {}
     for name, kind in GEOMETRIES.items():
         text = head + zones(*kind) + "\n[train]" + rest
-        for mass in MASSES:
-            found[name, mass] = run(given.program, given.folder, name, mass, text)
-            change = found[name, mass] / found[name, MASSES[0]] - 1
+        for mass in given.masses:
+            if not given.ground:
+                found[name, mass] = run(given.program, given.folder, name, mass, text)
+            elif kind == (True, False):
+                found[name, mass] = found["same width, embankment", mass]
+            else:
+                found[name, mass] = run_on_ground(given.program, given.folder, name, mass)
+            change = found[name, mass] / found[name, given.masses[0]] - 1
             print(f"{name:24} {mass:3} x: rail down " + ", ".join(
-                f"{1e3 * down:.4f} mm at {point} m ({100 * c:+.1f} % of 0.5 x)"
+                f"{1e3 * down:.4f} mm at {point} m ({100 * c:+.1f} % of "
+                f"{given.masses[0]} x)"
                 for down, point, c in zip(found[name, mass], POINTS, change)), flush=True)
     with open(given.folder / "sleeper_mass.csv", "w", newline="", encoding="utf-8") as out:
         rows = csv.writer(out)
