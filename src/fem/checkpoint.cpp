@@ -147,9 +147,9 @@ void Ground::load(const io::File& file, const std::string& group) {
   Mesh& mesh = room_->mesh;
   const auto components = static_cast<std::size_t>(room_->components());
   const std::size_t total = file.extent(group + "/node")[0];
-  if (total != static_cast<std::size_t>(mesh.lattice.node_count()))
+  if (total != static_cast<std::size_t>(mesh.node_count()))
     throw RunError("the checkpoint holds a ground of " + std::to_string(total) +
-                   " nodes, the deck one of " + std::to_string(mesh.lattice.node_count()));
+                   " nodes, the deck one of " + std::to_string(mesh.node_count()));
   for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
     const std::size_t count = std::min(rows_at_once, total - begin);
     const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);

@@ -24,7 +24,7 @@ void add_points(const auto& room, const Nodal& velocity_everywhere, io::Grid& gr
   for (std::size_t n = 0; n < mesh.nodes(); ++n)
     for (std::size_t face = 0; face < faces; ++face) {
       const auto node = static_cast<std::int32_t>(n);
-      Vec3 x = lattice.position(mesh.node[n]);
+      Vec3 x = mesh.position(node);
       if (lattice.plane) x.y() = lattice.low.y() + static_cast<double>(face) * lattice.size.y();
       const Vec3 u = room.vector(room.state.displacement, node);
       const Vec3 v = room.vector(velocity_everywhere, node);
@@ -36,6 +36,10 @@ void add_points(const auto& room, const Nodal& velocity_everywhere, io::Grid& gr
 }
 
 void add_cell(const Mesh& mesh, std::size_t zone, io::Grid& grid) {
+  if (mesh.imported) {  // in VTK's order as they are
+    for (const std::int32_t node : mesh.imported->corner[zone]) grid.cells.push_back(node);
+    return;
+  }
   const Lattice& lattice = mesh.lattice;
   const std::int64_t faces = lattice.plane ? 2 : 1;
   for (const int k : vtk_corner) {
@@ -93,7 +97,7 @@ void Ground::take_extremes() {
 io::Grid Ground::fields() const {
   const Mesh& mesh = room_->mesh;
   io::Grid grid;
-  grid.kind = io::CellKind::hexahedron;
+  grid.kind = mesh.imported ? io::CellKind::quadratic_tetrahedron : io::CellKind::hexahedron;
   Nodal velocity = room_->state.velocity;
   room_->mesh.exchange(velocity);
   add_points(*room_, velocity, grid);

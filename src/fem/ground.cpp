@@ -14,9 +14,10 @@ namespace trackbed::fem {
 
 namespace {
 
-// One element per solid: all zones have the same size.
+// One element per solid: all zones of a lattice have the same size.
 std::vector<ZoneElement> elements_of(const Mesh& mesh, const GroundParameters& parameters) {
   std::vector<ZoneElement> elements;
+  if (mesh.imported) return elements;
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
   for (const Elastic& solid : mesh.solids.solid)
     elements.push_back(zone_element(mesh.lattice.size, solid, dimension, parameters.plane));
@@ -50,6 +51,7 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
 // The whole top on every rank: the coupler needs all boxes, and a top is small beside the solid. A
 // plane model shows two lines of nodes, front and back, that share one plane node each.
 void Ground::Room::make_surface() {
+  if (mesh.imported) return import_surface();
   const Lattice& lattice = mesh.lattice;
   const std::int64_t row = lattice.points()[0], across = lattice.plane ? 2 : lattice.points()[1];
   surface.name = "ground";
@@ -72,6 +74,23 @@ void Ground::Room::make_surface() {
       surface.triangles.push_back({a, b, c});
       surface.triangles.push_back({a, c, d});
     }
+  surface.motion.assign(surface.nodes(), Vec3::Zero());
+  surface.clear_load();
+  window_start_.assign(own_top.size(), Vec3::Zero());
+}
+
+// Six-node faces as four triangles each, so that stones and nodal loads see straight pieces.
+void Ground::Room::import_surface() {
+  const Imported& shape = *mesh.imported;
+  surface.name = "ground";
+  surface.load_quantum = exact_quantum(largest_node_force);
+  surface.position = shape.top_place;
+  surface.triangles = shape.top_triangles;
+  for (std::size_t n = 0; n < shape.top_node.size(); ++n) {
+    const std::int32_t node = mesh.local_node(shape.top_node[n]);
+    if (node >= 0 && mesh.owned[static_cast<std::size_t>(node)] != 0)
+      own_top.push_back({static_cast<std::int32_t>(n), node});
+  }
   surface.motion.assign(surface.nodes(), Vec3::Zero());
   surface.clear_load();
   window_start_.assign(own_top.size(), Vec3::Zero());
@@ -114,7 +133,7 @@ void Ground::Room::publish() {
     const TopNode& top = own_top[t];
     const auto number = static_cast<std::size_t>(top.number);
     const Vec3 now = shown_displacement(top.node);
-    Vec3 home = lattice.position(mesh.node[static_cast<std::size_t>(top.node)]);
+    Vec3 home = mesh.position(top.node);
     if (lattice.plane) home.y() = surface.position[number].y();
     surface.position[number] = home + window_start_[t];
     surface.motion[number] = now - window_start_[t];

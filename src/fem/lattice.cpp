@@ -160,6 +160,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
                : add(one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
     }
   }
+  for (const MeshSolid& one : parameters.solids) add(one.solid, Strength{}, "solid " + one.name);
   for (const Block& block : parameters.blocks)
     columns_.push_back({add(block.solid, block.strength, "block " + block.name)});
 }

@@ -57,9 +57,9 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
 // Number of the layer or, after all layers, block that a point lies in.
 int region_at(const GroundParameters& parameters, const Vec3& point);
 
-// Solids of the ground: layers in turn, then blocks in turn, and which one a zone has. A layer
-// whose modulus changes along x has one for each column of zones, or several if they are equal.
-// Damping is the solid's own or the ground's.
+// Solids of the ground: those of a mesh file in the order of the deck, or layers in turn, then
+// blocks in turn, and which one a zone has. A layer whose modulus changes along x has one for each
+// column of zones, or several if they are equal. Damping is the solid's own or the ground's.
 struct Solids {
   Solids(const GroundParameters& parameters, const Lattice& lattice);
   // Local: any rank may ask for any zone.

@@ -38,6 +38,29 @@ bool suggest(const std::string& name, const char* value) {
 
 }  // namespace
 
+// Entries of the rows of own nodes, at most. A node of a lattice meets 27 nodes in space and 9 in a
+// plane, one of tetrahedra those of the elements around it.
+std::vector<PetscInt> LinearSystem::Handles::entries() const {
+  const auto of_each = static_cast<std::size_t>(components);
+  std::vector<PetscInt> rows(mesh.own.size() * of_each, components == 3 ? 81 : 18);
+  if (!mesh.imported) return rows;
+  std::vector<std::vector<std::int32_t>> met(mesh.nodes());
+  for (const auto& nodes : mesh.imported->corner)
+    for (const std::int32_t n : nodes)
+      if (mesh.owned[static_cast<std::size_t>(n)] != 0) {
+        auto& list = met[static_cast<std::size_t>(n)];
+        list.insert(list.end(), nodes.begin(), nodes.end());
+      }
+  for (std::size_t n = 0; n < mesh.own.size(); ++n) {
+    auto& list = met[static_cast<std::size_t>(mesh.own[n])];
+    std::sort(list.begin(), list.end());
+    const auto count = std::unique(list.begin(), list.end()) - list.begin();
+    std::fill_n(rows.begin() + static_cast<std::ptrdiff_t>(n * of_each), of_each,
+                static_cast<PetscInt>(components * count));
+  }
+  return rows;
+}
+
 // Unknowns are numbered by owner, then by node, components of a node together (blocks for solvers
 // that know them). Ghosts learn their number from the owner.
 void LinearSystem::Handles::create() {
@@ -46,30 +69,33 @@ void LinearSystem::Handles::create() {
     mine[static_cast<std::size_t>(mesh.own[n])] = mesh.first_own + static_cast<std::int64_t>(n);
   number = mesh.exchange(mine);
   const auto rows = static_cast<PetscInt>(mesh.own.size()) * components;
-  // A node meets 27 nodes in space and 9 in a plane.
-  const PetscInt in_row = components == 3 ? 81 : 18;
+  const auto all = static_cast<PetscInt>(mesh.comm.sum(static_cast<std::int64_t>(rows)));
+  // PETSc refuses more entries in a row than there are columns: own ones, or all.
+  std::vector<PetscInt> inner = entries(), outer = inner;
+  for (PetscInt& count : inner) count = std::min(count, rows);
+  for (PetscInt& count : outer) count = std::min(count, all);
   const MPI_Comm comm = par::mpi(mesh.comm);
   check(MatCreate(comm, &matrix), "create a matrix");
   check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE), "size a matrix");
   check(MatSetBlockSize(matrix, components), "size a matrix");
   check(MatSetType(matrix, MATAIJ), "type a matrix");
-  check(MatSeqAIJSetPreallocation(matrix, in_row, nullptr), "allocate a matrix");
-  check(MatMPIAIJSetPreallocation(matrix, in_row, nullptr, in_row, nullptr), "allocate a matrix");
+  check(MatSeqAIJSetPreallocation(matrix, 0, inner.data()), "allocate a matrix");
+  check(MatMPIAIJSetPreallocation(matrix, 0, inner.data(), 0, outer.data()), "allocate a matrix");
   check(MatCreateVecs(matrix, &solution, &right), "create vectors");
 }
 
 // Rows of own nodes are complete here: every zone that touches them is held.
 void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& k,
                                      double factor) {
-  const int corners = mesh.lattice.corners();
+  const int corners = mesh.corners();
   for (int a = 0; a < corners; ++a) {
     const std::int32_t node = mesh.corner(zone, a);
     if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
     for (int c = 0; c < components; ++c) {
       // Rows and columns of held unknowns are left out: the matrix stays symmetric.
       if (is_held(node, c)) continue;
-      std::array<PetscInt, 24> columns{};
-      std::array<PetscScalar, 24> values{};
+      std::array<PetscInt, 30> columns{};
+      std::array<PetscScalar, 30> values{};
       PetscInt count = 0;
       for (int b = 0; b < corners; ++b)
         for (int d = 0; d < components; ++d) {
@@ -89,12 +115,12 @@ void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::Matr
 // solution has not (dot products).
 void LinearSystem::Handles::assemble(const Spec& spec) {
   for (std::size_t z = 0; z < mesh.zone.size(); ++z)
-    add_zone(matrix, z, stiffness.element(mesh.solid[z]).stiffness,
+    add_zone(matrix, z, stiffness.matrix(mesh, z),
              spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])]);
   // A held unknown keeps a row of its own, as stiff as its neighbours for the multigrid's sake.
   for (std::size_t z = 0; z < mesh.zone.size() && stiff == 0; ++z)
     stiff = spec.stiffness_factor[static_cast<std::size_t>(mesh.solid[z])] *
-            stiffness.element(mesh.solid[z]).stiffness(0, 0);
+            stiffness.matrix(mesh, z)(0, 0);
   for (const std::int32_t node : mesh.own)
     for (int c = 0; c < components; ++c) {
       const PetscInt at = row(node, c);
@@ -115,7 +141,7 @@ void LinearSystem::Handles::tell_rigid_motions() {
   PetscScalar* x = nullptr;
   check(VecGetArray(places, &x), "open a vector");
   for (std::size_t n = 0; n < mesh.own.size(); ++n) {
-    const Vec3 at = mesh.lattice.position(mesh.node[static_cast<std::size_t>(mesh.own[n])]);
+    const Vec3 at = mesh.position(mesh.own[n]);
     for (int c = 0; c < components; ++c)
       x[n * static_cast<std::size_t>(components) + static_cast<std::size_t>(c)] =
           at[mesh.lattice.axis(c)];

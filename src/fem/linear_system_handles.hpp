@@ -40,6 +40,7 @@ struct LinearSystem::Handles {
 
   // In this order: sizes, numbers, rigid motions, solver.
   void create();
+  std::vector<PetscInt> entries() const;
   void assemble(const Spec& spec);
   // Into rows of own nodes of a matrix.
   void add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& stiffness, double factor);

@@ -44,8 +44,12 @@ std::vector<int> node_owners(const Lattice& lattice, int ranks) {
 Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Dimension dimension,
            double thickness)
     : comm(communicator),
-      lattice(make_lattice(parameters, dimension, thickness)),
+      lattice(parameters.mesh.empty() ? make_lattice(parameters, dimension, thickness) : Lattice{}),
       solids(parameters, lattice) {
+  if (!parameters.mesh.empty()) {
+    read_file(parameters);
+    return;
+  }
   const std::vector<int> owner = node_owners(lattice, comm.size());
   hold(owner, parameters);
   connect(owner);
@@ -73,6 +77,16 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
     solid.push_back(solids.of(parameters, lattice, z));
     for (int k = 0; k < lattice.corners(); ++k) node.push_back(lattice.corner(at, k));
   }
+  number(owner);
+  line.resize(zone.size());
+  for (std::size_t z = 0; z < zone.size(); ++z)
+    for (int l = 0; l < lines(); ++l)
+      line[z][static_cast<std::size_t>(l)] =
+          local_node(lattice.corner(lattice.zone_index(zone[z]), 2 * l));
+}
+
+// Of all nodes of the zones held, in any order and several times.
+void Mesh::number(const std::vector<int>& owner) {
   // Local numbers follow global ones. Along a row of zones all nodes are held, so neighbours along
   // x are neighbours in memory too: the kernel relies on it.
   std::sort(node.begin(), node.end());
@@ -82,11 +96,6 @@ void Mesh::hold(const std::vector<int>& owner, const GroundParameters& parameter
     owned.push_back(owner[static_cast<std::size_t>(node[n])] == comm.rank());
     if (owned.back() != 0) own.push_back(static_cast<std::int32_t>(n));
   }
-  line.resize(zone.size());
-  for (std::size_t z = 0; z < zone.size(); ++z)
-    for (int l = 0; l < lines(); ++l)
-      line[z][static_cast<std::size_t>(l)] =
-          local_node(lattice.corner(lattice.zone_index(zone[z]), 2 * l));
 }
 
 // Each rank asks the owners for its ghosts; the answers fix what is sent in every step.
@@ -154,7 +163,11 @@ std::vector<std::int64_t> Mesh::exchange(const std::vector<std::int64_t>& values
 }
 
 std::size_t Mesh::bytes() const {
-  return node.capacity() * sizeof(Id) + owned.capacity() + own.capacity() * 4 +
+  const std::size_t shape = !imported ? 0
+                                      : imported->place.capacity() * sizeof(Vec3) +
+                                            imported->corner.capacity() * 40 +
+                                            imported->top_place.capacity() * 56;
+  return shape + node.capacity() * sizeof(Id) + owned.capacity() + own.capacity() * 4 +
          zone.capacity() * sizeof(Id) + solid.capacity() * 4 + line.capacity() * 16 +
          top_owner.capacity() * 4 + (packed_.capacity() + received_.capacity()) * 8;
 }

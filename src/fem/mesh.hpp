@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lattice.hpp"
@@ -39,14 +40,35 @@ struct Nodal {
   }
 };
 
+// What a rank holds beside it of a ground from a mesh file, whose zones are ten-node tetrahedra.
+struct Imported {
+  Id zones = 0, nodes = 0;                           // of all ranks
+  double depth = 0;                                  // m, of the lowest node
+  std::vector<Vec3> place;                           // m, of nodes known here
+  std::vector<std::array<std::int32_t, 10>> corner;  // local nodes of zones held here
+  // Outer faces of zones held here, ascending by zone.
+  struct Face {
+    std::int32_t zone, side;  // local; of tetrahedron_faces
+    std::int32_t border;      // index into GroundParameters::borders; -1: top
+    int axis;                 // along which the normal points, -1: none
+    bool low;                 // against it
+  };
+  std::vector<Face> borders, top;
+  // The top as a surface of triangles: the same on every rank.
+  std::vector<Id> top_node;  // ascending
+  std::vector<Vec3> top_place;
+  std::vector<std::array<std::int32_t, 3>> top_triangles;
+};
+
 // Building is collective; afterwards only `exchange` is.
 struct Mesh {
   Mesh(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
        double thickness);
 
   par::Comm comm;
-  Lattice lattice;
+  Lattice lattice;  // of a mesh from a file only its number of components means something
   Solids solids;
+  std::unique_ptr<const Imported> imported;       // if the ground is from a file
   std::vector<Id> node;                           // known here, ascending
   std::vector<std::uint8_t> owned;                // of each node: 1 if this rank's
   std::vector<std::int32_t> own;                  // local numbers of own nodes, ascending
@@ -58,13 +80,21 @@ struct Mesh {
 
   std::size_t nodes() const { return node.size(); }
   int lines() const { return lattice.corners() / 2; }
+  int corners() const { return imported ? 10 : lattice.corners(); }
   std::int32_t corner(std::size_t zone, int k) const {
+    if (imported) return imported->corner[zone][static_cast<std::size_t>(k)];
     return line[zone][static_cast<std::size_t>(k >> 1)] + (k & 1);
   }
+  Vec3 position(std::int32_t node) const {  // m; a plane node lies amid the thickness
+    const auto n = static_cast<std::size_t>(node);
+    return imported ? imported->place[n] : lattice.position(this->node[n]);
+  }
+  Id zone_count() const { return imported ? imported->zones : lattice.zone_count(); }
+  Id node_count() const { return imported ? imported->nodes : lattice.node_count(); }
   std::int32_t local_node(Id id) const;  // -1 if not held
   std::int64_t local_zone(Id id) const;  // -1 if not held
   // A zone is written out by the owner of its first corner, which holds it in any case.
-  bool writes(std::size_t z) const { return owned[static_cast<std::size_t>(line[z][0])] != 0; }
+  bool writes(std::size_t z) const { return owned[static_cast<std::size_t>(corner(z, 0))] != 0; }
 
   // Ghost values from their owners. Collective.
   void exchange(Nodal& values);
@@ -73,6 +103,8 @@ struct Mesh {
 
  private:
   void hold(const std::vector<int>& owner_of_node, const GroundParameters& parameters);
+  void number(const std::vector<int>& owner_of_node);
+  void read_file(const GroundParameters& parameters);
   void connect(const std::vector<int>& owner_of_node);
   template <int D>
   void exchange_packed(Nodal& values);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "room.hpp"
+#include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::fem {
@@ -26,10 +27,11 @@ Vec6 stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recove
 
 // xx yy zz xy yz zx.
 Vec6 Ground::Room::stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const {
+  const Nodal& u = when == Plasticity::When::rest ? state.rest : state.displacement;
+  if (mesh.imported) return stiffness.tetrahedra().stress(zone, tetrahedron_centre(), u);
   const ZoneElement& element = stiffness.element(mesh.solid[zone]);
-  const bool top = where == Plasticity::Where::top, rest = when == Plasticity::When::rest;
-  Vec6 found = stress_of(mesh, zone, top ? element.top_stress : element.centre_stress,
-                         rest ? state.rest : state.displacement);
+  const bool top = where == Plasticity::Where::top;
+  Vec6 found = stress_of(mesh, zone, top ? element.top_stress : element.centre_stress, u);
   if (plasticity) found += plasticity->stress(zone, where, when);
   return found;
 }
@@ -37,12 +39,31 @@ Vec6 Ground::Room::stress(std::size_t zone, Plasticity::Where where, Plasticity:
 // Mean over the zones below the node, each amid its top face, where the recovered stress is best.
 // Pa, sigma_z, tension positive. The owner holds all these zones.
 double Ground::Room::surface_stress(std::int32_t node) const {
+  if (mesh.imported) return imported_surface_stress(node);
   std::array<Id, 8> zones{};
   const int count = mesh.lattice.zones_at(mesh.node[static_cast<std::size_t>(node)], zones);
   double sum = 0;
   for (int z = 0; z < count; ++z) {
     const auto zone = static_cast<std::size_t>(mesh.local_zone(zones[static_cast<std::size_t>(z)]));
     sum += stress(zone, Plasticity::Where::top, Plasticity::When::since)(2);
+  }
+  return sum / count;
+}
+
+// The same over the faces around the node. Linear in the faces of the top held here.
+double Ground::Room::imported_surface_stress(std::int32_t node) const {
+  double sum = 0;
+  int count = 0;
+  for (const Imported::Face& face : mesh.imported->top) {
+    const auto zone = static_cast<std::size_t>(face.zone);
+    const auto& nodes = mesh.imported->corner[zone];
+    const auto& local = tetrahedron_faces[static_cast<std::size_t>(face.side)];
+    if (std::none_of(local.begin(), local.end(),
+                     [&](int k) { return nodes[static_cast<std::size_t>(k)] == node; }))
+      continue;
+    sum += stiffness.tetrahedra().stress(zone, tetrahedron_face_centre(face.side),
+                                         state.displacement)(2);
+    ++count;
   }
   return sum / count;
 }
@@ -86,8 +107,8 @@ GroundTotals Ground::totals() const {
   const Room& room = *room_;
   const Mesh& mesh = room.mesh;
   GroundTotals totals;
-  totals.elements = mesh.lattice.zone_count();
-  totals.nodes = mesh.lattice.node_count();
+  totals.elements = mesh.zone_count();
+  totals.nodes = mesh.node_count();
   totals.steps = room.steps;
   totals.seconds = room.seconds;
   if (room.solves > 0)

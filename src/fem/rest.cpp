@@ -47,8 +47,7 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   Nodal right = state.settled;
   // Weight acts on the last component, z, in a plane as in space.
   const int up = components() - 1;
-  for (const std::int32_t n : mesh.own)
-    right[up][n] -= gravity * terms.mass[static_cast<std::size_t>(n)];
+  for (const std::int32_t n : mesh.own) right[up][n] -= terms.weight(static_cast<std::size_t>(n));
   plasticity ? yielding_rest(right) : elastic_rest(right);
   mesh.exchange(state.rest);
   mesh.exchange(state.offset);

@@ -76,6 +76,7 @@ struct Ground::Room {
   Vec3 vector(const Nodal& values, std::int32_t node) const;
   Vec3 shown_displacement(std::int32_t node) const;
   double surface_stress(std::int32_t node) const;       // Pa, sigma_z at a top node
+  double imported_surface_stress(std::int32_t node) const;
   std::int32_t node_of_top(std::int32_t number) const;  // local, of an own node of the surface
 
   GroundParameters parameters;
@@ -101,6 +102,7 @@ struct Ground::Room {
 
  private:
   void make_surface();
+  void import_surface();
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces

@@ -113,6 +113,11 @@ Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
 
 Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping)
     : elements_(std::move(elements)), nodes_(mesh.nodes()), components_(mesh.lattice.components()) {
+  if (mesh.imported) {
+    tetrahedra_.emplace(mesh, common_damping);
+    damps_ = tetrahedra_->damps();
+    return;
+  }
   for (const ZoneElement& element : elements_)
     blocks_.push_back(blocks_of(element.stiffness, components_));
   // Zones are ascending with x fastest, so a row of the lattice is contiguous unless the partition
@@ -141,6 +146,7 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double
 
 // Solid by solid, within each in the order of zones: the same order of sums on any number of ranks.
 void Stiffness::add_damping(const Nodal& v, Nodal& f) const {
+  if (tetrahedra_) return tetrahedra_->add_damping(v, f);
   if (components_ == 2)
     apply_runs<2>(damped_runs_, damping_, v, f);
   else
@@ -150,6 +156,7 @@ void Stiffness::add_damping(const Nodal& v, Nodal& f) const {
 // Forces of ghosts are sums over the zones held here alone, and not complete.
 void Stiffness::apply(const Nodal& w, Nodal& f) const {
   for (int c = 0; c < components_; ++c) std::fill_n(f[c], nodes_, 0.0);
+  if (tetrahedra_) return tetrahedra_->add_force(w, f);
   if (components_ == 2)
     apply_runs<2>(runs_, blocks_, w, f);
   else

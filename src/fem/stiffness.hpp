@@ -8,14 +8,17 @@
 // one per vector lane, with unit-stride loads. See docs/decisions/ground_elements.md.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "element.hpp"
 #include "mesh.hpp"
+#include "tetrahedra.hpp"
 
 namespace trackbed::fem {
 
-// Constant once made; local. Cost: 288 flops per zone and the forces' assembly.
+// Constant once made; local. Cost: 288 flops per zone and the forces' assembly. A mesh from a file
+// has no use for `elements`: its forces are those of Tetrahedra, and `element` is not asked for.
 class Stiffness {
  public:
   Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping = 0);
@@ -30,7 +33,14 @@ class Stiffness {
   const ZoneElement& element(std::int32_t solid) const {
     return elements_[static_cast<std::size_t>(solid)];
   }
-  std::size_t bytes() const { return runs_.capacity() * sizeof(Run); }
+  // N/m of a zone held, freedoms d * corner + component.
+  Eigen::MatrixXd matrix(const Mesh& mesh, std::size_t zone) const {
+    return tetrahedra_ ? tetrahedra_->matrix(zone) : element(mesh.solid[zone]).stiffness;
+  }
+  const Tetrahedra& tetrahedra() const { return *tetrahedra_; }  // of a mesh from a file
+  std::size_t bytes() const {
+    return runs_.capacity() * sizeof(Run) + (tetrahedra_ ? tetrahedra_->bytes() : 0);
+  }
 
   // Stiffness in patterns: block[g][c][d] ties component c with pattern g ^ (1 << c) to component
   // d.
@@ -51,6 +61,7 @@ class Stiffness {
   std::vector<Run> runs_;
   std::vector<Blocks> damping_;   // of each solid, blocks_ times what it damps more
   std::vector<Run> damped_runs_;  // of solids that damp more or less than the others
+  std::optional<Tetrahedra> tetrahedra_;
   bool damps_ = false;
   std::size_t nodes_;
   int components_;

@@ -15,22 +15,6 @@ namespace trackbed::fem {
 
 namespace {
 
-// Impedances of a half space, Pa s/m (Lysmer, Kuhlemeyer 1969, doi:10.1061/JMCEA3.0001144):
-// rho c_p for motion along the normal, rho c_s across it. In plane stress waves run with the plate
-// modulus E / (1 - nu^2).
-//   rho c_p = sqrt(rho M),  rho c_s = sqrt(rho G),  G = E/(2 (1 + nu)),
-//   M = E (1 - nu)/((1 + nu)(1 - 2 nu)), in plane stress E/(1 - nu^2).
-// Exact for waves along the normal; waves at an angle are swallowed in part.
-struct Impedance {
-  double normal, tangential;
-};
-Impedance impedance(const Elastic& s, bool plane_stress) {
-  const double nu = s.poisson, shear = s.young / (2 * (1 + nu));
-  const double modulus =
-      plane_stress ? s.young / (1 - nu * nu) : s.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-  return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
-}
-
 double depth_of(const Lattice& lattice) {
   return lattice.size.z() * static_cast<double>(lattice.zones[2]);
 }
@@ -92,7 +76,27 @@ struct Builder {
   }
 };
 
-// The springs of one node come from several zones: one entry each, in the order of nodes.
+// Of a symmetric matrix of 24 rows at most.
+double largest_eigenvalue(const Eigen::MatrixXd& k) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+}  // namespace
+
+// rho c_p for motion along the normal, rho c_s across it. In plane stress waves run with the plate
+// modulus E / (1 - nu^2).
+//   rho c_p = sqrt(rho M),  rho c_s = sqrt(rho G),  G = E/(2 (1 + nu)),
+//   M = E (1 - nu)/((1 + nu)(1 - 2 nu)), in plane stress E/(1 - nu^2).
+// Exact for waves along the normal; waves at an angle are swallowed in part.
+Impedance impedance(const Elastic& s, bool plane_stress) {
+  const double nu = s.poisson, shear = s.young / (2 * (1 + nu));
+  const double modulus =
+      plane_stress ? s.young / (1 - nu * nu) : s.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
+}
+
 void merge(std::vector<Spring>& springs) {
   std::stable_sort(springs.begin(), springs.end(),
                    [](const Spring& a, const Spring& b) { return a.node < b.node; });
@@ -104,15 +108,6 @@ void merge(std::vector<Spring>& springs) {
       merged.push_back(s);
   springs = std::move(merged);
 }
-
-// Of a symmetric matrix of 24 rows at most.
-double largest_eigenvalue(const Eigen::MatrixXd& k) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
-}
-
-}  // namespace
 
 // Pa/m. A layer of depth H below the base, held at its foot, would resist a shear with G/H; the
 // ground's own depth is taken for H, for want of a better one.
@@ -150,6 +145,10 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
       damping(mesh.lattice.components(), mesh.nodes()),
       held(mesh.nodes(), 0),
       held_at_rest(mesh.nodes(), 0) {
+  if (mesh.imported) {
+    add_tetrahedra(mesh, parameters);
+    return;
+  }
   // Masses first by zones, then what hangs on them.
   const Builder builder{mesh, parameters, *this};
   // Mass damping that differs from the ground's is added zone by zone.
@@ -173,6 +172,7 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
 // Collective; the same step on all ranks.
 double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit) {
+  if (mesh.imported) return critical_step_of_tetrahedra(mesh, parameters, stiffness, limit);
   const Lattice& lattice = mesh.lattice;
   const Border border(lattice, parameters);
   const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;

@@ -38,6 +38,7 @@ struct Terms {
   Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness);
 
   std::vector<double> mass;        // kg
+  std::vector<double> carried;     // kg, whose weight the node carries; empty: its mass
   Nodal damping;                   // N s/m: dashpots and the mass part of Rayleigh damping
   std::vector<Spring> springs;     // below a quiet base, of held nodes too
   std::vector<std::uint8_t> held;  // bit c: component c cannot move
@@ -45,11 +46,26 @@ struct Terms {
   // rests on its springs), a quiet side is held along its normal.
   std::vector<std::uint8_t> held_at_rest;
 
-  std::size_t bytes() const {
-    return mass.capacity() * 8 + damping.bytes() + springs.capacity() * sizeof(Spring) +
-           held.capacity() + held_at_rest.capacity();
+  // N, of own weight, downwards.
+  double weight(std::size_t node) const {
+    return gravity * (carried.empty() ? mass[node] : carried[node]);
   }
+  std::size_t bytes() const {
+    return (mass.capacity() + carried.capacity()) * 8 + damping.bytes() +
+           springs.capacity() * sizeof(Spring) + held.capacity() + held_at_rest.capacity();
+  }
+
+ private:
+  void add_tetrahedra(const Mesh& mesh, const GroundParameters& parameters);
 };
+
+// Impedances of a half space, Pa s/m (Lysmer, Kuhlemeyer 1969, doi:10.1061/JMCEA3.0001144).
+struct Impedance {
+  double normal, tangential;
+};
+Impedance impedance(const Elastic& solid, bool plane_stress);
+// The springs of one node come from several zones: one entry each, in the order of nodes.
+void merge(std::vector<Spring>& springs);
 
 // Largest stable step of central differences without safety (s), over all ranks, and the zone that
 // limits it. The largest frequency of the mesh is not above that of its stiffest zone standing
@@ -59,5 +75,7 @@ struct Terms {
 // the mean velocity of a step and do not lower it.
 double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit);
+double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& parameters,
+                                   const Stiffness& stiffness, std::string& limit);
 
 }  // namespace trackbed::fem

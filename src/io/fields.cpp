@@ -19,7 +19,7 @@ constexpr const char* root = "/VTKHDF";
 
 std::string at(const std::string& name) { return std::string(root) + "/" + name; }
 
-// Of the linear VTK cells; the enumerators are VTK's own cell numbers.
+// Of VTK's cells; the enumerators are VTK's own cell numbers.
 std::size_t nodes_per_cell(CellKind kind) {
   switch (kind) {
     case CellKind::vertex:
@@ -32,6 +32,8 @@ std::size_t nodes_per_cell(CellKind kind) {
       return 4;
     case CellKind::hexahedron:
       return 8;
+    case CellKind::quadratic_tetrahedron:
+      return 10;
   }
   return 0;
 }

@@ -1,4 +1,5 @@
-// The continuum below the bed: layered elastic solid of 8-node hexahedra, spread over ranks.
+// The continuum below the bed, spread over ranks: layers of 8-node hexahedra, or a body of any
+// shape of 10-node tetrahedra from a mesh file.
 #pragma once
 
 #include <array>
@@ -54,6 +55,22 @@ struct Block {
   void declare(input::Section& s);
 };
 
+// What the elements of a physical volume of a mesh file are made of.
+struct MeshSolid {
+  std::string name;  // of the physical volume
+  Elastic solid;
+  void declare(input::Section& s);
+};
+
+// What a physical surface of a mesh file is to the ground. Rollers hold along the normal; quiet
+// ones are dashpots, with springs below a base.
+enum class BorderKind { free, fixed, roller, quiet };
+struct MeshBorder {
+  std::string name;  // of the physical surface
+  BorderKind holds = BorderKind::roller;
+  void declare(input::Section& s);
+};
+
 enum class Integrator { explicit_, newmark, hht, bossak, generalized_alpha };
 enum class PlaneState { stress, strain };
 enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
@@ -62,6 +79,10 @@ enum class Sides { free, roller, quiet, free_field };
 
 struct GroundParameters {
   bool present = true;
+  std::string mesh;  // Gmsh file; then solids and borders count, and what makes zones does not
+  std::string mesh_top = "top";  // physical surface below the stones
+  std::vector<MeshSolid> solids;
+  std::vector<MeshBorder> borders;
   std::vector<double> x = {0, 10};        // m, from and to
   std::vector<double> y = {-0.65, 0.65};  // m; a plane model takes its thickness from the model
   std::int64_t zones_x = 100, zones_y = 1, zones_z = 50;
@@ -83,6 +104,9 @@ struct GroundParameters {
   double tolerance = 1e-8;  // relative residual of linear solves
   bool yields() const;      // whether any layer or block that is there does
   void declare(input::Section& s);
+
+ private:
+  void declare_mesh(input::Section& s);
 };
 
 // Pa/m of the springs below a quiet base under this solid, `depth` m below the top.
@@ -91,6 +115,13 @@ struct GroundParameters {
 // 1.2, alpha_T 0.35 to 0.65 in a plane, 1 to 2 and 0.5 to 1 in space). One number for all
 // directions, since loads of a track act downwards.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth);
+
+// Bounds of the top of a ground from a mesh file, m. Reads and checks the file: throws InputError
+// with everything that is wrong with it. Local.
+struct TopBounds {
+  Vec3 low, high;
+};
+TopBounds top_of_mesh(const GroundParameters& parameters);
 
 struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;

@@ -16,7 +16,8 @@ enum class CellKind : std::uint8_t {
   line = 3,
   triangle = 5,
   quad = 9,
-  hexahedron = 12
+  hexahedron = 12,
+  quadratic_tetrahedron = 24
 };
 
 struct FieldData {

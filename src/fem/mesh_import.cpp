@@ -1,0 +1,110 @@
+// A ground from a mesh file: which rank holds what of it. Nodes and elements have the numbers of
+// their order in the file.
+//
+// Every rank reads the whole file and keeps its share, as every rank visits the whole lattice: no
+// message, and nothing of the whole is left but the top.
+#include <algorithm>
+
+#include "mesh.hpp"
+#include "solid_mesh.hpp"
+#include "tetrahedron.hpp"
+#include "trackbed/par/partition.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+// Elements are neighbours if they share a face, three corners; nodes go to the lowest rank of the
+// elements around.
+std::vector<int> node_owners(const SolidMesh& whole, int ranks) {
+  std::vector<int> owner(whole.position.size(), 0);
+  if (ranks == 1) return owner;
+  std::vector<std::int32_t> corners;
+  corners.reserve(4 * whole.element.size());
+  for (const auto& nodes : whole.element) corners.insert(corners.end(), &nodes[0], &nodes[4]);
+  const auto part = par::partition_mesh(corners, 4, 3, ranks);
+  std::fill(owner.begin(), owner.end(), ranks);
+  for (std::size_t e = 0; e < whole.element.size(); ++e)
+    for (const std::int32_t n : whole.element[e]) {
+      int& mine = owner[static_cast<std::size_t>(n)];
+      mine = std::min(mine, part[e]);
+    }
+  return owner;
+}
+
+// A six-node face as four triangles, turned as it is.
+constexpr std::array<std::array<std::size_t, 3>, 4> quarters = {
+    {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+
+void make_top(const SolidMesh& whole, Imported& shape) {
+  for (const SolidMesh::Face& face : whole.top)
+    for (const std::int32_t n : whole.nodes_of(face)) shape.top_node.push_back(n);
+  std::sort(shape.top_node.begin(), shape.top_node.end());
+  shape.top_node.erase(std::unique(shape.top_node.begin(), shape.top_node.end()),
+                       shape.top_node.end());
+  for (const Id n : shape.top_node)
+    shape.top_place.push_back(whole.position[static_cast<std::size_t>(n)]);
+  for (const SolidMesh::Face& face : whole.top) {
+    const auto nodes = whole.nodes_of(face);
+    for (const auto& quarter : quarters) {
+      auto& triangle = shape.top_triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k)
+        triangle[k] = static_cast<std::int32_t>(
+            std::lower_bound(shape.top_node.begin(), shape.top_node.end(), nodes[quarter[k]]) -
+            shape.top_node.begin());
+    }
+  }
+}
+
+}  // namespace
+
+void Mesh::read_file(const GroundParameters& parameters) {
+  const SolidMesh whole = read_solid_mesh(parameters);
+  const std::vector<int> owner = node_owners(whole, comm.size());
+  auto shape = std::make_unique<Imported>();
+  shape->zones = static_cast<Id>(whole.element.size());
+  shape->nodes = static_cast<Id>(whole.position.size());
+  shape->depth = whole.depth();
+  for (std::size_t e = 0; e < whole.element.size(); ++e) {
+    const auto& nodes = whole.element[e];
+    if (std::none_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+          return owner[static_cast<std::size_t>(n)] == comm.rank();
+        }))
+      continue;
+    zone.push_back(static_cast<Id>(e));
+    solid.push_back(whole.solid[e]);
+    node.insert(node.end(), nodes.begin(), nodes.end());
+  }
+  number(owner);
+  for (const Id n : node) shape->place.push_back(whole.position[static_cast<std::size_t>(n)]);
+  for (const Id e : zone) {
+    auto& local = shape->corner.emplace_back();
+    for (std::size_t k = 0; k < 10; ++k)
+      local[k] = local_node(whole.element[static_cast<std::size_t>(e)][k]);
+  }
+  const auto keep = [&](const std::vector<SolidMesh::Face>& from, auto& to) {
+    for (const SolidMesh::Face& face : from)
+      if (const std::int64_t at = local_zone(face.element); at >= 0)
+        to.push_back({static_cast<std::int32_t>(at), face.side, face.border, face.axis, face.low});
+  };
+  keep(whole.borders, shape->borders), keep(whole.top, shape->top);
+  make_top(whole, *shape);
+  for (const Id n : shape->top_node) top_owner.push_back(owner[static_cast<std::size_t>(n)]);
+  imported = std::move(shape);
+  connect(owner);
+  first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));
+}
+
+TopBounds top_of_mesh(const GroundParameters& parameters) {
+  const SolidMesh whole = read_solid_mesh(parameters);
+  TopBounds bounds{whole.position[static_cast<std::size_t>(whole.nodes_of(whole.top[0])[0])], {}};
+  bounds.high = bounds.low;
+  for (const SolidMesh::Face& face : whole.top)
+    for (const std::int32_t n : whole.nodes_of(face)) {
+      const Vec3& at = whole.position[static_cast<std::size_t>(n)];
+      bounds.low = bounds.low.cwiseMin(at), bounds.high = bounds.high.cwiseMax(at);
+    }
+  return bounds;
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,96 @@
+// The part of [ground] that names a mesh file and what its groups are.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+using input::About;
+using input::Section;
+
+namespace {
+
+// Of a list in which each name may stand once: the first that stands twice, or -1.
+template <class List>
+int repeated(const List& list, std::set<std::string> names) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!names.insert(list[i].name).second) return static_cast<int>(i);
+  return -1;
+}
+
+template <class List>
+void declare_once(const List& list, const std::string& key, const std::set<std::string>& taken,
+                  Section& s) {
+  const int again = repeated(list, taken);
+  s.rule(fmt::format("{}[{}].name", key, std::max(again, 0)), again < 0,
+         "is the name of an earlier one; a group of the mesh has one meaning", {.reads = {key}});
+}
+
+// What shapes layers and zones says nothing about a mesh.
+void refuse_layers(const GroundParameters& p, Section& s) {
+  const GroundParameters common;
+  const auto without = [&](const char* key, bool holds, const char* instead) {
+    s.rule(key, holds, fmt::format("has no effect with ground.mesh; {}", instead),
+           {.reads = {"mesh", key}});
+  };
+  const char* solids = "its volumes are [[ground.solid]]";
+  const char* borders = "its surfaces are [[ground.border]]";
+  const char* shape = "the file has the shape";
+  without("layer", p.layers.empty(), solids);
+  without("block", p.blocks.empty(), solids);
+  without("base", p.base == common.base, borders);
+  without("sides", p.sides == common.sides, borders);
+  without("base_motion", p.base_motion.empty(), "waves from below are for layers");
+  without("plane", p.plane == common.plane, "a mesh is for models in space");
+  without("x", p.x == common.x, shape);
+  without("y", p.y == common.y, shape);
+  without("zones_x", p.zones_x == common.zones_x, shape);
+  without("zones_y", p.zones_y == common.zones_y, shape);
+  without("zones_z", p.zones_z == common.zones_z, shape);
+}
+
+}  // namespace
+
+void MeshSolid::declare(Section& s) {
+  s.text("name", name, "Physical volume of the mesh that is made of it.");
+  solid.declare(s);
+}
+
+void MeshBorder::declare(Section& s) {
+  s.text("name", name, "Physical surface of the mesh.");
+  s.choice(
+      "holds", holds, {"free", "fixed", "roller", "quiet"},
+      "free: not; fixed: in all directions; roller: along its normal; quiet: dashpots that let "
+      "waves out, and below the ground the springs of base_stiffness.");
+}
+
+void GroundParameters::declare_mesh(Section& s) {
+  s.file("mesh", mesh,
+         "Gmsh file (ASCII, 4.1 or 2.2) of 10-node tetrahedra in place of layers and zones; its "
+         "physical volumes need a solid, its physical surfaces a border; empty: none.");
+  s.text("mesh_top", mesh_top,
+         "Physical surface of the mesh below the stones; it must lie at z = 0.");
+  s.tables("solid", solids, "What a physical volume of the mesh is made of.");
+  s.tables("border", borders, "What holds a physical surface of the mesh.");
+  const About with_mesh{.reads = {"mesh", "mesh_top", "solid", "border"}};
+  if (mesh.empty()) {
+    s.rule("solid", solids.empty(), "has no effect without mesh", with_mesh);
+    s.rule("border", borders.empty(), "has no effect without mesh", with_mesh);
+    s.rule("mesh_top", mesh_top == GroundParameters().mesh_top, "has no effect without mesh",
+           with_mesh);
+    return;
+  }
+  declare_once(solids, "solid", {}, s);
+  declare_once(borders, "border", {mesh_top}, s);
+  const bool held = std::any_of(borders.begin(), borders.end(), [](const MeshBorder& border) {
+    return border.holds == BorderKind::fixed || border.holds == BorderKind::quiet;
+  });
+  s.rule("border", held, "holds the ground nowhere: one at least must be fixed or quiet",
+         with_mesh);
+  refuse_layers(*this, s);
+}
+
+}  // namespace trackbed::fem

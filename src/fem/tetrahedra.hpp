@@ -1,0 +1,51 @@
+// Forces and stresses of the ten-node tetrahedra that a rank holds, without matrices.
+//
+// Eight elements side by side in the lanes of a vector, gathered and scattered node by node; of
+// each only the inverse Jacobians at its Gauss points are kept (320 bytes; its matrix has 7200).
+// Elements add to nodes in ascending order: the same bits on any number of ranks. About 1900 flops
+// per element.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "lanes.hpp"
+#include "mesh.hpp"
+#include "mohr_coulomb.hpp"
+#include "tetrahedron.hpp"
+
+namespace trackbed::fem {
+
+// Constant once made; local. Refers to the mesh, which must outlive it.
+class Tetrahedra {
+ public:
+  Tetrahedra(const Mesh& mesh, double common_damping);
+
+  // f += K u on own nodes; ghosts of u must be current.
+  void add_force(const Nodal& u, Nodal& f) const { run(u, f, false); }
+  // f += (beta - common_damping) K v over solids with another stiffness damping beta, s.
+  bool damps() const { return damps_; }
+  void add_damping(const Nodal& v, Nodal& f) const { run(v, f, true); }
+
+  // N/m, 30 x 30; freedom 3 * node + component.
+  Eigen::MatrixXd matrix(std::size_t element) const;
+  // Pa, xx yy zz xy yz zx at xi (tetrahedron.hpp).
+  Vec6 stress(std::size_t element, const Vec3& xi, const Nodal& u) const;
+  std::size_t bytes() const { return groups_.capacity() * sizeof(Group); }
+
+ private:
+  struct Group {
+    Lane inverse[4][3][3];    // 1/m, d xi_a / d x_j at the Gauss points
+    Lane volume[4];           // m^3 of each point; 0 beyond the last element
+    Lane lame, shear, damps;  // Pa, Pa, s: how much more than the others
+  };
+  void fill(std::size_t element, Group& group, std::size_t lane, double common_damping) const;
+  void run(const Nodal& u, Nodal& f, bool damping) const;
+  TenNodes nodes_of(std::size_t element) const;
+
+  const Mesh& mesh_;
+  std::vector<Group> groups_;
+  bool damps_ = false;
+};
+
+}  // namespace trackbed::fem

@@ -1,0 +1,89 @@
+// Shape functions N_k = l_k (2 l_k - 1) at corners and 4 l_i l_j amid edges, with l the shares of
+// the four corners; and the integrals that follow.
+#include "tetrahedron.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+constexpr std::array<std::array<int, 2>, 6> edges = {
+    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+
+Eigen::Vector4d shares(const Vec3& xi) { return {1 - xi.sum(), xi.x(), xi.y(), xi.z()}; }
+
+// Row k: d l_k / d xi.
+Eigen::Matrix<double, 4, 3> share_gradients() {
+  Eigen::Matrix<double, 4, 3> g;
+  g << -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  return g;
+}
+
+}  // namespace
+
+// (5 + 3 sqrt 5)/20 of one corner, (5 - sqrt 5)/20 of the others: exact for polynomials of
+// degree 2.
+Vec3 tetrahedron_point(int gauss) {
+  constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
+  Vec3 xi = Vec3::Constant(far);
+  if (gauss > 0) xi[gauss - 1] = near;
+  return xi;
+}
+
+const Vec3& tetrahedron_centre() {
+  static const Vec3 centre = Vec3::Constant(0.25);
+  return centre;
+}
+
+Vec3 tetrahedron_face_centre(int face) {
+  Eigen::Vector4d l = Eigen::Vector4d::Zero();
+  for (int k = 0; k < 3; ++k)
+    l[tetrahedron_faces[static_cast<std::size_t>(face)][static_cast<std::size_t>(k)]] = 1.0 / 3;
+  return l.tail<3>();
+}
+
+TenNumbers tetrahedron_shape(const Vec3& xi) {
+  const Eigen::Vector4d l = shares(xi);
+  TenNumbers n;
+  for (int k = 0; k < 4; ++k) n[k] = l[k] * (2 * l[k] - 1);
+  for (int e = 0; e < 6; ++e) {
+    const auto [i, j] = edges[static_cast<std::size_t>(e)];
+    n[4 + e] = 4 * l[i] * l[j];
+  }
+  return n;
+}
+
+Eigen::Matrix<double, 10, 3> tetrahedron_gradients(const Vec3& xi) {
+  const Eigen::Vector4d l = shares(xi);
+  const Eigen::Matrix<double, 4, 3> g = share_gradients();
+  Eigen::Matrix<double, 10, 3> n;
+  for (int k = 0; k < 4; ++k) n.row(k) = (4 * l[k] - 1) * g.row(k);
+  for (int e = 0; e < 6; ++e) {
+    const auto [i, j] = edges[static_cast<std::size_t>(e)];
+    n.row(4 + e) = 4 * (l[i] * g.row(j) + l[j] * g.row(i));
+  }
+  return n;
+}
+
+Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi) {
+  const Eigen::Matrix<double, 10, 3> g = tetrahedron_gradients(xi);
+  Mat3 j = Mat3::Zero();
+  for (int k = 0; k < 10; ++k) j += nodes[static_cast<std::size_t>(k)] * g.row(k);
+  return j;
+}
+
+double tetrahedron_volume(const TenNodes& nodes) { return tetrahedron_load(nodes).sum(); }
+
+TenNumbers tetrahedron_load(const TenNodes& nodes) {
+  TenNumbers load = TenNumbers::Zero();
+  for (int g = 0; g < tetrahedron_points; ++g) {
+    const Vec3 xi = tetrahedron_point(g);
+    load +=
+        tetrahedron_weight * tetrahedron_jacobian(nodes, xi).determinant() * tetrahedron_shape(xi);
+  }
+  return load;
+}
+
+// The diagonal of the consistent mass is as 6 to 32; 4 x 6 + 6 x 32 = 216.
+double tetrahedron_mass_share(int node) { return node < 4 ? 6.0 / 216 : 32.0 / 216; }
+
+}  // namespace trackbed::fem

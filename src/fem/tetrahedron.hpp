@@ -1,0 +1,46 @@
+// Ten-node tetrahedron: quadratic displacement on four Gauss points, edges straight or curved.
+//
+// Four points integrate the stiffness of a straight tetrahedron exactly (Hammer, Marlowe, Stroud
+// 1956) and leave it no motion without force but the rigid ones: 4 x 6 strains, 30 - 6 freedoms. It
+// bends without locking and stands values of Poisson's ratio near 1/2 as far as the page of
+// verification says. Linear tetrahedra do neither and are not offered. See
+// docs/decisions/ground_from_files.md.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+
+#include "trackbed/core/types.hpp"
+
+namespace trackbed::fem {
+
+// Corners 0 to 3, then the middles of edges 01 12 02 03 13 23 (VTK's order). Corner 3 lies on the
+// side to which the normal of 0, 1, 2 points.
+using TenNodes = std::array<Vec3, 10>;
+// Faces as 6-node triangles, counter-clockwise seen from outside: corners, then middles of their
+// edges 01 12 20.
+constexpr std::array<std::array<int, 6>, 4> tetrahedron_faces = {
+    {{0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {0, 3, 2, 7, 9, 6}}};
+
+// A point of a tetrahedron by xi: its shares of corners 1, 2 and 3; the rest is that of corner 0.
+constexpr int tetrahedron_points = 4;
+constexpr double tetrahedron_weight = 1.0 / 24;  // of each Gauss point, volume of the unit one 1/6
+Vec3 tetrahedron_point(int gauss);
+const Vec3& tetrahedron_centre();
+Vec3 tetrahedron_face_centre(int face);
+
+using TenNumbers = Eigen::Matrix<double, 10, 1>;
+TenNumbers tetrahedron_shape(const Vec3& xi);
+Eigen::Matrix<double, 10, 3> tetrahedron_gradients(const Vec3& xi);  // by xi
+Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi);    // m, d x_i / d xi_a
+
+double tetrahedron_volume(const TenNodes& nodes);  // m^3
+// Shares of the volume, m^3, that the integrals of the shape functions give to the nodes: what a
+// uniform weight is carried by. Below 0 at corners, so no mass.
+TenNumbers tetrahedron_load(const TenNodes& nodes);
+// Shares of the volume that make a mass: those of the diagonal of the consistent mass (Hinton,
+// Rock, Zienkiewicz 1976, doi:10.1002/eqe.4290040305) of a straight tetrahedron; 1/36 at a corner,
+// 4/27 amid an edge. Sums of shape functions would make corners lighter than nothing.
+double tetrahedron_mass_share(int node);
+
+}  // namespace trackbed::fem

@@ -1,0 +1,208 @@
+// A ground of tetrahedra through the door: rest, steps of all integrators on any number of ranks,
+// restart, fields.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fem/linear_system.hpp"
+#include "fem/terms.hpp"
+#include "trackbed/io/file.hpp"
+#include "unit/fem/mesh_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+constexpr Elastic soil{60e6, 0.3, 1900};
+
+// Two solids, a quiet base on springs, quiet sides along x, no two edges parallel inside.
+GroundParameters two_layers(const std::string& name) {
+  const Vec3 size(2, 1.5, 1);
+  const std::array<int, 3> cells = {4, 3, 3};
+  TetBox box(size, cells, shaken(size, cells, 0.12));
+  box.volumes = {"soil", "sand"};
+  for (std::size_t e = 0; e < box.tetrahedron.size(); ++e) {
+    double z = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      z += 0.25 * box.node[static_cast<std::size_t>(box.tetrahedron[e][k])].z();
+    box.volume[e] = z > -0.35 ? 1 : 0;
+  }
+  GroundParameters p = of_mesh(box, name, soil);
+  p.solids[1].solid = {120e6, 0.25, 2000, 5, 2e-5};
+  p.borders[0].holds = p.borders[1].holds = p.borders[4].holds = BorderKind::quiet;
+  p.rayleigh_mass = 2;
+  p.tolerance = 1e-11;
+  return p;
+}
+
+std::vector<Vec3> push(const Surface& top, int window) {
+  std::vector<Vec3> force(top.nodes());
+  for (std::size_t n = 0; n < force.size(); ++n)
+    force[n] = {30 * std::sin(0.3 * static_cast<double>(n) + window), 0,
+                -100 * (1 + std::sin(0.9 * window + 0.2 * static_cast<double>(n)))};
+  return force;
+}
+
+// Displacements of all top nodes, the same on every rank.
+std::vector<double> shape_of(const Comm& comm, Ground& ground) {
+  std::vector<double> all(3 * ground.top().nodes(), 0.0);
+  for (const std::int32_t n : ground.own_top())
+    for (int c = 0; c < 3; ++c)
+      all[static_cast<std::size_t>(3 * n + c)] = ground.top_state(n).displacement[c];
+  comm.sum(std::span(all));
+  return all;
+}
+
+double size_of(const std::vector<double>& values) {
+  double most = 0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
+}
+
+class Steps : public ::testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(, Steps,
+                         ::testing::Values(Integrator::explicit_, Integrator::newmark,
+                                           Integrator::hht, Integrator::bossak,
+                                           Integrator::generalized_alpha));
+
+// Explicit steps to the bit, implicit ones to the solver's tolerance times the steps.
+TEST_P(Steps, AreTheSameOnAnyNumberOfRanks) {
+  GroundParameters p = two_layers("steps" + std::to_string(static_cast<int>(GetParam())));
+  p.integrator = GetParam();
+  Ground alone(Comm::self(), p, Dimension::space, 1), shared(Comm::world(), p, Dimension::space, 1);
+  ASSERT_EQ(alone.top().triangles, shared.top().triangles);
+  double dt = 5e-4;
+  if (GetParam() == Integrator::explicit_) {
+    EXPECT_EQ(alone.stable_step(), shared.stable_step());
+    dt = 2.5 * shared.stable_step();
+  }
+  for (Ground* ground : {&alone, &shared}) {
+    ground->settle(push(ground->top(), 0));
+    for (int w = 1; w < 20; ++w) ground->advance(dt, push(ground->top(), w));
+    EXPECT_EQ(ground->trouble(), "");
+  }
+  const std::vector<double> one = shape_of(Comm::self(), alone);
+  const std::vector<double> many = shape_of(Comm::world(), shared);
+  EXPECT_GT(size_of(one), 1e-7);
+  if (GetParam() == Integrator::explicit_)
+    EXPECT_EQ(one, many);
+  else
+    for (std::size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], many[k], 1e-8 * size_of(one));
+  EXPECT_EQ(shared.totals().elements, 216);
+  EXPECT_EQ(shared.totals().nodes, 9 * 7 * 7);
+}
+
+// On as many ranks as there are, then on one alone: the bits of a run that did not stop.
+TEST_P(Steps, GoOnFromACheckpoint) {
+  GroundParameters p = two_layers("restart" + std::to_string(static_cast<int>(GetParam())));
+  p.integrator = GetParam();
+  const Comm world = Comm::world();
+  Ground whole(world, p, Dimension::space, 1), second(world, p, Dimension::space, 1);
+  const double dt = GetParam() == Integrator::explicit_ ? 2.5 * whole.stable_step() : 5e-4;
+  whole.settle(push(whole.top(), 0));
+  whole.begin_extremes();
+  for (int w = 1; w < 6; ++w) whole.advance(dt, push(whole.top(), w)), whole.take_extremes();
+  const std::string path =
+      fmt::format("ground_mesh_{}_on_{}.h5", static_cast<int>(GetParam()), world.size());
+  {
+    io::File file(world, path, io::Mode::create);
+    whole.save(file, "ground");
+  }
+  Ground alone(Comm::self(), p, Dimension::space, 1);
+  {
+    const io::File file(world, path, io::Mode::read);
+    second.load(file, "ground"), alone.load(file, "ground");
+  }
+  for (int w = 6; w < 12; ++w)
+    for (Ground* ground : {&whole, &second, &alone}) ground->advance(dt, push(ground->top(), w));
+  const std::vector<double> one = shape_of(world, whole), other = shape_of(world, second);
+  EXPECT_EQ(one, other);
+  const std::vector<double> by_one = shape_of(Comm::self(), alone);
+  for (std::size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], by_one[k], 1e-8 * size_of(one));
+  EXPECT_EQ(second.fields().cell_data.back().name, "so far: least vertical stress (Pa)");
+}
+
+// Weight and what lies on it: sigma_z = rho g z - q, sigma_x = sigma_y = nu/(1-nu) sigma_z,
+// exact in quadratic elements however they are shaped.
+TEST(GroundOfTetrahedra, WeightPressesAsTheDepth) {
+  const Vec3 size(2, 1, 1);
+  const std::array<int, 3> cells = {3, 2, 2};
+  GroundParameters p =
+      of_mesh(TetBox(size, cells, shaken(size, cells, 0.15)), "weight", {50e6, 0.3, 2000});
+  p.tolerance = 1e-13;
+  Ground ground(Comm::world(), p, Dimension::space, 1);
+  ground.settle(std::vector<Vec3>(ground.top().nodes(), Vec3::Zero()));
+  const io::Grid grid = ground.fields();
+  ASSERT_EQ(grid.kind, io::CellKind::quadratic_tetrahedron);
+  const auto& rest = grid.cell_data[1];
+  ASSERT_TRUE(rest.name.starts_with("stress at rest"));
+  const double weight = 2000 * gravity;
+  for (std::size_t c = 0; c < grid.cells.size() / 10; ++c) {
+    double z = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      z += 0.25 * grid.points[static_cast<std::size_t>(grid.cells[10 * c + k])].z();
+    EXPECT_NEAR(rest.values[6 * c + 2], weight * z, 1e-6 * weight);
+    EXPECT_NEAR(rest.values[6 * c], 0.3 / 0.7 * weight * z, 1e-6 * weight);
+    for (std::size_t k = 3; k < 6; ++k) EXPECT_NEAR(rest.values[6 * c + k], 0, 1e-6 * weight);
+  }
+  EXPECT_EQ(Comm::world().sum(static_cast<std::int64_t>(grid.cells.size() / 10)), 72);
+}
+
+// How a uniform pressure is shared out to the six nodes of a face, as parts of its force: as its
+// shape functions do, or as the four flat triangles that stones see.
+struct Shares {
+  double corner, middle;
+};
+constexpr Shares shape_functions{0, 1.0 / 3}, flat_triangles{1.0 / 12, 1.0 / 4};
+
+// Sinking of a column without lateral motion under 10 kPa over q H (1 + nu)(1 - 2 nu) / (E (1 -
+// nu)).
+double sinking(int cells, const Shares& shares) {
+  const TetBox box({1, 1, 2}, {cells, cells, 2 * cells});
+  GroundParameters p = of_mesh(box, fmt::format("column_{}", cells), {50e6, 0.3, 2000});
+  Mesh mesh(Comm::world(), p, Dimension::space, 1);
+  const Stiffness stiffness(mesh, {});
+  const Terms terms(mesh, p, stiffness);
+  Nodal force(3, mesh.nodes()), u(3, mesh.nodes());
+  for (const TetBox::Face& face : box.face)
+    for (std::size_t k = 0; k < 6 && face.side == 5; ++k)
+      if (const std::int32_t n = mesh.local_node(face.nodes[k]); n >= 0)
+        force[2][n] -= 10e3 * (k < 3 ? shares.corner : shares.middle) / (2 * cells * cells);
+  LinearSystem::Spec spec{{1.0}, Nodal(3, mesh.nodes()), terms.held, 1e-11};
+  LinearSystem(mesh, stiffness, spec).solve(force, u);
+  double mean = 0;
+  for (const std::int32_t n : mesh.own) mean += force[2][n] / 10e3 * u[2][n];
+  mean = Comm::world().sum(mean);
+  const double exact = 10e3 * 2 * 1.3 * 0.4 / (50e6 * 0.7);
+  return mean / exact;
+}
+
+TEST(GroundOfTetrahedra, PressureSinksAsAColumn) {
+  EXPECT_NEAR(sinking(2, shape_functions), 1, 1e-6);
+  // Flat triangles put some load on corners: the top gives way a little more, by a layer of zones.
+  const double coarse = sinking(2, flat_triangles) - 1, fine = sinking(4, flat_triangles) - 1;
+  EXPECT_NEAR(fine, 0, 0.02);
+  EXPECT_NEAR(coarse / fine, 2, 0.2);
+}
+
+// What stones see: flat triangles that look up, of the size of the top.
+TEST(GroundOfTetrahedra, TopIsASurfaceOfTriangles) {
+  const Vec3 size(2, 1, 1);
+  const std::array<int, 3> cells = {3, 2, 2};
+  Ground ground(Comm::world(), of_mesh(TetBox(size, cells), "top", soil), Dimension::space, 1);
+  EXPECT_EQ(ground.top().triangles.size(), 4 * 12u);
+  double area = 0;
+  for (const auto& t : ground.top().triangles) {
+    const auto at = [&](std::size_t k) {
+      return ground.top().position[static_cast<std::size_t>(t[k])];
+    };
+    const Vec3 half = 0.5 * (at(1) - at(0)).cross(at(2) - at(0));
+    EXPECT_GT(half.z(), 0);
+    area += half.z();
+  }
+  EXPECT_NEAR(area, 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
