@@ -17,6 +17,7 @@
 #include "app/compatible.hpp"
 #include "app/estimate.hpp"
 #include "app/result_folder.hpp"
+#include "app/rules.hpp"
 #include "app/simulation.hpp"
 #include "app/spent.hpp"
 #include "app/track_run.hpp"
@@ -118,6 +119,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const bool alone = !model.has_stages();
   if (alone) require_files(model.track);
   const std::string start = checked_start(comm, model, deck);
+  if (!alone) require_ground(model, deck);
   if (!alone) require_stones(comm, model, deck);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
@@ -278,6 +280,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     return static_cast<int>(ExitCode::success);
   }
   const std::string start = checked_start(comm, model, deck);
+  require_ground(model, deck);
   require_stones(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);

@@ -64,7 +64,9 @@ bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
   if (key == "ground.base_stiffness") return holds.quiet_base;
   if (key == "ground.plane") return holds.plane;
   if (key == "ground.integrator") return holds.implicit;
-  const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[");
+  if (key.starts_with("ground.border[")) return true;
+  const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[") ||
+                     key.starts_with("ground.solid[");
   return solid && !key.ends_with("].name") && key.find("].rayleigh_") == key.npos;
 }
 
@@ -81,9 +83,10 @@ bool matters_to_train(std::string_view key) {
 // has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
   static constexpr std::array always = {
-      "dimension",     "thickness",      "periodic",       "bed.x",          "bed.y",
-      "bed.container", "bed.split",      "bed.beside",     "ground.present", "ground.x",
-      "ground.y",      "ground.zones_x", "ground.zones_y", "ground.zones_z"};
+      "dimension",      "thickness",      "periodic",    "bed.x",
+      "bed.y",          "bed.container",  "bed.split",   "bed.beside",
+      "ground.present", "ground.x",       "ground.y",    "ground.zones_x",
+      "ground.zones_y", "ground.zones_z", "ground.mesh", "ground.mesh_top"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
                                         "sleepers.width", "sleepers.height", "sleepers.length",
                                         "sleepers.bevel", "sleepers.y"};

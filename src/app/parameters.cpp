@@ -254,6 +254,7 @@ void Model::declare(input::Section& s) {
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
   declare_intervals(*this, s);
+  declare_ground_mesh(*this, s);
   track.declare(s);
   declare_train(*this, s);
   s.table("footing", footing, footing_meaning);

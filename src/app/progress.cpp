@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <string>
 
 namespace trackbed::app {
 
@@ -41,11 +43,15 @@ double remaining(const Course& course, const Model& model) {
   return time;
 }
 
-const char* words_of(fem::Base base) {
-  return base == fem::Base::fixed ? "fixed" : "quiet (viscous dashpots)";
+std::string words_of_base(const fem::GroundParameters& ground) {
+  if (!ground.mesh.empty()) return "of the mesh " + ground.mesh;
+  return ground.base == fem::Base::fixed ? "base fixed" : "base quiet (viscous dashpots)";
 }
 
 std::string words_of_springs(const fem::GroundParameters& ground) {
+  const auto is_quiet = [](const fem::MeshBorder& b) { return b.holds == fem::BorderKind::quiet; };
+  if (!ground.mesh.empty() && std::none_of(ground.borders.begin(), ground.borders.end(), is_quiet))
+    return "";
   if (ground.base == fem::Base::fixed || ground.base_stiffness == 0) return "";
   if (ground.base_stiffness < 0) return " on springs of shear modulus over depth";
   return fmt::format(" on springs of {:g} Pa/m", ground.base_stiffness);
@@ -67,8 +73,8 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
     const fem::GroundTotals totals = world.ground->totals();
     std::string limit;
     const double step = world.ground->stable_step(&limit);
-    say(comm_, "  ground: {} elements, {} unknowns, base {}{}, stable step {:.4g} s ({})\n",
-        totals.elements, totals.unknowns, words_of(model.ground.base),
+    say(comm_, "  ground: {} elements, {} unknowns, {}{}, stable step {:.4g} s ({})\n",
+        totals.elements, totals.unknowns, words_of_base(model.ground),
         words_of_springs(model.ground), step, limit);
   }
   if (world.sleepers)

@@ -65,7 +65,7 @@ bool is_within(const std::vector<double>& inner, const std::vector<double>& oute
 // A bed longer than its ground is no bed: stones at its ends would fall for ever, and the run would
 // end with a lost stone minutes later.
 void declare_ground_below(const Model& model, input::Section& s) {
-  if (!model.ground.present) return;
+  if (!model.ground.present || !model.ground.mesh.empty()) return;
   const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
     s.rule("bed." + axis, is_within(bed, ground),
            fmt::format("reaches beyond ground.{} ({:g} to {:g} m): stones would fall beside the "

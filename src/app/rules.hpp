@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/parameters.hpp"
+#include "trackbed/input/deck.hpp"
 
 namespace trackbed::app {
 
@@ -9,8 +10,12 @@ namespace trackbed::app {
 void declare_rules(const Model& model, input::Section& s);
 void declare_train(const Model& model, input::Section& s);  // once the track is read, too
 // Parts of declare_rules.
+void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
+// What only the mesh file of a ground can tell: all that is wrong with it, and a bed that reaches
+// beyond its top. Throws InputError. Reads the file.
+void require_ground(const Model& model, const input::Deck& deck);
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);
 

@@ -256,7 +256,6 @@ void GroundParameters::declare(Section& s) {
                      zones, most_zones),
          {.reads = {"zones_x", "zones_y", "zones_z"}});
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
-  s.rule("layer", !present || !layers.empty(), "must be given at least once: the ground is empty");
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
   s.choice("plane", plane, {"stress", "strain"},
@@ -286,6 +285,9 @@ void GroundParameters::declare(Section& s) {
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
   declare_yielding(*this, s);
+  declare_mesh(s);
+  s.rule("layer", !present || !layers.empty() || !mesh.empty(),
+         "must be given at least once: the ground is empty");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
            "Newton's rounds of layers that yield stop at 100 times it.");

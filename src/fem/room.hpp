@@ -75,7 +75,7 @@ struct Ground::Room {
   void refresh_surface();  // positions from the state, no motion
   Vec3 vector(const Nodal& values, std::int32_t node) const;
   Vec3 shown_displacement(std::int32_t node) const;
-  double surface_stress(std::int32_t node) const;       // Pa, sigma_z at a top node
+  double surface_stress(std::int32_t node) const;  // Pa, sigma_z at a top node
   double imported_surface_stress(std::int32_t node) const;
   std::int32_t node_of_top(std::int32_t number) const;  // local, of an own node of the surface
 

@@ -20,6 +20,7 @@ import h5py
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import ground_knobs  # noqa: E402
+import mesh_knobs  # noqa: E402
 import track_knobs  # noqa: E402
 from program import Program  # noqa: E402
 
@@ -341,8 +342,8 @@ def main():
         program.done(1, "shapes", "--stones", 4, "--flatness", flatness, "--library",
                      folder / f"{name}.h5")
     declared = set(parameters(json.loads(program.done(1, "schema").stdout)))
-    listed = (set(KNOBS) | set(EXCEPTIONS) | set(track_knobs.KNOBS)
-              | set(ground_knobs.KNOBS))
+    listed = (set(KNOBS) | set(EXCEPTIONS) | set(track_knobs.KNOBS) | set(ground_knobs.KNOBS)
+              | set(mesh_knobs.KNOBS))
     problems = [f"{name}: no entry in this test" for name in sorted(declared - listed)]
     problems += [f"{name}: not a parameter" for name in sorted(listed - declared)]
     bench = Bench(program, sys.argv[2], folder)

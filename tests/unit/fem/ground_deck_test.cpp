@@ -1,6 +1,8 @@
 // The deck section [ground]: what is read, what is refused and in which words.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/deck.hpp"
@@ -86,6 +88,34 @@ TEST(GroundDeck, RefusesWhatCannotBe) {
   EXPECT_NE(problems("[ground]\n").find("the ground is empty"), std::string::npos);
   EXPECT_NE(with("[[ground.block]]\noutline = [0, 0, 1, 1]").find("at least 3 corners"),
             std::string::npos);
+}
+
+// The file itself is looked at when the ground is built.
+TEST(GroundDeck, AMeshTakesThePlaceOfLayers) {
+  std::ofstream("any.msh") << "$MeshFormat";
+  const std::string head = "[ground]\nmesh = \"any.msh\"\n";
+  const std::string groups =
+      "[[ground.solid]]\nname = \"clay\"\nyoung = 20e6\n[[ground.border]]\nname = \"bottom\"\n"
+      "holds = \"quiet\"\n";
+  const GroundParameters p = read(head + "mesh_top = \"crest\"\n" + groups);
+  EXPECT_TRUE(p.mesh.ends_with("any.msh"));
+  EXPECT_EQ(p.mesh_top, "crest");
+  ASSERT_EQ(p.solids.size(), 1u);
+  EXPECT_EQ(p.solids[0].solid.young, 20e6);
+  ASSERT_EQ(p.borders.size(), 1u);
+  EXPECT_EQ(p.borders[0].holds, BorderKind::quiet);
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    EXPECT_NE(problems(text).find(words), std::string::npos) << problems(text);
+  };
+  refused(head + "zones_x = 3\n" + groups, "zones_x = 3: has no effect with ground.mesh");
+  refused(head + "sides = \"quiet\"\n" + groups, "its surfaces are [[ground.border]]");
+  refused(head + groups + "[[ground.layer]]\nthickness = 1\n", "its volumes are [[ground.solid]]");
+  refused(head + groups + groups, "is the name of an earlier one");
+  refused(head + groups + "[[ground.border]]\nname = \"top\"\n", "is the name of an earlier one");
+  refused(head + "[[ground.solid]]\nname = \"clay\"\n", "holds the ground nowhere");
+  refused("[ground]\nmesh = \"none.msh\"\n" + groups, "does not exist");
+  refused("[ground]\nmesh_top = \"crest\"\n[[ground.layer]]\nthickness = 1\n",
+          "has no effect without mesh");
 }
 
 }  // namespace

@@ -218,7 +218,9 @@ TEST(Regions, RanksChangeNoBit) {
     contacts += alone[k];
     // Normals of corners, edges and faces alike have unit length.
     const double* fabric = &alone[k + 8];
-    if (alone[k] > 0) EXPECT_NEAR(fabric[0] + fabric[1] + fabric[2], 1, rounding);
+    if (alone[k] > 0) {
+      EXPECT_NEAR(fabric[0] + fabric[1] + fabric[2], 1, rounding);
+    }
   }
   EXPECT_GT(contacts, 0);
 }
