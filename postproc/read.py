@@ -122,6 +122,12 @@ def _quantities(file, group):
         if group in file else {}
 
 
+def _of_places(file, group):
+    """Histories as [time, place] also if there is one place only, which the file does not tell."""
+    return {name: dataclasses.replace(one, values=one.values.reshape(len(one.values), -1))
+            if one.values.ndim == 1 else one for name, one in _quantities(file, group).items()}
+
+
 def _regions(file):
     """Histories of each region as [time, cell], of tensors [time, cell, 6]."""
     found = {}
@@ -196,8 +202,8 @@ def _results(file_path, file):
         ground_x=_array(file, "ground/x"),
         time=_array(file, "history/time"),
         stage=_array(file, "history/stage"),
-        sleeper=_quantities(file, "history/sleeper"),
-        ground=_quantities(file, "history/ground"),
+        sleeper=_of_places(file, "history/sleeper"),
+        ground=_of_places(file, "history/ground"),
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
         walls=_walls(file),

@@ -100,12 +100,10 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
 
 std::string version() { return TRACKBED_VERSION; }
 
-// Without what the run began from: that is in the state, and its file may be gone when the run goes
-// on.
+// With what the run began from: a result tells where it comes from, and a resumed run may begin
+// with any stage. The files themselves are not looked for again.
 std::string effective_deck(const Model& model) {
-  Model copy = model;
-  copy.start.clear();
-  copy.bed.cell.clear();
+  Model copy = model;  // declaring fills, here with what is there already
   return input::effective(declaration_of(copy));
 }
 
@@ -151,10 +149,9 @@ void require_can_go_on(const io::File& file, const std::string& checkpoint, cons
         fmt::format("{} = {} windows of the whole run: {} are done already; give "
                     "more, or 0",
                     key, model.output.stop_after, done));
-  // No stored deck has one: it comes from the command line.
-  if (!model.start.empty())
-    problems.push_back(
-        fmt::format("{} has no effect: the run goes on from {}", deck.where("start"), checkpoint));
+  // The one of the run itself stands in its deck.
+  if (const std::string place = deck.where("start"); place.starts_with("command line"))
+    problems.push_back(fmt::format("{} has no effect: the run goes on from {}", place, checkpoint));
   if (!problems.empty()) throw InputError(problems);
 }
 
@@ -281,7 +278,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   }
   const std::string start = checked_start(comm, model, deck);
   require_ground(model, deck);
-  require_stones(comm, model, deck);
+  const StonesOfLayers stones = require_stones(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);
@@ -290,9 +287,13 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
     const dem::Totals totals = world.particles.totals();
-    print(comm, fmt::format("  stones: {} of {} pieces, {:.0f} kg\n", totals.particles,
-                            totals.pieces, totals.mass));
-    for (const std::string& line : estimate(world, actions, deck)) print(comm, line + "\n");
+    const bool more = std::count_if(model.stages.begin(), model.stages.end(), [](const Stage& s) {
+                        return s.kind == StageKind::fill;
+                      }) > 1;
+    print(comm, fmt::format("  stones{}: {} of {} pieces, {:.0f} kg\n",
+                            more ? " of the first layer" : "", totals.particles, totals.pieces,
+                            totals.mass));
+    for (const std::string& line : estimate(world, actions, stones, deck)) print(comm, line + "\n");
   } else {
     print(comm, "  stones: those of " + start + "\n");
   }

@@ -131,7 +131,7 @@ std::vector<std::string> word_of_ground_steps(const World& world, double longest
 
 }  // namespace
 
-std::vector<LayerForecast> forecast(const World& world) {
+std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones) {
   const Model& model = world.model;
   const par::Comm& comm = world.comm;
   std::vector<LayerForecast> layers;
@@ -145,7 +145,7 @@ std::vector<LayerForecast> forecast(const World& world) {
     LayerForecast layer{.layer = stage.layer};
     const bool copies = !model.bed.cell.empty();
     layer.made = copies ? world.particles.totals().particles
-                        : bed::stones_of(comm, bed, model.domain()).count;
+                        : stones.at(stage.layer).count;
     const auto made = static_cast<double>(layer.made);
     cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
     layer.left = std::llround(share_left(model, cut, low, low + bed.height) * made);
@@ -158,12 +158,11 @@ std::vector<LayerForecast> forecast(const World& world) {
 
 // The windows are an upper bound, since stages may end early. The ground is left out: its share
 // depends on the deck far more than on a constant. Perfect scaling over ranks is assumed, and said.
-// Steps are those of the stones of the first fill.
 std::vector<std::string> estimate(const World& world, const StageActions& actions,
-                                  const input::Deck& deck) {
+                                  const StonesOfLayers& stones, const input::Deck& deck) {
   const par::Comm& comm = world.comm;
   const Model& model = world.model;
-  const std::vector<LayerForecast> layers = forecast(world);
+  const std::vector<LayerForecast> layers = forecast(world, stones);
   std::vector<std::string> lines;
   for (const LayerForecast& layer : layers)
     if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
@@ -171,9 +170,14 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
   std::size_t filled = 0;
   std::string shared, numbers;  // of the stages since the limits changed
+  StonesOfLayers poured;        // until the stage
   for (const Stage& stage : model.stages) {
-    if (stage.kind == StageKind::fill) step_time += layers[filled++].step_time;
-    const Steps steps = choose_steps(world, model, stage, deck);
+    if (stage.kind == StageKind::fill) {
+      step_time += layers[filled++].step_time;
+      if (const auto layer = stones.find(stage.layer); layer != stones.end()) poured.insert(*layer);
+    }
+    const StonesStep longest_step = poured.empty() ? step_of(world) : step_of(model, poured);
+    const Steps steps = choose_steps(world, longest_step, stage, deck);
     const double windows = actions.duration(stage) / steps.window;
     all_windows += windows;
     if (stage.ground_moves) longest = std::max(longest, steps.window);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/limits.hpp"
 #include "app/stages.hpp"
 #include "app/world.hpp"
 #include "trackbed/input/deck.hpp"
@@ -21,10 +22,10 @@ struct LayerForecast {
 // Of each stage of kind fill, in their order; copies of a cell are counted in `world`. `left` holds
 // as far as the pressed bed has the height and porosity that the deck expects; stones of cribs are
 // not counted. Throws InputError if they cannot be made. Collective.
-std::vector<LayerForecast> forecast(const World& world);
+std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones);
 
 // Sentences for `check`. `world` is filled by the first stage. Collective.
 std::vector<std::string> estimate(const World& world, const StageActions& actions,
-                                  const input::Deck& deck);
+                                  const StonesOfLayers& stones, const input::Deck& deck);
 
 }  // namespace trackbed::app

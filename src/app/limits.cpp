@@ -246,11 +246,11 @@ void require_length(const Model& model, const std::string& layer, double largest
 
 // Loose stones need several times the room of the pressed bed; a layer falls from above those that
 // lie there. Nothing of cribs: their height is known only from the sleepers.
-void require_room(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+void require_room(const Model& model, const StonesOfLayers& layers, const input::Deck& deck) {
   double below = 0;
   for (const Stage& stage : model.stages) {
     if (stage.kind != StageKind::fill || !model.start.empty() || !model.bed.cell.empty()) continue;
-    const double top = below + stones_of(comm, model, stage.layer, deck).top;
+    const double top = below + layers.at(stage.layer).top;
     const double high = model.domain().high.z();
     if (stage.growth == 0 && top > high)  // others begin small
       throw InputError({fmt::format(
@@ -268,37 +268,54 @@ void require_room(const par::Comm& comm, const Model& model, const input::Deck& 
 
 // Stones that are there already (a start from a checkpoint) are not known from the deck; their
 // limit is met in `choose_steps`.
-void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+StonesOfLayers require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck) {
   const bool fills = model.start.empty() && model.has_stage(StageKind::fill);
   if (fills && !model.bed.cell.empty()) require_cell(comm, model, deck);
-  require_room(comm, model, deck);
-  const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
-  for (const std::string& layer : layers_made(model)) {
-    const bed::Stones stones = stones_of(comm, model, layer, deck);
+  StonesOfLayers layers;
+  for (const std::string& layer : layers_made(model))
+    layers[layer] = stones_of(comm, model, layer, deck);
+  require_room(model, layers, deck);
+  for (const auto& [layer, stones] : layers) {
     require_length(model, layer, stones.largest_bound, deck);
     if (!model.start.empty() || stones.count < 1) continue;
-    const double lightest =
-        density_of_stones(model, model.bed.of_layer(layer)) * stones.smallest_volume * thickness;
-    std::string words;
-    const double limit =
-        dem::stable_step(model.physics, model.dem, lightest, stones.largest_bound, &words);
-    require_stable(model, deck, limit, words);
+    const StonesStep step = step_of(model, {{layer, stones}});
+    require_stable(model, deck, step.longest, step.limit);
   }
+  return layers;
+}
+
+StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
+  const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
+  double lightest = infinite, largest = 0;
+  for (const auto& [layer, stones] : layers) {
+    const double density = density_of_stones(model, model.bed.of_layer(layer));
+    lightest = std::min(lightest, density * stones.smallest_volume * thickness);
+    largest = std::max(largest, stones.largest_bound);
+  }
+  StonesStep step;
+  step.longest = dem::stable_step(model.physics, model.dem, lightest, largest, &step.limit);
+  return step;
+}
+
+StonesStep step_of(const World& world) {
+  StonesStep step;
+  step.longest = world.particles.stable_step(&step.limit);
+  return step;
 }
 
 // The chain: sub-step from the stones (or given), window from the sub-steps wanted, cut by the
 // coupling (or given), then as many sub-steps as fill the window. The last rounding shortens the
 // sub-step and never lengthens it.
-Steps choose_steps(const World& world, const Model& model, const Stage& stage,
+Steps choose_steps(const World& world, const StonesStep& stones, const Stage& stage,
                    const input::Deck& deck) {
-  std::string dem_words, ground_words;
-  const double dem_limit = world.particles.stable_step(&dem_words);
-  require_stable(model, deck, dem_limit, dem_words);
-  const double step = model.time.step > 0 ? model.time.step : dem_limit;
+  const Model& model = world.model;
+  std::string ground_words;
+  require_stable(model, deck, stones.longest, stones.limit);
+  const double step = model.time.step > 0 ? model.time.step : stones.longest;
   const CouplingLimit coupling = coupling_limit(model, stage);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
-  steps.limit = "stones: " + dem_words;
+  steps.limit = "stones: " + stones.limit;
   if (stage.ground_moves && world.ground) {
     // No limit of the window: the ground divides it into as many steps as it needs.
     const double ground = world.ground->stable_step(&ground_words);

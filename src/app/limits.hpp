@@ -1,9 +1,11 @@
 // How long a time step may be. Rough limits need only the deck, the exact one asks the model.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "app/parameters.hpp"
+#include "trackbed/bed/bed.hpp"
 #include "trackbed/input/deck.hpp"
 
 namespace trackbed::app {
@@ -42,14 +44,25 @@ struct Steps {
   std::string limit;  // what limits them, in words
 };
 
+// Of each layer that stages make, by its name, before any stone is there.
+using StonesOfLayers = std::map<std::string, bed::Stones>;
+
 // Throws InputError if the stones that the deck asks for cannot be made, or not be moved with its
 // step: known from the deck alone, so that a run is refused before it leaves anything behind.
-// Collective.
-void require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck);
+// Returns what they will be, since placing them takes its time. Collective.
+StonesOfLayers require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck);
+
+// Longest stable sub-step of the stones, safety included.
+struct StonesStep {
+  double longest = 0;   // s
+  std::string limit{};  // what limits it, in words
+};
+StonesStep step_of(const Model& model, const StonesOfLayers& layers);  // of all of them together
+StonesStep step_of(const World& world);  // of the stones there are; collective
 
 // Equal on any number of ranks. Throws InputError if the deck's window or step is above what is
 // stable. Collective.
-Steps choose_steps(const World& world, const Model& model, const Stage& stage,
+Steps choose_steps(const World& world, const StonesStep& stones, const Stage& stage,
                    const input::Deck& deck);
 
 }  // namespace trackbed::app

@@ -227,7 +227,7 @@ void Simulation::begin_stage() {
   const double time = course_.clock.time();
   actions_.begin(stage());
   if (keeps_extremes()) world_.ground->begin_extremes();
-  course_.steps = choose_steps(world_, model_, stage(), deck_);
+  course_.steps = choose_steps(world_, step_of(world_), stage(), deck_);
   const double duration = actions_.duration(stage());
   course_.clock = Clock(course_.steps.window, whole_windows(duration, course_.steps.window));
   course_.clock.set(time, 0);

@@ -119,7 +119,7 @@ std::vector<std::string> spent_changes(const io::File& checkpoint, const std::st
   std::vector<std::string> sentences;
   for (const auto& [key, value] : now) {
     const auto old = then.find(key);
-    if (old == then.end() || old->second == value) continue;
+    if (old == then.end() || old->second == value || !deck.gives(key)) continue;
     if (const std::string why = why_spent(key, model, at); !why.empty())
       sentences.push_back(fmt::format("{} = {} has no effect: {}, with {} ({})", deck.where(key),
                                       value, why, old->second, path));

@@ -12,9 +12,13 @@ namespace trackbed::bed {
 
 namespace {
 
-// Class [k, k + 1] of a rising table that holds `value`; empty classes are passed over.
+// Class [k, k + 1] of a rising table that holds `value`; empty classes are passed over, those at
+// the coarse end too: the largest value of all lies at the end of the last class that has stones.
 std::size_t class_of(const std::vector<double>& table, double value) {
-  const auto above = std::upper_bound(table.begin(), table.end(), value) - table.begin();
+  const auto found = value < table.back()
+                         ? std::upper_bound(table.begin(), table.end(), value)
+                         : std::lower_bound(table.begin(), table.end(), table.back());
+  const auto above = found - table.begin();
   const auto last = static_cast<std::ptrdiff_t>(table.size()) - 1;
   return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above, 1, last)) - 1;
 }

@@ -165,4 +165,6 @@ std::string Deck::where(const std::string& key) const {
   return text_->problems.start(place.reached ? place.node : nullptr) + key;
 }
 
+bool Deck::gives(const std::string& key) const { return follow(text_->root, key).reached; }
+
 }  // namespace trackbed::input

@@ -263,6 +263,16 @@ def test_stress_jump_is_of_means_not_of_single_nodes(runs):
     assert found.stress_jump == pytest.approx(20e3 + 70e3 / 6)  # 6 nodes in 0.6 m
 
 
+def test_histories_of_one_place_have_it_too(tmp_path):
+    """HDF5 stores those of a single sleeper as a row of instants."""
+    with h5py.File(tmp_path / "one.h5", "w") as file:
+        for name, shape in (("one", (5,)), ("two", (5, 2))):
+            data = file.create_dataset(f"history/sleeper/{name}", data=np.zeros(shape))
+            data.attrs["unit"], data.attrs["meaning"] = "m", "-"
+        found = read._of_places(file, "history/sleeper")
+    assert found["one"].values.shape == (5, 1) and found["two"].values.shape == (5, 2)
+
+
 def test_what_sleepers_keep_is_said(runs):
     sunk = runs[0].sleeper["displacement"].values.copy()
     sunk[-1, 4] = sunk[runs[0].passage()][0, 4] - 2e-3

@@ -39,6 +39,7 @@ class Deck {
   std::vector<std::string> fill(const Declaration& declaration) const;
   // `file:line: key` of a parameter, to start a sentence about it in later checks (unstable step).
   std::string where(const std::string& key) const;
+  bool gives(const std::string& key) const;  // whether the parameter is written in it
 
  private:
   struct Text;

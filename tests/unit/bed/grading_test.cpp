@@ -123,6 +123,17 @@ TEST(Grading, EmptyClassesAreSkipped) {
   }
 }
 
+// All stones pass before the last sieve: the largest is that of the last class with stones.
+TEST(Grading, ClassesWithoutStonesAtTheCoarseEndAreSkipped) {
+  BedParameters bed;
+  bed.stone = StoneKind::disk;
+  bed.sieve = {10, 20, 30, 40};
+  bed.passing = {0, 40, 100, 100};
+  expect_grading(bed, Dimension::space, 0.1);
+  const Mix mix(bed, Dimension::space);
+  EXPECT_NEAR(mix.largest_bound(), 0.015, 1e-12);  // radius of a ball of 30 mm
+}
+
 // What is built keeps the limits of the standard at every sieve.
 TEST(Grading, StandardsKeepTheirLimits) {
   for (const GradingKind kind : {GradingKind::en13450_a, GradingKind::china_special,

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""The longest sub-step with which pressed stones stay at rest, over sqrt(m/k_n).
+
+    steady_step.py PROGRAM FOLDER [--stones polyhedra clump disk] [--vertices 12]
+
+For each kind of stone the bed of inputs/bed/steady.toml is pressed once; its last stage is then run
+with other k_s over k_n, damping ratios, friction and `dem.safety`, halving between steps that are
+calm and steps that are not (the kinetic energy triples within 8 ms, or the run stops with code 4).
+Prints a table and writes FOLDER/steady_step.csv. Two minutes a kind and row of friction.
+"""
+import argparse
+import csv
+import subprocess
+from pathlib import Path
+
+import h5py
+
+DECK = Path(__file__).resolve().parent.parent / "inputs/bed/steady.toml"
+K_N = 2e6                      # N/m, the deck's
+SHEAR = (0.3, 0.8, 1.0)        # k_s over k_n
+DAMPING = (0, 0.2, 0.4, 0.7)   # zeta_n and zeta_s
+FRICTION = (0.7, 2.0)          # of stones; at 2 nearly all stick
+LEAST, MOST, NEAR = 0.08, 1.0, 1.06   # bounds of dem.safety, ratio at which halving ends
+SETTLED = 4                    # rows of 1 ms after which what the new springs shook up is gone
+STOPPED = 4                    # exit code of a run that stones end
+
+
+def run(program, folder, changes):
+    done = subprocess.run([program, "run", str(DECK), *changes, "-o", str(folder), "--force"],
+                          capture_output=True, text=True)
+    if done.returncode not in (0, STOPPED):
+        raise SystemExit(done.stderr)
+    return done.returncode == 0
+
+
+def is_calm(program, folder, changes):
+    if not run(program, folder, changes):
+        return False
+    with h5py.File(folder / "results.h5") as file:
+        stage = file["history/stage"][:]
+        kinetic = file["history/energy/kinetic"][:][stage == stage[-1]]
+    return kinetic[-1] < 3 * kinetic[SETTLED]
+
+
+def longest(program, folder, changes):
+    low, high = LEAST, MOST
+    while high / low > NEAR:
+        middle = (low * high) ** 0.5
+        if is_calm(program, folder, [*changes, f"dem.safety={middle}"]):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def of_kind(program, folder, kind, shape):
+    pressed = folder / kind
+    if not run(program, pressed, shape):
+        raise SystemExit(f"the bed of {kind} was not made")
+    for friction in FRICTION:
+        for shear in SHEAR:
+            for zeta in DAMPING:
+                changes = [*shape, f"start='{pressed / 'stage_compact.h5'}'",
+                           f"contact[0].k_s={shear * K_N}", f"contact[0].zeta_n={zeta}",
+                           f"contact[0].zeta_s={zeta}", f"stage.held.friction={friction}"]
+                yield kind, friction, shear, zeta, longest(program, folder / "held", changes)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--stones", nargs="+", default=["polyhedra", "clump", "disk"])
+    parser.add_argument("--vertices", type=int, default=12)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    with open(given.folder / "steady_step.csv", "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["stones", "friction", "k_s over k_n", "zeta", "longest safety"])
+        for kind in given.stones:
+            # Balls overlap by a share of their own radius, not of a rounding.
+            limit = "5" if kind in ("polyhedra", "compound") else "1"
+            shape = [f"bed.stone={kind}", f"dem.largest_overlap={limit}"]
+            if kind != "disk":
+                shape.append(f"bed.polyhedron.vertices={given.vertices}")
+            for row in of_kind(given.program, given.folder, kind, shape):
+                table.writerow(row)
+                file.flush()
+                print("{} friction {} k_s/k_n {} zeta {}: {:.2f}".format(*row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

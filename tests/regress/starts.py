@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""A run that starts from another's checkpoint with a deck that has no stage of kind fill: it may be
+stopped and resumed like any other, and its results say what it started from.
+
+    starts.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+import tomllib
+
+import h5py
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+from program import Program, summary  # noqa: E402
+
+FIRST = "sleepers"             # stage of the deck at whose end the others start
+
+
+def later(deck):
+    """The deck from its stage FIRST on."""
+    text = pathlib.Path(deck).read_text()
+    stages = text.index("[[stage]]")
+    return text[:stages] + text[text.index(f'[[stage]]\nname = "{FIRST}"'):]
+
+
+def main(program, deck, folder):
+    program, folder = Program(program), pathlib.Path(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    program.done(1, "run", deck, "-o", folder / "made")
+    short = folder / "later.toml"
+    short.write_text(later(deck))
+    start = f"start={folder / 'made' / f'stage_{FIRST}.h5'}"
+    program.done(1, "run", short, start, "-o", folder / "whole")
+    program.done(1, "run", short, start, "output.stop_after=100", "-o", folder / "stopped", code=3)
+    program.done(2, "resume", folder / "stopped", "output.stop_after=0")
+    whole, stopped = summary(folder / "whole"), summary(folder / "stopped")
+    if whole["dem"]["state_hash"] != stopped["dem"]["state_hash"]:
+        raise SystemExit("a start that was stopped and resumed has other bits")
+    for run in ("whole", "stopped"):
+        with h5py.File(folder / run / "results.h5") as file:
+            stored = tomllib.loads(file.attrs["deck"] if isinstance(file.attrs["deck"], str)
+                                   else file.attrs["deck"].decode())
+        if stored["start"] != start.removeprefix("start="):
+            raise SystemExit(f"{run}: the results say start = {stored['start']!r}")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
