@@ -68,14 +68,15 @@ def grading(runs):
         sizes = np.sort(stones.sieved[:, 0])
         panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
                    label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
-    opening, asked, least, most = runs[0].grading.T
-    panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
-    if np.any(least < most):
-        panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
-                           label=f"limits of {runs[0].deck['bed']['grading']}")
     panel.set_xscale("log")
-    panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
-    panel.minorticks_off()
+    if len(runs[0].grading):   # none of stones from another run, or of several layers
+        opening, asked, least, most = runs[0].grading.T
+        panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
+        if np.any(least < most):
+            panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
+                               label=f"limits of {runs[0].deck['bed']['grading']}")
+        panel.set_xticks(opening * 1e3, [f"{mm:g}" for mm in opening * 1e3])
+        panel.minorticks_off()
     panel.set_xlabel("sieve (mm)")
     panel.set_ylabel("passing (% of mass)")
     panel.grid(alpha=0.3)

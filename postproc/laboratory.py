@@ -140,9 +140,17 @@ def flank(centres, cell):
     return angle(surface), scatter, np.c_[radius, centres[:, 2]]
 
 
+def dilation_angle(axial, volumetric):
+    """Degrees, of a triaxial test: sin psi = -de_v/(2 de_1 - de_v), compression positive (e.g.
+    Bolton 1986, doi:10.1680/geot.1986.36.1.65)."""
+    slope = np.polyfit(axial, volumetric, 1)[0]
+    return np.degrees(np.arcsin(-slope / (2 - slope)))
+
+
 def draw_shear(runs, folder):
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
-    lines = ["direct shear        sigma  tau peak  sigma plane  friction angle, deg   dilation  at"
+    lines = ["direct shear, at the peak\n"
+             "                    sigma       tau  sigma plane  friction angle, deg   dilation  at"
              "\n                      kPa       kPa          kPa   platen    plane      angle, deg"
              "  mm"]
     for run in runs:
@@ -156,7 +164,7 @@ def draw_shear(runs, folder):
         # From a third of the way on: the rise of single stones averages out.
         later = got["way"] > got["way"][-1] / 3
         slope = np.polyfit(got["way"][later], got["rise"][later], 1)[0]
-        lines.append(f"{run.name:18} {got['sigma'].mean() / 1e3:6.1f} "
+        lines.append(f"{run.name:18} {got['sigma'][peak] / 1e3:6.1f} "
                      f"{got['tau'][peak] / 1e3:9.1f} {got['plane'][peak] / 1e3:12.1f} "
                      f"{angles[0]:8.1f} {angles[1]:8.1f} "
                      f"{np.degrees(np.arctan(slope)):15.1f} {1e3 * got['way'][peak]:4.0f}")
@@ -187,15 +195,12 @@ def draw_triaxial(runs, folder):
         name = f"{got['sigma_3'].mean() / 1e3:.0f} kPa"
         top.plot(100 * axial, q / got["sigma_3"], label=name)
         bottom.plot(100 * axial, 100 * got["volumetric"], label=name)
-        # sin psi = -de_v/(2 de_1 - de_v) (e.g. Bolton 1986, doi:10.1680/geot.1986.36.1.65),
-        # from the slope over the third of the test about the peak.
-        near = np.abs(axial - axial[peak]) < axial[-1] / 6
-        slope = np.polyfit(axial[near], got["volumetric"][near], 1)[0]
+        near = np.abs(axial - axial[peak]) < axial[-1] / 6   # a third of the test
         first = int(np.argmax(axial >= 0.005))
         last = axial > 0.9 * axial[-1]
         lines.append(f"{run.name:19} {got['sigma_3'].mean() / 1e3:7.1f} {q[peak] / 1e3:7.1f} "
                      f"{angle[peak]:9.1f} {angle[last].mean():8.1f} {100 * axial[peak]:12.1f} "
-                     f"{np.degrees(np.arcsin(-slope / (2 - slope))):11.1f} "
+                     f"{dilation_angle(axial[near], got['volumetric'][near]):11.1f} "
                      f"{(q[first] - q[0]) / (axial[first] - axial[0]) / 1e6:11.1f}")
     for k, (name, angles) in enumerate(PUBLISHED_TRIAXIAL.items()):
         sines = np.sin(np.radians(angles))

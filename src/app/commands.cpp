@@ -84,6 +84,12 @@ int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
 }
 
+void warn_of_springs(const par::Comm& comm, const io::File& file, const std::string& path,
+                     const Model& model, const input::Deck& deck) {
+  for (const std::string& sentence : changed_springs(file, path, effective_deck(model), deck))
+    print(comm, fmt::format("warning: {}\n", sentence));
+}
+
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before
 // anything is made or removed.
 std::string checked_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
@@ -93,7 +99,15 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   require_same_model(file, start, effective_deck(model), deck);
   for (const std::string& sentence : spent_changes(file, start, model, deck, GoesOn::in_another))
     print(comm, fmt::format("warning: {}\n", sentence));
+  warn_of_springs(comm, file, start, model, deck);
   return start;
+}
+
+// Of the cell that a bed is made of; what else must fit is looked at by `require_stones`.
+void look_at_cell(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  if (model.bed.cell.empty()) return;
+  const std::string cell = io::choose_checkpoint(comm, model.bed.cell, io::IfDamaged::refuse).file;
+  warn_of_springs(comm, io::open_checkpoint(comm, cell), cell, model, deck);
 }
 
 }  // namespace
@@ -119,6 +133,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(comm, model, deck);
   if (!alone) require_ground(model, deck);
   if (!alone) require_stones(comm, model, deck);
+  look_at_cell(comm, model, deck);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
   const FolderLock lock =
@@ -279,6 +294,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(comm, model, deck);
   require_ground(model, deck);
   const StonesOfLayers stones = require_stones(comm, model, deck);
+  look_at_cell(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);
@@ -287,12 +303,11 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
     const dem::Totals totals = world.particles.totals();
-    const bool more = std::count_if(model.stages.begin(), model.stages.end(), [](const Stage& s) {
-                        return s.kind == StageKind::fill;
-                      }) > 1;
-    print(comm, fmt::format("  stones{}: {} of {} pieces, {:.0f} kg\n",
-                            more ? " of the first layer" : "", totals.particles, totals.pieces,
-                            totals.mass));
+    const bool more = std::count_if(model.stages.begin(), model.stages.end(),
+                                    [](const Stage& s) { return s.kind == StageKind::fill; }) > 1;
+    print(comm,
+          fmt::format("  stones{}: {} of {} pieces, {:.0f} kg\n", more ? " of the first layer" : "",
+                      totals.particles, totals.pieces, totals.mass));
     for (const std::string& line : estimate(world, actions, stones, deck)) print(comm, line + "\n");
   } else {
     print(comm, "  stones: those of " + start + "\n");

@@ -131,6 +131,29 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
   if (!problems.empty()) throw InputError(problems);
 }
 
+std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,
+                                         const std::string& effective, const input::Deck& deck) {
+  const Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values now = values_of(effective);
+  const auto of = [](const Values& values, const std::string& key) {
+    const auto found = values.find(key);
+    return found == values.end() ? std::string() : found->second;
+  };
+  std::vector<std::string> sentences;
+  for (const auto& [key, value] : now) {
+    if (!key.starts_with("contact[") || !key.ends_with("].k_n")) continue;
+    const std::string pair = key.substr(0, key.rfind('.')), before = of(then, key);
+    const bool same = of(now, pair + ".first") == of(then, pair + ".first") &&
+                      of(now, pair + ".second") == of(then, pair + ".second");
+    if (before.empty() || !same || before == value) continue;
+    sentences.push_back(fmt::format(
+        "{} = {}: the stones of {} lie with overlaps that {} made; their forces jump by the "
+        "ratio, so let them settle with much damping first",
+        deck.where(key), value, path, before));
+  }
+  return sentences;
+}
+
 std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
                         const input::Deck& deck) {
   const std::string name = checkpoint.text_attribute("/", "stage");

@@ -21,4 +21,9 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
 std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
                         const input::Deck& deck);
 
+// Contacts whose springs differ from those that the state was at rest with, a sentence each: their
+// overlaps stay and so their forces and energies jump.
+std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,
+                                         const std::string& effective, const input::Deck& deck);
+
 }  // namespace trackbed::app

@@ -144,8 +144,7 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
     const bed::BedParameters bed = model.bed.of_layer(stage.layer);
     LayerForecast layer{.layer = stage.layer};
     const bool copies = !model.bed.cell.empty();
-    layer.made = copies ? world.particles.totals().particles
-                        : stones.at(stage.layer).count;
+    layer.made = copies ? world.particles.totals().particles : stones.at(stage.layer).count;
     const auto made = static_cast<double>(layer.made);
     cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
     layer.left = std::llround(share_left(model, cut, low, low + bed.height) * made);

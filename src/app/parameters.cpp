@@ -272,6 +272,12 @@ bool Model::has_stage(StageKind kind) const {
                      [&](const Stage& stage) { return stage.kind == kind; });
 }
 
+bool Model::has_one_grading() const {
+  return start.empty() && bed.cell.empty() &&
+         std::count_if(stages.begin(), stages.end(),
+                       [](const Stage& stage) { return stage.kind == StageKind::fill; }) == 1;
+}
+
 bool Model::uses_platen() const {
   return std::any_of(stages.begin(), stages.end(),
                      [](const Stage& stage) { return presses(stage.kind); });

@@ -129,6 +129,7 @@ struct Model {
 
   bool periodic_in(const std::string& axis) const;
   bool has_stage(StageKind kind) const;
+  bool has_one_grading() const;  // all stones are poured by this deck, by one stage
   bool uses_platen() const;
   bool has_train() const;  // in any stage
   bool has_stages() const { return kind == ModelKind::bed; }

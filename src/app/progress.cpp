@@ -77,10 +77,12 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
         totals.elements, totals.unknowns, words_of_base(model.ground),
         words_of_springs(model.ground), step, limit);
   }
+  const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)
-    say(comm_, "  sleepers: {} of {:.1f} kg; seat load peak {:.4g} kN at {:.2f} km/h, {} axles\n",
-        world.sleepers->count(), world.sleepers->mass(), model.load.peak / 1e3,
-        model.load.speed * 3.6, model.load.axles.size());
+    say(comm_, "  sleepers: {} of {:.1f} kg{}\n", world.sleepers->count(), world.sleepers->mass(),
+        passes ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
+                             model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
+               : "");
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
   say(comm_,

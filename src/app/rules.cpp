@@ -6,13 +6,14 @@
 // problem, so that one slip gives one sentence. Bounds of a single parameter stand where it is
 // declared.
 #include "app/rules.hpp"
-#include "trackbed/dem/stiffness.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::app {
 
@@ -114,11 +115,14 @@ void declare_sleepers(const Model& model, input::Section& s) {
            fmt::format("the sleeper at x = {:g} m reaches beyond the end of {}", at, bed),
            {.weight = input::Weight::warning, .reads = reads});
   const auto& y = model.bed.y;
-  s.rule(
-      "sleepers.length",
-      model.dimension == Dimension::plane || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
-      "sleepers reach beyond the sides of the bed (bed.y)",
-      {.weight = input::Weight::warning, .reads = reads});
+  if (model.dimension == Dimension::plane || y.size() != 2) return;
+  const bool beside = p.y + p.length / 2 <= y[0] || p.y - p.length / 2 >= y[1];
+  s.rule("sleepers.y", !beside,
+         fmt::format("puts the sleepers beside the bed (bed.y: {:g} to {:g} m)", y[0], y[1]),
+         {.reads = reads});
+  s.rule("sleepers.length", beside || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
+         "sleepers reach beyond the sides of the bed (bed.y)",
+         {.weight = input::Weight::warning, .reads = reads});
 }
 
 // Where the axles of one train are at the ends of its passage, against the sleepers. Axles move
@@ -272,15 +276,14 @@ void declare_steadiness(const Model& model, input::Section& s) {
            layer.stone == bed::StoneKind::library;
   };
   const auto& layers = model.bed.layers;
-  const bool concerned =
-      corners(model.bed) || std::any_of(layers.begin(), layers.end(), corners);
-  s.rule("dem.safety", !concerned || model.time.step > 0 || model.dem.safety <= steady,
-         fmt::format("may be too much for stones that are pressed and stick to their neighbours: "
-                     "with this k_s and these zeta they were seen to gain energy above about "
-                     "{:.2f}",
-                     steady),
-         {.weight = input::Weight::warning,
-          .reads = {"dem.safety", "time.step", "contact", "bed"}});
+  const bool concerned = corners(model.bed) || std::any_of(layers.begin(), layers.end(), corners);
+  s.rule(
+      "dem.safety", !concerned || model.time.step > 0 || model.dem.safety <= steady,
+      fmt::format("may be too much for stones that are pressed and stick to their neighbours: "
+                  "with this k_s and these zeta they were seen to gain energy above about "
+                  "{:.2f}",
+                  steady),
+      {.weight = input::Weight::warning, .reads = {"dem.safety", "time.step", "contact", "bed"}});
 }
 
 // s, about the shortest window there will be if the deck does not give it: of one sub-step, or what

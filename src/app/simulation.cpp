@@ -40,10 +40,11 @@ Simulation::Simulation(const par::Comm& comm, const Model& model, const input::D
       folder_(folder),
       world_(comm, model),
       actions_(world_, model),
-      results_(comm, folder + "/results.h5",
-               {.deck = effective_deck(model),
-                .version = version(),
-                .grading = model.bed.grading_table()}),
+      results_(
+          comm, folder + "/results.h5",
+          {.deck = effective_deck(model),
+           .version = version(),
+           .grading = model.has_one_grading() ? model.bed.grading_table() : std::vector<double>{}}),
       progress_(comm) {
   world_.particles.time_with(timers_);
 }

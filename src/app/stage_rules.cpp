@@ -119,6 +119,12 @@ void declare_heights(const Model& model, input::Section& s) {
              fmt::format("is far above the bed, which is {:g} m high; is it in m?", bed),
              {.reads = {key, "bed"}});
     }
+    // Beds settle to within a tenth or so of the height they were meant to have.
+    constexpr double above = 1.2;
+    const std::string sleepers = fmt::format("stage[{}].height", i);
+    s.rule(sleepers, !places || !(stage.height > above * bed) || stage.height > beyond * bed,
+           fmt::format("leaves the sleepers in the air: the bed is about {:g} m high", bed),
+           {.weight = input::Weight::warning, .reads = {sleepers, "bed"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
     const std::string key = fmt::format("stage[{}].height", i);
     s.rule(key, !places || stage.height == 0 || stage.height >= stone,
@@ -154,6 +160,19 @@ Apart beside_the_bed(const Model& model, const observe::Region& region) {
   const double height = height_of(bed);
   if (apart(2, region.z, std::array{-0.1 * height, 2 * height}))
     return {"z", fmt::format("lies below or above the bed, which is {:g} m high", height)};
+  return {};
+}
+
+// The axis along which a box reaches beyond walls that are there, or nothing. Heaps lie beyond
+// them.
+std::string_view sticks_out(const Model& model, const observe::Region& region) {
+  if (region.kind == observe::RegionKind::sphere || model.bed.beside > 0) return {};
+  const auto beyond = [](const auto& box, const std::vector<double>& bed) {
+    return box[0] < bed[0] - 1e-9 || box[1] > bed[1] + 1e-9;
+  };
+  if (!model.periodic_in("x") && beyond(region.x, model.bed.x)) return "x";
+  const bool space = model.dimension == Dimension::space;
+  if (space && !model.periodic_in("y") && beyond(region.y, model.bed.y)) return "y";
   return {};
 }
 
@@ -194,6 +213,11 @@ void declare_regions(const Model& model, input::Section& s) {
     const bool ball = region.kind == observe::RegionKind::sphere;
     s.rule(fmt::format("{}.{}", key, ball ? "centre" : apart.axis), apart.words.empty(),
            apart.words, {.reads = {key, "bed", "dimension", "periodic"}});
+    const std::string_view axis = sticks_out(model, region);
+    s.rule(fmt::format("{}.{}", key, axis.empty() ? "x" : axis),
+           axis.empty() || !apart.words.empty(),
+           "reaches beyond the bed: what lies there counts as voids",
+           {.weight = input::Weight::warning, .reads = {key, "bed", "dimension", "periodic"}});
   }
 }
 

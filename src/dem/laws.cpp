@@ -212,7 +212,7 @@ double steady_safety(const Physics& physics) {
   for (const ContactLaw& c : physics.laws) {
     if (c.kind != LawKind::linear || !(c.k_n > 0)) continue;
     const double stiffest = std::max(c.k_n, c.k_s);
-    const double w = std::sqrt((20 * c.k_n + 10 * c.k_s) / stiffest);
+    const double w = std::sqrt((16 * c.k_n + 14 * c.k_s) / stiffest);
     const double x = 2 * std::max(c.zeta_n, c.zeta_s);
     least = std::min(least, 2 / w * (std::sqrt(1 + x * x) - x));
   }

@@ -62,8 +62,8 @@ io::Grid stone_points(const dem::Particles& particles) {
   return grid;
 }
 
-// One line per contact between the two centres (the branch of the network); the force is a vector
-// on it, its size the width of a tube.
+// One line per contact between the centres of the two pieces, which are not those of mass; the
+// force is a vector on it, its size the width of a tube.
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
@@ -99,7 +99,7 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     // One group per stage: a deck has no two stages of one name.
     const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
     file.write<double>(chains + "/segments", network.segments, 4,
-                       {"m", "x and z of the two ends of each contact"});
+                       {"m", "x and z of the centres of the two pieces of each contact"});
     file.write<double>(chains + "/force", network.force, 1, {"N", "size of its force"});
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
     file.write<double>(pebbles + "/sieved", sieved, 2,

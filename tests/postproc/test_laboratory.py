@@ -24,6 +24,14 @@ def test_the_flank_of_a_cone_has_its_angle(angle):
     assert scatter < 3 and len(points) == len(heap)
 
 
+def test_dilation_angle_of_plane_and_axial_strains():
+    """With s = sin psi a bed widens by (1 + s)/(1 - s) of what it loses in height."""
+    axial = np.linspace(0, 0.05, 11)
+    s = np.sin(np.radians(18.0))
+    volumetric = axial * (1 - (1 + s) / (1 - s))
+    assert laboratory.dilation_angle(axial, volumetric) == pytest.approx(18.0)
+
+
 def test_area_of_box_and_cylinder():
     deck = {"dimension": "space", "bed": {"x": [0, 0.4], "y": [0, 0.4]}}
     assert laboratory.area(types.SimpleNamespace(deck=deck)) == pytest.approx(0.16)

@@ -153,6 +153,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{YIELDS} ground.layer.soil.cohesion=0": "leaves the top without strength",
           "output.ground_extremes=true": "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of what stability asks for",
+          "stage.sleepers.height=0.25": "leaves the sleepers in the air",
+          "region.below.x=[-0.5,0.5]": "region[0].x: reaches beyond the bed",
           "stage.load.growth=0.01": "has no effect: it is for fill",
           "stage.fill.growth_room=1.2": "has no effect: the stage has no growth",
           "stage.fill.lift=0.3": "stage[0].lift = 0.3: has no effect: it is for release",
@@ -455,6 +457,21 @@ def check_signals(path, deck, folder):
             raise SystemExit(f"signal {number}: code {code}, {list(place.glob('*'))}")
 
 
+def check_beds(program):
+    """In space: sleepers beside the bed; and pressed stones with corners, which gain energy with
+    steps that are stable for one contact, while balls do not."""
+    beds = HERE.parent.parent / "inputs/bed"
+    ran = program(1, "check", beds / "section.toml", "sleepers.y=9")
+    expect(ran.returncode == 2 and "puts the sleepers beside the bed" in ran.stderr,
+           "sleepers beside the bed must be refused", ran)
+    pressed = beds / "steady.toml"
+    for change, warns in ((("dem.safety=0.3",), True), (("dem.safety=0.25",), False),
+                          (("contact[0].zeta_n=0.4",), True),
+                          (("dem.safety=0.5", "bed.stone=disk"), False)):
+        ran = program.done(1, "check", pressed, "bed.x=[0, 0.2]", "bed.y=[0, 0.2]", *change)
+        expect(("seen to gain energy" in ran.stdout) == warns, f"{change}: warned or not", ran)
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
@@ -463,6 +480,7 @@ def main():
         check_problems(program, ranks)
     check_nonsense(program, deck, folder)
     check_single_cases(program, deck)
+    check_beds(program)
     check_library(program, deck, folder)
     check_other_models(program, deck, folder)
     check_foreign_folder(program, folder)

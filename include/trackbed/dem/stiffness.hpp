@@ -17,9 +17,9 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
 double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
                    double largest, std::string* limit = nullptr);
 
-// About the largest `safety` of that step with which pressed stones with corners were seen to gain no
-// energy (docs/decisions/time_step.md): many contacts that stick, and their dampers, ask for less than
-// one spring does. The least of all linear laws; infinite without any.
+// About the largest `safety` of that step with which pressed stones with corners were seen to gain
+// no energy (docs/decisions/time_step.md): many contacts that stick, and their dampers, ask for
+// less than one spring does. The least of all linear laws; infinite without any.
 double steady_safety(const Physics& physics);
 
 }  // namespace trackbed::dem

@@ -36,8 +36,8 @@ StonesOfLayers stones_of(const World& scene) {
   StonesOfLayers stones;
   for (const Stage& stage : scene.model.stages)
     if (stage.kind == StageKind::fill)
-      stones[stage.layer] = bed::stones_of(scene.comm, scene.model.bed.of_layer(stage.layer),
-                                           scene.model.domain());
+      stones[stage.layer] =
+          bed::stones_of(scene.comm, scene.model.bed.of_layer(stage.layer), scene.model.domain());
   return stones;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "dem/laws.hpp"
+#include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem {
 namespace {
@@ -26,6 +27,25 @@ TEST(ContactLaw, HistoryIsBroughtIntoTheTangentPlane) {
   contact_force(elastic, {0, 0, 1, 0, 0, 0, 1e-4, 0}, 1e-5, xi);
   EXPECT_EQ(xi.z, 0);
   EXPECT_EQ(xi.x, 1e-5);
+}
+
+// Softer springs along the contact allow more, dampers less; the least of all laws counts.
+TEST(ContactLaw, SteadyStepsAreThoseOfTheWorstLaw) {
+  const auto law = [](double k_s, double zeta) {
+    ContactLaw c;
+    c.k_n = 1e6, c.k_s = k_s, c.zeta_n = zeta;
+    return c;
+  };
+  Physics physics;
+  EXPECT_TRUE(std::isinf(steady_safety(physics)));
+  physics.laws = {law(1e6, 0)};
+  EXPECT_NEAR(steady_safety(physics), 2 / std::sqrt(30.0), 1e-12);
+  physics.laws.push_back(law(3e5, 0));
+  EXPECT_NEAR(steady_safety(physics), 2 / std::sqrt(30.0), 1e-12);
+  physics.laws = {law(3e5, 0)};
+  EXPECT_GT(steady_safety(physics), 1.2 * 2 / std::sqrt(30.0));
+  physics.laws.push_back(law(3e5, 0.5));  // x = 1
+  EXPECT_NEAR(steady_safety(physics), 2 / std::sqrt(20.2) * (std::sqrt(2.0) - 1), 1e-12);
 }
 
 TEST(ContactLaw, FrictionStopsAtCoulombsLimit) {

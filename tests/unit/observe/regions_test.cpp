@@ -296,6 +296,24 @@ TEST(Regions, PebblesAreSolidWithin) {
   EXPECT_LT(worst, 0.01);  // as points_within promises for laminas
 }
 
+// Two stones that touch with two pieces each are partners once.
+TEST(Regions, PartnersWithTwoContactsCountOnce) {
+  const par::Comm world = par::Comm::world();
+  dem::Particles stones(world, test::one_material(springs(), density), {.gravity = 0},
+                        test::box({-1, -1, -1}, {1, 1, 1}));
+  stones.add_template(geom::template_of({geom::ball({-r, 0, 0}, r), geom::ball({r, 0, 0}, r)}));
+  std::vector<dem::NewParticle> pair(2);
+  pair[1].id = 1;
+  for (dem::NewParticle& stone : pair) stone.scale = 1;
+  pair[1].position = {0, 0, 2 * r - 1e-4};
+  stones.add(test::mine(world, pair));
+  stones.advance(1e-12, 1);
+  const auto all = box({-0.5, 0.5}, {-0.5, 0.5}, {-0.5, 0.5});
+  const observe::Measured m = observe::measure(world, stones, all).at(0);
+  EXPECT_EQ(m.contacts, 2);
+  EXPECT_NEAR(m.coordination, 1, rounding);
+}
+
 // The share of a ball in the cap of height h = z + r: h^2 (3 r - h)/(4 r^3).
 TEST(Regions, ABallIsCutWhereItIs) {
   const par::Comm world = par::Comm::world();
