@@ -28,10 +28,12 @@ def loaded_rail(x, height, begin, end):
     """(x, m; D1 part of the path of a wheel, m) between two places: what a loaded measuring axle
     sees. A wheel's height is that of the loaded rail but for its own approach to it, a few um."""
     on = (x >= begin) & (x <= end)
-    if on.sum() < 8:
+    # Rows are even in time, not in place while the train brakes; where it stands there are several.
+    there, first = np.unique(x[on], return_index=True)
+    if len(there) < 8:
         return np.array([]), np.array([])
-    step = (x[on][-1] - x[on][0]) / (on.sum() - 1)
-    return x[on], band(height[on], step)
+    even = np.linspace(there[0], there[-1], on.sum())
+    return even, band(np.interp(even, there, height[on][first]), even[1] - even[0])
 
 
 def receptance(time, force, rail, least=0.02):

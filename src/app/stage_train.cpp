@@ -1,6 +1,8 @@
 // Small and the same on all ranks, as sleepers are: nothing is sent.
 #include "app/stage_train.hpp"
 
+#include "trackbed/track/motion.hpp"
+
 namespace trackbed::app {
 
 namespace {
@@ -23,7 +25,7 @@ StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_
 double StageTrain::duration() const {
   const TrackModel& t = model_.track;
   const track::Train train(t.train, t.vehicles, t.line.track.rails);
-  return (t.line.track.length + train.axle_distance() - t.train.start) / t.train.speed;
+  return track::Motion(t.train).time_at(t.line.track.length + train.axle_distance());
 }
 
 std::vector<double> StageTrain::levels() const {

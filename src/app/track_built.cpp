@@ -22,6 +22,14 @@ std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
   return text + fmt::format(" wheelset {:g} kg", vehicle.wheelset_mass);
 }
 
+// km/h, each with the time it is reached at.
+std::string words_of_speed(const track::TrainParameters& train) {
+  std::string text = fmt::format("{:.2f} km/h", train.speed * 3.6);
+  for (std::size_t i = 0; i < train.times.size(); ++i)
+    text += fmt::format(", at {:g} s {:.2f} km/h", train.times[i], train.speeds[i] * 3.6);
+  return text;
+}
+
 void introduce_track(const par::Comm& comm, const TrackModel& model, const Built& built) {
   const track::Beam rail = track::beam_of(model.line.rail);
   say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
@@ -38,9 +46,9 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
   }
   if (!built.train.wheels().empty())
     say(comm,
-        fmt::format("  train: {} vehicles, {} axles, {:.2f} km/h; first wheel {:.2f} kN at rest",
+        fmt::format("  train: {} vehicles, {} axles, {}; first wheel {:.2f} kN at rest",
                     built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
-                    model.train.speed * 3.6, built.passage.wheel_force(0) / 1e3));
+                    words_of_speed(model.train), built.passage.wheel_force(0) / 1e3));
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
   say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
                         built.law.constant(), hertz ? "N/m^1.5" : "N/m"));

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/track/motion.hpp"
 
 namespace trackbed::app {
 
@@ -59,14 +61,23 @@ void declare_sides(const TrackModel& model, input::Section& s) {
          "must be plane on a bed: its sleepers carry one rail, or both alike", about);
 }
 
-// Of trains that can be built; what others lack is said already. -1: unknown.
-std::int64_t axles_of(const TrackModel& model) {
+// None that cannot be built: what it lacks is said already.
+std::optional<track::Train> train_of(const TrackModel& model) {
   try {
-    const track::Train train(model.train, model.vehicles, 1);
-    return static_cast<std::int64_t>(train.wheels().size());
+    return track::Train(model.train, model.vehicles, 1);
   } catch (const InputError&) {
-    return -1;
+    return {};
   }
+}
+
+void declare_flat(const TrackModel& model, input::Section& s) {
+  if (model.wheel_rail.flat_axle == 0) return;
+  const std::optional<track::Train> train = train_of(model);
+  if (!train) return;
+  const auto axles = static_cast<std::int64_t>(train->wheels().size());
+  s.rule("wheel_rail.flat_axle", model.wheel_rail.flat_axle <= axles,
+         fmt::format("is not there: the train has {} axles", axles),
+         {.reads = {"wheel_rail", "train", "vehicle"}});
 }
 
 }  // namespace
@@ -106,10 +117,7 @@ void TrackModel::declare(input::Section& s) {
   declare_vehicles(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
-  if (const std::int64_t axles = wheel_rail.flat_axle > 0 ? axles_of(*this) : -1; axles >= 0)
-    s.rule("wheel_rail.flat_axle", wheel_rail.flat_axle <= axles,
-           fmt::format("is not there: the train has {} axles", axles),
-           {.reads = {"wheel_rail", "train", "vehicle"}});
+  declare_flat(*this, s);
   const double length = line.track.length;
   if (on_bed) return;
   for (const double x : passage.points)
@@ -119,9 +127,24 @@ void TrackModel::declare(input::Section& s) {
   s.rule("train.start", train.start < length,
          fmt::format("lies beyond the track, which is {:g} m long", length),
          {.reads = {"train.start", "track.length"}});
+  const std::optional<double> rests = stop();
+  s.rule("passage.duration", passage.duration > 0 || !rests,
+         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
+                     "leaves the track (train.speeds)",
+                     rests.value_or(0)),
+         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
   s.rule("passage.history_interval", passage.history_interval >= passage.step,
          "is less than a time step; every step makes a row",
          {.weight = input::Weight::warning, .reads = {"passage"}});
+}
+
+std::optional<double> TrackModel::stop() const {
+  if (!train.changes_are_clear() || train.speeds.empty()) return {};
+  const std::optional<track::Train> whole = train_of(*this);
+  const track::Motion motion(train);
+  if (!whole || std::isfinite(motion.time_at(line.track.length + whole->axle_distance())))
+    return {};
+  return motion.x(train.times.back());
 }
 
 // Compared as text, which visits every parameter: none can be forgotten here.

@@ -2,6 +2,7 @@
 // dampers, without stones and ground.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "trackbed/input/section.hpp"
@@ -29,6 +30,8 @@ struct TrackModel {
   TrackOutput passage;
   bool on_bed = false;  // the run is that of a bed
   void declare(input::Section& s);
+  // m, where the first axle comes to rest for ever if the last one is then still on the track.
+  std::optional<double> stop() const;
   // Whether every parameter has its default.
   bool untouched() const;
 };

@@ -32,6 +32,14 @@ void declare_presence(const Model& model, input::Section& s) {
     s.rule(fmt::format("stage[{}].train", i),
            !model.stages[i].train || model.stages[i].kind == StageKind::passage,
            "is for stages of kind passage only", {.reads = {"stage"}});
+  const std::optional<double> stop = model.track.stop();
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].duration", i),
+           !model.stages[i].train || model.stages[i].duration > 0 || !stop,
+           fmt::format("must be above 0 s: the train stops with its first axle {:g} m behind the "
+                       "begin of the track and never leaves it (train.speeds)",
+                       stop.value_or(0)),
+           {.reads = {"stage", "train", "vehicle", "track"}});
   for (std::size_t i = 0; i < model.stages.size(); ++i)
     s.rule(fmt::format("stage[{}].duration", i),
            !model.stages[i].train || model.stages[i].cycles < 2 || model.stages[i].duration == 0,

@@ -307,8 +307,7 @@ std::int64_t Passage::lost() const { return room_->lost; }
 double Passage::duration() const {
   const Room& room = *room_;
   if (room.parameters.duration > 0) return room.parameters.duration;
-  const double way = room.line.length() + room.train.axle_distance() - room.motion.start;
-  return std::max(way, 0.0) / room.motion.speed;
+  return room.motion.time_at(room.line.length() + room.train.axle_distance());
 }
 
 // `rolling` is sorted, so a wheel's contact is found by its number.

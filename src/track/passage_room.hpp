@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "trackbed/track/motion.hpp"
 #include "trackbed/track/passage.hpp"
 
 namespace trackbed::track {
@@ -16,9 +17,7 @@ struct Passage::Room {
        const std::array<Irregularity, 2>& irregularity, const TrainParameters& motion,
        const PassageParameters& parameters);
 
-  double x(std::size_t wheel) const {
-    return motion.start + motion.speed * time() - train.wheels()[wheel].behind;
-  }
+  double x(std::size_t wheel) const { return motion.x(time()) - train.wheels()[wheel].behind; }
   double time() const { return static_cast<double>(steps) * parameters.step; }
   void place_wheels();
   void rest_train();
@@ -40,7 +39,7 @@ struct Passage::Room {
   const Train& train;
   WheelRail law;
   std::array<Irregularity, 2> irregularity;  // of both sides
-  TrainParameters motion;
+  Motion motion;
   PassageParameters parameters;
   Newmark track, vehicles;
   std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/types.hpp"
@@ -259,9 +261,45 @@ void VehicleParameters::declare(input::Section& s) {
 void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles,
           "Names of [[vehicle]] or of the library, front first; none if there is a [[force]].");
-  s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_from = 1, .usually_to = 170},
-           "Along x.");
+  s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
+           "Along x, at the begin; it stays so unless train.times says otherwise.");
   s.number("start", start, {.unit = "m"}, "x of the first axle at the begin.");
+  s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
+            "Times since the begin at which train.speeds are reached. In between, and from the "
+            "begin, the speed changes evenly; after the last time it stays.");
+  s.numbers("speeds", speeds, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
+            "Speed at each of train.times; 0: the train stands. What braking does to the vehicles "
+            "along the track is not modelled.");
+  declare_changes(s);
+}
+
+bool TrainParameters::changes_are_clear() const {
+  return times.size() == speeds.size() && (times.empty() || times.front() > 0) &&
+         std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end();
+}
+
+// Of a table that cannot be read as one the last rule would say nothing true.
+void TrainParameters::declare_changes(input::Section& s) const {
+  s.rule("times",
+         std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end(),
+         "must rise from each to the next");
+  s.rule("speeds", speeds.size() == times.size(),
+         fmt::format("must be as many as train.times: {} speeds, {} times", speeds.size(),
+                     times.size()));
+  s.rule("speed",
+         speed > 0 || std::any_of(speeds.begin(), speeds.end(), [](double v) { return v > 0; }),
+         "must be above 0 m/s, or one of train.speeds");
+  if (!changes_are_clear()) return;
+  double largest = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double change = speeds[i] - (i > 0 ? speeds[i - 1] : speed);
+    const double lasts = times[i] - (i > 0 ? times[i - 1] : 0);
+    largest = std::max(largest, std::abs(change) / lasts);
+  }
+  constexpr double emergency = 3;  // m/s^2, what magnetic track brakes add is in it
+  s.rule("speeds", largest <= emergency,
+         fmt::format("changes by up to {:.3g} m/s2; trains brake by 3 m/s2 at most", largest),
+         {.weight = input::Weight::warning, .reads = {"speed", "times", "speeds"}});
 }
 
 }  // namespace trackbed::track

@@ -22,6 +22,7 @@ CUSTOM = ["train.vehicles=[\"own\"]"]
 COACH = [*CUSTOM, "vehicle.own.like=manchester_1"]
 AXLES = [*CUSTOM, "vehicle.own.kind=forces", "vehicle.own.axles=[1, 3]",
          "vehicle.own.loads=[1e5, 1e5]"]
+BRAKES = ["train.times=[1]", "train.speeds=[48]"]
 LINEAR = ["wheel_rail.law=linear"]
 FLAT = ["wheel_rail.flat_axle=1", "wheel_rail.flat_at=8.5"]
 DIP = ["irregularity.kind=versine"]
@@ -85,6 +86,8 @@ KNOBS = {
     "train.vehicles": ("train.vehicles=[\"freight_wagon\"]", []),
     "train.speed": ("train.speed=60", []),
     "train.start": ("train.start=7", []),
+    "train.times": ("train.times=[0.5]", BRAKES),
+    "train.speeds": ("train.speeds=[49]", BRAKES),
     "wheel_rail.law": ("wheel_rail.law=linear", []),
     "wheel_rail.wheel_radius": ("wheel_rail.wheel_radius=0.5", []),
     "wheel_rail.rail_radius": ("wheel_rail.rail_radius=0.2", []),

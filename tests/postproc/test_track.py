@@ -62,6 +62,15 @@ def test_loaded_rail_is_that_between_the_places():
     assert path[400:-400].std() == pytest.approx(1e-3 / np.sqrt(2), rel=0.02)
 
 
+def test_loaded_rail_of_a_train_that_brakes_and_stands():
+    time = np.linspace(0, 8, 3001)
+    x = np.where(time < 6, 40 * time - 40 / 12 * time**2, 120.0)  # to a stand at 120 m
+    at, path = track_measures.loaded_rail(x, 1e-3 * np.sin(2 * np.pi * x / 8), 0, 120)
+    assert np.ptp(np.diff(at)) < 1e-9 and at[-1] == 120
+    assert path[600:-600].std() == pytest.approx(1e-3 / np.sqrt(2), rel=0.02)
+    assert len(track_measures.loaded_rail(x[-100:], x[-100:], 0, 120)[0]) == 0
+
+
 def hammered():
     """A mass on spring and damper under half a sine, by its closed form in the frequency domain."""
     step, n, mass, spring, damper = 1e-4, 20000, 100.0, 4e7, 1e4

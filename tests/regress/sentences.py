@@ -109,6 +109,8 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "footing.count=3": "footing: has no effect: sleepers of a bed lie on its stones",
            "stage.load.train=true": "is for stages of kind passage only",
            TRAIN.replace("start=0", "start=1"): "train.start = 1: must be at most 0 on a bed",
+           f"{TRAIN} stage.passage.duration=0 train.times=[60] train.speeds=[0] train.speed=1":
+               "must be above 0 s: the train stops with its first axle 30 m behind the begin",
            f"{TRAIN} seat.before=5": "3 m behind the begin of the track, within its run-in of 6 m",
            f"{TRAIN} track.spacing=0.5": "(sleepers.spacing = 0.6 m)",
            f"{TRAIN} track.length=18": "must be at least 18.6 m: 12.6 m up to the last sleeper",

@@ -22,6 +22,10 @@ REFUSED = {
     'train.vehicles=["manchester"]': "did you mean manchester_1?",
     "train.vehicles=[]": "must name at least one vehicle",
     "train.start=61": "train.start = 61: lies beyond the track, which is 60 m long",
+    "train.times=[9,8] train.speeds=[40,30]": "train.times = [9, 8]: must rise from each to",
+    "train.times=[9,20] train.speeds=[40]": "as many as train.times: 1 speeds, 2 times",
+    "train.times=[9] train.speeds=[-5]": "train.speeds[0] = -5 must be at least 0 m/s",
+    "train.times=[5] train.speeds=[0] train.speed=10": "stops with its first axle at 25 m and",
     "track.length=60.1": "must be a multiple of track.spacing",
     "track.run_in=31": "must be at most half the length",
     "irregularity.kind=file": "is needed for kind",
@@ -70,9 +74,11 @@ def check_refusals(program, decks, folder):
         path = folder / "changed.toml"
         path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
         refuse(program, path, [], words)
-    ran = program.done(1, "check", decks / "plain.toml", "passage.history_interval=1e-6")
-    if "every step makes a row" not in ran.stdout:
-        raise SystemExit(f"a row more often than a step must warn:\n{ran.stdout}")
+    for changes, words in ((["passage.history_interval=1e-6"], "every step makes a row"),
+                           (["train.times=[1]", "train.speeds=[20]"], "by up to 30 m/s2; trains")):
+        ran = program.done(1, "check", decks / "plain.toml", *changes)
+        if words not in ran.stdout:
+            raise SystemExit(f"{changes} must warn:\n{ran.stdout}")
 
 
 def check_files(program, decks, folder):
@@ -183,6 +189,34 @@ def check_resume(program, decks, folder):
         raise SystemExit(f"info of a checkpoint: {ran.stdout}")
 
 
+def check_braking(program, decks, folder):
+    """A train that brakes: the same bits on any number of ranks and after a stop, between two of
+    its times and beyond the last. It goes as far as its speeds say, and takes the time it needs."""
+    words = ["train.times=[0.1, 0.4]", "train.speeds=[50, 49.5]", "train.start=25"]
+    place = folder / "brakes_1"
+    for ranks in (1, 2, 3, 4):
+        program.done(ranks, "run", decks / "plain.toml", *words, "passage.duration=0.5", "-o",
+                     folder / f"brakes_{ranks}")
+        same_bits(place, folder / f"brakes_{ranks}", f"braking on {ranks} ranks")
+    with h5py.File(place / "results.h5") as file:
+        x = file["history/wheel/x"][()][-1, 0]
+    if abs(x - (25 + 50 * 0.1 + 49.75 * 0.3 + 49.5 * 0.1)) > 1e-9:
+        raise SystemExit(f"the first axle has come to {x} m")
+    for steps in (700, 2100):
+        stopped = folder / f"brakes_stopped_{steps}"
+        program.done(2, "run", decks / "plain.toml", *words, "passage.duration=0.5",
+                     f"passage.stop_after={steps}", "-o", stopped, code=3)
+        program.done(1, "resume", stopped)
+        same_bits(place, stopped, f"braking, stopped after {steps} steps")
+    # 60 m and 21.56 m to the last axle from 0: 50 m at 50 m/s, then 31.56 m at 25 m/s on average.
+    program.done(1, "run", decks / "plain.toml", "train.start=0", "train.times=[1, 21]",
+                 "train.speeds=[50, 0]", "passage.step=1e-3", "-o", folder / "brakes_whole")
+    time = summary(folder / "brakes_whole")["simulated_time_s"]
+    wanted = 1 + 20 * (1 - np.sqrt(1 - 31.56 / 500))
+    if not wanted <= time < wanted + 1.1e-3:
+        raise SystemExit(f"the last axle leaves after {wanted} s, not {time} s")
+
+
 def check_two_rails(program, decks, folder):
     """Stopped and resumed on another number of ranks: the same bits. The body leans towards the
     rail that has no support."""
@@ -259,6 +293,7 @@ def main():
     check_files(program, decks, folder)
     check_runs(program, decks, folder)
     check_resume(program, decks, folder)
+    check_braking(program, decks, folder)
     check_two_rails(program, decks, folder)
     check_forces(program, decks, folder)
     check_targets(program, decks, folder)

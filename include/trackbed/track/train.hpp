@@ -50,9 +50,12 @@ std::string why_no_vehicle(const std::string& name, const std::vector<VehiclePar
 
 struct TrainParameters {
   std::vector<std::string> vehicles = {"manchester_1"};  // front first
-  double speed = 50;                                     // m/s
+  double speed = 50;                                     // m/s, where it is sent
   double start = 10;                                     // m, x of the first axle
+  std::vector<double> times = {}, speeds = {};           // s since then, m/s; linear in between
+  bool changes_are_clear() const;                        // times rise, each has its speed
   void declare(input::Section& s);
+  void declare_changes(input::Section& s) const;
 };
 
 // Hz, undamped, of the vehicle with its wheelsets held, rising; with roll if it stands on two

@@ -25,21 +25,36 @@ constexpr int modes = 15;
 // Heights and rates: modes, then body, then wheelset.
 using State = Eigen::Matrix<double, modes + 2, 2>;
 
+// Where the wheel is: at one speed, and braking from 0.2 to 0.7 s.
+using Place = double (*)(double);
+constexpr double braked = 12, begin = 0.2, end = 0.7;  // m/s, s
+double evenly(double time) { return speed * time; }
+double braking(double time) {
+  const double in = std::clamp(time, begin, end) - begin, last = std::max(time - end, 0.0);
+  return speed * (time - last) - (speed - braked) / (end - begin) * in * in / 2 + braked * last;
+}
+
+TrainParameters motion_of(Place place) {
+  TrainParameters motion{.vehicles = {"own"}, .speed = speed, .start = 0};
+  if (place == braking) motion.times = {begin, end}, motion.speeds = {speed, braked};
+  return motion;
+}
+
 double wave(int mode, double x) { return std::sin((mode + 1) * std::numbers::pi * x / length); }
 
-State rate(const State& s, double time) {
+State rate(const State& s, double x) {
   const double base =
       std::pow(std::numbers::pi / length, 2) * std::sqrt(young * inertia / mass);  // rad/s
   double rail = 0;
-  for (int n = 0; n < modes; ++n) rail += s(n, 0) * wave(n, speed * time);
+  for (int n = 0; n < modes; ++n) rail += s(n, 0) * wave(n, x);
   const double force = contact * std::max(0.0, rail - s(modes + 1, 0));
   const double between =
       spring * (s(modes + 1, 0) - s(modes, 0)) + damper * (s(modes + 1, 1) - s(modes, 1));
   State d;
   d.col(0) = s.col(1);
   for (int n = 0; n < modes; ++n)
-    d(n, 1) = -std::pow((n + 1) * (n + 1) * base, 2) * s(n, 0) -
-              2 / (mass * length) * wave(n, speed * time) * force;
+    d(n, 1) =
+        -std::pow((n + 1) * (n + 1) * base, 2) * s(n, 0) - 2 / (mass * length) * wave(n, x) * force;
   d(modes, 1) = between / body - gravity;
   d(modes + 1, 1) = (force - between) / wheelset - gravity;
   return d;
@@ -49,7 +64,7 @@ struct Crossing {
   std::vector<double> rail, wheel, body;  // m, mid-span, downwards; N; m; every 2 ms
 };
 
-Crossing by_modes() {
+Crossing by_modes(Place place = evenly) {
   constexpr double step = 2e-5;
   State s = State::Zero();
   s(modes + 1, 0) = -(body + wheelset) * gravity / contact;
@@ -57,14 +72,15 @@ Crossing by_modes() {
   Crossing found;
   for (int i = 1; i <= std::lround(duration / step); ++i) {
     const double t = (i - 1) * step;
-    const State a = rate(s, t), b = rate(s + step / 2 * a, t + step / 2),
-                c = rate(s + step / 2 * b, t + step / 2), d = rate(s + step * c, t + step);
+    const double amid = place(t + step / 2);
+    const State a = rate(s, place(t)), b = rate(s + step / 2 * a, amid),
+                c = rate(s + step / 2 * b, amid), d = rate(s + step * c, place(t + step));
     s += step / 6 * (a + 2 * b + 2 * c + d);
     if (i % 100 != 0) continue;
     double middle = 0, below = 0;
     for (int n = 0; n < modes; ++n) {
       middle -= s(n, 0) * wave(n, length / 2);
-      below += s(n, 0) * wave(n, speed * i * step);
+      below += s(n, 0) * wave(n, place(i * step));
     }
     found.rail.push_back(middle);
     found.wheel.push_back(contact * std::max(0.0, below - s(modes + 1, 0)));
@@ -73,15 +89,15 @@ Crossing by_modes() {
   return found;
 }
 
-Crossing by_passage(double step) {
+Crossing by_passage(double step, Place place = evenly) {
   const Line line(span(young, inertia, mass));
   VehicleParameters v;
-  v.name = "mass";
+  v.name = "own";
   v.kind = VehicleKind::sprung;
   v.length = 1;
   v.body_mass = body, v.wheelset_mass = wheelset;
   v.primary_stiffness = spring, v.primary_damping = damper;
-  const TrainParameters motion{.vehicles = {"mass"}, .speed = speed, .start = 0};
+  const TrainParameters motion = motion_of(place);
   const Train train(motion, {v}, 1);
   WheelRailParameters law;
   law.law = WheelRailLaw::linear;
@@ -130,33 +146,79 @@ TEST(SprungMass, IsOfSecondOrderInTheStep) {
                   distance(c.body, by_modes().body), 1e-6);
 }
 
+// What it feels of the rail's shape comes later and later.
+TEST(SprungMass, ThatBrakesOnASpan) {
+  const Crossing reference = by_modes(braking), fine = by_passage(1e-4, braking);
+  verified::above("difference to one that does not, mid-span, root mean square", "m",
+                  distance(reference.rail, by_modes().rail), 1e-4);
+  verified::below("mid-span, root mean square of the difference", "m",
+                  distance(fine.rail, reference.rail), 2e-6);
+  verified::below("wheel force, root mean square of the difference", "N",
+                  distance(fine.wheel, reference.wheel), 20);
+  const Crossing a = by_passage(1e-3, braking), b = by_passage(5e-4, braking),
+                 c = by_passage(2.5e-4, braking);
+  verified::near("order from steps of 1, 0.5, 0.25 ms, body", "-",
+                 std::log2(distance(a.body, b.body) / distance(b.body, c.body)), 2, 0.2);
+}
+
 // A constant force on the same span, its first mode against the closed form
 //   q = (2 P/(m L)) (sin(W t) - (W/w) sin(w t))/(w^2 - W^2),  W = pi v/L:
 // root mean square of the difference over the passage, m.
-double moving_force_error(int elements, double step) {
+// If it brakes: of the mode's own equation, by Runge and Kutta's fourth order in small steps.
+class FirstMode {
+ public:
+  explicit FirstMode(Place place) : place_(place) {}
+  // m, at the next time asked for.
+  double at(double time) {
+    const double wave_number = std::numbers::pi / length;
+    const double own = wave_number * wave_number * std::sqrt(young * inertia / mass);
+    const auto rate = [&](const Eigen::Vector2d& q, double t) {
+      return Eigen::Vector2d(
+          q[1], 2e5 / (mass * length) * std::sin(wave_number * place_(t)) - own * own * q[0]);
+    };
+    const auto parts = std::lround((time - time_) / 2.5e-5);
+    const double h = (time - time_) / static_cast<double>(parts);
+    for (auto i = parts; i > 0; --i, time_ += h) {
+      const Eigen::Vector2d a = rate(q_, time_), b = rate(q_ + h / 2 * a, time_ + h / 2),
+                            c = rate(q_ + h / 2 * b, time_ + h / 2),
+                            d = rate(q_ + h * c, time_ + h);
+      q_ += h / 6 * (a + 2 * b + 2 * c + d);
+    }
+    return q_[0];
+  }
+
+ private:
+  Place place_;
+  double time_ = 0;
+  Eigen::Vector2d q_ = Eigen::Vector2d::Zero();
+};
+
+double moving_force_error(int elements, double step, Place place = evenly) {
   LineParameters p = span(young, inertia, mass);
   p.track.spacing = length / 2;
   p.track.elements = elements / 2;
   const Line line(p);
   VehicleParameters v;
-  v.name = "force";
+  v.name = "own";
   v.kind = VehicleKind::forces;
   v.length = 1;
   v.axles = {0}, v.loads = {1e5};
-  const TrainParameters motion{.vehicles = {"force"}, .speed = speed, .start = 0};
+  const TrainParameters motion = motion_of(place);
   const Train train(motion, {v}, 1);
   Passage passage(line, train, WheelRail({}), Irregularity({}, length), motion,
                   {.step = step, .duration = duration});
   const double k = std::numbers::pi / length, drive = k * speed,
                own = k * k * std::sqrt(young * inertia / mass);
   double sum = 0;
+  FirstMode slower(place);
   const auto steps = std::lround(duration / step);
   for (int i = 1; i <= steps; ++i) {
     passage.advance();
-    const double exact =
+    const double at_one_speed =
         2e5 / (mass * length) *
         (std::sin(drive * passage.time()) - drive / own * std::sin(own * passage.time())) /
         (own * own - drive * drive);
+    const double exact = place == evenly ? at_one_speed : slower.at(passage.time());
     sum += std::pow(-first_mode(line, elements, passage.line_motion().displacement) - exact, 2);
   }
   return std::sqrt(sum / static_cast<double>(steps));
@@ -166,6 +228,12 @@ double moving_force_error(int elements, double step) {
 TEST(MovingForce, OrdersOnASpan) {
   verified::near("order in the step, 2 and 1 ms, 40 elements", "-",
                  std::log2(moving_force_error(40, 2e-3) / moving_force_error(40, 1e-3)), 2, 0.1);
+  verified::near(
+      "order in the step, 2 and 1 ms, braking", "-",
+      std::log2(moving_force_error(40, 2e-3, braking) / moving_force_error(40, 1e-3, braking)), 2,
+      0.1);
+  verified::below("first mode while braking, steps of 1 ms, root mean square", "m",
+                  moving_force_error(40, 1e-3, braking), 1e-6);
   verified::near("order in element length, 8 and 16 elements", "-",
                  std::log2(moving_force_error(8, 5e-5) / moving_force_error(16, 5e-5)), 4, 0.5);
 }
