@@ -37,6 +37,10 @@ void declare_track(const Model& model, input::Section& s) {
          "must be sleepers: the ground is below their ballast", about);
   s.rule("track.dimension", track.dimension == Dimension::plane,
          "must be plane on a ground: its sleepers carry one rail, or both alike", about);
+  const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
+                                 [](const track::TrackZone& zone) { return zone.gap > 0; });
+  s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
+         "must be rigid on a ground where sleepers hang (gap of a zone)", about);
   const double first = static_cast<double>(footing.before) * track.spacing;
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
   s.rule("footing.before", first >= track.run_in - rounding,

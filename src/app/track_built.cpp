@@ -38,6 +38,9 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
   say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
                         built.line.sides(), built.line.sides() > 1 ? "s" : "",
                         built.line.sleepers(), built.line.system().mass.rows()));
+  if (built.line.sleepers_bend())
+    say(comm, fmt::format("  sleepers bend: first frequency {:.1f} Hz if free and slender",
+                          track::bending_frequency(model.line.track)));
   std::vector<std::string> said;
   for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
     if (std::find(said.begin(), said.end(), vehicle.name) != said.end()) continue;

@@ -61,6 +61,15 @@ void declare_sides(const TrackModel& model, input::Section& s) {
          "must be plane on a bed: its sleepers carry one rail, or both alike", about);
 }
 
+void declare_bending(const TrackModel& model, input::Section& s) {
+  if (model.line.track.sleeper.model == track::SleeperModel::rigid) return;
+  s.rule("ballast.mass", model.line.ballast.mass == 0,
+         "must be 0 below sleepers that bend: their ballast is spread along them",
+         {.reads = {"track", "ballast"}});
+  s.rule("track.sleeper.model", !model.on_bed,
+         "must be rigid on a bed, whose own sleepers do not bend", {.reads = {"track"}});
+}
+
 // None that cannot be built: what it lacks is said already.
 std::optional<track::Train> train_of(const TrackModel& model) {
   try {
@@ -117,6 +126,7 @@ void TrackModel::declare(input::Section& s) {
   declare_vehicles(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
+  declare_bending(*this, s);
   declare_flat(*this, s);
   const double length = line.track.length;
   if (on_bed) return;

@@ -25,7 +25,8 @@ enum Which : std::size_t {
   body_roll,
   wheel_height,
   ground_displacement,
-  ground_force
+  ground_force,
+  sleeper_moment
 };
 
 }  // namespace
@@ -67,6 +68,12 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/ground/force",
        {"N", "of a sleeper's ballast under one rail on it, compression positive"},
        on_ground ? sleepers_.size() : 0,
+       {}},
+      {"history/sleeper/moment",
+       {"N m",
+        "in a sleeper: below the left rail, in the middle, below the right rail (of a half "
+        "the first two); positive where its ends are bent upwards"},
+       line.sleepers_bend() ? (sides + 1) * sleepers_.size() : 0,
        {}}};
 }
 
@@ -89,6 +96,12 @@ void PassageHistories::sample(const track::Passage& passage) {
       put(sleeper_acceleration, rail.acceleration[unknown]);
       put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity, {}, side));
     }
+  for (const std::size_t i : sleepers_)
+    if (columns_[sleeper_moment].width > 0)
+      for (std::size_t place = 0; place <= line_.sides(); ++place)
+        put(sleeper_moment,
+            line_.sleeper_moment(i, line_.gauge() / 2 * (1 - static_cast<double>(place)),
+                                 rail.displacement));
   for (const std::size_t i : sleepers_)
     if (columns_[ground_force].width > 0) {
       put(ground_displacement, passage.ground_below(i).height);

@@ -51,30 +51,35 @@ Matrix4 BeamElement::stiffness() const {
 }
 
 // Gauss with four points: exact for the products of cubics that stand here.
-template <class F>
-Matrix4 BeamElement::integral(F&& integrand) const {
+template <class M, class F>
+M BeamElement::integral(const std::array<double, 2>& part, F&& integrand) const {
   constexpr std::array<double, 2> at = {0.339981043584856265, 0.861136311594052575};
   constexpr std::array<double, 2> weight = {0.652145154862546143, 0.347854845137453857};
-  Matrix4 sum = Matrix4::Zero();
+  const double half = (part[1] - part[0]) / 2;
+  M sum = M::Zero();
   for (std::size_t i = 0; i < 2; ++i)
     for (const double side : {-1.0, 1.0})
-      sum += weight[i] * length_ / 2 * integrand((1 + side * at[i]) / 2);
+      sum += weight[i] * length_ * half * integrand(part[0] + half * (1 + side * at[i]));
   return sum;
 }
 
 // Consistent, with rotary inertia: kinetic energy of the shapes themselves.
 Matrix4 BeamElement::mass() const {
-  return integral([this](double xi) -> Matrix4 {
+  return integral<Matrix4>({0, 1}, [this](double xi) -> Matrix4 {
     const Four w = deflection(xi), turn = rotation(xi);
     return beam_.mass * w * w.transpose() + beam_.rotary_inertia * turn * turn.transpose();
   });
 }
 
-Matrix4 BeamElement::bed() const {
-  return integral([this](double xi) -> Matrix4 {
+Matrix4 BeamElement::bed(const std::array<double, 2>& part) const {
+  return integral<Matrix4>(part, [this](double xi) -> Matrix4 {
     const Four w = deflection(xi);
     return w * w.transpose();
   });
+}
+
+Four BeamElement::area(const std::array<double, 2>& part) const {
+  return integral<Four>(part, [this](double xi) { return deflection(xi); });
 }
 
 // The element cut at xi into two that share a node there: exact, since the parts are. Without it a

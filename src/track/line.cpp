@@ -54,6 +54,11 @@ Line::Room::Room(const LineParameters& given)
   require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
           "sleepers that are moved are sleepers of the track");
   require(sides == 1 || given.moved == 0, "what is moved carries one rail of a plane track");
+  if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
+  require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
+          "sleepers that bend are whole ones, or halves of them, right on ballast springs");
+  require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
+          "sleepers that somebody else moves do not bend");
   elements = static_cast<std::size_t>(bays * track.elements);
   element_length = track.length / static_cast<double>(elements);
   number();
@@ -77,7 +82,9 @@ void Line::Room::number() {
     }
     if (!bears(n)) continue;
     Sleeper sleeper{.x = node_x(n), .unknown = {-1, -1}, .pad = {}};
-    if (!is_moved(sleepers.size())) {
+    if (mesh)
+      number_across(sleeper);
+    else if (!is_moved(sleepers.size())) {
       for (std::size_t side = 0; side < sides; ++side) sleeper.unknown[side] = unknowns++;
       if (parameters.ballast.mass > 0) unknowns += static_cast<std::int32_t>(sides);
     }
@@ -143,7 +150,11 @@ void Line::Room::assemble_element(std::size_t e, std::size_t side) {
     k += parameters.track.bed_stiffness * factor * rail.bed();
     c += parameters.track.bed_damping * factor * rail.bed();
   }
-  const auto unknown = unknowns_of(e, side);
+  add_element(unknowns_of(e, side), m, c, k);
+}
+
+void Line::Room::add_element(const std::array<std::int32_t, 4>& unknown, const Matrix4& m,
+                             const Matrix4& c, const Matrix4& k) {
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) {
       const std::int32_t row = unknown[static_cast<std::size_t>(i)];
@@ -198,8 +209,9 @@ void Line::Room::add_sleeper_mass(const Sleeper& sleeper) {
       add(mass, one, other, one == other ? bounce + turn : bounce - turn);
 }
 
-// Ballast spread evenly below a whole sleeper is the same as two springs at L/sqrt(12) from its
-// middle, L its length: both resist bounce and roll alike, k and k L^2/12. With gaps they are what
+// Ballast spread evenly from a to b on both sides of a rigid sleeper's middle is the same as two
+// springs at y = sqrt((a^2 + a b + b^2)/3) from it: both resist bounce and roll alike, k and k y^2;
+// y = L/sqrt(12) all along a sleeper of length L. With gaps they are what
 // its two ends strike. A point at y has the height z_l (1/2 + y/g) + z_r (1/2 - y/g).
 Kelvin Line::Room::bed_below(const Sleeper& sleeper, std::size_t side) const {
   const BallastParameters& ballast = parameters.ballast;
@@ -208,7 +220,10 @@ Kelvin Line::Room::bed_below(const Sleeper& sleeper, std::size_t side) const {
   const std::int32_t below = ballast.mass > 0 ? own + static_cast<std::int32_t>(sides) : -1;
   const double stiffness = ballast.stiffness * factor, damping = ballast.damping * factor;
   if (sides == 1) return between(own, below, stiffness, damping);
-  const double aside = parameters.track.sleeper_length / std::sqrt(12) / parameters.track.gauge;
+  const double half = parameters.track.sleeper_length / 2;
+  const double none = parameters.track.sleeper.unsupported / 2;
+  const double aside =
+      std::sqrt((half * half + half * none + none * none) / 3) / parameters.track.gauge;
   return {
       {own, sleeper.unknown[1 - side], below}, {0.5 + aside, 0.5 - aside, -1}, stiffness, damping};
 }
@@ -231,19 +246,24 @@ void Line::Room::add_ballast(std::size_t index, std::size_t side) {
     hang(index, bed, gap);
   else
     connect(sleeper.lowest = bed);
-  if (ballast.mass == 0) return;
+  if (ballast.mass == 0) {
+    if (sleeper.lowest.unknown[0] >= 0) sleeper.on = {{sleeper.lowest.unknown[0], 1}};
+    return;
+  }
   const std::int32_t below = sleeper.unknown[side] + static_cast<std::int32_t>(sides);
   const double factor = bed_factor(sleeper.x, side);
   add(mass, below, below, ballast.mass);
   sleeper.lowest =
       between(below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor);
   connect(sleeper.lowest);
+  sleeper.on = {{below, 1}};
 }
 
 // Sleepers at the very ends carry half a spacing, but are whole: the run-in hides it.
 void Line::Room::add_sleeper(std::size_t index) {
   for (std::size_t side = 0; side < sides; ++side) add_pad(index, side);
   if (is_moved(index)) return;
+  if (mesh) return add_across(index);
   add_sleeper_mass(sleepers[index]);
   for (std::size_t side = 0; side < sides; ++side) add_ballast(index, side);
 }

@@ -46,6 +46,7 @@ Line::Line(Line&&) noexcept = default;
 
 const LinearSystem& Line::system() const { return room_->system; }
 const std::vector<Stop>& Line::stops() const { return room_->stops; }
+double Line::gauge() const { return room_->parameters.track.gauge; }
 double Line::length() const { return room_->parameters.track.length; }
 std::size_t Line::sleepers() const { return room_->sleepers.size(); }
 double Line::sleeper_x(std::size_t i) const { return room_->sleepers.at(i).x; }
@@ -95,10 +96,13 @@ double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const S
 }
 
 double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {
-  const Kelvin& ballast = room_->sleepers.at(i).lowest;
-  if (ballast.unknown[0] < 0) return 0;  // it hangs
-  return ballast.stiffness * (seat.height - u[ballast.unknown[0]]) +
-         ballast.damping * (seat.rate - v[ballast.unknown[0]]);
+  const Sleeper& sleeper = room_->sleepers.at(i);
+  if (sleeper.on.empty()) return 0;  // it hangs
+  double height = 0, rate = 0;
+  for (const auto& [unknown, share] : sleeper.on)
+    height += share * u[unknown], rate += share * v[unknown];
+  return sleeper.lowest.stiffness * (seat.height - height) +
+         sleeper.lowest.damping * (seat.rate - rate);
 }
 
 std::int32_t Line::ground_stop(std::size_t i) const { return room_->sleepers.at(i).stop; }
@@ -117,8 +121,10 @@ void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
   for (std::size_t k = 0; k < seats.size(); ++k) {
     const Sleeper& sleeper = room_->sleepers[first_moved() + k];
     const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[0];
-    if (held.unknown[0] >= 0)
-      to[held.unknown[0]] += held.stiffness * seats[k].height + held.damping * seats[k].rate;
+    const double force = held.stiffness * seats[k].height + held.damping * seats[k].rate;
+    if (!ground && held.unknown[0] >= 0) to[held.unknown[0]] += force;
+    if (!ground) continue;
+    for (const auto& [unknown, share] : sleeper.on) to[unknown] += share * force;
   }
 }
 

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "beam.hpp"
+#include "sleeper_beam.hpp"
 #include "trackbed/track/line.hpp"
 
 namespace trackbed::track {
@@ -16,6 +19,8 @@ struct Kelvin {
   double stiffness = 0, damping = 0;  // N/m, N s/m
 };
 
+using RailNode = std::array<std::int32_t, 2>;  // unknowns of w and theta
+
 // A plane track has the left side alone.
 struct Sleeper {
   double x;
@@ -23,10 +28,12 @@ struct Sleeper {
   std::array<Kelvin, 2> pad;
   std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
   Kelvin lowest = {};              // on the ground; plane
-  std::int32_t stop = -1;          // the same of a sleeper that hangs, number of a stop; plane
+  // What stands on it, plane: unknowns whose sum, each times its number, is its height.
+  std::vector<std::pair<std::int32_t, double>> on = {};
+  std::int32_t stop = -1;             // the same of a sleeper that hangs, number of a stop; plane
+  std::vector<RailNode> across = {};  // of one that bends, left end first
 };
 
-using RailNode = std::array<std::int32_t, 2>;  // unknowns of w and theta
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 struct Line::Room {
@@ -34,6 +41,8 @@ struct Line::Room {
   void number();
   void assemble();
   void assemble_element(std::size_t e, std::size_t side);
+  void add_element(const std::array<std::int32_t, 4>& unknown, const Matrix4& m, const Matrix4& c,
+                   const Matrix4& k);
   void connect(const Kelvin& element);
   void add_sleeper(std::size_t index);
   void add_pad(std::size_t index, std::size_t side);
@@ -41,6 +50,14 @@ struct Line::Room {
   void add_ballast(std::size_t index, std::size_t side);
   void hang(std::size_t index, const Kelvin& bed, double gap);
   Kelvin bed_below(const Sleeper& sleeper, std::size_t side) const;
+  // Of sleepers that bend.
+  void number_across(Sleeper& sleeper);
+  void add_across(std::size_t index);
+  void hang_across(std::size_t index, std::size_t e);
+  void press_across(std::size_t index);
+  BeamElement across_element(const Sleeper& sleeper, std::size_t e) const;
+  std::array<std::int32_t, 4> unknowns_across(const Sleeper& sleeper, std::size_t e) const;
+  std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
   double gap_below(double x, std::size_t side) const;
@@ -57,6 +74,7 @@ struct Line::Room {
   LineParameters parameters;
   Beam beam;
   std::size_t sides;
+  std::optional<SleeperMesh> mesh;             // of sleepers that bend
   std::size_t elements = 0;                    // of a rail
   double element_length = 0;                   // m
   std::array<std::vector<RailNode>, 2> nodes;  // of each side

@@ -142,6 +142,17 @@ KNOBS |= {
     "vehicle.[].secondary_base": ("vehicle.own.secondary_base=1.8", [*COACH, *SPACE]),
     "vehicle.[].body_offset": ("vehicle.own.body_offset=0.05", [*COACH, *SPACE]),
 }
+BENDING = ["track.sleeper.model=beam"]
+KNOBS |= {
+    "track.sleeper.model": (BENDING[0], []),
+    "track.sleeper.theory": ("track.sleeper.theory=euler", BENDING),
+    "track.sleeper.young": ("track.sleeper.young=50e9", BENDING),
+    "track.sleeper.poisson": ("track.sleeper.poisson=0.3", BENDING),
+    "track.sleeper.width": ("track.sleeper.width=0.3", BENDING),
+    "track.sleeper.height": ("track.sleeper.height=0.18", BENDING),
+    "track.sleeper.elements": ("track.sleeper.elements=4", BENDING),
+    "track.sleeper.unsupported": ("track.sleeper.unsupported=0.5", SPACE),
+}
 
 
 def to_the_right(words):

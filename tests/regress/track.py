@@ -35,6 +35,14 @@ REFUSED = {
     "passage.points=[70]": "70 m lies beyond the track",
     "passage.stop_after=-1": "at least 0",
     "track.dimension=space track.rails=1": "must be 2 where dimension = space",
+    "track.sleeper.model=beam track.sleeper.elements=7": "must be even: the middle is a node",
+    "track.sleeper.model=beam track.support=continuous": "must be rigid where there are none",
+    "track.sleeper.model=beam track.sleeper_length=1.5": "must be longer than the gauge of 1.5 m",
+    "track.sleeper.model=beam track.rails=1": "must be 2 with sleepers that bend",
+    "track.sleeper.model=beam track.sleeper_inertia=100": "is for rigid sleepers",
+    "track.sleeper.model=beam ballast.mass=500": "must be 0 below sleepers that bend",
+    "track.sleeper.unsupported=0.5": "has no effect on a plane track with rigid sleepers",
+    "track.dimension=space track.sleeper.unsupported=2.6": "must be shorter than the sleeper",
     "irregularity.kind=same": "same is for the right rail",
     "irregularity_right.kind=versine": "needs two rails",
 }
@@ -243,6 +251,34 @@ def check_two_rails(program, decks, folder):
             raise SystemExit(f"resume with {change}: {ran.stdout}{ran.stderr}")
 
 
+def check_bending_sleepers(program, decks, folder):
+    """Some of them hang on the left: the same bits on any number of ranks and after a stop. Without
+    ballast in the middle they sag more below the rails, and hog less in the middle."""
+    words = [*SHORT, "track.dimension=space", "track.zone.0.side=left", "track.sleeper.model=beam",
+             "track.sleeper.elements=4"]
+    deck, place = folder / "hanging.toml", folder / "bending"
+    program.done(1, "run", deck, *words, "-o", place)
+    for ranks in (2, 3, 4):
+        program.done(ranks, "run", deck, *words, "-o", folder / f"bending_{ranks}")
+        same_bits(place, folder / f"bending_{ranks}", f"bending sleepers on {ranks} ranks")
+    stopped = folder / "bending_stopped"
+    program.done(2, "run", deck, *words, "passage.stop_after=111", "-o", stopped, code=3)
+    program.done(1, "resume", stopped)
+    same_bits(place, stopped, "bending sleepers, stopped")
+    moments = []
+    for unsupported in (0, 0.6):
+        place = folder / f"unsupported_{unsupported}"
+        program.done(1, "run", decks / "plain.toml", *SHORT, "track.sleeper.model=beam",
+                     "passage.points=[27]", f"track.sleeper.unsupported={unsupported}", "-o", place)
+        with h5py.File(place / "results.h5") as file:
+            moment = file["history/sleeper/moment"][()]
+            row = moment[np.abs(moment[:, 0]).argmax()]
+        moments.append(row)
+    (seat, middle), (seat_without, middle_without) = moments
+    if not (1e3 < seat < seat_without < 1e4 and middle < middle_without):
+        raise SystemExit(f"moments below a rail and in the middle: {moments} N m")
+
+
 def check_forces(program, decks, folder):
     """No train but a hammer: the rail under it goes down and comes back."""
     words = ["train.vehicles=[]", "passage.duration=0.5", "passage.points=[27]"]
@@ -295,6 +331,7 @@ def main():
     check_resume(program, decks, folder)
     check_braking(program, decks, folder)
     check_two_rails(program, decks, folder)
+    check_bending_sleepers(program, decks, folder)
     check_forces(program, decks, folder)
     check_targets(program, decks, folder)
     check_crossing(program, decks, folder)

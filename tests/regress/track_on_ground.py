@@ -113,11 +113,35 @@ def check_hanging(program, deck, folder):
     path = folder / "hanging.toml"
     path.write_text(text + "\n[[track.zone]]\nfrom = 5.9\nto = 6.1\ngap = 5e-3\n",
                     encoding="utf-8")
+    ran = program(1, "check", path, "track.sleeper.model=beam")
+    if ran.returncode != 2 or "must be rigid on a ground where sleepers hang" not in ran.stderr:
+        raise SystemExit(f"sleepers that bend and hang on a ground: {ran.stdout}{ran.stderr}")
     program.done(2, "run", path, "-o", folder / "hanging")
     even, hangs = (datasets(folder / name)["history/ground/force"].max(axis=0)
                    for name in ("ranks_1", "hanging"))
     if hangs[0] != 0 or hangs[1] < 1.1 * even[1]:
         raise SystemExit(f"largest forces on the ground {even} N, if the first hangs {hangs} N")
+
+
+def check_bending_sleepers(program, deck, folder):
+    """What all of the ballast of a sleeper gives is what the ground gets; the same bits on any
+    number of ranks and after a stop."""
+    words = ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
+    for ranks in (1, 2, 4):
+        place = folder / f"bending_{ranks}"
+        program.done(ranks, "run", deck, *words, "-o", place)
+        same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks")
+        for name, value in summary(place)["coupling"].items():
+            if not 0 <= value <= BALANCE:
+                raise SystemExit(f"bending sleepers: imbalance of {name} is {value}")
+    place = folder / "bending_stopped"
+    program.done(1, "run", deck, *words, "passage.stop_after=333", "-o", place, code=3)
+    program.done(3, "resume", place)
+    same_bits(folder / "bending_1", place, "bending sleepers, stopped")
+    rigid, bending = (datasets(folder / name) for name in ("ranks_1", "bending_1"))
+    forces = [found["history/ground/force"].max() for found in (rigid, bending)]
+    if "history/sleeper/moment" not in bending or not 0.8 < forces[1] / forces[0] < 1.2:
+        raise SystemExit(f"largest forces on the ground, rigid and bending: {forces} N")
 
 
 PLAIN = [f"ground.block.{name}.present=false" for name in ("ugm", "cbm", "abutment")]
@@ -152,6 +176,7 @@ def main():
     check_resume(program, deck, folder)
     check_knobs(program, deck, folder)
     check_hanging(program, deck, folder)
+    check_bending_sleepers(program, deck, folder)
     check_netirail(program, netirail, folder)
 
 

@@ -54,6 +54,19 @@ struct TrackZone {
   void declare(input::Section& s);
 };
 
+enum class SleeperModel { rigid, beam };
+
+// What a sleeper that bends is made of: a rectangle, alike all along.
+struct SleeperBeamParameters {
+  SleeperModel model = SleeperModel::rigid;
+  BeamTheory theory = BeamTheory::timoshenko;
+  double young = 35e9, poisson = 0.2;  // Pa, -
+  double width = 0.26, height = 0.2;   // m
+  std::int64_t elements = 8;           // between the rails
+  double unsupported = 0;              // m, of its middle, without ballast below
+  void declare(input::Section& s);
+};
+
 struct TrackParameters {
   Dimension dimension = Dimension::plane;  // space: both rails, bodies roll
   Support support = Support::sleepers;
@@ -63,9 +76,10 @@ struct TrackParameters {
   double spacing = 0.6;         // m, of sleepers
   std::int64_t elements = 4;    // in a spacing
   double sleeper_mass = 300;    // kg, whole
-  double gauge = 1.5;           // m, between the rails' middles, space
-  double sleeper_length = 2.6;  // m, space
-  double sleeper_inertia = 0;   // kg m^2, roll, space; 0: of a uniform bar
+  double gauge = 1.5;           // m, between the rails' middles, space or sleepers that bend
+  double sleeper_length = 2.6;  // m, as the gauge
+  double sleeper_inertia = 0;   // kg m^2, roll, space, rigid; 0: of a uniform bar
+  SleeperBeamParameters sleeper = {};
   double bed_stiffness = 50e6;  // N/m^2, continuous
   double bed_damping = 50e3;    // N s/m^2, continuous
   double run_in = 6;            // m, at both ends
@@ -75,7 +89,11 @@ struct TrackParameters {
   double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
   void declare(input::Section& s);
   void declare_space(input::Section& s);
+  void declare_sleepers(input::Section& s);
 };
+
+// Hz, the first of a sleeper that nothing holds, as Euler and Bernoulli have it.
+double bending_frequency(const TrackParameters& track);
 
 // What somebody else moves: sleepers, or the ground below the ballast of sleepers.
 enum class MovedPart { sleepers, ground };
@@ -134,6 +152,13 @@ class Line {
   double sleeper_x(std::size_t i) const;
   // Its height below a rail; -1: moved by somebody else.
   std::int32_t sleeper_unknown(std::size_t i, std::size_t side = 0) const;
+  bool sleepers_bend() const;
+  double gauge() const;  // m
+  // Of sleeper i, which nobody else moves, y m to the left of its middle.
+  RailPoint sleeper_at(std::size_t i, double y) const;
+  // N m in a sleeper that bends, at its node nearest to y (rails and middle are nodes), positive
+  // where its ends are bent upwards. From element forces, see bending_moment.
+  double sleeper_moment(std::size_t i, double y, const Vector& u) const;
   std::size_t first_moved() const;  // see LineParameters
   std::size_t moved() const;
   MovedPart moves() const;

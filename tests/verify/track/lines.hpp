@@ -37,6 +37,18 @@ inline LineParameters span(double young, double inertia, double mass) {
   return p;
 }
 
+// Elements of one length for a sleeper of 2.5 m and a gauge of 1.5 m, if their number between the
+// rails is a multiple of six.
+inline TrackParameters bending(std::int64_t elements, BeamTheory theory = BeamTheory::euler) {
+  TrackParameters t;
+  t.dimension = Dimension::space;
+  t.sleeper_length = 2.5;
+  t.sleeper.model = SleeperModel::beam;
+  t.sleeper.theory = theory;
+  t.sleeper.elements = elements;
+  return t;
+}
+
 // Displacements at rest under `force` N downwards at x.
 inline Vector at_rest(const Line& line, double x, double force) {
   Vector load = Vector::Zero(line.system().mass.rows());

@@ -1,0 +1,214 @@
+// Sleepers that bend. Their ballast is spread over their length, less what the middle lacks, and
+// integrated with the shape functions of w, so that a border of it need not be a node. Of a plane
+// track the left half, whose middle does not turn: the other half does the same.
+//
+// Seats are nodes: pads, and what asks for a sleeper's height below a rail, see no difference to
+// rigid sleepers. Over the run-in sleepers become stiffer as all else does, or they would be the
+// soft part of it.
+#include "sleeper_beam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "line_room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // of lengths that are meant to be multiples
+
+// `count` equal parts up to `to`.
+void divide(std::vector<double>& nodes, double to, std::int64_t count) {
+  const double from = nodes.back();
+  for (std::int64_t i = 1; i <= count; ++i)
+    nodes.push_back(from + (to - from) * static_cast<double>(i) / static_cast<double>(count));
+}
+
+}  // namespace
+
+// Elements beyond the rails are at most as long as those between.
+SleeperMesh::SleeperMesh(const TrackParameters& track)
+    : whole(track.sleeper_length), ballast((whole - track.sleeper.unsupported) / 2), from_end{0} {
+  const double gauge = track.gauge, overhang = (whole - gauge) / 2;
+  require(overhang > 0, "sleepers are longer than the gauge");
+  const double size = gauge / static_cast<double>(track.sleeper.elements);
+  const auto beyond =
+      std::max<std::int64_t>(1, std::llround(std::ceil(overhang / size - rounding)));
+  divide(from_end, overhang, beyond);
+  seat[0] = from_end.size() - 1;
+  if (track.dimension == Dimension::plane) {
+    divide(from_end, whole / 2, track.sleeper.elements / 2);
+    return;
+  }
+  divide(from_end, overhang + gauge, track.sleeper.elements);
+  seat[1] = from_end.size() - 1;
+  divide(from_end, whole, beyond);
+}
+
+std::size_t SleeperMesh::element_at(double s) const {
+  const auto after = std::upper_bound(from_end.begin() + 1, from_end.end() - 1, s);
+  return static_cast<std::size_t>(after - from_end.begin()) - 1;
+}
+
+std::size_t SleeperMesh::nearest_node(double s) const {
+  const std::size_t e = element_at(s);
+  return s - from_end[e] < from_end[e + 1] - s ? e : e + 1;
+}
+
+std::array<double, 2> SleeperMesh::on_ballast(std::size_t e) const {
+  const double begin = from_end[e], end = from_end[e + 1];
+  const double from = side(e) == 0 ? begin : std::max(begin, whole - ballast);
+  const double to = side(e) == 0 ? std::min(end, ballast) : end;
+  if (to <= from) return {0, 0};
+  return {(from - begin) / (end - begin), (to - begin) / (end - begin)};
+}
+
+// A rectangle, as wide and high all along: shear coefficient 5/6, rotary inertia m h^2/12.
+Beam sleeper_beam(const TrackParameters& track) {
+  const SleeperBeamParameters& sleeper = track.sleeper;
+  const double area = sleeper.width * sleeper.height,
+               mass = track.sleeper_mass / track.sleeper_length;
+  const double square = sleeper.height * sleeper.height / 12;  // m^2, of the radius of gyration
+  Beam beam{.bending_stiffness = sleeper.young * area * square, .mass = mass};
+  if (sleeper.theory == BeamTheory::euler) return beam;
+  beam.shear_stiffness = 5.0 / 6 * sleeper.young / (2 * (1 + sleeper.poisson)) * area;
+  beam.rotary_inertia = mass * square;
+  return beam;
+}
+
+// f = (4.730)^2/(2 pi L^2) sqrt(E I/m), the first root of cos b L cosh b L = 1.
+double bending_frequency(const TrackParameters& track) {
+  const Beam beam = sleeper_beam(track);
+  const double root = 4.730040744862704 / track.sleeper_length;
+  return root * root / (2 * std::numbers::pi) * std::sqrt(beam.bending_stiffness / beam.mass);
+}
+
+// The middle of a half does not turn.
+void Line::Room::number_across(Sleeper& sleeper) {
+  for (std::size_t n = 0; n < mesh->from_end.size(); ++n) {
+    const bool held = sides == 1 && n + 1 == mesh->from_end.size();
+    const std::int32_t w = unknowns++;
+    sleeper.across.push_back({w, held ? -1 : unknowns++});
+  }
+  for (std::size_t side = 0; side < sides; ++side)
+    sleeper.unknown[side] = sleeper.across[mesh->seat[side]][0];
+}
+
+BeamElement Line::Room::across_element(const Sleeper& sleeper, std::size_t e) const {
+  Beam beam = sleeper_beam(parameters.track);
+  beam.bending_stiffness *= run_in(sleeper.x);
+  beam.shear_stiffness *= run_in(sleeper.x);
+  return {beam, mesh->length(e)};
+}
+
+std::array<std::int32_t, 4> Line::Room::unknowns_across(const Sleeper& sleeper,
+                                                        std::size_t e) const {
+  const RailNode &one = sleeper.across[e], &other = sleeper.across[e + 1];
+  return {one[0], one[1], other[0], other[1]};
+}
+
+// N/m^2, N s/m^2, below an element.
+std::array<double, 2> Line::Room::bed_across(const Sleeper& sleeper, std::size_t e) const {
+  const double factor = bed_factor(sleeper.x, mesh->side(e)) / mesh->ballast;
+  return {parameters.ballast.stiffness * factor, parameters.ballast.damping * factor};
+}
+
+void Line::Room::add_across(std::size_t index) {
+  const Sleeper& sleeper = sleepers[index];
+  for (std::size_t e = 0; e < mesh->elements(); ++e) {
+    const BeamElement element = across_element(sleeper, e);
+    const auto [bed, damper] = bed_across(sleeper, e);
+    const bool hangs = gap_below(sleeper.x, mesh->side(e)) > 0;
+    const Matrix4 below = hangs ? Matrix4::Zero().eval() : element.bed(mesh->on_ballast(e));
+    add_element(unknowns_across(sleeper, e), element.mass(), damper * below,
+                element.stiffness() + bed * below);
+    if (hangs) hang_across(index, e);
+  }
+  if (sides == 1) press_across(index);
+}
+
+// Where it hangs, at two points of each element: Gauss's, which a bed that presses evenly does not
+// tell from the whole.
+void Line::Room::hang_across(std::size_t index, std::size_t e) {
+  const Sleeper& sleeper = sleepers[index];
+  const BeamElement element = across_element(sleeper, e);
+  const auto [from, to] = mesh->on_ballast(e);
+  const auto [bed, damper] = bed_across(sleeper, e);
+  const double half = (to - from) / 2, carried = half * mesh->length(e);
+  if (carried <= 0) return;
+  for (const double at : {-1 / std::sqrt(3.0), 1 / std::sqrt(3.0)}) {
+    const Four shape = -element.deflection(from + half * (1 + at));
+    RailPoint point{.unknown = unknowns_across(sleeper, e)};
+    for (std::size_t k = 0; k < 4; ++k) point.value[k] = shape[static_cast<Eigen::Index>(k)];
+    stops.push_back({point, gap_below(sleeper.x, mesh->side(e)), bed * carried, damper * carried});
+  }
+}
+
+// The ground below feels all of the ballast: k (g - mean w), the mean over what lies on it.
+void Line::Room::press_across(std::size_t index) {
+  Sleeper& sleeper = sleepers[index];
+  if (gap_below(sleeper.x, 0) > 0) return;
+  sleeper.lowest.stiffness = parameters.ballast.stiffness * bed_factor(sleeper.x, 0);
+  sleeper.lowest.damping = parameters.ballast.damping * bed_factor(sleeper.x, 0);
+  for (std::size_t e = 0; e < mesh->elements(); ++e) {
+    const Four share = across_element(sleeper, e).area(mesh->on_ballast(e)) / mesh->ballast;
+    const auto unknown = unknowns_across(sleeper, e);
+    for (std::size_t k = 0; k < 4; ++k)
+      if (unknown[k] >= 0 && share[static_cast<Eigen::Index>(k)] != 0)
+        sleeper.on.emplace_back(unknown[k], share[static_cast<Eigen::Index>(k)]);
+  }
+}
+
+bool Line::sleepers_bend() const { return room_->mesh.has_value(); }
+
+// Of rigid ones a line through the heights below the rails.
+RailPoint Line::sleeper_at(std::size_t i, double y) const {
+  const Room& room = *room_;
+  const Sleeper& sleeper = room.sleepers.at(i);
+  RailPoint point;
+  if (!room.mesh) {
+    const double aside = room.sides == 1 ? 0.5 : y / room.parameters.track.gauge;
+    point.unknown = {sleeper.unknown[0], sleeper.unknown[1], -1, -1};
+    point.value = {0.5 + aside, 0.5 - aside, 0, 0};
+    return point;
+  }
+  const SleeperMesh& mesh = *room.mesh;
+  const double s = mesh.whole / 2 - (room.sides == 1 ? std::abs(y) : y);
+  const std::size_t e = mesh.element_at(s);
+  const BeamElement element = room.across_element(sleeper, e);
+  const double xi = (s - mesh.from_end[e]) / mesh.length(e);
+  const Four shape = element.deflection(xi);
+  point.unknown = room.unknowns_across(sleeper, e);
+  for (std::size_t k = 0; k < 4; ++k) point.value[k] = shape[static_cast<Eigen::Index>(k)];
+  point.local = element.local_flexibility(xi);
+  return point;
+}
+
+// Of the elements on both sides, ballast between nodes included; forces of inertia and of stops
+// between nodes are not, which the mean of both sides leaves in the order of h^2.
+double Line::sleeper_moment(std::size_t i, double y, const Vector& u) const {
+  const Room& room = *room_;
+  require(room.mesh.has_value(), "sleepers that bend have moments");
+  const SleeperMesh& mesh = *room.mesh;
+  const Sleeper& sleeper = room.sleepers.at(i);
+  const auto ends = [&](std::size_t e) -> Four {
+    const BeamElement element = room.across_element(sleeper, e);
+    Matrix4 k = element.stiffness();
+    if (room.gap_below(sleeper.x, mesh.side(e)) == 0)
+      k += room.bed_across(sleeper, e)[0] * element.bed(mesh.on_ballast(e));
+    const auto unknown = room.unknowns_across(sleeper, e);
+    Four at = Four::Zero();
+    for (std::size_t n = 0; n < 4; ++n)
+      if (unknown[n] >= 0) at[static_cast<Eigen::Index>(n)] = u[unknown[n]];
+    return k * at;
+  };
+  const std::size_t node = mesh.nearest_node(mesh.whole / 2 - (room.sides == 1 ? std::abs(y) : y));
+  require(node > 0, "a moment is asked for at a node of a sleeper, not at its end");
+  const double left = ends(node - 1)[3];
+  return node == mesh.elements() ? left : (left - ends(node)[1]) / 2;
+}
+
+}  // namespace trackbed::track

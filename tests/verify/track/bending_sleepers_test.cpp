@@ -1,0 +1,166 @@
+// Sleepers that bend in the track: stiff ones are rigid ones, a half is that of a whole, and what
+// hangs or stands on ground that moves.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+enum class Dip { left, both };
+
+// A coach over a dip; if only the left rail has it all of it rolls.
+struct Coach {
+  Coach(const TrackParameters& t, double step, Dip of = Dip::left)
+      : line(track_of(t)),
+        train(motion, {}, 2, t.dimension == Dimension::space ? t.gauge : 0),
+        passage(line, train, WheelRail({}), dip(), motion, {.step = step},
+                of == Dip::left ? std::optional(Irregularity({}, 36)) : std::nullopt) {}
+  static LineParameters track_of(TrackParameters t) {
+    LineParameters p;
+    t.length = 36;
+    p.track = t;
+    return p;
+  }
+  static Irregularity dip() {
+    IrregularityParameters p;
+    p.kind = IrregularityKind::versine;
+    p.at = 22, p.length = 3;
+    return {p, 36};
+  }
+  TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 19};
+  Line line;
+  Train train;
+  Passage passage;
+};
+
+// Euler's beam has the roll inertia of a thin bar, as rigid sleepers have.
+TEST(SleepersThatBend, AreRigidOnesIfTheyAreStiff) {
+  TrackParameters rigid;
+  rigid.dimension = Dimension::space;
+  rigid.sleeper_length = 2.5;
+  rigid.sleeper.unsupported = 0.4;
+  const auto difference = [&](double stiffer) {
+    TrackParameters t = bending(6);
+    t.sleeper.unsupported = 0.4;
+    t.sleeper.young *= stiffer;
+    Coach one(rigid, 2e-4), other(t, 2e-4);
+    double sum = 0;
+    for (int i = 0; i < 400; ++i) {
+      one.passage.advance(), other.passage.advance();
+      for (std::size_t wheel = 0; wheel < 8; ++wheel)
+        sum = std::max(sum,
+                       std::abs(one.passage.wheel_force(wheel) - other.passage.wheel_force(wheel)));
+    }
+    return sum;
+  };
+  const double soft = difference(1), stiff = difference(1e3), stiffer = difference(1e4);
+  verified::above("largest difference of a wheel force, as stiff as sleepers are", "N", soft, 50);
+  verified::below("ten thousand times as stiff", "N", stiffer, 1);
+  verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1, 0.05);
+}
+
+TEST(SleepersThatBend, AHalfIsThatOfAWhole) {
+  TrackParameters whole = bending(8, BeamTheory::timoshenko);
+  whole.sleeper.unsupported = 0.6;
+  TrackParameters half = whole;
+  half.dimension = Dimension::plane;
+  Coach one(whole, 2e-4, Dip::both), other(half, 2e-4, Dip::both);
+  double wheel = 0, moment = 0;
+  for (int i = 0; i < 400; ++i) {
+    one.passage.advance(), other.passage.advance();
+    for (std::size_t axle = 0; axle < 4; ++axle)
+      wheel = std::max(
+          wheel, std::abs(one.passage.wheel_force(2 * axle + 1) - other.passage.wheel_force(axle)));
+    for (const double y : {0.0, 0.75}) {
+      const double there = one.line.sleeper_moment(35, y, one.passage.line_motion().displacement);
+      moment =
+          std::max(moment, std::abs(there - other.line.sleeper_moment(
+                                                35, y, other.passage.line_motion().displacement)));
+    }
+  }
+  verified::below("largest difference of a wheel force", "N", wheel, 0.05);
+  verified::below("largest difference of a moment", "N m", moment, 0.01);
+}
+
+// Under a sine on one rail, which lasts long enough for its beginning to be forgotten: N m.
+std::vector<double> moments(double step) {
+  LineParameters p;
+  p.track = bending(8, BeamTheory::timoshenko);
+  p.track.length = 24;
+  const Line line(p);
+  const TrainParameters none{.vehicles = {}, .speed = 1, .start = 0};
+  const Train train(none, {}, 2, p.track.gauge);
+  RailForce sine;
+  sine.at = 12, sine.size = 10e3, sine.frequency = 150, sine.rise = 0.05;
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 24), none,
+                  {.step = step, .duration = 0.1, .forces = {sine}});
+  const auto every = std::lround(4e-4 / step);
+  std::vector<double> found;
+  for (int i = 1; i <= std::lround(0.1 / step); ++i) {
+    passage.advance();
+    if (i % every == 0)
+      found.push_back(line.sleeper_moment(20, 0.75, passage.line_motion().displacement));
+  }
+  return found;
+}
+
+TEST(SleepersThatBend, AreOfSecondOrderInTheStep) {
+  const auto distance = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+  };
+  const auto a = moments(2e-4), b = moments(1e-4), c = moments(5e-5);
+  verified::above("largest moment below a rail", "N m", *std::max_element(a.begin(), a.end()), 100);
+  verified::near("order from steps of 0.2, 0.1, 0.05 ms, moment below a rail", "-",
+                 std::log2(distance(a, b) / distance(b, c)), 2, 0.2);
+}
+
+// Pressed down all along, a sleeper with a gap of nearly nothing is one without: stops at two
+// points of each element stand for what is spread between.
+TEST(SleepersThatBend, HangByAGap) {
+  const auto run = [](std::int64_t elements, double gap) {
+    TrackParameters t = bending(elements);
+    t.zones = {{.from = 17.9, .to = 18.1, .gap = gap}};
+    Coach one(t, 2e-4);
+    return one.line.sleeper_at(30, 0.75).deflection(one.passage.line_motion().displacement);
+  };
+  const double even = run(6, 0), touching = run(6, 1e-12), hanging = run(6, 1e-3);
+  verified::near("below a coach, a gap of nothing", "m", touching, even, 1e-3 * std::abs(even));
+  verified::below("a gap of 1 mm", "m", hanging, 1.1 * even);
+}
+
+// Ground that moves below the ballast: what all of it gets is what the rails were loaded with, and
+// if it all goes up the track goes with it.
+TEST(SleepersThatBend, StandOnGroundThatMoves) {
+  LineParameters p;
+  p.track = bending(8, BeamTheory::timoshenko);
+  p.track.dimension = Dimension::plane;
+  p.track.length = 6, p.track.run_in = 0, p.track.ends = RailEnds::free;
+  p.track.sleeper.unsupported = 0.5;
+  p.first_moved = 0, p.moved = 11, p.moves = MovedPart::ground;
+  const Line line(p);
+  const std::vector<Seat> up(11, {.height = 1e-3, .rate = 0});
+  Vector load = Vector::Zero(line.system().mass.rows());
+  line.at(3.1).add(-100e3, load);
+  line.add_seats(up, load);
+  const Vector u = Statics(line.system()).flexibility(load), rest = Vector::Zero(u.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < 11; ++i) sum += line.ground_force(i, u, rest, up[i]);
+  verified::near("sum of forces on the ground", "N", sum, 100e3, 1e-6 * 100e3);
+  load.setZero();
+  line.add_seats(up, load);
+  const Vector lifted = Statics(line.system()).flexibility(load);
+  for (const double y : {0.0, 0.75, 1.25})
+    verified::near(fmt::format("sleeper at {:g} m, ground lifted by 1 mm", y), "m",
+                   line.sleeper_at(5, y).deflection(lifted), 1e-3, 1e-12);
+}
+
+}  // namespace
+}  // namespace trackbed::track
