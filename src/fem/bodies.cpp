@@ -1,0 +1,233 @@
+// Solid bodies under weight, pushes and stones, all by themselves on every rank.
+#include <fmt/format.h>
+
+#include <map>
+#include <numeric>
+
+#include "bodies_room.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+// rad: a turn t stretches a body of small displacements by t^2/2, here 0.1 %.
+constexpr double largest_turn = 0.05;
+
+std::vector<BodyMesh> meshes_of(const std::vector<Body>& bodies) {
+  std::vector<BodyMesh> meshes;
+  std::int32_t first = 0;
+  for (const Body& body : bodies) {
+    meshes.emplace_back(body, first);
+    first += meshes.back().nodes();
+  }
+  return meshes;
+}
+
+Vec3 sum_of(const NodeWeights& at, const BodiesSystem& system, const BodiesSystem::Vector& values) {
+  Vec3 sum = Vec3::Zero();
+  for (const NodeWeight& one : at) sum += one.weight * system.of(values, one.node);
+  return sum;
+}
+
+}  // namespace
+
+// With m the consistent mass: linear momentum is e_c . m v, and the angular one about the centre
+//   L_k = sum (r x m v)_k = sum v . m (e_k x r),
+// so both are sums over nodes with weights that do not change.
+Bodies::Room::Whole Bodies::Room::whole_of(const BodyMesh& mesh) {
+  Whole whole;
+  const auto nodes = static_cast<std::size_t>(mesh.nodes());
+  whole.share.assign(nodes, 0);
+  for (auto& turn : whole.turn) turn.assign(nodes, Vec3::Zero());
+  const double share = 1 / static_cast<double>(mesh.elements());
+  const Vec3 inertia = mesh.inertia() / mesh.mass();
+  for (std::int64_t e = 0; e < mesh.elements(); ++e) {
+    const auto corners = mesh.corners(e);
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const auto node =
+            static_cast<std::size_t>(corners[static_cast<std::size_t>(a)] - mesh.first);
+        const double mass = share * mass_share(a, b);
+        const Vec3 arm = mesh.position(corners[static_cast<std::size_t>(b)]) - mesh.centre();
+        whole.share[node] += mass;
+        for (int k = 0; k < 3; ++k)
+          whole.turn[static_cast<std::size_t>(k)][node] +=
+              mass / inertia[k] * Vec3::Unit(k).cross(arm);
+      }
+  }
+  return whole;
+}
+
+Bodies::Room::Room(const BodiesParameters& given)
+    : parameters(given), meshes(meshes_of(given.bodies)), system(meshes, given) {
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    wholes.push_back(whole_of(meshes[b]));
+    if (!meshes[b].body.touched) continue;
+    touched.push_back(b);
+    surfaces.push_back(surface_of(meshes[b], node_of.emplace_back()));
+  }
+}
+
+Vec3 Bodies::Room::mean(std::size_t body, const BodiesSystem::Vector& values) const {
+  Vec3 sum = Vec3::Zero();
+  const std::vector<double>& share = wholes[body].share;
+  for (std::size_t n = 0; n < share.size(); ++n)
+    sum += share[n] * system.of(values, meshes[body].first + static_cast<std::int32_t>(n));
+  return sum;
+}
+
+Vec3 Bodies::Room::turn(std::size_t body, const BodiesSystem::Vector& values) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t n = 0; n < wholes[body].share.size(); ++n) {
+    const Vec3 value = system.of(values, meshes[body].first + static_cast<std::int32_t>(n));
+    for (int k = 0; k < 3; ++k)
+      sum[k] += wholes[body].turn[static_cast<std::size_t>(k)][n].dot(value);
+  }
+  return sum;
+}
+
+Bodies::Bodies(const BodiesParameters& parameters) : room_(std::make_unique<Room>(parameters)) {
+  show_at_rest();
+}
+Bodies::~Bodies() = default;
+Bodies::Bodies(Bodies&&) noexcept = default;
+
+std::size_t Bodies::count() const { return room_->meshes.size(); }
+double Bodies::mass(std::size_t body) const { return room_->meshes.at(body).mass(); }
+Vec3 Bodies::centre(std::size_t body) const { return room_->meshes.at(body).centre(); }
+Vec3 Bodies::origin() const { return room_->origin; }
+std::vector<Surface>& Bodies::surfaces() { return room_->surfaces; }
+
+void Bodies::place(const Vec3& origin) {
+  room_->origin = origin;
+  room_->system.rest();
+  show_at_rest();
+}
+
+void Bodies::show_at_rest() {
+  Room& room = *room_;
+  for (std::size_t s = 0; s < room.surfaces.size(); ++s)
+    for (std::size_t n = 0; n < room.node_of[s].size(); ++n) {
+      const std::int32_t node = room.node_of[s][n];
+      room.surfaces[s].position[n] = room.origin + room.meshes[room.touched[s]].position(node) +
+                                     room.system.of(room.system.displacement, node);
+      room.surfaces[s].motion[n].setZero();
+    }
+}
+
+// Weights of a node are added up, so that each is there once.
+NodeWeights Bodies::over(std::size_t body, Side side, const Patch& patch) const {
+  const auto points = BodyMesh::points(patch);
+  std::map<std::int32_t, double> sum;
+  for (const auto& [x, y] : points)
+    for (const NodeWeight& one : room_->meshes.at(body).at(side, x, y))
+      sum[one.node] += one.weight / static_cast<double>(points.size());
+  NodeWeights weights;
+  for (const auto& [node, weight] : sum)
+    if (weight != 0) weights.push_back({node, weight});
+  return weights;
+}
+
+// The weight acts by the consistent mass, as the inertia does: free fall has no strain.
+void Bodies::advance(double dt, double gravity, std::span<const Push> pushes,
+                     const std::vector<std::span<const Vec3>>& node_force) {
+  Room& room = *room_;
+  require(node_force.empty() || node_force.size() == room.surfaces.size(),
+          "one list of node forces per surface");
+  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(room.system.displacement.size());
+  for (std::size_t b = 0; b < room.meshes.size(); ++b)
+    for (std::int32_t n = 0; n < room.meshes[b].nodes(); ++n)
+      room.system.add(
+          room.meshes[b].first + n,
+          {0, 0,
+           -gravity * room.meshes[b].mass() * room.wholes[b].share[static_cast<std::size_t>(n)]},
+          force);
+  for (const Push& push : pushes)
+    for (const NodeWeight& one : push.at) room.system.add(one.node, one.weight * push.force, force);
+  for (std::size_t s = 0; s < node_force.size(); ++s)
+    for (std::size_t n = 0; n < node_force[s].size(); ++n)
+      room.system.add(room.node_of[s][n], node_force[s][n], force);
+  show_at_rest();
+  const BodiesSystem::Vector before = room.system.displacement;
+  room.system.step(dt, force);
+  const BodiesSystem::Vector change = room.system.displacement - before;
+  for (std::size_t s = 0; s < room.surfaces.size(); ++s)
+    for (std::size_t n = 0; n < room.node_of[s].size(); ++n)
+      room.surfaces[s].motion[n] = room.system.of(change, room.node_of[s][n]);
+}
+
+Vec3 Bodies::displacement(const NodeWeights& at) const {
+  return sum_of(at, room_->system, room_->system.displacement);
+}
+
+Vec3 Bodies::velocity(const NodeWeights& at) const {
+  return sum_of(at, room_->system, room_->system.velocity);
+}
+
+BodyMotion Bodies::motion(std::size_t body) const {
+  const BodiesSystem& system = room_->system;
+  return {room_->mean(body, system.displacement), room_->mean(body, system.velocity),
+          room_->mean(body, system.acceleration), room_->turn(body, system.displacement),
+          room_->turn(body, system.velocity)};
+}
+
+Vec3 Bodies::pad_force(std::size_t pad) const {
+  const Pad& p = room_->parameters.pads.at(pad);
+  const NodeWeights below = over(p.below, Side::upper, p.patch),
+                    above = over(p.above, Side::lower, p.patch);
+  return p.stiffness.cwiseProduct(displacement(below) - displacement(above)) +
+         p.damping.cwiseProduct(velocity(below) - velocity(above));
+}
+
+std::array<double, 6> Bodies::stress(std::size_t body, const Vec3& place) const {
+  const BodyMesh& mesh = room_->meshes.at(body);
+  const BodyMesh::Place found = mesh.find(place);
+  const auto corners = mesh.corners(found.element);
+  Eigen::Matrix<double, 24, 1> u;
+  for (int k = 0; k < 8; ++k)
+    u.segment<3>(3 * k) =
+        room_->system.of(room_->system.displacement, corners[static_cast<std::size_t>(k)]);
+  const Eigen::Matrix<double, 6, 1> stress = mesh.hexahedron.stress(found.xi) * u;
+  std::array<double, 6> all;
+  std::copy_n(stress.data(), 6, all.begin());
+  return all;
+}
+
+BodiesTotals Bodies::totals() const {
+  const BodiesSystem& system = room_->system;
+  BodiesTotals totals;
+  for (const BodyMesh& mesh : room_->meshes) totals.elements += mesh.elements();
+  totals.unknowns = static_cast<std::int64_t>(system.unknowns());
+  totals.factor = system.factor();
+  totals.kinetic = system.kinetic();
+  totals.elastic = system.elastic();
+  return totals;
+}
+
+std::size_t Bodies::memory() const {
+  constexpr std::size_t entry = sizeof(double) + sizeof(int);
+  const auto numbers = [](const auto& matrix) {
+    return static_cast<std::size_t>(matrix.nonZeros());
+  };
+  const BodiesSystem& system = room_->system;
+  return entry * (numbers(system.mass()) + numbers(system.damping()) + numbers(system.stiffness()) +
+                  static_cast<std::size_t>(system.factor()));
+}
+
+std::string Bodies::trouble() const {
+  for (std::size_t b = 0; b < count(); ++b) {
+    const BodiesSystem::Vector& moved = room_->system.displacement;
+    const std::string& name = room_->meshes[b].body.name;
+    const double turned = room_->turn(b, moved).norm();
+    if (!room_->mean(b, moved).allFinite())
+      return fmt::format("{} has a position that is not a number", name);
+    if (turned > largest_turn)
+      return fmt::format(
+          "{} has turned by {:.3g} rad, more than the {:g} that its small displacements allow",
+          name, turned, largest_turn);
+  }
+  return "";
+}
+
+}  // namespace trackbed::fem

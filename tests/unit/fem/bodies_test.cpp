@@ -1,0 +1,224 @@
+// Solid bodies: what is exact for any mesh, and what goes through a checkpoint.
+#include "trackbed/fem/bodies.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "unit/io/scratch.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+constexpr double g = 9.81;
+constexpr double rounding = 1e-7;  // relative, of solves of stiff bodies in long steps
+const Elastic concrete{.young = 37e9, .poisson = 0.2, .density = 2500};
+
+Body bar(const std::string& name = "bar", double z = 0) {
+  return {.name = name,
+          .low = {-0.15, -0.5, z},
+          .high = {0.15, 0.5, z + 0.2},
+          .elements = {3, 8, 2},
+          .solid = concrete,
+          .touched = true};
+}
+
+Bodies one(double alpha = -0.1) {
+  BodiesParameters p;
+  p.bodies = {bar()};
+  p.alpha = alpha;
+  Bodies bodies(p);
+  bodies.place({1, 0, 0.3});
+  return bodies;
+}
+
+// Two bars, the upper one on a pad in the middle of the lower one.
+Bodies stack(const Vec3& stiffness, const Vec3& damping = Vec3::Zero()) {
+  BodiesParameters p;
+  p.bodies = {bar("lower"), bar("upper", 0.2)};
+  p.pads = {{.below = 0,
+             .above = 1,
+             .patch = {.x = {-0.1, 0.1}, .y = {-0.1, 0.1}},
+             .stiffness = stiffness,
+             .damping = damping}};
+  return Bodies(p);
+}
+
+TEST(Bodies, SurfaceIsClosedAndPointsOutwards) {
+  Bodies bodies = one();
+  const Surface& surface = bodies.surfaces().at(0);
+  EXPECT_EQ(surface.name, "bar");
+  EXPECT_EQ(surface.triangles.size(), 2u * 2 * (3 * 8 + 8 * 2 + 2 * 3));
+  EXPECT_EQ(surface.nodes(), 4u * 9 * 3 - 2u * 7 * 1);
+  double volume = 0, low = 1e9;
+  Vec3 area = Vec3::Zero();
+  for (const auto& t : surface.triangles) {
+    const Vec3 &a = surface.position[static_cast<std::size_t>(t[0])],
+               &b = surface.position[static_cast<std::size_t>(t[1])],
+               &c = surface.position[static_cast<std::size_t>(t[2])];
+    volume += a.dot(b.cross(c)) / 6;
+    area += (b - a).cross(c - a) / 2;
+    low = std::min({low, a.z(), b.z(), c.z()});
+  }
+  EXPECT_NEAR(volume, 0.3 * 1.0 * 0.2, rounding);
+  EXPECT_LT(area.norm(), rounding);
+  EXPECT_NEAR(low, 0.3, rounding);
+  EXPECT_NEAR(bodies.mass(0), 2500 * 0.06, rounding);
+}
+
+TEST(Bodies, FreeFallIsExactAndWithoutStress) {
+  Bodies bodies = one();
+  for (int k = 0; k < 200; ++k) bodies.advance(1e-3, g, {}, {});
+  const double t = 0.2;
+  const BodyMotion now = bodies.motion(0);
+  EXPECT_NEAR(now.displacement.z(), -g * t * t / 2, rounding);
+  EXPECT_NEAR(now.velocity.z(), -g * t, rounding);
+  EXPECT_NEAR(now.acceleration.z(), -g, rounding * g);
+  EXPECT_LT(now.rotation.norm(), rounding);
+  EXPECT_LT(std::abs(bodies.stress(0, {0, 0, 0.1})[1]), 1.0);  // Pa: 1e-11 of Young's modulus
+  const Surface& surface = bodies.surfaces().at(0);
+  for (std::size_t n = 0; n < surface.nodes(); ++n)
+    EXPECT_NEAR(surface.motion[n].z(), -g * (t * t - 0.199 * 0.199) / 2, rounding * t);
+}
+
+TEST(Bodies, ForcesMakeMomentumAndSpin) {
+  Bodies bodies = one();
+  const Vec3 force(30, -20, 50);
+  const Patch corner{.x = {0.1, 0.15}, .y = {0.4, 0.5}};
+  const Bodies::Push push{bodies.over(0, Side::upper, corner), force};
+  constexpr double dt = 1e-4;
+  constexpr int steps = 50;
+  for (int k = 0; k < steps; ++k) bodies.advance(dt, 0, std::span(&push, 1), {});
+  const BodyMotion now = bodies.motion(0);
+  EXPECT_LT((bodies.mass(0) * now.velocity - force * dt * steps).norm(),
+            rounding * force.norm() * dt * steps);
+  const Vec3 torque = Vec3(0.125, 0.45, 0.1).cross(force);
+  const Vec3 inertia = bodies.mass(0) / 12 * Vec3(1 + 0.04, 0.04 + 0.09, 0.09 + 1);
+  const Vec3 spin = (torque * dt * steps).cwiseQuotient(inertia);
+  EXPECT_LT((now.spin - spin).norm(), rounding * spin.norm());
+}
+
+TEST(Bodies, ForcesOnSurfacesCountAsPushes) {
+  Bodies pushed = one(), pressed = one();
+  const Bodies::Push push{pushed.over(0, Side::lower, {.x = {0, 0}, .y = {0.5, 0.5}}), {0, 0, 40}};
+  std::vector<Vec3> force(pressed.surfaces()[0].nodes(), Vec3::Zero());
+  std::size_t found = 0;
+  for (std::size_t n = 0; n < force.size(); ++n) {
+    const Vec3 at = pressed.surfaces()[0].position[n] - Vec3(1, 0, 0.3);
+    const bool amid = std::abs(at.x()) < 0.1 && std::abs(at.y() - 0.5) < 1e-9;
+    if (!amid || std::abs(at.z()) > 1e-9) continue;
+    force[n].z() = 20, ++found;  // the point lies amid two nodes
+  }
+  ASSERT_EQ(found, 2u);
+  for (int k = 0; k < 20; ++k) {
+    pushed.advance(1e-4, g, std::span(&push, 1), {});
+    pressed.advance(1e-4, g, {}, {std::span<const Vec3>(force)});
+  }
+  EXPECT_LT((pushed.motion(0).rotation - pressed.motion(0).rotation).norm(),
+            rounding * pushed.motion(0).rotation.norm());
+  EXPECT_LT((pushed.motion(0).displacement - pressed.motion(0).displacement).norm(), 1e-15);
+}
+
+TEST(Bodies, WeightsOfAPatchHaveItsMiddle) {
+  const Bodies bodies = one();
+  const Patch patch{.x = {-0.08, 0.02}, .y = {0.03, 0.4}};
+  double sum = 0;
+  for (const NodeWeight& one : bodies.over(0, Side::upper, patch)) sum += one.weight;
+  EXPECT_NEAR(sum, 1, rounding);
+  // Turned about z, a point moves by spin x arm.
+  Bodies turning = one();
+  const Bodies::Push there{turning.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0, 0}}),
+                           {0, 1e3, 0}};
+  for (int k = 0; k < 10; ++k) turning.advance(1e-3, 0, std::span(&there, 1), {});
+  const BodyMotion now = turning.motion(0);
+  const Vec3 arm(-0.03, 0.215, 0.1);
+  const Vec3 rigid = now.displacement + now.rotation.cross(arm);
+  const Vec3 found = turning.displacement(turning.over(0, Side::upper, patch));
+  constexpr double bends = 1e-2;  // of the motion: the bar is elastic
+  EXPECT_LT((found - rigid).norm(), bends * rigid.norm());
+}
+
+TEST(Bodies, PadsPullBothAlike) {
+  Bodies bodies = stack({1e6, 2e6, 5e6}, {3e3, 3e3, 4e3});
+  bodies.place(Vec3::Zero());
+  const Bodies::Push push{bodies.over(1, Side::upper, {.x = {0.02, 0.1}, .y = {0.2, 0.3}}),
+                          {100, 50, -200}};
+  constexpr double dt = 1e-4;
+  constexpr int steps = 300;
+  for (int k = 0; k < steps; ++k) bodies.advance(dt, 0, std::span(&push, 1), {});
+  const Vec3 momentum = bodies.mass(0) * (bodies.motion(0).velocity + bodies.motion(1).velocity);
+  EXPECT_LT((momentum - push.force * dt * steps).norm(), rounding * momentum.norm());
+  // What carries the lower one, and is left to the upper one.
+  const Vec3 on_upper = bodies.pad_force(0);
+  EXPECT_LT((bodies.mass(1) * bodies.motion(1).acceleration - push.force - on_upper).norm(),
+            0.3 * push.force.norm());
+  EXPECT_GT(on_upper.norm(), 0.1 * push.force.norm());
+  EXPECT_LT((bodies.mass(0) * bodies.motion(0).acceleration + on_upper).norm(),
+            0.3 * push.force.norm());
+}
+
+TEST(Bodies, HeldFacesStay) {
+  BodiesParameters p;
+  p.bodies = {bar()};
+  p.held = {{.body = 0, .axis = 1, .low = true, .components = {true, true, true}}};
+  Bodies bodies(p);
+  bodies.place(Vec3::Zero());
+  for (int k = 0; k < 20; ++k) bodies.advance(1e-3, g, {}, {});
+  const NodeWeights held = bodies.over(0, Side::upper, {.x = {0, 0}, .y = {-0.5, -0.5}}),
+                    end = bodies.over(0, Side::upper, {.x = {0, 0}, .y = {0.5, 0.5}});
+  EXPECT_EQ(bodies.displacement(held).norm(), 0);
+  EXPECT_LT(bodies.displacement(end).z(), 0);
+}
+
+TEST(Bodies, StoppedAndResumedGiveTheSameBits) {
+  const par::Comm world = par::Comm::world();
+  Bodies straight = one(), first = one(), second = one();
+  const Bodies::Push push{straight.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.2, 0.4}}),
+                          {100, 200, -5e3}};
+  const auto go = [&](Bodies& bodies, int steps) {
+    for (int k = 0; k < steps; ++k) bodies.advance(2e-5, g, std::span(&push, 1), {});
+  };
+  go(straight, 40), go(first, 15);
+  const io::Scratch scratch("bodies");
+  {
+    io::File file(world, scratch / "solids.h5", io::Mode::create);
+    first.save(file, "solids", world);
+    file.close();
+  }
+  second.load(io::File(world, scratch / "solids.h5", io::Mode::read), "solids");
+  first.show_at_rest();
+  EXPECT_EQ(second.surfaces()[0].position, first.surfaces()[0].position);
+  go(second, 25);
+  EXPECT_EQ(straight.motion(0).displacement, second.motion(0).displacement);
+  EXPECT_EQ(straight.motion(0).spin, second.motion(0).spin);
+  EXPECT_EQ(straight.stress(0, {0, 0, 0}), second.stress(0, {0, 0, 0}));
+}
+
+TEST(Bodies, AnotherStepIsTakenInTheSameRun) {
+  Bodies bodies = one();
+  for (const double dt : {1e-3, 5e-4, 2e-3}) bodies.advance(dt, g, {}, {});
+  EXPECT_NEAR(bodies.motion(0).displacement.z(), -g * 3.5e-3 * 3.5e-3 / 2, 1e-15);
+}
+
+TEST(Bodies, TroubleNamesTheBody) {
+  Bodies bodies = one();
+  EXPECT_EQ(bodies.trouble(), "");
+  const Bodies::Push push{bodies.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0.5, 0.5}}),
+                          {0, 0, 1e6}};
+  for (int k = 0; k < 10; ++k) bodies.advance(1e-3, 0, std::span(&push, 1), {});
+  EXPECT_NE(bodies.trouble().find("bar has turned by"), std::string::npos) << bodies.trouble();
+}
+
+TEST(Bodies, FieldsAreOnTheFirstRank) {
+  const par::Comm world = par::Comm::world();
+  Bodies bodies = one();
+  bodies.advance(1e-3, g, {}, {});
+  const io::Grid grid = bodies.fields(world);
+  EXPECT_EQ(grid.points.size(), world.root() ? 4u * 9 * 3 : 0u);
+  EXPECT_EQ(grid.cells.size(), world.root() ? 8u * 3 * 8 * 2 : 0u);
+  ASSERT_EQ(grid.cell_data.size(), 3u);
+  EXPECT_EQ(grid.cell_data[0].values.size(), world.root() ? 6u * 48 : 0u);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
