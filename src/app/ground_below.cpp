@@ -38,6 +38,7 @@ track::LineParameters line_on_ground(const Model& model) {
   line.first_moved = static_cast<std::size_t>(model.footing.before);
   line.moved = static_cast<std::size_t>(model.footing.count);
   line.moves = track::MovedPart::ground;
+  line.pads = model.track.passage.loaded_by == track::LoadedBy::train;
   return line;
 }
 

@@ -52,6 +52,11 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
         fmt::format("  train: {} vehicles, {} axles, {}; first wheel {:.2f} kN at rest",
                     built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
                     words_of_speed(model.train), built.passage.wheel_force(0) / 1e3));
+  if (model.passage.loaded_by == track::LoadedBy::seats) {
+    say(comm,
+        fmt::format("  seat loads for {:.4g} s, without pads and rail", built.passage.duration()));
+    return;
+  }
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
   say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
                         built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
@@ -72,6 +77,7 @@ void say(const par::Comm& comm, const std::string& line) {
 
 Together::Together(const par::Comm& comm, const Model& model)
     : track(model.track), line(model.track.line) {
+  line.pads = track.passage.loaded_by == track::LoadedBy::train;
   if (model.kind != ModelKind::track_on_ground) return;
   below.emplace(comm, model);
   line = line_on_ground(model);

@@ -14,12 +14,37 @@ namespace trackbed::app {
 
 namespace {
 
+bool by_seats(const TrackModel& model) { return model.passage.loaded_by == track::LoadedBy::seats; }
+
+// Loads on seats stand for rail and train.
+void declare_seats(const TrackModel& model, input::Section& s) {
+  const input::About about{.reads = {"passage", "train", "force", "track", "load"}};
+  if (!by_seats(model)) {
+    const auto text = [](track::SeatLoadParameters load) {
+      return input::effective([&load](input::Section& inner) { load.declare(inner); });
+    };
+    return s.rule("load", model.on_bed || text(model.load) == text({}),
+                  "has no effect: it acts with passage.loaded_by = \"seats\"", about);
+  }
+  s.rule("passage.loaded_by", !model.on_bed, "must be train on a bed, whose stages say it", about);
+  s.rule("train.vehicles", model.train.vehicles.empty(),
+         "must be [] with passage.loaded_by = \"seats\": their loads stand for the train", about);
+  s.rule("force", model.passage.forces.empty(),
+         "acts on a rail, which is not there if seats are loaded", about);
+  s.rule("track.support", model.line.track.support == track::Support::sleepers,
+         "must be sleepers if seats are loaded", about);
+  s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
+         "must be pinned if seats are loaded: the rail lies on nothing then", about);
+}
+
 // Every name once: a train is put together by them.
 void declare_vehicles(const TrackModel& model, input::Section& s) {
   const std::vector<std::string> known = track::vehicle_names(model.vehicles);
-  s.rule("train.vehicles", !model.train.vehicles.empty() || !model.passage.forces.empty(),
-         "must name at least one vehicle, or there must be a [[force]]",
-         {.reads = {"train.vehicles", "force"}});
+  s.rule("train.vehicles",
+         !model.train.vehicles.empty() || !model.passage.forces.empty() || by_seats(model),
+         "must name at least one vehicle, or there must be a [[force]] or seat loads "
+         "(passage.loaded_by)",
+         {.reads = {"train.vehicles", "force", "passage.loaded_by"}});
   for (const std::string& name : model.train.vehicles) {
     const std::string why = track::why_no_vehicle(name, model.vehicles);
     s.rule("train.vehicles", why.empty(), why, {.reads = {"train.vehicles", "vehicle"}});
@@ -40,7 +65,8 @@ void declare_forces(const TrackModel& model, input::Section& s) {
            {.reads = {"force", "track.length"}});
   s.rule("force", !model.on_bed || model.passage.forces.empty(),
          "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
-  s.rule("passage.duration", !model.train.vehicles.empty() || model.passage.duration > 0,
+  s.rule("passage.duration",
+         !model.train.vehicles.empty() || model.passage.duration > 0 || by_seats(model),
          "must be above 0 s without vehicles",
          {.reads = {"train.vehicles", "passage.duration", "force"}});
 }
@@ -127,6 +153,8 @@ void TrackModel::declare(input::Section& s) {
   declare_forces(*this, s);
   declare_sides(*this, s);
   declare_bending(*this, s);
+  if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
+  declare_seats(*this, s);
   declare_flat(*this, s);
   const double length = line.track.length;
   if (on_bed) return;
@@ -155,6 +183,15 @@ std::optional<double> TrackModel::stop() const {
   if (!whole || std::isfinite(motion.time_at(line.track.length + whole->axle_distance())))
     return {};
   return motion.x(train.times.back());
+}
+
+std::size_t TrackModel::sleepers() const {
+  return static_cast<std::size_t>(std::llround(line.track.length / line.track.spacing)) + 1;
+}
+
+std::optional<track::SeatLoad> seats_of(const TrackModel& model) {
+  if (!by_seats(model)) return {};
+  return track::SeatLoad(model.load, model.line.track.spacing, model.sleepers());
 }
 
 // Compared as text, which visits every parameter: none can be forgotten here.

@@ -27,13 +27,18 @@ struct TrackModel {
   track::WheelRailParameters wheel_rail;
   track::IrregularityParameters irregularity;  // of the left rail, or of both
   track::IrregularityParameters irregularity_right{.kind = track::IrregularityKind::same};
+  track::SeatLoadParameters load;  // of a track alone, if it is loaded by seats
   TrackOutput passage;
   bool on_bed = false;  // the run is that of a bed
   void declare(input::Section& s);
+  std::size_t sleepers() const;  // of the track
   // m, where the first axle comes to rest for ever if the last one is then still on the track.
   std::optional<double> stop() const;
   // Whether every parameter has its default.
   bool untouched() const;
 };
+
+// None unless it is loaded by seats. Reads the file of a table; throws InputError for a bad one.
+std::optional<track::SeatLoad> seats_of(const TrackModel& model);
 
 }  // namespace trackbed::app

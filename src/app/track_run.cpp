@@ -50,7 +50,8 @@ void see_wheels(const Built& built, WheelExtremes& wheels) {
 void conclude(const par::Comm& comm, const TrackModel& model, const Built& built,
               const WheelExtremes& wheels, const std::vector<double>& lowest) {
   const std::size_t sides = built.line.sides();
-  for (std::size_t i = 0; i < lowest.size(); ++i)
+  const bool by_train = model.passage.loaded_by == track::LoadedBy::train;
+  for (std::size_t i = 0; by_train && i < lowest.size(); ++i)
     say(comm, fmt::format("  {}rail at {:g} m: down to {:.4f} mm",
                           sides == 1   ? ""
                           : i % 2 == 0 ? "left "
@@ -260,6 +261,7 @@ void require_files(const TrackModel& model) {
   for (const auto* one : {&model.irregularity, &model.irregularity_right})
     if (one->kind == track::IrregularityKind::file)
       track::Irregularity(*one, model.line.track.length);
+  seats_of(model);
 }
 
 // Histories and summary come at the end, or when the run is stopped. A run that is killed has left

@@ -49,7 +49,10 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
       {"history/rail/displacement", {"m", "vertical, up positive"}, points_each, {}},
       {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_each, {}},
       {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_each, {}},
-      {"history/sleeper/seat_force", {"N", "of the pad, compression positive"}, sleepers_each, {}},
+      {"history/sleeper/seat_force",
+       {"N", "of the pad, compression positive, or the seat load"},
+       sleepers_each,
+       {}},
       {"history/body/displacement",
        {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
        bodies,
@@ -94,7 +97,7 @@ void PassageHistories::sample(const track::Passage& passage) {
       const std::int32_t unknown = line_.sleeper_unknown(i, side);
       put(sleeper_displacement, rail.displacement[unknown]);
       put(sleeper_acceleration, rail.acceleration[unknown]);
-      put(seat_force, line_.seat_force(i, rail.displacement, rail.velocity, {}, side));
+      put(seat_force, passage.on_sleeper(i, side));
     }
   for (const std::size_t i : sleepers_)
     if (columns_[sleeper_moment].width > 0)

@@ -57,6 +57,8 @@ Line::Room::Room(const LineParameters& given)
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
           "sleepers that bend are whole ones, or halves of them, right on ballast springs");
+  require(given.pads || given.moved == 0 || given.moves == MovedPart::ground,
+          "seat loads are those of sleepers on springs");
   require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
           "sleepers that somebody else moves do not bend");
   elements = static_cast<std::size_t>(bays * track.elements);
@@ -261,7 +263,7 @@ void Line::Room::add_ballast(std::size_t index, std::size_t side) {
 
 // Sleepers at the very ends carry half a spacing, but are whole: the run-in hides it.
 void Line::Room::add_sleeper(std::size_t index) {
-  for (std::size_t side = 0; side < sides; ++side) add_pad(index, side);
+  for (std::size_t side = 0; parameters.pads && side < sides; ++side) add_pad(index, side);
   if (is_moved(index)) return;
   if (mesh) return add_across(index);
   add_sleeper_mass(sleepers[index]);

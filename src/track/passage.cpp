@@ -34,13 +34,14 @@ constexpr double most_change = 1e300;  // m, of what is no number
 // What does not change from step to step: which wheels roll, columns of the train and of the stops.
 Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
                     const std::array<Irregularity, 2>& i, const TrainParameters& m,
-                    const PassageParameters& p)
+                    const PassageParameters& p, const std::optional<SeatLoad>& s)
     : line(l),
       train(t),
       law(w),
       irregularity(i),
       motion(m),
       parameters(p),
+      seat_load(s),
       track(l.system(), p.step),
       vehicles(t.system(), p.step) {
   for (std::size_t k = 0; k < train.wheels().size(); ++k)
@@ -77,10 +78,18 @@ void Passage::Room::place_wheels() {
   line.add_seats(seats, constant_load);
   for (const RailForce& one : parameters.forces)
     line.at(one.at, one.number()).add(-one.force(time()), constant_load);
+  load_seats();
   touching.clear();
   for (const std::size_t k : rolling) touching.push_back(point[k]);
   for (const Stop& stop : line.stops()) touching.push_back(stop.point);
   put_wheels(track_columns);
+}
+
+// The same below both rails.
+void Passage::Room::load_seats() {
+  for (std::size_t i = 0; seat_load && i < line.sleepers(); ++i)
+    for (std::size_t side = 0; side < line.sides(); ++side)
+      constant_load[line.sleeper_unknown(i, side)] -= seat_load->at(line.sleeper_x(i), time(), i);
 }
 
 // Unit forces upwards at the rolling wheels, in the first columns.
@@ -253,10 +262,11 @@ void Passage::Room::step() {
 
 Passage::Passage(const Line& line, const Train& train, const WheelRail& law,
                  const Irregularity& irregularity, const TrainParameters& motion,
-                 const PassageParameters& parameters, const std::optional<Irregularity>& right)
+                 const PassageParameters& parameters, const std::optional<Irregularity>& right,
+                 const std::optional<SeatLoad>& seats)
     : room_(std::make_unique<Room>(line, train, law,
                                    std::array{irregularity, right ? *right : irregularity}, motion,
-                                   parameters)) {
+                                   parameters, seats)) {
   room_->start();
 }
 
@@ -275,6 +285,12 @@ double Passage::seat_force(std::size_t i) const {
   const Room& room = *room_;
   return room.line.seat_force(room.line.first_moved() + i, room.track.displacement,
                               room.track.velocity, room.seats.at(i));
+}
+
+double Passage::on_sleeper(std::size_t i, std::size_t side) const {
+  const Room& room = *room_;
+  if (room.seat_load) return room.seat_load->at(room.line.sleeper_x(i), time(), i);
+  return room.line.seat_force(i, room.track.displacement, room.track.velocity, {}, side);
 }
 
 Seat Passage::ground_below(std::size_t i) const {
@@ -307,6 +323,7 @@ std::int64_t Passage::lost() const { return room_->lost; }
 double Passage::duration() const {
   const Room& room = *room_;
   if (room.parameters.duration > 0) return room.parameters.duration;
+  if (room.seat_load) return room.seat_load->duration(room.line.length());
   return room.motion.time_at(room.line.length() + room.train.axle_distance());
 }
 

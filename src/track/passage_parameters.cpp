@@ -181,6 +181,10 @@ void PassageParameters::declare(input::Section& s) {
            "Time step.");
   s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 1000},
            "Simulated time; 0: until the last axle has left the track.");
+  s.choice(
+      "loaded_by", loaded_by, {"train", "seats"},
+      "train: wheels on the rail; seats: [load] on each rail seat, without pads and rail (of a "
+      "track alone, or on a ground).");
   s.number("tolerance", tolerance,
            {.unit = "m", .above = 0, .usually_from = 1e-16, .usually_to = 1e-8},
            "Of the approach of wheel and rail in each step; a stiffness of 1e9 N/m makes 1e-12 m "

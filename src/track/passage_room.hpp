@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "trackbed/track/motion.hpp"
@@ -15,12 +16,13 @@ using Matrix = Eigen::MatrixXd;
 struct Passage::Room {
   Room(const Line& line, const Train& train, const WheelRail& law,
        const std::array<Irregularity, 2>& irregularity, const TrainParameters& motion,
-       const PassageParameters& parameters);
+       const PassageParameters& parameters, const std::optional<SeatLoad>& seats);
 
   double x(std::size_t wheel) const { return motion.x(time()) - train.wheels()[wheel].behind; }
   double time() const { return static_cast<double>(steps) * parameters.step; }
   void place_wheels();
   void rest_train();
+  void load_seats();
   Matrix rail_matrix(const Columns& columns) const;
   void start();
   void step();
@@ -41,6 +43,7 @@ struct Passage::Room {
   std::array<Irregularity, 2> irregularity;  // of both sides
   Motion motion;
   PassageParameters parameters;
+  std::optional<SeatLoad> seat_load;
   Newmark track, vehicles;
   std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
   // Contacts are wheels that roll, then stops. Of each a column: the train's unknowns per unit of

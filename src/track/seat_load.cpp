@@ -1,6 +1,8 @@
 // The load that passing axles put on a rail seat: closed forms, or a table that was measured.
 // The rail is not computed: its bending is in the shape of the load, so the seat load does not
 // answer to a sleeper that sinks.
+#include "trackbed/track/seat_load.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/table.hpp"
-#include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::track {
 

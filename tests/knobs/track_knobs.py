@@ -117,6 +117,7 @@ KNOBS = {
     "passage.checkpoint_interval": ("passage.checkpoint_interval=0.02", []),
     "passage.wall_time": ("passage.wall_time=1e-9", []),
     "passage.stop_after": ("passage.stop_after=100", []),
+    "passage.loaded_by": ("passage.loaded_by=seats", []),
     "force.[].kind": ("force.0.kind=impact", []),
     "force.[].at": ("force.0.at=7", []),
     "force.[].size": ("force.0.size=2e3", []),

@@ -13,6 +13,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
+SEATS = "train.vehicles=[] passage.loaded_by=seats"
 SHORT = ["passage.duration=0.05", "train.start=25"]
 # Changes of the plain deck and words of the refusal.
 REFUSED = {
@@ -43,6 +44,11 @@ REFUSED = {
     "track.sleeper.model=beam ballast.mass=500": "must be 0 below sleepers that bend",
     "track.sleeper.unsupported=0.5": "has no effect on a plane track with rigid sleepers",
     "track.dimension=space track.sleeper.unsupported=2.6": "must be shorter than the sleeper",
+    "passage.loaded_by=seats": "must be [] with passage.loaded_by",
+    f"{SEATS} track.ends=free": "must be pinned if seats are loaded",
+    f"{SEATS} track.support=continuous": "must be sleepers if seats are loaded",
+    f"{SEATS} load.kind=table": "load.file",
+    "load.peak=50e3": "has no effect: it acts with passage.loaded_by",
     "irregularity.kind=same": "same is for the right rail",
     "irregularity_right.kind=versine": "needs two rails",
 }
@@ -279,6 +285,47 @@ def check_bending_sleepers(program, decks, folder):
         raise SystemExit(f"moments below a rail and in the middle: {moments} N m")
 
 
+def check_seat_loads(program, decks, folder):
+    """Loads of a locomotive on seats: each sleeper gets them at its time and in full, the same bits
+    on any number of ranks and after a stop. A table of seats must have a column for each."""
+    words = [*SEATS.split(" "), "load.speed=50", "load.start=-3", "passage.points=[30, 42]",
+             "passage.step=5e-4"]
+    place = folder / "seats_1"
+    for ranks in (1, 2, 3, 4):
+        program.done(ranks, "run", decks / "plain.toml", *words, "-o", folder / f"seats_{ranks}")
+        same_bits(place, folder / f"seats_{ranks}", f"seat loads on {ranks} ranks")
+    stopped = folder / "seats_stopped"
+    program.done(2, "run", decks / "plain.toml", *words, "passage.stop_after=1003", "-o", stopped,
+                 code=3)
+    program.done(3, "resume", stopped)
+    same_bits(place, stopped, "seat loads, stopped")
+    with h5py.File(place / "results.h5") as file:
+        time, load = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
+        rail = file["history/rail/displacement"][()]
+    later = [time[one.argmax()] for one in load.T]
+    # 12 m at 50 m/s; axles at 0, 2.8, 9 and 11.8 m: the last one is 3 m beyond the end.
+    if abs(later[1] - later[0] - 0.24) > 1.1e-3 or np.abs(rail).max() > 1e-15:
+        raise SystemExit(f"largest seat loads at {later} s, rail up to {np.abs(rail).max()} m")
+    if not np.allclose(load.max(axis=0), 71.1e3, rtol=0.03) or abs(time[-1] - 77.8 / 50) > 1e-3:
+        raise SystemExit(f"seat loads up to {load.max(axis=0)} N until {time[-1]} s")
+    # Of its deck: 80.664 kN, a quarter of it amid a bogie, 15 m after the start and 3 m before it.
+    program.done(1, "run", decks / "seats.toml", "passage.duration=0.65", "-o", folder / "carriage")
+    with h5py.File(folder / "carriage/results.h5") as file:
+        time, load = (file[f"history/{name}"][()].ravel()
+                      for name in ("time", "sleeper/seat_force"))
+        seat, middle = file["history/sleeper/moment"][()].T
+    between = (time > 18 / 33.333) & (time < 20.5 / 33.333)
+    ratios = [load.max() / 80.664e3, load[between].min() / 20.166e3]
+    if not np.allclose(ratios, 1, atol=2e-3) or seat.max() < 5e3 or middle.min() > -1e3:
+        raise SystemExit(f"{ratios} of the loads wanted; moments {seat.max()}, {middle.min()} N m")
+    table = folder / "seats.csv"
+    table.write_text("time_s,sleeper_0\n0,0\n1,5\n", encoding="utf-8")
+    ran = program(1, "run", decks / "plain.toml", *words, "load.kind=seats",
+                  f"load.file={table.resolve()}", "-o", folder / "refused")
+    if ran.returncode != 2 or "there is no column sleeper_1" not in ran.stderr:
+        raise SystemExit(f"a table that lacks sleepers: {ran.stdout}{ran.stderr}")
+
+
 def check_forces(program, decks, folder):
     """No train but a hammer: the rail under it goes down and comes back."""
     words = ["train.vehicles=[]", "passage.duration=0.5", "passage.points=[27]"]
@@ -332,6 +379,7 @@ def main():
     check_braking(program, decks, folder)
     check_two_rails(program, decks, folder)
     check_bending_sleepers(program, decks, folder)
+    check_seat_loads(program, decks, folder)
     check_forces(program, decks, folder)
     check_targets(program, decks, folder)
     check_crossing(program, decks, folder)

@@ -144,6 +144,26 @@ def check_bending_sleepers(program, deck, folder):
         raise SystemExit(f"largest forces on the ground, rigid and bending: {forces} N")
 
 
+def check_seat_loads(program, deck, folder):
+    """Without rail and train the ground gets what seats are loaded with, and gives it back."""
+    words = ["passage.loaded_by=seats", "train.vehicles=[]", "load.speed=80", "load.axles=[0]"]
+    for ranks in (1, 3):
+        place = folder / f"seats_{ranks}"
+        program.done(ranks, "run", deck, *words, "-o", place)
+        same_bits(folder / "seats_1", place, f"seat loads on {ranks} ranks")
+        for name, value in summary(place)["coupling"].items():
+            if not 0 <= value <= BALANCE:
+                raise SystemExit(f"seat loads: imbalance of {name} is {value}")
+    place = folder / "seats_stopped"
+    program.done(2, "run", deck, *words, "passage.stop_after=222", "-o", place, code=3)
+    program.done(1, "resume", place)
+    same_bits(folder / "seats_1", place, "seat loads, stopped")
+    found = datasets(place)
+    largest = [found[f"history/{name}"].max() for name in ("sleeper/seat_force", "ground/force")]
+    if not np.allclose(largest, 71.1e3, rtol=0.3):
+        raise SystemExit(f"seats are loaded with {largest[0]} N, the ground gets {largest[1]} N")
+
+
 PLAIN = [f"ground.block.{name}.present=false" for name in ("ugm", "cbm", "abutment")]
 
 
@@ -177,6 +197,7 @@ def main():
     check_knobs(program, deck, folder)
     check_hanging(program, deck, folder)
     check_bending_sleepers(program, deck, folder)
+    check_seat_loads(program, deck, folder)
     check_netirail(program, netirail, folder)
 
 

@@ -108,6 +108,7 @@ struct LineParameters {
   // pads or ballast it has the upper ends.
   std::size_t first_moved = 0, moved = 0;
   MovedPart moves = MovedPart::sleepers;
+  bool pads = true;  // false: sleepers are loaded by seat loads, and the rail by nothing
 };
 
 // How a sleeper that somebody else moves, or the ground below it, stands: m and m/s, upwards.

@@ -15,27 +15,33 @@
 #include "trackbed/track/irregularity.hpp"
 #include "trackbed/track/line.hpp"
 #include "trackbed/track/newmark.hpp"
+#include "trackbed/track/seat_load.hpp"
 #include "trackbed/track/train.hpp"
 #include "trackbed/track/wheel_rail.hpp"
 
 namespace trackbed::track {
+
+// seats: loads on the rail seats instead of rail, pads and train.
+enum class LoadedBy { train, seats };
 
 struct PassageParameters {
   double step = 2e-4;                  // s
   double duration = 0;                 // s; 0: until the last axle has left the track
   double tolerance = 1e-12;            // m, of the approach of wheel and rail
   std::vector<RailForce> forces = {};  // a section of its own
+  LoadedBy loaded_by = LoadedBy::train;
   void declare(input::Section& s);
 };
 
 class Passage {
  public:
-  // `right`: of the right rail, if it is another one than of the left.
-  // Keeps references to `line` and `train`; they outlive it. Begins in static equilibrium, the
-  // train moving at its speed. Throws RunError if there is none.
+  // `right`: of the right rail, if it is another one than of the left. `seats`: loads on each seat
+  // of a line without pads. Keeps references to `line` and `train`; they outlive it. Begins in
+  // static equilibrium, the train moving at its speed. Throws RunError if there is none.
   Passage(const Line& line, const Train& train, const WheelRail& law,
           const Irregularity& irregularity, const TrainParameters& motion,
-          const PassageParameters& parameters, const std::optional<Irregularity>& right = {});
+          const PassageParameters& parameters, const std::optional<Irregularity>& right = {},
+          const std::optional<SeatLoad>& seats = {});
   ~Passage();
   Passage(Passage&&) noexcept;
 
@@ -46,6 +52,8 @@ class Passage {
   void place_seats(const std::vector<Seat>& seats);
   double seat_force(
       std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
+  // N, on sleeper i of those on springs, by its pad or as a seat load; downwards positive.
+  double on_sleeper(std::size_t i, std::size_t side = 0) const;
   // Of sleeper i of a plane track: N, downwards, on the ground below its ballast, and how that
   // stands; at the present time. The ground is at rest unless it is moved.
   double ground_force(std::size_t i) const;

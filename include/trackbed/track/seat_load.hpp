@@ -1,0 +1,46 @@
+// Loads that axles put on rail seats as they pass: formulas, or tables that were measured.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trackbed/input/section.hpp"
+
+namespace trackbed::track {
+
+enum class SeatLoadKind { winkler, power, table, seats };
+
+// Load on one rail seat while axles pass: winkler R = peak * sum exp(-b|s|)(cos b|s| + sin b|s|);
+// power R = peak * sum X^((s/spacing)^2); table: CSV "time_s,force_N" of the sleeper at x = 0,
+// linear in between, 0 outside, later by x/speed elsewhere; seats: CSV "time_s,sleeper_0,..." with
+// the N of each sleeper of its own. s = distance of axle from sleeper.
+struct SeatLoadParameters {
+  SeatLoadKind kind = SeatLoadKind::winkler;
+  double peak = 71.1e3;                             // N, of a single axle
+  double speed = 18.6667;                           // m/s
+  std::vector<double> axles = {0, 2.8, 9.0, 11.8};  // m behind the first axle
+  double start = 0;        // m, x of the first axle when the passage begins
+  double decay = 1.54257;  // 1/m, b of winkler
+  double ratio = 0.5531;   // X of power
+  std::string file;        // table, seats
+  void declare(input::Section& s);
+  bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
+};
+
+class SeatLoad {
+ public:
+  // Throws InputError with file:line for a bad table.
+  explicit SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers = 1);
+  // N, downwards positive, for the sleeper at x, which of a table of seats is that of this number.
+  double at(double x, double time, std::size_t sleeper = 0) const;
+  double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
+
+ private:
+  SeatLoadParameters parameters_;
+  double spacing_;
+  std::vector<double> times_;
+  std::vector<std::vector<double>> forces_;  // of each sleeper, or of that at x = 0 alone
+};
+
+}  // namespace trackbed::track
