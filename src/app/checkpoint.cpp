@@ -283,7 +283,8 @@ void Simulation::resume(const std::string& checkpoint) {
   // stopped: the next history row shows them until the sleepers move again.
   const double mid_window =
       (static_cast<double>(course_.clock.window()) - 0.5) * course_.clock.dt();
-  seat_force_ = actions_.seat_forces(stage(), mid_window);
+  seat_force_ =
+      world_.solids ? world_.solids->seat_forces() : actions_.seat_forces(stage(), mid_window);
   measured_ = measure_from(stage().name, timers_, world_);
 }
 

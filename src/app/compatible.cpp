@@ -24,6 +24,7 @@ namespace {
 // What lies in the checkpoint and so ties the decks that go on from it.
 struct Holds {
   bool sleepers;      // placed
+  bool solids;        // and they are solids
   bool moved_ground;  // has left its rest
   bool plane;         // a plane model
   bool quiet_base;    // of the ground
@@ -39,6 +40,7 @@ Holds holds_of(const io::File& checkpoint, const Values& deck) {
     return found != deck.end() && found->second == value;
   };
   return {.sleepers = checkpoint.has("sleepers"),
+          .solids = checkpoint.has("sleepers/solid"),
           .moved_ground = checkpoint.has("ground"),
           .plane = is("dimension", "\"plane\""),
           .quiet_base = is("ground.base", "\"quiet\""),
@@ -79,6 +81,13 @@ bool matters_to_train(std::string_view key) {
                      [&](const char* section) { return key.starts_with(section); });
 }
 
+// Solids are strained as their stiffness wants it. Damping and the scheme's constant may change.
+bool matters_to_solids(std::string_view key) {
+  if (key == "solid.alpha" || key == "solid.rayleigh_stiffness" || key == "pad.damping")
+    return false;
+  return key.starts_with("solid.") || key.starts_with("rail.") || key.starts_with("pad.");
+}
+
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
 // has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
@@ -89,10 +98,11 @@ bool matters(std::string_view key, const Holds& holds) {
       "ground.zones_y", "ground.zones_z", "ground.mesh", "ground.mesh_top"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
                                         "sleepers.width", "sleepers.height", "sleepers.length",
-                                        "sleepers.bevel", "sleepers.y"};
+                                        "sleepers.bevel", "sleepers.y",      "sleepers.model"};
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("tamping.")) return holds.tines;
+  if (holds.solids && matters_to_solids(key)) return true;
   if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;
   if (holds.train && matters_to_train(key)) return true;
   return holds.moved_ground && matters_to_moved_ground(key, holds);

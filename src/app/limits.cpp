@@ -137,6 +137,21 @@ double rough_step_limit(const Model& model) {
   return limit;
 }
 
+namespace {
+
+// Of a solid sleeper one element answers at once, the rest as fast as sound goes through it: a node
+// of its lower face under the stones of an element.
+CouplingLimit limit_of_solid(const Model& model) {
+  const auto& s = model.sleepers;
+  const double element = model.solid.element;
+  const double mass = solid_node_mass(model);
+  if (!(mass > 0) || !(element > 0)) return {.window = infinite};
+  return limit_of(model, "node of a solid sleeper", mass,
+                  contacts_on(model, std::min(element, s.width), std::min(element, s.length)));
+}
+
+}  // namespace
+
 // The ground counts only when it moves: a ground held still has no motion to be late with.
 CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   CouplingLimit limit{.window = infinite};
@@ -148,7 +163,9 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   const double mass = s.density * s.width * s.height * length;
   if (!(mass > 0)) return limit;
   const CouplingLimit sleeper =
-      limit_of(model, "sleeper", mass, contacts_on(model, s.width, length));
+      s.model == track::SleeperModel::solid
+          ? limit_of_solid(model)
+          : limit_of(model, "sleeper", mass, contacts_on(model, s.width, length));
   return sleeper.window < limit.window ? sleeper : limit;
 }
 

@@ -72,12 +72,15 @@ void Simulation::sample() {
   const std::vector<observe::WallState> walls = world_.wall_states();
   const observe::PlatenState platen = world_.platen_state();
   const observe::TrainInstant train = actions_.train().instant();
+  const observe::SolidState solids =
+      world_.solids ? world_.solids->observed() : observe::SolidState{};
   results_.sample(world_.scene(), {.time = course_.clock.time(),
                                    .stage = static_cast<std::int64_t>(course_.stage),
                                    .seat_force = seat_force_,
                                    .walls = walls,
                                    .platen = model_.uses_platen() ? &platen : nullptr,
-                                   .train = model_.has_train() ? &train : nullptr});
+                                   .train = model_.has_train() ? &train : nullptr,
+                                   .solids = world_.solids ? &solids : nullptr});
 }
 
 // At most two of a run's own are kept. Those of a run that was stopped and resumed are not known

@@ -238,6 +238,7 @@ void Model::declare(input::Section& s) {
   s.table("bed", bed, "The ballast bed.");
   s.table("ground", ground, "The continuum below the bed.");
   s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
+  s.table("solid", solid, "Sleepers as solids (sleepers.model = \"solid\"), and rails on them.");
   s.table("load", load, "Load on the rail seats while axles pass.");
   s.table("seat", seat, "Where the rail of a stage with train = true rests on the bed.");
   s.table("platen", platen, "The plate that compacts the bed.");
@@ -257,6 +258,7 @@ void Model::declare(input::Section& s) {
   declare_ground_mesh(*this, s);
   track.declare(s);
   declare_train(*this, s);
+  declare_solids(*this, s);
   s.table("footing", footing, footing_meaning);
   declare_footing(*this, s);
   s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
@@ -291,6 +293,10 @@ bool Model::uses_walls() const {
 
 bool Model::has_train() const {
   return std::any_of(stages.begin(), stages.end(), [](const Stage& stage) { return stage.train; });
+}
+
+bool Model::has_solid_rails() const {
+  return sleepers.model == track::SleeperModel::solid && solid.rails;
 }
 
 bool Model::uses_sleepers() const {

@@ -7,6 +7,7 @@
 
 #include "app/footing.hpp"
 #include "app/handover.hpp"
+#include "app/solid.hpp"
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/bed/tamping.hpp"
@@ -114,6 +115,7 @@ struct Model {
   bed::BedParameters bed;
   fem::GroundParameters ground;
   track::SleeperParameters sleepers;
+  SolidParameters solid;
   track::SeatLoadParameters load;
   track::SeatParameters seat;
   bed::PlatenParameters platen;
@@ -133,7 +135,8 @@ struct Model {
   bool uses_platen() const;
   bool has_train() const;  // in any stage
   bool has_stages() const { return kind == ModelKind::bed; }
-  bool uses_walls() const;     // or the platen, which is of their material
+  bool uses_walls() const;  // or the platen, which is of their material
+  bool has_solid_rails() const;
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;

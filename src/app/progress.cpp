@@ -83,6 +83,11 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
         passes ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
                              model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
                : "");
+  if (world.solids) {
+    const fem::BodiesTotals totals = world.solids->bodies().totals();
+    say(comm_, "  solids: {} elements, {} unknowns on every rank; {}\n", totals.elements,
+        totals.unknowns, model.solid.rails ? "with rails on pads" : "sleepers alone");
+  }
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
   say(comm_,

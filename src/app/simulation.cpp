@@ -73,11 +73,22 @@ void Simulation::window() {
 void Simulation::move_sleepers(double dt) {
   if (!world_.sleepers || !world_.sleepers->placed()) return;
   const auto timing = timers_.scope(Verb::track);
+  if (world_.solids) return move_solids(dt);
   const double mid_window = (static_cast<double>(course_.clock.window()) + 0.5) * dt;
   seat_force_ = actions_.seat_forces(stage(), mid_window);
   if (world_.tines) return tamp(world_, static_cast<double>(course_.clock.window()) * dt, dt);
   world_.sleepers->advance(dt, seat_force_, world_.on_sleepers(), model_.dem.gravity);
   actions_.move_train(stage(), course_.clock);
+}
+
+// An implicit step takes the loads of its end. Axles run on the rails, if there are any; what comes
+// to the seats is known afterwards.
+void Simulation::move_solids(double dt) {
+  const double end = (static_cast<double>(course_.clock.window()) + 1) * dt;
+  world_.solids->roll(actions_.axles(stage(), end));
+  world_.solids->advance(dt, actions_.seat_forces(stage(), end), world_.on_sleepers(),
+                         model_.dem.gravity);
+  seat_force_ = world_.solids->seat_forces();
 }
 
 // In the compact and shear stages the servo decides, in release and triaxial stages the deck.
@@ -180,7 +191,7 @@ Outcome Simulation::run_stages() {
   std::vector<double> sleeper_x;
   for (std::size_t i = 0; world_.sleepers && i < world_.sleepers->count(); ++i)
     sleeper_x.push_back(world_.sleepers->x(i));
-  results_.watch(world_.scene(), model_.dimension, sleeper_x, model_.regions);
+  results_.watch(world_.scene(), world_.watched, sleeper_x, model_.regions);
   // A checkpoint is written after the window's row and agreement: a resumed run repeats neither.
   while (course_.stage < model_.stages.size()) {
     if (!course_.begun) begin_stage();

@@ -38,6 +38,7 @@ class Simulation {
 
   void window();
   void move_sleepers(double dt);
+  void move_solids(double dt);
   void press_platen(double dt);
   void move_ground(double dt);
   void move_stones(double dt);

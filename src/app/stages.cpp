@@ -170,19 +170,29 @@ void StageActions::move_train(const Stage& stage, const Clock& clock) {
   train_.move(std::max<std::int64_t>(stage.cycles, 1), clock);
 }
 
+// Trains of a passage are the same train again and again: time starts anew with each.
+double StageActions::time_of_train(const Stage& stage, double time) const {
+  if (stage.kind != StageKind::passage || stage.cycles < 2) return time;
+  return std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));
+}
+
+std::vector<track::AxleLoad> StageActions::axles(const Stage& stage, double time) const {
+  if (stage.kind != StageKind::passage || !model_.has_solid_rails()) return {};
+  return seat_load_.axles(time_of_train(stage, time));
+}
+
 // Of a train: what its pads do now, whatever `time` is. Else constant force, then what the kind
-// adds. Trains of a passage are the same train again and again: time starts anew with each. The
+// adds; axles on solid rails add nothing here. The
 // sleepers' own x counts, not the deck's, so that a sleeper that was placed elsewhere is loaded
 // where it is.
 std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
-  if (stage.kind == StageKind::passage && stage.cycles > 1)
-    time = std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));
+  time = time_of_train(stage, time);
   std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
     if (train_.there())
       forces[i] += train_.seat_force(i);
-    else if (stage.kind == StageKind::passage)
+    else if (stage.kind == StageKind::passage && !model_.has_solid_rails())
       forces[i] += seat_load_.at(world_.sleepers->x(i), time, i);
   }
   return forces;

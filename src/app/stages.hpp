@@ -32,6 +32,8 @@ class StageActions {
   const StageTrain& train() const { return train_; }
   // Force on each rail seat, N downwards, `time` s after the stage began.
   std::vector<double> seat_forces(const Stage& stage, double time) const;
+  // On solid rails; none without them, or in other stages than passages.
+  std::vector<track::AxleLoad> axles(const Stage& stage, double time) const;
   // Whether the stage has reached its aim before its duration is over. Depends on state alone, so
   // that a resumed run decides alike. Collective.
   bool settled(const Stage& stage, const Clock& clock) const;
@@ -47,6 +49,7 @@ class StageActions {
   void load_done(const io::File& file);            // what stages left that are over
 
  private:
+  double time_of_train(const Stage& stage, double time) const;
   void pour(const Stage& stage);
   void place_sleepers(const Stage& stage);
   void fill_cribs(const Stage& stage);

@@ -87,6 +87,16 @@ Json ground_figures(const SummaryOf& run) {
           {"plastic_j", totals.plastic}};
 }
 
+// Their wall time is in share.track.
+Json solid_figures(const fem::Bodies& bodies) {
+  const fem::BodiesTotals totals = bodies.totals();
+  return {{"elements", totals.elements},
+          {"unknowns", totals.unknowns},
+          {"factor_entries", totals.factor},
+          {"kinetic_j", totals.kinetic},
+          {"elastic_j", totals.elastic}};
+}
+
 // Of the wall time, mean over ranks. Halo and neighbours are parts of dem.
 Json shares(const SummaryOf& run) {
   const par::Comm& comm = run.world.comm;
@@ -212,6 +222,7 @@ void write_summary(const SummaryOf& run) {
             {"windows", run.course.windows}};
   json["dem"] = dem_figures(run, totals);
   json["ground"] = ground_figures(run);
+  if (run.world.solids) json["solids"] = solid_figures(run.world.solids->bodies());
   json["coupling"] = {{"force", balance.force},
                       {"moment", balance.moment},
                       {"impulse", balance.impulse},

@@ -16,10 +16,17 @@ namespace {
 
 constexpr double rounding = 1e-6;  // relative, of lengths that are meant to be equal
 
+// What solid rails and their pads do not look at either.
+bool untouched(const Model& model) {
+  TrackModel track = model.track;
+  if (model.solid.rails) track.line.rail = {}, track.line.pad = {};
+  return track.untouched();
+}
+
 // Sections of rail and train without a train would have no effect.
 void declare_presence(const Model& model, input::Section& s) {
   s.rule(
-      "model", model.has_train() || model.track.untouched(),
+      "model", model.has_train() || untouched(model),
       "must be \"track\", or a stage must have train = true: a section of rail and train is given "
       "(rail, pad, ballast, track, vehicle, train, wheel_rail, irregularity, passage), and these "
       "have no effect otherwise",

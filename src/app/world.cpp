@@ -26,10 +26,17 @@ World::World(const par::Comm& world, const Model& deck)
     ground.emplace(comm, model.ground, model.dimension, thickness);
     ground->top().material = model.material(model.ground_material);
     support.assign(ground->top().nodes(), Vec3::Zero());
+    watched = observe::watched_nodes(*ground, model.dimension);
   }
-  if (model.uses_sleepers())
-    sleepers.emplace(model.sleepers, model.dimension, thickness,
-                     model.material(model.sleepers.material));
+  if (!model.uses_sleepers()) return;
+  if (model.sleepers.model == track::SleeperModel::solid) {
+    auto made = std::make_unique<SolidSleepers>(model);
+    solids = made.get();
+    sleepers = std::move(made);
+  } else {
+    sleepers = std::make_unique<track::RigidSleepers>(model.sleepers, model.dimension, thickness,
+                                                      model.material(model.sleepers.material));
+  }
 }
 
 // Whatever changes surfaces ends here, so that stones, coupler and numbers never disagree. Costs a
@@ -172,7 +179,8 @@ Vec3 World::on(const std::string& surface) const {
 observe::Scene World::scene() {
   return {.particles = particles,
           .ground = ground ? &*ground : nullptr,
-          .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr};
+          .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
+          .bodies = solids && solids->placed() ? &solids->bodies() : nullptr};
 }
 
 std::vector<observe::WallState> World::wall_states() const {
@@ -191,7 +199,8 @@ observe::PlatenState World::platen_state() const {
 }
 
 std::size_t World::memory() const {
-  return particles.memory().total() + (ground ? ground->memory() : 0);
+  return particles.memory().total() + (ground ? ground->memory() : 0) +
+         (solids ? solids->bodies().memory() : 0);
 }
 
 // Every node's mean is known to its owner alone, all others add zero: the sum is exact.

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "app/parameters.hpp"
+#include "app/solid_sleepers.hpp"
 #include "trackbed/couple/coupler.hpp"
 #include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
@@ -63,7 +65,9 @@ struct World {
   const Model& model;
   dem::Particles particles;
   std::optional<fem::Ground> ground;
-  std::optional<track::Sleepers> sleepers;
+  std::vector<std::int32_t> watched;  // nodes of its top in the histories: from where it began
+  std::unique_ptr<track::Sleepers> sleepers;
+  SolidSleepers* solids = nullptr;    // the same, if they are solids
   std::optional<bed::Platen> platen;  // while it presses
   std::optional<bed::Tines> tines;    // while they tamp
   bed::Walls walls;                   // with a floor at z = 0 if there is no ground

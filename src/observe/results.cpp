@@ -95,15 +95,15 @@ std::int64_t Results::rows() const { return room_->rows; }
 
 // Collective. Places are written before the first row, so that a file without rows can be drawn,
 // too.
-void Results::watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x,
-                    const std::vector<Region>& regions) {
+void Results::watch(const Scene& scene, const std::vector<std::int32_t>& nodes,
+                    std::span<const double> sleeper_x, const std::vector<Region>& regions) {
   Room& room = *room_;
   room.energy = energy_columns();
   room.regions = regions;
   for (const Region& region : regions)
     for (const Column& column : region_columns(region.name)) room.region.push_back(column);
   if (scene.ground) {
-    room.nodes = watched_nodes(*scene.ground, dimension);
+    room.nodes = nodes;
     room.ground = ground_columns();
   }
   // The columns above are needed in any case; the head and the places are in the file already.
@@ -136,6 +136,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   room.sample_walls(instant.walls);
   if (instant.platen) room.sample_platen(*instant.platen);
   if (instant.train) room.sample_train(*instant.train, instant.seat_force.size());
+  if (instant.solids) room.sample_solids(*instant.solids);
   room.sample_regions(scene.particles);
   ++room.rows;
   if (room.times.size() >= rows_in_memory) flush();

@@ -27,13 +27,14 @@ struct Results::Room {
   // Changes the file as a whole: on a copy that then takes its name. Collective.
   void replace(const std::function<void(io::File&)>& change);
   std::vector<std::vector<Column>*> groups() {
-    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train};
+    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid};
   }
   void append_to(io::File& file);
   void sample_energy(const dem::Totals& totals);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
   void sample_ground(const fem::Ground& ground);
   void sample_walls(std::span<const WallState> walls);
+  void sample_solids(const SolidState& state);
   void sample_platen(const PlatenState& state);
   void sample_train(const TrainInstant& instant, std::size_t sleepers);
   void sample_regions(const dem::Particles& particles);
@@ -48,7 +49,7 @@ struct Results::Room {
   std::vector<std::int32_t> nodes;  // of the ground's top
   std::vector<Region> regions;
   std::vector<Column> energy, sleeper, ground;
-  std::vector<Column> platen, train;
+  std::vector<Column> platen, train, solid;
   std::vector<Column> wall;    // force and displacement of the first, then those of the next
   std::vector<Column> region;  // those of the first region, then those of the next
 };

@@ -120,6 +120,7 @@ void write_pictures(const par::Comm& comm, const std::string& folder, const std:
   io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));
   io::write_fields(comm, start + "_contacts.vtkhdf", contact_lines(scene.particles));
   if (scene.ground) io::write_fields(comm, start + "_ground.vtkhdf", scene.ground->fields());
+  if (scene.bodies) io::write_fields(comm, start + "_solids.vtkhdf", scene.bodies->fields(comm));
 }
 
 }  // namespace trackbed::observe

@@ -24,6 +24,8 @@ bool are_degrees_of_freedom(const std::vector<std::string>& names) {
 
 // Sleepers are alike and evenly spaced; the density comes with the material.
 void SleeperParameters::declare(input::Section& s) {
+  s.choice("model", model, {"rigid", "solid"},
+           "rigid: six degrees of freedom each; solid: elements, with rails or without ([solid]).");
   s.integer("count", count, {.at_least = 0}, "Number of sleepers.");
   s.number("first", first, {.unit = "m"}, "x of the centre of the first sleeper.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},

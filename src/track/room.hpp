@@ -20,7 +20,7 @@ struct Body {
 };
 
 // The same on every rank to the last bit.
-struct Sleepers::Room {
+struct RigidSleepers::Room {
   struct Kick {
     double time, gravity;  // s, from mid-window to mid-window; m/s^2
   };

@@ -69,6 +69,15 @@ double SeatLoad::at(double x, double time, std::size_t sleeper) const {
   return parameters_.peak * sum;
 }
 
+// The bed's reaction on a spacing L right below a wheel load Q is Q b L/2, see `winkler`.
+std::vector<AxleLoad> SeatLoad::axles(double time) const {
+  const double force = 2 * parameters_.peak / (parameters_.decay * spacing_);
+  std::vector<AxleLoad> all;
+  for (const double behind : parameters_.axles)
+    all.push_back({parameters_.start + parameters_.speed * time - behind, force});
+  return all;
+}
+
 double SeatLoad::duration(double last_x) const {
   // m beyond the last sleeper. With the default decay or ratio less than 2 % of the peak is left
   // there; a softer bed (a decay of 1 per m: 4 %) spreads the load further, and its end is cut off.

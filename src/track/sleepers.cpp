@@ -35,7 +35,7 @@ Vec3 rotation_of(const Quat& attitude) {
 
 }  // namespace
 
-Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double thickness)
+RigidSleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double thickness)
     : parameters(given) {
   // A plane model is a slice of the model's thickness: its sleeper has that length, and its mass
   // belongs to the slice. Motions out of the plane stay frozen whatever the deck frees.
@@ -55,13 +55,13 @@ Sleepers::Room::Room(const SleeperParameters& given, Dimension dimension, double
 
 // Centre of mass when placed. Displacements are counted from here, so that settlements of 1e-6 m
 // keep their digits at x = 100 m.
-Vec3 Sleepers::Room::rest(std::size_t i) const {
+Vec3 RigidSleepers::Room::rest(std::size_t i) const {
   const double x = parameters.first + static_cast<double>(i) * parameters.spacing;
   return {x, parameters.y, bottom + prism.depth};
 }
 
 // R diag(I) R^T in space axes, kg m^2; nothing is kept between windows that the attitude implies.
-Mat3 Sleepers::Room::inertia(const Body& body) const {
+Mat3 RigidSleepers::Room::inertia(const Body& body) const {
   const Mat3 axes = body.attitude.toRotationMatrix();
   return axes * (mass * prism.gyration).asDiagonal() * axes.transpose();
 }
@@ -69,7 +69,7 @@ Mat3 Sleepers::Room::inertia(const Body& body) const {
 // About the centre. The forces are means over the last window, so they act on nodes where these
 // were in the middle of it; what is left out is their change of arm within the window. The arms
 // come from the pose, not from the surface, so that a resumed run has them too.
-Vec3 Sleepers::Room::torque(std::size_t i, std::span<const Vec3> node_force) const {
+Vec3 RigidSleepers::Room::torque(std::size_t i, std::span<const Vec3> node_force) const {
   const Body& body = bodies[i];
   const Quat middle = rotation_by(body.spin * (-last_step / 2)) * body.attitude;
   Vec3 sum = Vec3::Zero();
@@ -80,7 +80,7 @@ Vec3 Sleepers::Room::torque(std::size_t i, std::span<const Vec3> node_force) con
 
 // Euler's equation in space axes, I a = T - w x I w, for the free components alone: the guide that
 // holds the frozen ones takes whatever torque that needs.
-Vec3 Sleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) const {
+Vec3 RigidSleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) const {
   Mat3 matrix = inertia(body);
   Vec3 right = torque - body.spin.cross(matrix * body.spin);
   for (int k = 0; k < 3; ++k) {
@@ -98,8 +98,8 @@ Vec3 Sleepers::Room::angular_acceleration(const Body& body, const Vec3& torque) 
 // the rail's two feet are not modelled apart.
 //   a = free (R - m g e_z - Q e_z)/m,  v += a t
 // R the stones' reaction, N, mean of the last window; Q the seat force, N, downwards; t s.
-void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
-                          const Kick& by) {
+void RigidSleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
+                               const Kick& by) {
   Body& body = bodies[i];
   body.reaction.setZero();
   for (const Vec3& force : node_force) body.reaction += force;
@@ -113,7 +113,7 @@ void Sleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3
 // Both ends of the motion are computed from the pose: nothing accumulates in the surface.
 // The surface's motion is a chord: turned nodes move on arcs, and the chord is off by (spin dt)^2/8
 // of their arm.
-void Sleepers::Room::drift(std::size_t i, double dt) {
+void RigidSleepers::Room::drift(std::size_t i, double dt) {
   Body& body = bodies[i];
   Surface& surface = surfaces[i];
   for (std::size_t n = 0; n < surface.nodes(); ++n) surface.position[n] = node(i, n);
@@ -124,7 +124,7 @@ void Sleepers::Room::drift(std::size_t i, double dt) {
 }
 
 // Also after a checkpoint was read: the next `advance` fills the motion before anybody steps.
-void Sleepers::Room::show_at_rest() {
+void RigidSleepers::Room::show_at_rest() {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t n = 0; n < surfaces[i].nodes(); ++n) {
       surfaces[i].position[n] = node(i, n);
@@ -132,8 +132,8 @@ void Sleepers::Room::show_at_rest() {
     }
 }
 
-Sleepers::Sleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
-                   int material)
+RigidSleepers::RigidSleepers(const SleeperParameters& parameters, Dimension dimension,
+                             double thickness, int material)
     : room_(std::make_unique<Room>(parameters, dimension, thickness)) {
   Surface shape = room_->shape;
   shape.material = material;
@@ -144,21 +144,21 @@ Sleepers::Sleepers(const SleeperParameters& parameters, Dimension dimension, dou
   room_->show_at_rest();
 }
 
-Sleepers::~Sleepers() = default;
-Sleepers::Sleepers(Sleepers&&) noexcept = default;
-Sleepers& Sleepers::operator=(Sleepers&&) noexcept = default;
+RigidSleepers::~RigidSleepers() = default;
+RigidSleepers::RigidSleepers(RigidSleepers&&) noexcept = default;
+RigidSleepers& RigidSleepers::operator=(RigidSleepers&&) noexcept = default;
 
-std::size_t Sleepers::count() const { return room_->bodies.size(); }
-double Sleepers::x(std::size_t i) const { return room_->rest(i).x(); }
-double Sleepers::mass() const { return room_->mass; }
-bool Sleepers::placed() const { return room_->placed; }
-double Sleepers::bottom() const { return room_->bottom; }
-std::vector<Surface>& Sleepers::surfaces() { return room_->surfaces; }
-void Sleepers::show_at_rest() { room_->show_at_rest(); }
-Vec3 Sleepers::reaction(std::size_t i) const { return room_->bodies.at(i).reaction; }
+std::size_t RigidSleepers::count() const { return room_->bodies.size(); }
+double RigidSleepers::x(std::size_t i) const { return room_->rest(i).x(); }
+double RigidSleepers::mass() const { return room_->mass; }
+bool RigidSleepers::placed() const { return room_->placed; }
+double RigidSleepers::bottom() const { return room_->bottom; }
+std::vector<Surface>& RigidSleepers::surfaces() { return room_->surfaces; }
+void RigidSleepers::show_at_rest() { room_->show_at_rest(); }
+Vec3 RigidSleepers::reaction(std::size_t i) const { return room_->bodies.at(i).reaction; }
 
 // The last window counts as 0: the first kick is then half a window, as leapfrog begins from rest.
-void Sleepers::place(double z) {
+void RigidSleepers::place(double z) {
   room_->bottom = z;
   room_->placed = true;
   room_->last_step = 0;
@@ -167,7 +167,7 @@ void Sleepers::place(double z) {
 }
 
 // The bevel is left out: a stone that touches the cut corner of the box counts as in the way.
-bool Sleepers::overlaps(const Vec3& centre, double radius) const {
+bool RigidSleepers::overlaps(const Vec3& centre, double radius) const {
   const Room& room = *room_;
   // Distance from the sphere's centre to the box in the body's own axes: clamp to the box, then
   // compare.
@@ -182,8 +182,8 @@ bool Sleepers::overlaps(const Vec3& centre, double radius) const {
 }
 
 // All sleepers are kicked before any moves: the order among them does not matter. Local.
-void Sleepers::advance(double dt, std::span<const double> seat_force,
-                       const std::vector<std::span<const Vec3>>& node_force, double gravity) {
+void RigidSleepers::advance(double dt, std::span<const double> seat_force,
+                            const std::vector<std::span<const Vec3>>& node_force, double gravity) {
   Room& room = *room_;
   require(seat_force.size() == count(), "one seat force per sleeper");
   require(node_force.empty() || node_force.size() == count(),
@@ -197,7 +197,8 @@ void Sleepers::advance(double dt, std::span<const double> seat_force,
 
 // Attitudes stay, also of those that are guided: a track that is lifted takes its sleepers along as
 // they hang. The velocity is what they go on with once they are let go.
-void Sleepers::carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force) {
+void RigidSleepers::carry(double dt, double up,
+                          const std::vector<std::span<const Vec3>>& node_force) {
   Room& room = *room_;
   for (std::size_t i = 0; i < count(); ++i) {
     Body& body = room.bodies[i];
@@ -210,7 +211,7 @@ void Sleepers::carry(double dt, double up, const std::vector<std::span<const Vec
 }
 
 // Centre and rotation from where the sleeper was placed; velocities of mid-window.
-SleeperState Sleepers::state(std::size_t i) const {
+SleeperState RigidSleepers::state(std::size_t i) const {
   const Body& body = room_->bodies.at(i);
   return {body.displacement, body.velocity, body.acceleration, rotation_of(body.attitude),
           body.spin};
@@ -218,13 +219,13 @@ SleeperState Sleepers::state(std::size_t i) const {
 
 // The velocity of mid-window and half a window of the acceleration that led to it: off by half a
 // window's change of acceleration.
-Vec3 Sleepers::velocity_now(std::size_t i) const {
+Vec3 RigidSleepers::velocity_now(std::size_t i) const {
   const Body& body = room_->bodies.at(i);
   return body.velocity + room_->last_step / 2 * body.acceleration;
 }
 
 // m v^2/2 + w . I w/2, J, with the velocities of mid-window.
-double Sleepers::kinetic() const {
+double RigidSleepers::kinetic() const {
   double sum = 0;
   for (const Body& body : room_->bodies)
     sum += room_->mass * body.velocity.squaredNorm() / 2 +
@@ -233,7 +234,7 @@ double Sleepers::kinetic() const {
 }
 
 // Local and the same on all ranks.
-std::string Sleepers::trouble() const {
+std::string RigidSleepers::trouble() const {
   for (std::size_t i = 0; i < count(); ++i) {
     const Body& body = room_->bodies[i];
     if (!body.displacement.allFinite() || !body.attitude.coeffs().allFinite())

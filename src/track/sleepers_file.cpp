@@ -34,7 +34,7 @@ constexpr std::array state_items{
 }  // namespace
 
 // Collective, as is `load`.
-void Sleepers::save(io::File& file, const std::string& group, const par::Comm& comm) const {
+void RigidSleepers::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   std::vector<Body> written;
   if (comm.root()) written = room_->bodies;
   for (const Item& item : state_items) {
@@ -50,7 +50,7 @@ void Sleepers::save(io::File& file, const std::string& group, const par::Comm& c
 
 // A file with another number of sleepers is refused here although compatible.cpp compares the decks
 // first: a file may be damaged where the deck is not.
-void Sleepers::load(const io::File& file, const std::string& group) {
+void RigidSleepers::load(const io::File& file, const std::string& group) {
   const auto common = file.read_all<double>(group + "/common");
   if (common.size() != 3) throw RunError(group + "/common does not hold the state of sleepers");
   place(common[1]);

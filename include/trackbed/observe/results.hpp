@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "trackbed/dem/particles.hpp"
+#include "trackbed/fem/bodies.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/io/file.hpp"
 #include "trackbed/observe/regions.hpp"
@@ -23,6 +24,7 @@ struct Scene {
   const dem::Particles& particles;
   fem::Ground* ground = nullptr;  // const in spirit: its top() is only read
   const track::Sleepers* sleepers = nullptr;
+  const fem::Bodies* bodies = nullptr;  // sleepers and rails that are solids
 };
 
 // A wall or the floor: N from stones, mean of the last window; m, from where it was built.
@@ -43,6 +45,13 @@ struct TrainInstant {
   const track::TrainOnBed* running = nullptr;
 };
 
+// Of sleepers that are solids: m, upwards, from where they were placed; Pa, tension positive, along
+// the sleeper at its lower face. Seats of the first sleeper, then of the next.
+struct SolidState {
+  std::vector<double> seat_displacement, rail_displacement;  // of each seat, of a rail above it
+  std::vector<double> bending_stress;                        // below each seat, then amid a sleeper
+};
+
 // The instant of a history row.
 struct Instant {
   double time = 0;                      // s
@@ -51,6 +60,7 @@ struct Instant {
   std::span<const WallState> walls;     // all that the run ever has, in the same order
   const PlatenState* platen = nullptr;  // null: never one in this run
   const TrainInstant* train = nullptr;  // null: never one in this run
+  const SolidState* solids = nullptr;   // null: never any in this run
 };
 
 struct About {
@@ -66,7 +76,7 @@ struct About {
 std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& particles, double cell);
 
 // Ground nodes that are watched: along the top, at one face (plane) or nearest the centre line,
-// by x. The same list on every rank.
+// by x. To be asked while the ground is as built. The same list on every rank.
 std::vector<std::int32_t> watched_nodes(fem::Ground& ground, Dimension dimension);
 
 // Opens a file of results to read. Throws InputError if it is damaged or another's. Collective.
@@ -88,10 +98,10 @@ class Results {
   void resume(const std::string& old_path, std::int64_t rows,
               const std::vector<std::string>& finished);
 
-  // Begins the file (unless it goes on) and fixes the columns of the histories. `sleeper_x`: m,
-  // also before the sleepers are placed.
-  void watch(const Scene& scene, Dimension dimension, std::span<const double> sleeper_x,
-             const std::vector<Region>& regions);
+  // Begins the file (unless it goes on) and fixes the columns of the histories. `nodes`: of the
+  // ground's top, see watched_nodes; `sleeper_x`: m, also before the sleepers are placed.
+  void watch(const Scene& scene, const std::vector<std::int32_t>& nodes,
+             std::span<const double> sleeper_x, const std::vector<Region>& regions);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
   // Contact network, stones and surface of the bed (cells of `cell` m) as they are now, under
@@ -106,7 +116,7 @@ class Results {
   std::unique_ptr<Room> room_;
 };
 
-// fields/<name>_{stones,ground,contacts}.vtkhdf in `folder`. Collective.
+// fields/<name>_{stones,ground,contacts,solids}.vtkhdf in `folder`. Collective.
 void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
                     const Scene& scene);
 

@@ -28,12 +28,20 @@ struct SeatLoadParameters {
   bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
 };
 
+// An axle of the deck: where it is (m) and what it puts on the rails (N, downwards).
+struct AxleLoad {
+  double x, force;
+};
+
 class SeatLoad {
  public:
   // Throws InputError with file:line for a bad table.
   explicit SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers = 1);
   // N, downwards positive, for the sleeper at x, which of a table of seats is that of this number.
   double at(double x, double time, std::size_t sleeper = 0) const;
+  // The axles themselves, for a rail that bends: each has the wheel load that makes `peak` the seat
+  // load of a beam on a Winkler bed. Kind winkler.
+  std::vector<AxleLoad> axles(double time) const;
   double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
 
  private:

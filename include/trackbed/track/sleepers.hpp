@@ -1,4 +1,4 @@
-// Rigid sleepers and the loads on their rail seats. Small (a few numbers per sleeper), so every
+// Sleepers, rigid ones of this room among them, and the loads on their rail seats. Small, so every
 // rank keeps all of them and moves them alike from sums that do not depend on the rank count.
 #pragma once
 
@@ -16,7 +16,11 @@
 
 namespace trackbed::track {
 
+// rigid: RigidSleepers; solid: bodies of elements, which another room moves.
+enum class SleeperModel { rigid, solid };
+
 struct SleeperParameters {
+  SleeperModel model = SleeperModel::rigid;
   std::int64_t count = 9;
   double first = 0.6, spacing = 0.6;                 // m, x of the first centre, between centres
   double y = 0;                                      // m, of the centres, space models
@@ -35,46 +39,74 @@ struct SleeperState {
   Vec3 rotation, spin;                        // rad (vector), rad/s
 };
 
+// A row of sleepers, whatever they are made of. All ranks hold the same state and move it alike.
 class Sleepers {
  public:
-  Sleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
-           int material);
-  ~Sleepers();
-  Sleepers(Sleepers&&) noexcept;
-  Sleepers& operator=(Sleepers&&) noexcept;
+  virtual ~Sleepers() = default;
 
-  std::size_t count() const;
-  double x(std::size_t i) const;  // m, centre
-  double mass() const;            // kg each
+  virtual std::size_t count() const = 0;
+  virtual double x(std::size_t i) const = 0;  // m, centre
+  virtual double mass() const = 0;            // kg each
   // Puts them with their lower face at height z, at rest.
-  void place(double z);
-  bool placed() const;
-  double bottom() const;  // z given to place
+  virtual void place(double z) = 0;
+  virtual bool placed() const = 0;
+  virtual double bottom() const = 0;  // z given to place
   // Whether the sphere overlaps any sleeper (for taking away stones in the way).
-  bool overlaps(const Vec3& centre, double radius) const;
+  virtual bool overlaps(const Vec3& centre, double radius) const = 0;
 
-  std::vector<Surface>& surfaces();  // one per sleeper, closed box, normals outwards
+  virtual std::vector<Surface>& surfaces() = 0;  // one per sleeper, closed, normals outwards
   // Surfaces where the sleepers stand now, without motion, until the next `advance`.
-  void show_at_rest();
-  // One window: seat_force N downwards through each centre; node_force: mean node forces per
-  // sleeper (surfaces()[i].nodes() each; empty: none). Leapfrog: v += a (dt + last dt)/2, x += v
-  // dt, where the last dt is 0 after `place`, so that the order is two from rest. Velocity is that
-  // of mid-window. Fills position and motion of the surfaces.
-  void advance(double dt, std::span<const double> seat_force,
-               const std::vector<std::span<const Vec3>>& node_force, double gravity);
+  virtual void show_at_rest() = 0;
+  // One window: seat_force N downwards on each; node_force: mean node forces per sleeper
+  // (surfaces()[i].nodes() each; empty: none). Fills position and motion of the surfaces.
+  virtual void advance(double dt, std::span<const double> seat_force,
+                       const std::vector<std::span<const Vec3>>& node_force, double gravity) = 0;
   // One window in which they are held and go up by `up`, m, whatever presses on them.
-  void carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force);
-  SleeperState state(std::size_t i) const;
+  virtual void carry(double dt, double up,
+                     const std::vector<std::span<const Vec3>>& node_force) = 0;
+  virtual SleeperState state(std::size_t i) const = 0;
   // m/s, of the centre at the end of the last window, to second order in the window.
-  Vec3 velocity_now(std::size_t i) const;
-  Vec3 reaction(std::size_t i) const;  // N, from stones in the last window
-  double kinetic() const;
+  virtual Vec3 velocity_now(std::size_t i) const = 0;
+  virtual Vec3 reaction(std::size_t i) const = 0;  // N, from stones in the last window
+  virtual double kinetic() const = 0;              // J
 
-  std::string trouble() const;  // a sleeper that is not a number any more, or empty
+  virtual std::string trouble() const = 0;  // what is not a number any more, or empty
 
-  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  // Rank 0 of `comm` writes, all read. Collective.
+  virtual void save(io::File& file, const std::string& group, const par::Comm& comm) const = 0;
+  virtual void load(const io::File& file, const std::string& group) = 0;
+};
+
+// Rigid ones, the seat force through the centre. Leapfrog: v += a (dt + last dt)/2, x += v dt,
+// where the last dt is 0 after `place`, so that the order is two from rest. The velocity of `state`
+// is that of mid-window.
+class RigidSleepers final : public Sleepers {
+ public:
+  RigidSleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
+                int material);
+  ~RigidSleepers() override;
+  RigidSleepers(RigidSleepers&&) noexcept;
+  RigidSleepers& operator=(RigidSleepers&&) noexcept;
+
+  std::size_t count() const override;
+  double x(std::size_t i) const override;
+  double mass() const override;
+  void place(double z) override;
+  bool placed() const override;
+  double bottom() const override;
+  bool overlaps(const Vec3& centre, double radius) const override;
+  std::vector<Surface>& surfaces() override;
+  void show_at_rest() override;
+  void advance(double dt, std::span<const double> seat_force,
+               const std::vector<std::span<const Vec3>>& node_force, double gravity) override;
+  void carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force) override;
+  SleeperState state(std::size_t i) const override;
+  Vec3 velocity_now(std::size_t i) const override;
+  Vec3 reaction(std::size_t i) const override;
+  double kinetic() const override;
+  std::string trouble() const override;
+  void save(io::File& file, const std::string& group, const par::Comm& comm) const override;
+  void load(const io::File& file, const std::string& group) override;
 
  private:
   struct Room;

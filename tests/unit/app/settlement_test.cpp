@@ -11,7 +11,7 @@ constexpr std::int64_t windows = 10, cycles = 3;  // cycles end with windows 4, 
 
 struct Scene {
   track::SleeperParameters parameters{.count = 2};
-  track::Sleepers sleepers{parameters, Dimension::plane, 1.3, 0};
+  track::RigidSleepers sleepers{parameters, Dimension::plane, 1.3, 0};
   Clock clock{dt, windows};
   Settlement settlement;
   Scene() {

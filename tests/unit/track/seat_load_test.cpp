@@ -38,6 +38,17 @@ TEST(SeatLoad, SingleAxleCarriesTheShareOfTheWinklerBed) {
   EXPECT_NEAR(sum, 153.64e3, 0.02 * 153.64e3);
 }
 
+TEST(SeatLoad, AxlesHaveTheLoadsThatMakeThePeak) {
+  SeatLoadParameters p = locomotive();
+  p.start = -3;
+  const std::vector<AxleLoad> axles = SeatLoad(p, spacing).axles(0.5);
+  ASSERT_EQ(axles.size(), 4u);
+  for (std::size_t k = 0; k < axles.size(); ++k) {
+    EXPECT_NEAR(axles[k].x, -3 + v * 0.5 - p.axles[k], rounding * 20);
+    EXPECT_NEAR(axles[k].force, 153.64e3, 10);
+  }
+}
+
 TEST(SeatLoad, PeakOfThePassageIsThatOfAnAxle) {
   const SeatLoad load(locomotive(), spacing);
   double peak = 0;

@@ -29,8 +29,8 @@ TEST(SleepersFile, ResumedRunGivesTheSameBits) {
   const std::string path = "sleepers_" + std::to_string(world.size()) + ".h5";
   SleeperParameters parameters;
   parameters.bevel = 0.02;
-  Sleepers straight(parameters, Dimension::plane, 1.3, 0),
-      first = Sleepers(parameters, Dimension::plane, 1.3, 0),
+  RigidSleepers straight(parameters, Dimension::plane, 1.3, 0),
+      first = RigidSleepers(parameters, Dimension::plane, 1.3, 0),
       second(parameters, Dimension::plane, 1.3, 0);
   straight.place(0.4);
   first.place(0.4);

@@ -39,7 +39,7 @@ TEST(Sleepers, SurfaceIsClosedAndPointsOutwards) {
   for (const double bevel : {0.0, 0.04}) {
     SleeperParameters p = one_sleeper({"z"});
     p.bevel = bevel;
-    Sleepers sleepers(p, Dimension::space, 1, 3);
+    RigidSleepers sleepers(p, Dimension::space, 1, 3);
     sleepers.place(0.5);
     const Surface& surface = sleepers.surfaces()[0];
     EXPECT_EQ(surface.triangles.size(), bevel > 0 ? 20u : 12u);
@@ -65,13 +65,13 @@ TEST(Sleepers, SurfaceIsClosedAndPointsOutwards) {
 }
 
 TEST(Sleepers, PlaneModelTakesItsThickness) {
-  Sleepers sleepers(one_sleeper({"z"}), Dimension::plane, 0.4, 0);
+  RigidSleepers sleepers(one_sleeper({"z"}), Dimension::plane, 0.4, 0);
   EXPECT_NEAR(sleepers.mass(), 0.29 * 0.22 * 0.4 * 2441, 62.3 * rounding);
   for (const Vec3& x : sleepers.surfaces()[0].position) EXPECT_NEAR(std::abs(x.y()), 0.2, rounding);
 }
 
 TEST(Sleepers, FreeFallIsExact) {
-  Sleepers sleepers(one_sleeper({"x", "z", "ry"}), Dimension::plane, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"x", "z", "ry"}), Dimension::plane, 1, 0);
   sleepers.place(1);
   run(sleepers, 1e-3, 400, nothing, g);
   const double t = 0.4;
@@ -86,7 +86,7 @@ TEST(Sleepers, FreeFallIsExact) {
 }
 
 TEST(Sleepers, SeatForcePushesDown) {
-  Sleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
   sleepers.place(0);
   const std::vector<double> seat{sleepers.mass() * 2};
   sleepers.advance(1e-3, seat, {}, 0);
@@ -96,7 +96,7 @@ TEST(Sleepers, SeatForcePushesDown) {
 TEST(Sleepers, CoupleSpinsAboutTheLateralAxis) {
   // Moment 100 Nm on I = m (w^2 + h^2)/12. Following forces keep the moment constant, so the angle
   // is M t^2 / 2I; forces on two nodes of each end in pairs give no net force.
-  Sleepers sleepers(one_sleeper({"x", "z", "ry"}), Dimension::plane, 1.3, 0);
+  RigidSleepers sleepers(one_sleeper({"x", "z", "ry"}), Dimension::plane, 1.3, 0);
   sleepers.place(0);
   const double inertia = sleepers.mass() * (0.29 * 0.29 + 0.22 * 0.22) / 12, moment = 100;
   const auto couple = [&](std::size_t n, const Vec3&) {
@@ -119,7 +119,7 @@ TEST(Sleepers, CoupleSpinsAboutTheLateralAxis) {
 // stones gives their torque exactly; arms of the window's start or end are wrong by the order of w
 // dt.
 TEST(Sleepers, TorqueDoesTheWorkOfTheNodesInTheLastWindow) {
-  Sleepers sleepers(one_sleeper({"ry"}), Dimension::plane, 1.3, 0);
+  RigidSleepers sleepers(one_sleeper({"ry"}), Dimension::plane, 1.3, 0);
   sleepers.place(0);
   const double inertia = sleepers.mass() * (0.29 * 0.29 + 0.22 * 0.22) / 12;
   const std::vector<double> seat{0.0};
@@ -145,7 +145,7 @@ TEST(Sleepers, TorqueDoesTheWorkOfTheNodesInTheLastWindow) {
 }
 
 TEST(Sleepers, BodyFrameMotionKeepsTheShape) {
-  Sleepers sleepers(one_sleeper({"x", "y", "z", "rx", "ry", "rz"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"x", "y", "z", "rx", "ry", "rz"}), Dimension::space, 1, 0);
   sleepers.place(0);
   run(
       sleepers, 1e-3, 300,
@@ -159,7 +159,7 @@ TEST(Sleepers, BodyFrameMotionKeepsTheShape) {
 }
 
 TEST(Sleepers, FrozenDirectionsStay) {
-  Sleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
   sleepers.place(0);
   run(
       sleepers, 1e-3, 50,
@@ -174,7 +174,7 @@ TEST(Sleepers, FrozenDirectionsStay) {
 
 // Held against whatever presses, then let go at rest: free fall begins from where it was carried.
 TEST(Sleepers, CarriedOnesGoTheirWayAndFallFromRest) {
-  Sleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
   sleepers.place(0);
   run(sleepers, 1e-3, 10, nothing, g);  // falls
   const double fallen = sleepers.state(0).displacement.z();
@@ -192,7 +192,7 @@ TEST(Sleepers, CarriedOnesGoTheirWayAndFallFromRest) {
 // Bounce and pitch on springs below the four lower corners, released at rest; returns z and angle.
 Eigen::Vector2d on_springs(int windows) {
   constexpr double stiffness = 2e7, end = 0.02;  // N/m each, s
-  Sleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
   sleepers.place(0);
   run(
       sleepers, end / windows, windows,
@@ -216,7 +216,7 @@ TEST(Sleepers, OrderTwoOnSprings) {
 TEST(Sleepers, RepeatedRunsGiveTheSameBits) { EXPECT_EQ(on_springs(300), on_springs(300)); }
 
 TEST(Sleepers, OverlapsFollowTheBox) {
-  Sleepers sleepers(SleeperParameters{}, Dimension::space, 1, 0);
+  RigidSleepers sleepers(SleeperParameters{}, Dimension::space, 1, 0);
   sleepers.place(0.35);
   const double face = 0.6 + 0.145;  // m, right face of the first sleeper
   EXPECT_TRUE(sleepers.overlaps({face + 0.019, 0, 0.4}, 0.02));
@@ -228,7 +228,7 @@ TEST(Sleepers, OverlapsFollowTheBox) {
 }
 
 TEST(Sleepers, TroubleNamesTheSleeper) {
-  Sleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
+  RigidSleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
   sleepers.place(0);
   EXPECT_EQ(sleepers.trouble(), "");
   const std::vector<double> seat{std::nan("")};

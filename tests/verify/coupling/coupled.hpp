@@ -65,7 +65,7 @@ class Coupled {
   par::Comm comm;
   dem::Particles particles;
   std::optional<fem::Ground> ground;
-  std::optional<track::Sleepers> sleepers;
+  std::optional<track::RigidSleepers> sleepers;
   std::vector<Surface> walls;
   couple::Coupler coupler;
   std::vector<std::size_t> on_sleeper;  // numbers in the coupler

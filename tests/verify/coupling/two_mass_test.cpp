@@ -134,7 +134,7 @@ dem::Physics two_laws(double above, double below) {
 Swing swing_of_sleeper(double dt) {
   track::SleeperParameters body;
   body.count = 1, body.first = 0, body.free = {"z"}, body.length = 1;
-  track::Sleepers sleepers(body, Dimension::space, 1, 1);
+  track::RigidSleepers sleepers(body, Dimension::space, 1, 1);
   const TwoMasses exact = sleeper_on_stone(sleepers.mass());
   test::Coupled scene(par::Comm::self(), two_laws(exact.k1, exact.k2),
                       test::box(Vec3(-1, -1, -1), Vec3(1, 1, 2)));
@@ -184,7 +184,7 @@ TEST(TwoMasses, DiskOnAnElasticColumn) { check_order(disk_on_column(), swing_of_
 TEST(TwoMasses, SleeperOnAStone) {
   track::SleeperParameters body;
   body.length = 1;
-  const double mass = track::Sleepers(body, Dimension::space, 1, 0).mass();
+  const double mass = track::RigidSleepers(body, Dimension::space, 1, 0).mass();
   check_order(sleeper_on_stone(mass), swing_of_sleeper);
 }
 

@@ -106,7 +106,7 @@ struct OnBed {
   double step;
   Springs springs;
   LineParameters line;
-  Sleepers sleepers;
+  RigidSleepers sleepers;
   TrainOnBed train;
   double bed;                // springs below a sleeper over those below one rail's
   std::vector<double> last;  // N, of the springs a window ago

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""As knobs.py, for sleepers and rails as solids: with a short form of
+tests/restart/tiny_solids.toml. And the refusals and warnings of such decks.
+
+    solid_knobs.py PROGRAM DECK FOLDER
+"""
+import hashlib
+import pathlib
+import shutil
+import sys
+
+import h5py
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+SHORT = ["stage.fill.duration=0.1", "stage.compact.duration=0.02", "stage.release.duration=0.005",
+         "stage.sleepers.duration=0.01", "stage.load.duration=0.01", "stage.load.cycles=1",
+         "stage.passage.duration=0.04", "load.start=-0.2"]
+# Parameter of the schema -> change of the deck.
+KNOBS = {
+    "sleepers.model": "sleepers.model=rigid",
+    "solid.young": "solid.young=30e9",
+    "solid.poisson": "solid.poisson=0.1",
+    "solid.element": "solid.element=0.12",
+    "solid.rayleigh_stiffness": "solid.rayleigh_stiffness=4e-5",
+    "solid.alpha": "solid.alpha=-0.3",
+    "solid.half": "solid.half=true",
+    "solid.seats": "solid.seats=[-0.12, 0.12]",
+    "solid.seat_size": "solid.seat_size=[0.1, 0.1]",
+    "solid.rails": "solid.rails=false",
+    "solid.pad_shear": "solid.pad_shear=0.5",
+}
+# Of the beam in other decks, and here of solid rails.
+ALSO = ["rail.section=CHN60", "rail.young=190e9", "rail.poisson=0.2", "rail.mass=50",
+        "rail.area=0.006", "rail.inertia=2e-5", "pad.stiffness=70e6", "pad.damping=10e3",
+        "load.axles=[0]"]
+REFUSED = {
+    "dimension=plane bed.stone=pebbles": "solid needs dimension = \"space\"",
+    "stage.passage.kind=tamp stage.passage.duration=0": "must be rigid for stages of kind tamp",
+    "stage.passage.train=true train.start=0": "must be rigid below a train",
+    "sleepers.bevel=0.02": "must be 0 for solid sleepers",
+    "solid.seats=[0.3]": "puts a seat at 0.3 m, beyond the end of the sleeper",
+    "solid.seats=[]": "must hold at least one",
+    "solid.seat_size=[0.1]": "must hold two lengths above 0",
+    "solid.seat_size=[0.25, 0.1]": "is wider along x than the sleeper (0.2 m)",
+    "solid.alpha=-0.5": "at least -0.33",
+    "solid.element=0.01 sleepers.count=2 sleepers.length=2": "unknowns; every rank solves all",
+    "load.kind=power": "must be winkler with solid rails",
+    "pad.knee=1e-3 pad.beyond=300e6": "must be 0 below solid rails",
+    "time.window=2e-3": "the mass of what the stones touch allow 6.64e-05 s",
+}
+WARNED = {
+    "sleepers.model=rigid": "have no effect: sleepers.model is rigid",
+    'sleepers.free=["z"]': "has no effect on solid sleepers",
+}
+
+
+def seen(program, deck, folder, changes):
+    """State after the run, or the refusal."""
+    place = folder / "run"
+    ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
+    if ran.returncode != 0:
+        return {"code": ran.returncode, "said": ran.stderr}
+    digest = hashlib.sha256()
+    with h5py.File(place / "results.h5") as file:
+        file.visititems(lambda name, item: digest.update(item[()].tobytes())
+                        if isinstance(item, h5py.Dataset) else None)
+    return {"code": 0, "data": digest.hexdigest(),
+            "elements": summary(place).get("solids", {}).get("elements")}
+
+
+def split(changes):
+    """At blanks before a key; lists have blanks too."""
+    parts = []
+    for part in changes.split(" "):
+        if "=" in part:
+            parts.append(part)
+        else:
+            parts[-1] += " " + part
+    return parts
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    before = seen(program, deck, folder, [])
+    problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
+    if before != seen(program, deck, folder, []):
+        problems.append("the same run twice differs: this test would prove nothing")
+    for change in [*KNOBS.values(), *ALSO]:
+        after = seen(program, deck, folder, [change])
+        if after["code"] != 0:
+            problems.append(f"{change}: {after['said']}")
+        if after == before:
+            problems.append(f"{change} changes nothing")
+    for changes, words in REFUSED.items():
+        for command in ("check", "run"):
+            ran = program(1, command, deck, *split(changes),
+                          *(["-o", folder / "none"] if command == "run" else []))
+            if ran.returncode != 2 or words not in ran.stderr:
+                problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
+    for changes, words in WARNED.items():
+        ran = program(1, "check", deck, *split(changes))
+        if ran.returncode != 0 or not any(line.startswith("warning: ") and words in line
+                                          for line in ran.stdout.splitlines()):
+            problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")
+    if (folder / "none").exists():
+        problems.append("a refused run must leave nothing behind")
+    print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")
+    if problems:
+        raise SystemExit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()
