@@ -18,7 +18,7 @@ limit. The tests and this page are renewed by `ninja -C build/release verificati
 COLUMNS = "| case | quantity | measured | reference | tolerance |\n|---|---|---|---|---|\n"
 # Order of the sections; other folders follow.
 SECTIONS = {"particles": "Particles", "ground": "Ground", "track": "Track and train",
-            "coupling": "Coupling", "compaction": "Bed"}
+            "coupling": "Coupling", "compaction": "Bed", "solids": "Solid sleepers"}
 
 
 def words(test):
