@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Sleepers and rails as solids beside rigid sleepers on the same bed, on the deck
+inputs/demfem/solids with few and round stones and one light wheel.
+
+    solids.py PROGRAM DECK FOLDER
+"""
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+PEAK, DECAY, SPACING = 3e3, 1.54257, 0.6                # N, 1/m, m
+WHEEL = 2 * PEAK / (DECAY * SPACING)                    # N
+SMALL = ["bed.stone=disk", "dem.largest_overlap=0.5", "bed.y=[0, 0.9]", "ground.y=[0, 0.9]",
+         "bed.height=0.16", "sleepers.y=0.4", "sleepers.length=0.8", f"load.peak={PEAK}",
+         "load.axles=[0]", "load.start=-0.4", "load.speed=20", "platen.pressure=20e3",
+         "stage.fill.duration=0.06", "stage.fill.growth=0.05", "stage.compact.duration=0.1",
+         "stage.sleepers.duration=0.04", "stage.sleepers.seat_force=500",
+         "stage.sleepers.height=0.13", "stage.preload.duration=0.03", "stage.preload.cycles=1",
+         "stage.preload.load=2e3", "stage.preload.seat_force=200", "stage.wheels.duration=0.1",
+         "stage.wheels.seat_force=200", "output.fields=true"]
+BALANCE = 1e-10  # promise of the coupling
+
+
+def last_stage(folder, name):
+    with h5py.File(folder / "results.h5") as file:
+        stage = file["history/stage"][()].ravel()
+        return file[f"history/{name}"][()][stage == stage.max()]
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+    places = {"solid": folder / "solid", "rigid": folder / "rigid"}
+    program.done(2, "run", deck, *SMALL, "--force", "-o", places["solid"])
+    program.done(2, "run", deck, *SMALL, "sleepers.model=rigid", "--force",
+                 f"start={places['solid'] / 'stage_release.h5'}", "-o", places["rigid"])
+    wrong = []
+    for name, place in places.items():
+        found = summary(place)
+        wrong += [f"{name}: imbalance of {key} is {value}"
+                  for key, value in found["coupling"].items() if not 0 <= value <= BALANCE]
+        pictures = sorted(path.name for path in (place / "fields").glob("wheels_*_solids.vtkhdf"))
+        if bool(pictures) != (name == "solid") or ("solids" in found) != (name == "solid"):
+            wrong.append(f"{name}: pictures {pictures}, summary {found.get('solids')}")
+    # While the wheel is on the rail its force comes down through the pads.
+    carried = -last_stage(places["solid"], "sleeper/seat_force").sum(axis=1)
+    print(f"wheel {WHEEL:.0f} N, through the pads {carried.min():.0f} to {carried.max():.0f} N")
+    # It comes onto the rail within centimetres, and the soft bed lets it bounce: twice its force.
+    if not 0.7 * WHEEL < carried.max() < 3 * (WHEEL + 400):
+        wrong.append(f"the pads carry {carried.max()} N of a wheel of {WHEEL} N")
+    ways = {name: np.ptp(last_stage(place, "sleeper/displacement"), axis=0)
+            for name, place in places.items()}
+    print(f"way of the sleepers in the passage, m: {ways}")
+    # Different models of one track on one bed: of the same order.
+    ratio = ways["solid"].mean() / ways["rigid"].mean()
+    if not 0.1 < ratio < 10:
+        wrong.append(f"sleepers move {ratio} times as far as rigid ones")
+    seats, rails = (last_stage(places["solid"], f"solid/{part}_displacement")
+                    for part in ("seat", "rail"))
+    if not np.all(np.abs(rails - seats) < 1e-3):
+        wrong.append("rail and seats part: a pad has given way by more than a millimetre")
+    if not np.all(np.ptp(last_stage(places["solid"], "solid/bending_stress"), axis=0) > 1e3):
+        wrong.append("sleepers do not bend")
+    if wrong:
+        sys.exit("\n".join(wrong))
+
+
+main()
