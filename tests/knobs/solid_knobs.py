@@ -50,6 +50,14 @@ REFUSED = {
     "pad.knee=1e-3 pad.beyond=300e6": "must be 0 below solid rails",
     "time.window=2e-3": "the mass of what the stones touch allow 6.64e-05 s",
 }
+# Of a run that starts where solids lie already: change -> words of the refusal.
+PLACED = {
+    "sleepers.model=rigid": 'sleepers.model = "rigid": the checkpoint',
+    "solid.young=30e9": "was made with 37000000000.0",
+    "solid.rails=false": "solid.rails = false: the checkpoint",
+    "rail.section=CHN60": 'was made with "60E1"',
+    "pad.stiffness=70e6": "was made with 120000000.0",
+}
 WARNED = {
     "sleepers.model=rigid": "have no effect: sleepers.model is rigid",
     'sleepers.free=["z"]': "has no effect on solid sleepers",
@@ -89,6 +97,11 @@ def main():
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
         problems.append("the same run twice differs: this test would prove nothing")
+    for change, words in PLACED.items():
+        ran = program(1, "run", deck, *SHORT, change, f"start={folder / 'run/stage_sleepers.h5'}",
+                      "-o", folder / "none")
+        if ran.returncode != 2 or words not in ran.stderr:
+            problems.append(f"start with {change}: code {ran.returncode}, {ran.stderr}")
     for change in [*KNOBS.values(), *ALSO]:
         after = seen(program, deck, folder, [change])
         if after["code"] != 0:
@@ -108,7 +121,7 @@ def main():
             problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
-    print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")
+    print(f"{len(KNOBS)} parameters, {len(REFUSED) + len(PLACED)} refusals")
     if problems:
         raise SystemExit("\n".join(problems))
 
