@@ -163,7 +163,7 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   const double mass = s.density * s.width * s.height * length;
   if (!(mass > 0)) return limit;
   const CouplingLimit sleeper =
-      s.model == track::SleeperModel::solid
+      s.model == track::SleeperBody::solid
           ? limit_of_solid(model)
           : limit_of(model, "sleeper", mass, contacts_on(model, s.width, length));
   return sleeper.window < limit.window ? sleeper : limit;

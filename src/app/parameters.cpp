@@ -296,7 +296,7 @@ bool Model::has_train() const {
 }
 
 bool Model::has_solid_rails() const {
-  return sleepers.model == track::SleeperModel::solid && solid.rails;
+  return sleepers.model == track::SleeperBody::solid && solid.rails;
 }
 
 bool Model::uses_sleepers() const {

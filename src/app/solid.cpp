@@ -196,7 +196,7 @@ double solid_node_mass(const Model& model) {
 }
 
 void declare_solids(const Model& model, input::Section& s) {
-  if (model.sleepers.model == track::SleeperModel::rigid) {
+  if (model.sleepers.model == track::SleeperBody::rigid) {
     const auto text = [](SolidParameters solid) {
       return input::effective([&solid](input::Section& inner) { solid.declare(inner); });
     };

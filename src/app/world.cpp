@@ -29,7 +29,7 @@ World::World(const par::Comm& world, const Model& deck)
     watched = observe::watched_nodes(*ground, model.dimension);
   }
   if (!model.uses_sleepers()) return;
-  if (model.sleepers.model == track::SleeperModel::solid) {
+  if (model.sleepers.model == track::SleeperBody::solid) {
     auto made = std::make_unique<SolidSleepers>(model);
     solids = made.get();
     sleepers = std::move(made);

@@ -17,10 +17,10 @@
 namespace trackbed::track {
 
 // rigid: RigidSleepers; solid: bodies of elements, which another room moves.
-enum class SleeperModel { rigid, solid };
+enum class SleeperBody { rigid, solid };
 
 struct SleeperParameters {
-  SleeperModel model = SleeperModel::rigid;
+  SleeperBody model = SleeperBody::rigid;
   std::int64_t count = 9;
   double first = 0.6, spacing = 0.6;                 // m, x of the first centre, between centres
   double y = 0;                                      // m, of the centres, space models
