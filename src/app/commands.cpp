@@ -248,7 +248,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
     name = file.text_attribute("/", "deck_name");
   }
   const input::Deck deck =
-      input::Deck::parse(text, "input stored in " + checkpoint, arguments.overrides);
+      input::Deck::stored(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(comm, deck);
   const bool alone = !model.has_stages();
   // In another folder the end of a track alone is worth doing again.

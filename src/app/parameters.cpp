@@ -226,7 +226,7 @@ void Model::declare(input::Section& s) {
       "start", start,
       "Checkpoint (a file stage_*.h5, or a result folder: the one its `latest` names): the stages "
       "up to the one it was written after are not done again.",
-      input::Named::file_or_folder);
+      input::Named::origin);
   s.text("wall_material", wall_material, "Contact material of walls and platen.");
   s.text("ground_material", ground_material,
          "Contact material of the ground's surface, or of the floor where there is no ground.");

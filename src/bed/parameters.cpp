@@ -156,7 +156,7 @@ void BedParameters::declare(input::Section& s) {
       "Checkpoint at the end of a stage of a deck that is periodic in x (a file stage_*.h5, or a "
       "result folder: the one its `latest` names): the stage fill lays copies of its stones side "
       "by side along x instead of making new ones.",
-      input::Named::file_or_folder);
+      input::Named::origin);
   s.choice("container", container, {"box", "cylinder"},
            "box: flat walls at sides that are not periodic; cylinder: upright, inscribed in x and "
            "y, a wall of 64 facets (space).");

@@ -23,7 +23,8 @@ namespace trackbed::input {
 struct Deck::Text {
   std::string origin;
   Node root;
-  Problems problems;  // of overrides; the rest is found by fill
+  Problems problems;    // of overrides; the rest is found by fill
+  bool stored = false;  // in a checkpoint
 };
 
 namespace {
@@ -144,6 +145,13 @@ Deck Deck::parse(const std::string& text, const std::string& origin,
   return Deck(std::move(deck));
 }
 
+Deck Deck::stored(const std::string& text, const std::string& origin,
+                  const std::vector<std::string>& overrides) {
+  Deck deck = parse(text, origin, overrides);
+  deck.text_->stored = true;
+  return deck;
+}
+
 // The declaration is visited twice: once by the collector for all names (suggestions), once by the
 // reader. It fills the variables that the declaration names; if it throws, they are half filled and
 // of no use.
@@ -153,6 +161,7 @@ std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
   // Three acts: values with their problems, what is left over, and all sentences at once.
   Reader reader(text_->root, folder, all_parameters(declaration), problems);
+  if (text_->stored) reader.take_origins_as_they_are();
   declaration(reader);
   reader.finish();
   problems.throw_if_any();

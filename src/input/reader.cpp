@@ -134,10 +134,12 @@ void Reader::file(std::string_view name, std::string& value, std::string_view, N
   const fs::path from = commanded ? fs::current_path() : fs::current_path() / folder_;
   const fs::path path = (from / given).lexically_normal();
   std::error_code error;
-  if (!fs::exists(path, error))
+  if (origins_as_they_are_ && named == Named::origin && !commanded)
+    value = given;
+  else if (!fs::exists(path, error))
     problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));
   else if (!fs::is_regular_file(path, error) &&
-           !(named == Named::file_or_folder && fs::is_directory(path, error)))
+           !(named == Named::origin && fs::is_directory(path, error)))
     problem(node, path_of(name), fmt::format(" \"{}\" is not a file", given));
   else
     value = path.string();

@@ -20,6 +20,8 @@ class Reader : public Section {
   // `folder`: where relative file names start. `paths`: all parameters, for suggestions.
   Reader(const Node& root, std::string folder, std::vector<ParameterInfo> paths,
          Problems& problems);
+  // Before the visit: files that the run began with are not looked for.
+  void take_origins_as_they_are() { origins_as_they_are_ = true; }
   // After the visit: what the file has at its top that nobody asked for.
   void finish() { leave(); }
 
@@ -69,6 +71,7 @@ class Reader : public Section {
   void open(Frame frame);
 
   std::string folder_;
+  bool origins_as_they_are_ = false;
   std::vector<ParameterInfo> paths_;
   Problems& problems_;
   std::vector<Frame> open_;

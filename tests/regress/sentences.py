@@ -472,7 +472,7 @@ def check_beds(program):
     for change, warns in ((("dem.safety=0.3",), True), (("dem.safety=0.25",), False),
                           (("contact[0].zeta_n=0.4",), True),
                           (("dem.safety=0.5", "bed.stone=disk"), False)):
-        ran = program.done(1, "check", pressed, "bed.x=[0, 0.2]", "bed.y=[0, 0.2]", *change)
+        ran = program.done(1, "check", pressed, "bed.x=[0, 0.25]", "bed.y=[0, 0.25]", *change)
         expect(("seen to gain energy" in ran.stdout) == warns, f"{change}: warned or not", ran)
 
 

@@ -21,10 +21,12 @@ class Deck {
   // Collective.
   static Deck read(const par::Comm& comm, const std::string& path,
                    const std::vector<std::string>& overrides);
-  // For tests and for the effective input stored in a checkpoint. `origin` is what messages call
-  // it.
+  // For tests. `origin` is what messages call it.
   static Deck parse(const std::string& text, const std::string& origin,
                     const std::vector<std::string>& overrides = {});
+  // The effective input stored in a checkpoint: what the run began with is not looked for.
+  static Deck stored(const std::string& text, const std::string& origin,
+                     const std::vector<std::string>& overrides = {});
   ~Deck();
   Deck(Deck&&) noexcept;
   Deck& operator=(Deck&&) noexcept;

@@ -44,7 +44,9 @@ struct About {
   std::vector<std::string> reads = {};
 };
 
-enum class Named { file, file_or_folder };  // what a parameter of kind file may name
+// What a parameter of kind file may name. origin: a file or folder that a run begins with, which
+// need not be there any more when what came of it goes on.
+enum class Named { file, origin };
 
 class Section {
  public:
