@@ -6,7 +6,7 @@
 For each kind of stone the bed of inputs/bed/steady.toml is pressed once; its last stage is then run
 with other k_s over k_n, damping ratios, friction and `dem.safety`, halving between steps that are
 calm and steps that are not (the kinetic energy triples within 8 ms, or the run stops with code 4).
-Prints a table and writes FOLDER/steady_step.csv. Two minutes a kind and row of friction.
+Prints a table and writes FOLDER/steady_step.csv.
 """
 import argparse
 import csv

@@ -2,7 +2,7 @@
 // sleepers. What a cut takes away is a share of the volume, so the same share of the stones. Time
 // by constants of this code on idle cores, times stones and steps.
 //
-// Cost: drawing the stones of each layer once, as `bed::stones_of` does, and a sum over the width.
+// Cost: a sum over the width; the stones of the layers have been drawn before, by `require_stones`.
 #include "app/estimate.hpp"
 
 #include <fmt/format.h>
