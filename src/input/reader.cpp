@@ -20,6 +20,11 @@ namespace {
 
 using Kind = Node::Kind;
 
+// Quotes of a command line are taken off by the shell: 60E1 is a number to TOML, a name to us.
+bool is_text(const Node& node) {
+  return node.kind == Kind::text || (node.commanded && !node.text.empty());
+}
+
 // "5 mm": somebody wrote the unit beside the number.
 bool starts_like_a_number(const std::string& text) {
   const std::size_t at = text.find_first_not_of(" +-.");
@@ -105,12 +110,12 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
     if (required) missing(name, "-");
     return;
   }
-  if (!choices.empty() && (node->kind != Kind::text ||
-                           std::find(choices.begin(), choices.end(), node->text) == choices.end()))
+  if (!choices.empty() &&
+      (!is_text(*node) || std::find(choices.begin(), choices.end(), node->text) == choices.end()))
     return refuse(*node, path_of(name),
                   fmt::format("must be {}{}", listed(choices),
                               did_you_mean(nearest(node->text, {choices.begin(), choices.end()}))));
-  if (node->kind != Kind::text) return refuse(*node, path_of(name), "must be text (in quotes)");
+  if (!is_text(*node)) return refuse(*node, path_of(name), "must be text (in quotes)");
   value = node->text;
 }
 
@@ -119,7 +124,7 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
 void Reader::file(std::string_view name, std::string& value, std::string_view, Named named) {
   namespace fs = std::filesystem;
   const Node* node = find(name);
-  if (node != nullptr && node->kind != Kind::text)
+  if (node != nullptr && !is_text(*node))
     return refuse(*node, path_of(name), "must be the name of a file (in quotes)");
   // An empty name means none: so a deck can take a default file away.
   const std::string given = node != nullptr ? node->text : value;

@@ -9,8 +9,9 @@
 
 namespace trackbed::input {
 
-// One struct for all kinds: only the member that `kind` names means anything. A variant would be
-// smaller, but a deck has a few hundred values.
+// One struct for all kinds: only the member that `kind` names means anything; of a single value of
+// the command line `text` too, its words. A variant would be smaller, but a deck has a few hundred
+// values.
 struct Node {
   enum class Kind { table, list, number, integer, flag, text, other };
 

@@ -119,7 +119,8 @@ TEST(Deck, TakesOverrides) {
   EXPECT_EQ(e.layers[0].depth, 3);
   EXPECT_EQ(e.layers[1].depth, 4);
   EXPECT_EQ(e.box, (std::vector<double>{4, 9, 6}));
-  EXPECT_EQ(filled("", {"dem.skin=3"}).dem.skin, 3);  // makes the section
+  EXPECT_EQ(filled("", {"dem.skin=3"}).dem.skin, 3);    // makes the section
+  EXPECT_EQ(filled("", {"title=60E1"}).title, "60E1");  // a number in a deck
 }
 
 TEST(Deck, SaysWhatIsWrongOnTheCommandLine) {
