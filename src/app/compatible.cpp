@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "app/deck_values.hpp"
+#include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::app {
@@ -108,6 +109,14 @@ bool matters(std::string_view key, const Holds& holds) {
   return holds.moved_ground && matters_to_moved_ground(key, holds);
 }
 
+// A parameter that came after the program which wrote the checkpoint leaves all as it was unless it
+// is given.
+Values stored_values(const io::File& checkpoint) {
+  Values values = values_of(checkpoint.text_attribute("/", "deck"));
+  values.merge(values_of(effective_deck(Model{})));
+  return values;
+}
+
 std::string worded(const Values& values, const std::string& key) {
   const auto found = values.find(key);
   return found == values.end() ? "without it" : "with " + found->second;
@@ -117,7 +126,7 @@ std::string worded(const Values& values, const std::string& key) {
 
 void require_same_model(const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck) {
-  const Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values then = stored_values(checkpoint);
   const Values now = values_of(effective);
   const Holds holds = holds_of(checkpoint, then);
   // Keys of either deck: one that is gone differs as much as one that is new.
