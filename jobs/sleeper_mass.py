@@ -80,8 +80,14 @@ def zones(tapered, reinforced):
     return text
 
 
+def measured(place):
+    """m, at the points: how far the rail goes down, and its displacement's rms over the run."""
+    with h5py.File(place / "results.h5") as file:
+        rail = file["history/rail/displacement"][()]
+    return np.array([-rail.min(axis=0), np.sqrt((rail**2).mean(axis=0))])
+
+
 def run(program, folder, name, mass, text):
-    """m, lowest rail displacement at the points."""
     place = folder / f"{name.replace(', ', '_').replace(' ', '_')}_{mass}"
     deck = place.with_suffix(".toml")
     deck.write_text(text, encoding="utf-8")
@@ -93,8 +99,7 @@ def run(program, folder, name, mass, text):
                          capture_output=True, text=True, check=False)
     if ran.returncode:
         sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
-    with h5py.File(place / "results.h5") as file:
-        return -file["history/rail/displacement"][()].min(axis=0)
+    return measured(place)
 
 
 EMBANKED = [f"ground.layer.{layer}.{word}" for layer in ("sub_ballast", "capping")
@@ -103,7 +108,6 @@ STRAIGHT = {"ugm": "[6,-0.6,19,-0.6,19,-9,6,-9]", "cbm": "[6,-0.6,12.5,-0.6,12.5
 
 
 def run_on_ground(program, folder, name, mass):
-    """m, lowest rail displacement at the deck's points under the first bogies of a train."""
     tapered, reinforced = GEOMETRIES[name]
     words = []
     if not reinforced:
@@ -118,8 +122,7 @@ def run_on_ground(program, folder, name, mass):
                          capture_output=True, text=True, check=False)
     if ran.returncode:
         sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
-    with h5py.File(place / "results.h5") as file:
-        return -file["history/rail/displacement"][()].min(axis=0)
+    return measured(place)
 
 
 def draw(found, path):
@@ -128,13 +131,14 @@ def draw(found, path):
                                   layout="constrained")
     for k, panel in enumerate(panels):
         for number, name in enumerate(GEOMETRIES):
-            panel.bar(np.arange(len(masses)) + 0.2 * number, [1e3 * found[name, mass][k]
-                                                              for mass in masses], 0.2, label=name)
+            panel.bar(np.arange(len(masses)) + 0.2 * number,
+                      [1e3 * found[name, mass][0, k] for mass in masses], 0.2, label=name)
         panel.set_xticks(np.arange(len(masses)) + 0.3, [f"{mass} x" for mass in masses])
         panel.set(title=f"{POINTS[k]} m from the bridge", xlabel="mass of sleepers")
         panel.grid(alpha=0.3, axis="y")
     panels[0].set(ylabel="rail, down, mm")
-    panels[0].legend(fontsize=7, loc="lower left")
+    panels[0].set_ylim(top=1.25 * panels[0].get_ylim()[1])  # room for the legend
+    panels[0].legend(fontsize=8, loc="upper center", ncols=2)
     figure.savefig(path, dpi=130)
 
 
@@ -159,14 +163,16 @@ def main():
             else:
                 found[name, mass] = run_on_ground(given.program, given.folder, name, mass)
             change = found[name, mass] / found[name, given.masses[0]] - 1
-            print(f"{name:24} {mass:3} x: rail down " + ", ".join(
-                f"{1e3 * down:.4f} mm at {point} m ({100 * c:+.1f} % of "
-                f"{given.masses[0]} x)"
-                for down, point, c in zip(found[name, mass], POINTS, change)), flush=True)
+            print(f"{name:24} {mass:3} x: rail down (rms) " + ", ".join(
+                f"{1e3 * down:.4f} ({1e3 * rms:.4f}) mm at {point} m: {100 * more:+.1f} "
+                f"({100 * more_rms:+.1f}) % of {given.masses[0]} x"
+                for point, (down, rms), (more, more_rms)
+                in zip(POINTS, found[name, mass].T, change.T)), flush=True)
     with open(given.folder / "sleeper_mass.csv", "w", newline="", encoding="utf-8") as out:
         rows = csv.writer(out)
-        rows.writerow(["geometry", "mass_factor", *(f"rail_{point}_m" for point in POINTS)])
-        rows.writerows([name, mass, *down] for (name, mass), down in found.items())
+        rows.writerow(["geometry", "mass_factor", *(f"{what}_{point}_m" for what in ("down", "rms")
+                                                    for point in POINTS)])
+        rows.writerows([name, mass, *both.flat] for (name, mass), both in found.items())
     draw(found, given.folder / "sleeper_mass.png")
 
 
