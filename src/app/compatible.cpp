@@ -93,10 +93,10 @@ bool matters_to_solids(std::string_view key) {
 // has not moved yet may still be of another kind.
 bool matters(std::string_view key, const Holds& holds) {
   static constexpr std::array always = {
-      "dimension",      "thickness",      "periodic",    "bed.x",
-      "bed.y",          "bed.container",  "bed.split",   "bed.beside",
-      "ground.present", "ground.x",       "ground.y",    "ground.zones_x",
-      "ground.zones_y", "ground.zones_z", "ground.mesh", "ground.mesh_top"};
+      "dimension",      "thickness",      "periodic",       "bed.x",          "bed.y",
+      "bed.container",  "bed.split",      "bed.beside",     "ground.present", "ground.x",
+      "ground.y",       "ground.zones_x", "ground.zones_y", "ground.zones_z", "ground.ratio_x",
+      "ground.ratio_y", "ground.fine_x",  "ground.fine_y",  "ground.mesh",    "ground.mesh_top"};
   static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
                                         "sleepers.width", "sleepers.height", "sleepers.length",
                                         "sleepers.bevel", "sleepers.y",      "sleepers.model"};
@@ -104,7 +104,9 @@ bool matters(std::string_view key, const Holds& holds) {
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("tamping.")) return holds.tines;
   if (holds.solids && matters_to_solids(key)) return true;
-  if (key.starts_with("ground.layer[") && key.ends_with("].thickness")) return true;
+  if (key.starts_with("ground.layer[") &&
+      (key.ends_with("].thickness") || key.ends_with("].zones")))
+    return true;
   if (holds.train && matters_to_train(key)) return true;
   return holds.moved_ground && matters_to_moved_ground(key, holds);
 }

@@ -86,9 +86,16 @@ CouplingLimit limit_of(const Model& model, const std::string& body, double mass,
           .stiffness = k};
 }
 
+// m, the shortest distance of two borders of zones.
+double narrowest(const std::vector<double>& edges) {
+  double width = infinite;
+  for (std::size_t i = 1; i < edges.size(); ++i) width = std::min(width, edges[i] - edges[i - 1]);
+  return width;
+}
+
 // A node in the middle of the top has an eighth of each of the four zones below it (a quarter of
-// two in a plane): half a zone's mass. The mean height of a zone and the lightest layer count: an
-// estimate, blocks left out.
+// two in a plane): half a zone's mass. The smallest zone and the lightest layer count: an estimate,
+// blocks left out.
 CouplingLimit limit_of_top(const Model& model) {
   const auto& ground = model.ground;
   double density = infinite;
@@ -96,17 +103,9 @@ CouplingLimit limit_of_top(const Model& model) {
     if (layer.solid.density > 0) density = std::min(density, layer.solid.density);
   if (!std::isfinite(density) || ground.x.size() != 2 || ground.y.size() != 2)
     return {.window = infinite};
-  double depth = 0;
-  for (const auto& layer : ground.layers) depth += positive(layer.thickness, 0);
-  const auto cells = [](std::int64_t n) {
-    return static_cast<double>(std::max<std::int64_t>(n, 1));
-  };
-  const double dx = (ground.x[1] - ground.x[0]) / cells(ground.zones_x);
-  const double dy = model.dimension == Dimension::plane
-                        ? model.thickness
-                        : (ground.y[1] - ground.y[0]) / cells(ground.zones_y);
-  const double dz = depth / cells(ground.zones_z);
-  const double mass = density * dx * dy * dz / 2;
+  const double dy =
+      model.dimension == Dimension::plane ? model.thickness : narrowest(ground.edges(1));
+  const double mass = density * narrowest(ground.edges(0)) * dy * narrowest(ground.edges(2)) / 2;
   if (!(mass > 0)) return {.window = infinite};
   constexpr double contacts = 1;  // a zone is about as long as a stone
   return limit_of(model, "node of the ground's top", mass, contacts);

@@ -74,9 +74,8 @@ void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters
     }
     chains_.push_back(chain);
   }
-  const Elastic& low =
-      mesh.solids.solid[static_cast<std::size_t>(chains_[columns_ * zones_].solid)];
-  const Border border(lattice, parameters);
+  const std::int32_t low = chains_[columns_ * zones_].solid;
+  const Border border(mesh, parameters);
   for (int c = 0; c < components_; ++c) {
     foot_.push_back(half * border.dashpot(low, components_ - 1, c));
     damping_[index(columns_, 0, c)] += foot_.back();
@@ -88,15 +87,15 @@ void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters
 // Zones in ascending order, as in Terms: nodal sums have the same bits on any number of ranks.
 void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameters) {
   const Lattice& lattice = mesh.lattice;
-  const Border border(lattice, parameters);
+  const Border border(mesh, parameters);
   const int up = components_ - 1;
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
     const Index3 at = lattice.zone_index(mesh.zone[z]);
-    const Elastic& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
+    const std::int32_t solid = mesh.solid[z];
     for (int k = 0; k < lattice.corners(); ++k) {
       const std::int32_t node = mesh.corner(z, k);
       if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
-      SideCorner side{node, mesh.solid[z], k, 0, {}};
+      SideCorner side{node, solid, k, 0, {}};
       bool beside = false;
       for (int n = 0; n < up && columns_ > 0; ++n) {
         if (!border.on_side(at, k, n)) continue;

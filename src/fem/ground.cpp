@@ -14,13 +14,14 @@ namespace trackbed::fem {
 
 namespace {
 
-// One element per solid: all zones of a lattice have the same size.
+// One element per solid: all its zones have the same size.
 std::vector<ZoneElement> elements_of(const Mesh& mesh, const GroundParameters& parameters) {
   std::vector<ZoneElement> elements;
   if (mesh.imported) return elements;
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
-  for (const Elastic& solid : mesh.solids.solid)
-    elements.push_back(zone_element(mesh.lattice.size, solid, dimension, parameters.plane));
+  for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s)
+    elements.push_back(
+        zone_element(mesh.solids.size[s], mesh.solids.solid[s], dimension, parameters.plane));
   return elements;
 }
 

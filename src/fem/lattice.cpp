@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -68,8 +69,11 @@ Vec3 Lattice::position(Id node) const {
   // One product per coordinate, not a running sum: the same bits wherever it is asked.
   const Index3 p = node_index(node);
   Vec3 x;
-  for (int a = 0; a < 3; ++a)
-    x[a] = low[a] + static_cast<double>(p[static_cast<std::size_t>(a)]) * size[a];
+  for (int a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(a);
+    x[a] = edges[at].empty() ? low[a] + static_cast<double>(p[at]) * size[a]
+                             : edges[at][static_cast<std::size_t>(p[at])];
+  }
   // A plane node stands for both faces.
   if (plane) x.y() = low.y() + 0.5 * size.y();
   // The top face is z = 0 to the bit, whatever the zones round to.
@@ -80,9 +84,32 @@ Vec3 Lattice::position(Id node) const {
 Vec3 Lattice::centre(Id zone) const {
   const Index3 z = zone_index(zone);
   Vec3 x;
-  for (int a = 0; a < 3; ++a)
-    x[a] = low[a] + (static_cast<double>(z[static_cast<std::size_t>(a)]) + 0.5) * size[a];
+  for (int a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(a);
+    const auto i = static_cast<std::size_t>(z[at]);
+    x[a] = edges[at].empty() ? low[a] + (static_cast<double>(z[at]) + 0.5) * size[a]
+                             : 0.5 * (edges[at][i] + edges[at][i + 1]);
+  }
   return x;
+}
+
+// Differences of edges that should be one size differ by rounding: to 1e-9 they are.
+Vec3 Lattice::size_of(Id zone) const {
+  const Index3 z = zone_index(zone);
+  Vec3 found = size;
+  for (int a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(a);
+    if (edges[at].empty()) continue;
+    const auto i = static_cast<std::size_t>(z[at]);
+    const double width = edges[at][i + 1] - edges[at][i];
+    const double digits = std::pow(10.0, std::floor(std::log10(width)) - 9);
+    found[a] = std::round(width / digits) * digits;
+  }
+  return found;
+}
+
+double Lattice::depth() const {
+  return edges[2].empty() ? size.z() * static_cast<double>(zones[2]) : -low.z();
 }
 
 // Eight in the middle of a solid, fewer at its borders; four in a plane.
@@ -99,17 +126,21 @@ int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
   return count;
 }
 
-// Zones are boxes of one size, m; a plane model is one zone thick and lies about y = 0.
+// Zones are boxes, m; a plane model is one zone thick and lies about y = 0.
 Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, double thickness) {
   Lattice lattice;
   lattice.plane = dimension == Dimension::plane;
-  lattice.zones = {parameters.zones_x, lattice.plane ? 1 : parameters.zones_y, parameters.zones_z};
+  lattice.zones = {parameters.zones_x, lattice.plane ? 1 : parameters.zones_y,
+                   parameters.zones_over_depth()};
   const double depth = depth_of(parameters);
   lattice.low = {parameters.x[0], lattice.plane ? -0.5 * thickness : parameters.y[0], -depth};
   const Vec3 extent(parameters.x[1] - parameters.x[0],
                     lattice.plane ? thickness : parameters.y[1] - parameters.y[0], depth);
   for (int a = 0; a < 3; ++a)
     lattice.size[a] = extent[a] / static_cast<double>(lattice.zones[static_cast<std::size_t>(a)]);
+  if (parameters.ratio_x != 1) lattice.edges[0] = parameters.edges(0);
+  if (parameters.ratio_y != 1 && !lattice.plane) lattice.edges[1] = parameters.edges(1);
+  if (parameters.layers_have_zones()) lattice.edges[2] = parameters.edges(2);
   return lattice;
 }
 
@@ -163,9 +194,37 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
   for (const MeshSolid& one : parameters.solids) add(one.solid, Strength{}, "solid " + one.name);
   for (const Block& block : parameters.blocks)
     columns_.push_back({add(block.solid, block.strength, "block " + block.name)});
+  size.assign(solid.size(), lattice.size);
+  kind.resize(solid.size());
+  std::iota(kind.begin(), kind.end(), 0);
+  if (lattice.graded()) tell_sizes_apart(parameters, lattice);
+}
+
+Solids::KindAndSize Solids::key_of(int kind, const Vec3& size) {
+  return {static_cast<double>(kind), size.x(), size.y(), size.z()};
+}
+
+// Every rank looks at all zones in turn: the same numbers on each without a message.
+void Solids::tell_sizes_apart(const GroundParameters& parameters, const Lattice& lattice) {
+  const Solids plain = *this;
+  solid.clear(), strength.clear(), name.clear(), size.clear(), kind.clear();
+  for (Id zone = 0; zone < lattice.zone_count(); ++zone) {
+    const int of = plain.kind_of(parameters, lattice, zone);
+    const Vec3 extent = lattice.size_of(zone);
+    const auto next = static_cast<int>(solid.size());
+    if (!sized_.emplace(key_of(of, extent), next).second) continue;
+    const auto at = static_cast<std::size_t>(of);
+    solid.push_back(plain.solid[at]), strength.push_back(plain.strength[at]);
+    name.push_back(plain.name[at]), size.push_back(extent), kind.push_back(of);
+  }
 }
 
 int Solids::of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const {
+  const int found = kind_of(parameters, lattice, zone);
+  return sized_.empty() ? found : sized_.at(key_of(found, lattice.size_of(zone)));
+}
+
+int Solids::kind_of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const {
   const auto& columns =
       columns_[static_cast<std::size_t>(region_at(parameters, lattice.centre(zone)))];
   if (columns.size() == 1) return columns.front();

@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "trackbed/core/types.hpp"
@@ -18,8 +20,9 @@ using Index3 = std::array<std::int64_t, 3>;
 // Cost: a few integer divisions per question; nothing is stored per zone or node.
 struct Lattice {
   bool plane = false;
-  Index3 zones{};  // in x, y, z
-  Vec3 low, size;  // m: lower corner, size of a zone
+  Index3 zones{};                            // in x, y, z
+  Vec3 low, size;                            // m: lower corner, size of a zone where all are alike
+  std::array<std::vector<double>, 3> edges;  // m, along axes on which zones differ; empty: alike
 
   int components() const { return plane ? 2 : 3; }
   int corners() const { return plane ? 4 : 8; }
@@ -44,8 +47,11 @@ struct Lattice {
     const int up = plane ? corner >> 1 : corner >> 2, across = plane ? 0 : corner >> 1 & 1;
     return node({z[0] + (corner & 1), z[1] + across, z[2] + up});
   }
+  bool graded() const { return !edges[0].empty() || !edges[1].empty() || !edges[2].empty(); }
+  double depth() const;  // m
   // m; a plane node lies amid the thickness.
   Vec3 position(Id node) const;
+  Vec3 size_of(Id zone) const;
   Vec3 centre(Id zone) const;
 
   // Zones that touch a node, ascending (at most 8); returns how many.
@@ -59,7 +65,9 @@ int region_at(const GroundParameters& parameters, const Vec3& point);
 
 // Solids of the ground: those of a mesh file in the order of the deck, or layers in turn, then
 // blocks in turn, and which one a zone has. A layer whose modulus changes along x has one for each
-// column of zones, or several if they are equal. Damping is the solid's own or the ground's.
+// column of zones, or several if they are equal. Damping is the solid's own or the ground's. Where
+// zones differ in size, each of these is there once for each size: what follows from a solid and a
+// size (stiffness, mass, yielding) follows from the number of a solid.
 struct Solids {
   Solids(const GroundParameters& parameters, const Lattice& lattice);
   // Local: any rank may ask for any zone.
@@ -68,8 +76,16 @@ struct Solids {
   std::vector<Elastic> solid;
   std::vector<Strength> strength;  // of each solid
   std::vector<std::string> name;
+  std::vector<Vec3> size;          // m, of its zones
+  std::vector<std::int32_t> kind;  // its number if sizes did not count
 
  private:
+  int kind_of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const;
+  void tell_sizes_apart(const GroundParameters& parameters, const Lattice& lattice);
+  using KindAndSize = std::array<double, 4>;
+  static KindAndSize key_of(int kind, const Vec3& size);
+
+  std::map<KindAndSize, int> sized_;       // of zones that are not all alike
   std::vector<std::vector<int>> columns_;  // of each layer or block: one solid, or one per column
 };
 

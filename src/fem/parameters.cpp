@@ -32,15 +32,18 @@ struct Range {
     const double margin = rounding * (high - low);
     return other.low >= low - margin && other.high <= high + margin;
   }
-  // Whether one of the centres of `zones` equal zones of this range lies in `other`.
-  bool centre_in(const Range& other, std::int64_t zones) const {
-    const double size = (high - low) / static_cast<double>(zones),
-                 last = static_cast<double>(zones);
-    const double from = std::ceil((other.low - low) / size - 0.5);
-    const double to = std::floor((other.high - low) / size - 0.5);
-    return std::max(from, 0.0) <= std::min(to, last - 1);
-  }
 };
+
+// m, of the zones between these borders whose centres lie in a range; below 0: none does.
+double width_in(const Range& range, const std::vector<double>& edges) {
+  double sum = -1;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    const double centre = 0.5 * (edges[i] + edges[i + 1]);
+    if (centre < range.low || centre > range.high) continue;
+    sum = std::max(sum, 0.0) + edges[i + 1] - edges[i];
+  }
+  return sum;
+}
 
 // Of every second number from `first`.
 Range range_of(const std::vector<double>& outline, std::size_t first) {
@@ -60,7 +63,7 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
   for (const Layer& layer : ground.layers) depth += layer.thickness;
   const Range x{ground.x[0], ground.x[1]}, z{-depth, 0};
   const Range wide = range_of(block.outline, 0), high = range_of(block.outline, 1);
-  const About about{.reads = {"x", "zones_x", "zones_z", "layer", key}};
+  const About about{.reads = {"x", "zones_x", "ratio_x", "fine_x", "zones_z", "layer", key}};
   const std::string place =
       fmt::format("the ground: x from {:g} to {:g} m, z from {:g} to 0 m", x.low, x.high, z.low);
   if (high.high > rounding * depth)
@@ -68,7 +71,7 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
                   fmt::format("has a corner at z = {:g} m, above {}; z is negative below the top",
                               high.high, place),
                   about);
-  if (!x.centre_in(wide, ground.zones_x) || !z.centre_in(high, ground.zones_z))
+  if (width_in(wide, ground.edges(0)) < 0 || width_in(high, ground.edges(2)) < 0)
     return s.rule(key, false,
                   fmt::format("holds the centre of no zone of {}; move or enlarge it, take smaller "
                               "zones, or set present = false",
@@ -76,6 +79,28 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
                   about);
   s.rule(key, x.holds(wide) && z.holds(high),
          fmt::format("is cut where it reaches beyond {}", place),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+// A layer between the centres of two rows of zones would be left out without a word.
+void declare_height(const GroundParameters& ground, std::size_t number, Section& s) {
+  if (!ground.present || ground.zones_z < 1 || ground.layers[number].thickness <= 0) return;
+  const std::string key = fmt::format("layer[{}].thickness", number);
+  const About about{.reads = {"zones_z", "layer"}};
+  Range range{0, 0};
+  for (std::size_t l = 0; l <= number; ++l)
+    range = {range.low - ground.layers[l].thickness, range.low};
+  const double made = width_in(range, ground.edges(2)), asked = range.high - range.low;
+  if (made < 0)
+    return s.rule(key, false,
+                  "holds the centre of no zone: the layer would be left out; give each layer its "
+                  "`zones`, or take more zones_z",
+                  about);
+  constexpr double odd = 0.25;  // of its height, that zones may miss or add in silence
+  s.rule(key, std::abs(made - asked) <= odd * asked,
+         fmt::format("becomes {:.3g} m, as high as the zones whose centres lie in it; give each "
+                     "layer its `zones`, or take more zones_z",
+                     made),
          {.weight = input::Weight::warning, .reads = about.reads});
 }
 
@@ -100,6 +125,23 @@ bool crosses_itself(const std::vector<double>& outline) {
       if (parts(a, b, c, d) && parts(c, d, a, b)) return true;
     }
   return false;
+}
+
+// What layers and the numbers of zones make together.
+void declare_zones(const GroundParameters& p, Section& s) {
+  const bool all = std::all_of(p.layers.begin(), p.layers.end(),
+                               [](const Layer& layer) { return layer.zones > 0; });
+  s.rule("layer", all || !p.layers_have_zones(), "need `zones` each, or none of them has any",
+         {.reads = {"layer"}});
+  s.rule("zones_z", !p.layers_have_zones() || p.zones_z == GroundParameters().zones_z,
+         "has no effect: layers have zones of their own",
+         {.weight = input::Weight::warning, .reads = {"zones_z", "layer"}});
+  const double zones = static_cast<double>(p.zones_x) * static_cast<double>(p.zones_y) *
+                       static_cast<double>(p.zones_over_depth());
+  s.rule("zones_x", !p.present || zones <= most_zones,
+         fmt::format("makes {:.3g} zones with zones_y and zones_z: at most {:g} can be shared out",
+                     zones, most_zones),
+         {.reads = {"zones_x", "zones_y", "zones_z", "layer"}});
 }
 
 // Without a wave from below the ground beside the model is at rest, and what holds the model is a
@@ -208,7 +250,11 @@ void Layer::declare(Section& s) {
   s.text("name", name, "What messages and overrides call the layer.");
   s.number("thickness", thickness,
            {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 200},
-           "Height of the layer; its borders need not lie on element borders.");
+           "Height of the layer; without `zones` its borders need not lie on element borders.");
+  s.integer(
+      "zones", zones, {.at_least = 0, .at_most = 1e5},
+      "Elements over its height, all layers or none; 0: those of zones_z whose centres lie in "
+      "it.");
   solid.declare(s);
   s.file("young_file", young_file,
          "CSV with columns x_m, young_Pa: Young's modulus along the track, linear between rows and "
@@ -238,6 +284,29 @@ bool GroundParameters::yields() const {
                      }));
 }
 
+// Fine zones below the track, coarse ones far from it.
+void GroundParameters::declare_grading(Section& s) {
+  const input::Limits ratio{.at_least = 1, .at_most = 2};
+  s.number(
+      "ratio_x", ratio_x, ratio,
+      "Each zone is so many times as long as its neighbour towards fine_x; 1: all alike. Other "
+      "lengths along the track make explicit steps several times dearer.");
+  s.number("fine_x", fine_x, {.unit = "m"}, "Where zones are shortest along the track (ratio_x).");
+  s.number("ratio_y", ratio_y, ratio,
+           "Each zone is so many times as wide as its neighbour towards fine_y; 1: all alike.");
+  s.number("fine_y", fine_y, {.unit = "m"},
+           "Where zones are narrowest across the track (ratio_y).");
+  const auto inside = [&](const char* name, double ratio_of, double fine,
+                          const std::vector<double>& range, const About& about) {
+    s.rule(name, ratio_of == 1 || range.size() != 2 || (fine >= range[0] && fine <= range[1]),
+           "must lie in the ground", about);
+    s.rule(name, ratio_of != 1 || fine == 0, "has no effect: all zones are alike (ratio 1)",
+           {.weight = input::Weight::warning, .reads = about.reads});
+  };
+  inside("fine_x", ratio_x, fine_x, x, {.reads = {"x", "ratio_x", "fine_x"}});
+  inside("fine_y", ratio_y, fine_y, y, {.reads = {"y", "ratio_y", "fine_y"}});
+}
+
 void GroundParameters::declare(Section& s) {
   s.flag("present", present, "Without it the stones stand on a rigid floor at z = 0.");
   s.numbers("x", x, {.unit = "m"}, "Where the ground begins and ends along the track.", 2);
@@ -248,15 +317,13 @@ void GroundParameters::declare(Section& s) {
   s.integer("zones_x", zones_x, {.at_least = 1, .at_most = 1e5}, "Elements along the track.");
   s.integer("zones_y", zones_y, {.at_least = 1, .at_most = 1e5},
             "Elements across; a plane model has one.");
-  s.integer("zones_z", zones_z, {.at_least = 1, .at_most = 1e5}, "Elements over the depth.");
-  const double zones =
-      static_cast<double>(zones_x) * static_cast<double>(zones_y) * static_cast<double>(zones_z);
-  s.rule("zones_x", !present || zones <= most_zones,
-         fmt::format("makes {:.3g} zones with zones_y and zones_z: at most {:g} can be shared out",
-                     zones, most_zones),
-         {.reads = {"zones_x", "zones_y", "zones_z"}});
+  s.integer("zones_z", zones_z, {.at_least = 1, .at_most = 1e5},
+            "Elements over the depth; layers may have their own instead.");
+  declare_grading(s);
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
+  declare_zones(*this, s);
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
+  for (std::size_t l = 0; l < layers.size(); ++l) declare_height(*this, l, s);
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
   s.choice("plane", plane, {"stress", "strain"},
            "Plane stress or plane strain across a plane model.");

@@ -50,6 +50,8 @@ void refuse_layers(const GroundParameters& p, Section& s) {
   without("zones_x", p.zones_x == common.zones_x, shape);
   without("zones_y", p.zones_y == common.zones_y, shape);
   without("zones_z", p.zones_z == common.zones_z, shape);
+  without("ratio_x", p.ratio_x == common.ratio_x, shape);
+  without("ratio_y", p.ratio_y == common.ratio_y, shape);
 }
 
 }  // namespace

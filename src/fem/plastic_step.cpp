@@ -56,7 +56,7 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
   const Elastic& elastic = mesh.solids.solid[solid];
   Law law{{elastic, mesh.solids.strength[solid]},
-          zone_points(mesh.lattice.size, elastic, dimension),
+          zone_points(mesh.solids.size[solid], elastic, dimension),
           {},
           {},
           {},

@@ -77,7 +77,7 @@ Plasticity::Plasticity(const Mesh& mesh) : mesh_(mesh), number_(mesh.zone.size()
   for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s) {
     auto& law = laws_.emplace_back();
     if (mesh.solids.strength[s].yield == Yield::none) continue;
-    const ZonePoints points = zone_points(mesh.lattice.size, mesh.solids.solid[s], dimension);
+    const ZonePoints points = zone_points(mesh.solids.size[s], mesh.solids.solid[s], dimension);
     const int parts = points.components;
     // Forces of strain are the transpose of stress by displacement: work is the same both ways.
     const Eigen::MatrixXd force = points.volume * points.recovery.transpose();

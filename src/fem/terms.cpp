@@ -15,23 +15,18 @@ namespace trackbed::fem {
 
 namespace {
 
-double depth_of(const Lattice& lattice) {
-  return lattice.size.z() * static_cast<double>(lattice.zones[2]);
-}
-
 // Visits the borders of one zone after the other, in ascending order: nodal sums have the same bits
 // on any number of ranks.
 struct Builder {
   const Mesh& mesh;
   const GroundParameters& parameters;
   Terms& terms;
-  Border border = Border(mesh.lattice, parameters);
+  Border border = Border(mesh, parameters);
 
   // Lysmer's dashpots on one corner of a border face, for all components.
   void dashpots(std::size_t z, std::int32_t node, int normal) const {
-    const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
     for (int c = 0; c < mesh.lattice.components(); ++c)
-      terms.damping[c][node] += border.dashpot(solid, normal, c);
+      terms.damping[c][node] += border.dashpot(mesh.solid[z], normal, c);
   }
 
   // Held, or quiet with or without springs.
@@ -43,8 +38,7 @@ struct Builder {
     const bool quiet = parameters.base == Base::quiet;
     const int up = mesh.lattice.components() - 1;
     if (!quiet) terms.held[n] |= all;
-    const auto& solid = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])];
-    const double spring = border.spring(solid);
+    const double spring = border.spring(mesh.solid[z]);
     if (!quiet || spring == 0) terms.held_at_rest[n] |= all;
     if (!quiet) return;
     dashpots(z, node, up);
@@ -126,18 +120,21 @@ bool Border::on_base(const Index3& zone, int corner) const {
 }
 
 // Faces are rectangles: each corner has an equal share.
-double Border::face(int normal) const {
-  return lattice_.size.prod() / lattice_.size[lattice_.axis(normal)] / (lattice_.corners() / 2);
+double Border::face(std::int32_t solid, int normal) const {
+  const Vec3& size = solids_.size[static_cast<std::size_t>(solid)];
+  return size.prod() / size[lattice_.axis(normal)] / (lattice_.corners() / 2);
 }
 
-double Border::dashpot(const Elastic& solid, int normal, int along) const {
+double Border::dashpot(std::int32_t solid, int normal, int along) const {
   const bool stress = lattice_.plane && parameters_.plane == PlaneState::stress;
-  const Impedance of = impedance(solid, stress);
-  return (along == normal ? of.normal : of.tangential) * face(normal);
+  const Impedance of = impedance(solids_.solid[static_cast<std::size_t>(solid)], stress);
+  return (along == normal ? of.normal : of.tangential) * face(solid, normal);
 }
 
-double Border::spring(const Elastic& solid) const {
-  return base_spring(parameters_, solid, depth_of(lattice_)) * face(lattice_.components() - 1);
+double Border::spring(std::int32_t solid) const {
+  return base_spring(parameters_, solids_.solid[static_cast<std::size_t>(solid)],
+                     lattice_.depth()) *
+         face(solid, lattice_.components() - 1);
 }
 
 Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness)
@@ -174,7 +171,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
                      const Stiffness& stiffness, std::string& limit) {
   if (mesh.imported) return critical_step_of_tetrahedra(mesh, parameters, stiffness, limit);
   const Lattice& lattice = mesh.lattice;
-  const Border border(lattice, parameters);
+  const Border border(mesh, parameters);
   const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;
   double shortest = std::numeric_limits<double>::infinity();  // s
   // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
@@ -189,7 +186,7 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     if (used[at] == 0) continue;
     const ZoneElement& element = stiffness.element(static_cast<std::int32_t>(at / 2));
     Eigen::MatrixXd k = element.stiffness;
-    const double spring = border.spring(mesh.solids.solid[at / 2]);
+    const double spring = border.spring(static_cast<std::int32_t>(at / 2));
     for (int f = 0; at % 2 == 1 && f < k.rows() / 2; ++f)  // low corners come first
       k(f, f) += spring;
     const double squared = largest_eigenvalue(k) / element.corner_mass;
@@ -200,9 +197,9 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
     const double step = 2 / omega * (std::sqrt(1 + z * z) - z);
     if (step >= shortest) continue;
     shortest = step;
+    const Vec3& size = mesh.solids.size[at / 2];
     limit = fmt::format("zones of {}{} ({:.4g} x {:.4g} x {:.4g} m)", mesh.solids.name[at / 2],
-                        at % 2 == 1 ? " on base springs" : "", lattice.size.x(), lattice.size.y(),
-                        lattice.size.z());
+                        at % 2 == 1 ? " on base springs" : "", size.x(), size.y(), size.z());
     if (z > 0.1) limit += ", lowered by rayleigh_stiffness";
   }
   return shortest;

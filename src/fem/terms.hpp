@@ -16,20 +16,22 @@ struct Spring {
   double stiffness;  // N/m, the same along every axis
 };
 
-// The share of one corner of a zone in what acts on the borders of the model.
+// The share of one corner of a zone in what acts on the borders of the model. `solid`: the zone's
+// number, which says its size too.
 struct Border {
-  Border(const Lattice& lattice, const GroundParameters& parameters)
-      : lattice_(lattice), parameters_(parameters) {}
+  Border(const Mesh& mesh, const GroundParameters& parameters)
+      : lattice_(mesh.lattice), solids_(mesh.solids), parameters_(parameters) {}
 
   // Whether a corner lies on a lateral border normal to a component, or on the base.
   bool on_side(const Index3& zone, int corner, int normal) const;
   bool on_base(const Index3& zone, int corner) const;
-  double face(int normal) const;                                      // m^2
-  double dashpot(const Elastic& solid, int normal, int along) const;  // N s/m, Lysmer's
-  double spring(const Elastic& solid) const;                          // N/m, below a quiet base
+  double face(std::int32_t solid, int normal) const;                // m^2
+  double dashpot(std::int32_t solid, int normal, int along) const;  // N s/m, Lysmer's
+  double spring(std::int32_t solid) const;                          // N/m, below a quiet base
 
  private:
   const Lattice& lattice_;
+  const Solids& solids_;
   const GroundParameters& parameters_;
 };
 

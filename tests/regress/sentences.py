@@ -102,6 +102,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "sleepers.count=0": "must be at least 1",
            "stage.passage.duration=0.001": "give more time",
            "ground.zones_x=100000 ground.zones_z=100000": "at most 1e+08 can be shared out",
+           "ground.ratio_x=1.1 ground.fine_x=-5": "fine_x = -5: must lie in the ground",
            "stage.fill.growth=20": "is longer than the stage",
            "stage.sleepers.kind=run": "no stage of kind sleepers",
            "region.below.x=[3,4]": "lies beside the bed (bed.x: 0 to 1.2 m)",
@@ -155,6 +156,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "ground.rayleigh_mass=1e9": "usual values (at most 10000 1/s)",
           "ground.layer.soil.cohesion=5e3": "cohesion, angles and tensile_strength have no effect",
           f"{YIELDS} ground.layer.soil.cohesion=0": "leaves the top without strength",
+          "ground.layer.soil.zones=2": "zones_z = 8: has no effect",
+          "ground.fine_y=0.1": "has no effect: all zones are alike",
           "output.ground_extremes=true": "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of what stability asks for",
           "stage.sleepers.height=0.25": "leaves the sleepers in the air",
@@ -284,7 +287,7 @@ def check_other_models(program, deck, folder):
     refused = [(change, moved) for change in borders]
     refused += [("ground.zones_x=30", still), ("sleepers.count=1", still),
                 ("sleepers.y=0.01", still), ("bed.x=[0, 1.1]", still),
-                ("ground.layer.soil.thickness=0.5", still),
+                ("ground.layer.soil.thickness=0.5", still), ("ground.ratio_x=1.1", still),
                 ("ground.block.structure.present=false", moved)]
     for change, start in refused:
         for command in (["run", deck, start, change, *place], ["check", deck, start, change]):

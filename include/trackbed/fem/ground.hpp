@@ -41,6 +41,7 @@ struct Layer {
   Elastic solid;
   std::string young_file = {};  // Young's modulus along x instead of one number
   Strength strength = {};
+  std::int64_t zones = 0;  // over its height; 0: its share of zones_z
   void declare(input::Section& s);
 };
 
@@ -86,6 +87,8 @@ struct GroundParameters {
   std::vector<double> x = {0, 10};        // m, from and to
   std::vector<double> y = {-0.65, 0.65};  // m; a plane model takes its thickness from the model
   std::int64_t zones_x = 100, zones_y = 1, zones_z = 50;
+  // Each zone is so many times as wide as its neighbour towards `fine`, m; 1: all alike.
+  double ratio_x = 1, ratio_y = 1, fine_x = 0, fine_y = 0;
   std::vector<Layer> layers;
   std::vector<Block> blocks;
   PlaneState plane = PlaneState::stress;
@@ -103,10 +106,16 @@ struct GroundParameters {
   double rho_inf = 0.8;     // generalized_alpha: spectral radius at infinite frequency
   double tolerance = 1e-8;  // relative residual of linear solves
   bool yields() const;      // whether any layer or block that is there does
+  bool layers_have_zones() const;
+  std::int64_t zones_over_depth() const;
+  // Borders of zones along an axis (0: x, 1: y of a model in space, 2: z), m, ascending. Not for a
+  // mesh from a file.
+  std::vector<double> edges(int axis) const;
   void declare(input::Section& s);
 
  private:
   void declare_mesh(input::Section& s);
+  void declare_grading(input::Section& s);
 };
 
 // Pa/m of the springs below a quiet base under this solid, `depth` m below the top.

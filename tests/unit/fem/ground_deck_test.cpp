@@ -118,5 +118,18 @@ TEST(GroundDeck, AMeshTakesThePlaceOfLayers) {
           "has no effect without mesh");
 }
 
+// A layer that no zone's centre lies in would be left out.
+TEST(GroundDeck, LayersHaveZones) {
+  const auto with = [](const std::string& found, const std::string& put) {
+    std::string text = good;
+    return problems(text.replace(text.find(found), found.size(), put));
+  };
+  EXPECT_NE(with("thickness = 0.6", "thickness = 0.02").find("holds the centre of no zone"),
+            std::string::npos);
+  EXPECT_EQ(with("thickness = 0.6", "thickness = 0.06"), "");
+  EXPECT_NE(with("thickness = 0.6", "thickness = 0.6\nzones = 8").find("need `zones` each"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace trackbed::fem

@@ -1,0 +1,91 @@
+// Where the borders of zones lie along each axis.
+#include <algorithm>
+#include <cmath>
+
+#include "lattice.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+
+std::vector<double> even(double from, double to, std::int64_t zones) {
+  const double size = (to - from) / static_cast<double>(zones);
+  std::vector<double> edges;
+  for (std::int64_t i = 0; i <= zones; ++i) edges.push_back(from + static_cast<double>(i) * size);
+  return edges;
+}
+
+// Lengths 1, r, r^2 ... of a number of zones, added up.
+double sum_of(double ratio, std::int64_t zones) {
+  return (std::pow(ratio, static_cast<double>(zones)) - 1) / (ratio - 1);
+}
+
+// Zones grow away from `fine` on both sides; of the shares of zones on each side the one is taken
+// with which the two that meet there differ least.
+std::vector<double> away_from(double fine, double ratio, double from, double to,
+                              std::int64_t zones) {
+  const double left = fine - from, right = to - fine;
+  if (left <= 0 || right <= 0) {
+    std::vector<double> edges = {0};
+    const double first = (to - from) / sum_of(ratio, zones);
+    for (std::int64_t i = 1; i <= zones; ++i) edges.push_back(first * sum_of(ratio, i));
+    for (double& edge : edges) edge = left <= 0 ? from + edge : to - edge;
+    edges.front() = left <= 0 ? from : to;
+    edges.back() = left <= 0 ? to : from;
+    if (left > 0) std::reverse(edges.begin(), edges.end());
+    return edges;
+  }
+  const auto uneven = [&](std::int64_t before) {
+    return std::abs(std::log(left / sum_of(ratio, before) * sum_of(ratio, zones - before) / right));
+  };
+  std::int64_t before = 1;
+  for (std::int64_t k = 2; k < zones; ++k)
+    if (uneven(k) < uneven(before)) before = k;
+  std::vector<double> edges = away_from(fine, ratio, from, fine, before);
+  const std::vector<double> behind = away_from(fine, ratio, fine, to, zones - before);
+  edges.insert(edges.end(), behind.begin() + 1, behind.end());
+  return edges;
+}
+
+// From the bottom up. Layers that have zones of their own end where zones do.
+std::vector<double> over_depth(const GroundParameters& p) {
+  double depth = 0;
+  for (const Layer& layer : p.layers) depth += layer.thickness;
+  if (!p.layers_have_zones()) return even(-depth, 0, p.zones_z);
+  std::vector<double> edges = {-depth};
+  for (std::size_t l = p.layers.size(); l-- > 0;) {
+    depth = 0;
+    for (std::size_t above = 0; above < l; ++above) depth += p.layers[above].thickness;
+    const std::vector<double> layer =
+        even(-depth - p.layers[l].thickness, -depth, p.layers[l].zones);
+    edges.insert(edges.end(), layer.begin() + 1, layer.end());
+    edges.back() = -depth;
+  }
+  return edges;
+}
+
+}  // namespace
+
+bool GroundParameters::layers_have_zones() const {
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const Layer& layer) { return layer.zones > 0; });
+}
+
+std::int64_t GroundParameters::zones_over_depth() const {
+  if (!layers_have_zones()) return zones_z;
+  std::int64_t sum = 0;
+  for (const Layer& layer : layers) sum += layer.zones;
+  return sum;
+}
+
+std::vector<double> GroundParameters::edges(int axis) const {
+  if (axis == 2) return over_depth(*this);
+  const std::vector<double>& range = axis == 0 ? x : y;
+  const std::int64_t zones = axis == 0 ? zones_x : zones_y;
+  const double ratio = axis == 0 ? ratio_x : ratio_y;
+  if (ratio == 1 || zones == 1) return even(range[0], range[1], zones);
+  const double fine = std::clamp(axis == 0 ? fine_x : fine_y, range[0], range[1]);
+  return away_from(fine, ratio, range[0], range[1], zones);
+}
+
+}  // namespace trackbed::fem
