@@ -9,6 +9,8 @@
 // Symbols as in explicit.cpp, but beta is the integrator's; dt the window. Unconditionally stable
 // as declared in parameters.cpp; second order but for Newmark with gamma > 1/2. One solve per
 // window: accuracy, not stability, says how long it may be.
+#include <cmath>
+
 #include "alpha_scheme.hpp"
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
@@ -44,6 +46,9 @@ void Ground::Room::prepare_window(double dt, const AlphaScheme& s) {
   add_springs(terms.springs, f * s.beta * dt * dt, components(), spec.diagonal);
   implicit_.reset();  // the old one's memory first
   implicit_ = std::make_unique<LinearSystem>(mesh, stiffness, spec);
+  stiff_ = implicit_->stiffness_diagonal();
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : mesh.own) stiff_[c][n] /= f * s.beta * dt * dt;
   for (Nodal* scratch : {&blend_, &mixed_, &right_})
     if (scratch->of[0].empty()) *scratch = Nodal(components(), nodes);
 }
@@ -64,10 +69,31 @@ void Ground::Room::predict(double dt, const AlphaScheme& s) {
     }
 }
 
+// The right side from what the equation takes of the velocity, both in right_. Returns what
+// rounding leaves of it, N: in a ground that has come to rest all its forces cancel, those of each
+// zone's displacement too, and a residual below that says nothing. Collective.
+double Ground::Room::balance(const AlphaScheme& s, const Nodal& before) {
+  // Some fifty roundings of the terms of each freedom, as many as a sum over zones and modes makes.
+  constexpr double roundings = 1e-14;
+  double squared = 0;
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t own : mesh.own) {
+      const auto n = static_cast<std::size_t>(own);
+      const double load = (1 - s.alpha_f) * state.load[c][n] + s.alpha_f * before[c][n];
+      const double damped = terms.damping[c][n] * right_[c][n];
+      const double inertia = s.alpha_m * terms.mass[n] * state.acceleration[c][n];
+      right_[c][n] = load - state.internal[c][n] - damped - inertia;
+      if ((terms.held[n] >> c & 1) != 0) continue;
+      const double size = std::abs(load) + std::abs(stiff_[c][n] * blend_[c][n]) +
+                          std::abs(damped) + std::abs(inertia);
+      squared += size * size;
+    }
+  return roundings * std::sqrt(mesh.comm.sum(squared));
+}
+
 // `before` holds the load of the last window, state.load this one's.
 void Ground::Room::implicit_window(double dt, const Nodal& before) {
   const AlphaScheme s = alpha_scheme(parameters);
-  const double f = 1 - s.alpha_f;
   prepare_window(dt, s);
   predict(dt, s);
   mesh.exchange(blend_);
@@ -80,18 +106,12 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
     free_field->implicit_step(dt, s, time + dt);
     free_field->act_on(state.internal);
   }
-  for (int c = 0; c < components(); ++c)
-    for (const std::int32_t n : mesh.own) {
-      const double load = f * state.load[c][n] + s.alpha_f * before[c][n];
-      const double inertia = s.alpha_m * terms.mass[static_cast<std::size_t>(n)];
-      right_[c][n] = load - state.internal[c][n] - terms.damping[c][n] * right_[c][n] -
-                     inertia * state.acceleration[c][n];
-    }
+  const double rounding = balance(s, before);
   // Held freedoms keep a = 0: the solver leaves them out.
   if (plasticity) {
-    newton(dt, s);
+    newton(dt, s, rounding);
   } else {
-    iterations += implicit_->solve(right_, state.acceleration);
+    iterations += implicit_->solve(right_, state.acceleration, rounding);
     ++solves;
   }
   ++steps;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "linear_system_handles.hpp"
 #include "petsc_check.hpp"
@@ -82,6 +83,8 @@ void LinearSystem::Handles::create() {
   check(MatSeqAIJSetPreallocation(matrix, 0, inner.data()), "allocate a matrix");
   check(MatMPIAIJSetPreallocation(matrix, 0, inner.data(), 0, outer.data()), "allocate a matrix");
   check(MatCreateVecs(matrix, &solution, &right), "create vectors");
+  check(VecDuplicate(right, &open), "create a vector");
+  check(VecDuplicate(right, &correction), "create a vector");
 }
 
 // Rows of own nodes are complete here: every zone that touches them is held.
@@ -154,6 +157,17 @@ void LinearSystem::Handles::tell_rigid_motions() {
   VecDestroy(&places);
 }
 
+Nodal LinearSystem::stiffness_diagonal() const {
+  const Handles& h = *handles_;
+  Nodal own(h.components, h.mesh.nodes());
+  check(MatGetDiagonal(h.matrix, h.right), "ask for a diagonal");
+  h.take(h.right, own);
+  for (int c = 0; c < h.components; ++c)
+    for (const std::int32_t n : h.mesh.own)
+      own[c][n] = h.is_held(n, c) ? 0 : own[c][n] - h.diagonal[c][n];
+  return own;
+}
+
 // Where inertia holds its own against stiffness, plain scaling by the diagonal takes few
 // iterations, and each costs a product; beyond, multigrid does. In a plane BoomerAMG started sooner
 // than gamg while products were assembled; in long steps gamg is faster by now
@@ -176,7 +190,7 @@ const char* LinearSystem::Handles::chosen() {
 
 // The unpreconditioned residual is a force, which is what the tolerance in the deck means.
 // A thousand iterations are a bound for what has gone wrong; a good solve takes some ten.
-void LinearSystem::Handles::make_solver(double tolerance) {
+void LinearSystem::Handles::make_solver(double wanted) {
   if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
   PetscBool given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, prefix, "-pc_type", &given), "read its options");
@@ -192,14 +206,9 @@ void LinearSystem::Handles::make_solver(double tolerance) {
   check(KSPGetPC(solver, &preconditioner), "find a preconditioner");
   check(PCSetType(preconditioner, type), "type a preconditioner");
   check(KSPSetOperators(solver, product, matrix), "give a solver its matrix");
-  check(KSPSetTolerances(solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
-        "set the tolerance");
+  check(KSPSetTolerances(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT, 1000), "set the tolerance");
   check(KSPSetFromOptions(solver), "take the solver options after --");
-  PetscBool direct = PETSC_FALSE;  // a direct solve has no use for a guess, and refuses one
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(solver), KSPPREONLY, &direct),
-        "say its type");
-  check(KSPSetInitialGuessNonzero(solver, direct == PETSC_TRUE ? PETSC_FALSE : PETSC_TRUE),
-        "set the first guess");
+  check(KSPGetTolerances(solver, &tolerance, nullptr, nullptr, nullptr), "ask for the tolerance");
   check(KSPSetUp(solver), "set up the linear solver");
 }
 
@@ -246,13 +255,36 @@ int LinearSystem::Handles::outcome(KSP of) {
   return static_cast<int>(iterations);
 }
 
+// Solves for what corrects the guess. PETSc, given the guess itself, measures divergence by the
+// right side: where that falls to next to nothing from one step to the next it gives up at once,
+// and near it would seek what rounding of the guess hides. A guess worse than none is dropped, so
+// that what is left to solve is never above the right side.
+//
 // Held unknowns have a row of their own with 0 on the right: they come out as 0.
-int LinearSystem::solve(const Nodal& right_side, Nodal& x) {
+int LinearSystem::solve(const Nodal& right_side, Nodal& x, double floor) {
   Handles& h = *handles_;
+  PetscReal all = 0, left = 0;
   h.give(right_side, h.right);
   h.give(x, h.solution);
-  check(KSPSolve(h.solver, h.right, h.solution), "solve the ground");
-  const int iterations = Handles::outcome(h.solver);
+  check(MatMult(h.product, h.solution, h.open), "multiply by a matrix");
+  check(VecAYPX(h.open, -1, h.right), "add vectors");
+  check(VecNorm(h.right, NORM_2, &all), "measure a vector");
+  check(VecNorm(h.open, NORM_2, &left), "measure a vector");
+  if (left >= all) {
+    check(VecSet(h.solution, 0), "clear a vector");
+    check(VecCopy(h.right, h.open), "copy a vector");
+    left = all;
+  }
+  const double enough = std::max(h.tolerance * all, floor);
+  int iterations = 0;
+  if (!(left <= enough)) {  // or not a number, which the solver reports
+    const double share = std::isfinite(left) ? enough / left : h.tolerance;
+    check(KSPSetTolerances(h.solver, share, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT),
+          "set the tolerance");
+    check(KSPSolve(h.solver, h.open, h.correction), "solve the ground");
+    iterations = Handles::outcome(h.solver);
+    check(VecAXPY(h.solution, 1, h.correction), "add vectors");
+  }
   h.take(h.solution, x);
   return iterations;
 }

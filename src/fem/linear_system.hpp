@@ -35,9 +35,11 @@ class LinearSystem {
   LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec);
   ~LinearSystem();
 
-  // Solves for x of own nodes, starting from the x given. Returns the iterations. Throws RunError
-  // on all ranks if it does not converge. Collective.
-  int solve(const Nodal& right_side, Nodal& x);
+  // Solves for x of own nodes, starting from the x given or, where that leaves a larger residual,
+  // from 0. `floor` (N): a residual that is rounding of the right side, enough whatever the
+  // tolerance. Returns the iterations, 0 if the start was good enough. Throws RunError on all ranks
+  // if it does not converge. Collective.
+  int solve(const Nodal& right_side, Nodal& x, double floor = 0);
 
   // For Newton, whose tangent differs from the matrix in some zones. Calls of `Add` name a local
   // zone and what comes to the matrix there (N/m, freedoms as in ZoneElement, of any symmetry);
@@ -49,6 +51,8 @@ class LinearSystem {
   // preconditioner of the matrix, which is not set up anew. Returns the iterations, -1 on all ranks
   // if the system is singular.
   int solve_changed(const Changes& changes, const Nodal& right_side, double tolerance, Nodal& x);
+  // Sum of s K alone on its diagonal, of own freedoms that are not held; others 0.
+  Nodal stiffness_diagonal() const;
   // right_side - matrix x on own freedoms, 0 on held ones; returns its norm, N. Collective.
   double residual(const Nodal& right_side, const Nodal& x, Nodal& r);
 

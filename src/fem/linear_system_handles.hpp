@@ -34,6 +34,8 @@ struct LinearSystem::Handles {
     MatDestroy(&matrix);
     VecDestroy(&right);
     VecDestroy(&solution);
+    VecDestroy(&open);
+    VecDestroy(&correction);
   }
   Handles(const Handles&) = delete;
   Handles& operator=(const Handles&) = delete;
@@ -73,10 +75,11 @@ struct LinearSystem::Handles {
   double common, damping;                   // factors of Stiffness::apply and add_damping
   Nodal motion, force, damped;              // scratch of a product
   double stiff = 0;                         // N/m, of the rows of held freedoms
+  double tolerance = 0;                     // residual over right-hand side, the user's if given
   Mat matrix = nullptr, product = nullptr;  // assembled; by the kernel
   Mat tangent = nullptr;                    // with its solver once asked for
   KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;
-  Vec right = nullptr, solution = nullptr;
+  Vec right = nullptr, solution = nullptr, open = nullptr, correction = nullptr;
 };
 
 }  // namespace trackbed::fem

@@ -55,8 +55,9 @@ double Ground::Room::out_of_balance(double dt, const AlphaScheme& s, const Nodal
   return implicit_->residual(mixed_, acceleration, residual_);
 }
 
-// state.displacement holds u*, state.acceleration the first guess and at last the solution.
-void Ground::Room::newton(double dt, const AlphaScheme& s) {
+// state.displacement holds u*, state.acceleration the first guess and at last the solution;
+// `rounding` is that of the right side, N.
+void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   if (!plastic_step_) {
     plastic_step_ = std::make_unique<PlasticStep>(mesh, *plasticity);
     for (Nodal* force : {&begin_force_, &end_force_, &residual_})
@@ -65,12 +66,11 @@ void Ground::Room::newton(double dt, const AlphaScheme& s) {
   begin_force_.fill(0);
   plasticity->act_on(begin_force_);
   // What the forces of this step are measured by: those without more plastic strain, as in an
-  // elastic step, and the rounding of what cancels in them.
+  // elastic step.
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) mixed_[c][n] = right_[c][n] - begin_force_[c][n];
   Nodal step(components(), mesh.nodes());
   const double all = implicit_->residual(mixed_, step, residual_);
-  const double rounding = 1e-14 * implicit_->residual(state.internal, step, residual_);
   const double enough = looser * parameters.tolerance * all + rounding;
   const double share = (1 - s.alpha_f) * s.beta * dt * dt;
   const auto add = [&](const LinearSystem::Add& to) {
@@ -90,7 +90,7 @@ void Ground::Room::newton(double dt, const AlphaScheme& s) {
     ++solves, ++rounds;
     most_rounds = std::max<std::int64_t>(most_rounds, round + 1);
     if (!flows) {
-      iterations += implicit_->solve(mixed_, a);
+      iterations += implicit_->solve(mixed_, a, rounding);
       open = out_of_balance(dt, s, a);
       continue;
     }

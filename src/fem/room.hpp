@@ -106,7 +106,8 @@ struct Ground::Room {
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces
-  void newton(double dt, const AlphaScheme& scheme);
+  double balance(const AlphaScheme& scheme, const Nodal& load_before);
+  void newton(double dt, const AlphaScheme& scheme, double rounding);
   double out_of_balance(double dt, const AlphaScheme& scheme, const Nodal& acceleration);
   double line_search(double dt, const AlphaScheme& scheme, const Nodal& step, double open);
   void elastic_rest(const Nodal& right);
@@ -129,6 +130,7 @@ struct Ground::Room {
   std::unique_ptr<LinearSystem> implicit_;
   std::unique_ptr<PlasticStep> plastic_step_;  // if a solid yields
   Nodal begin_force_, end_force_, residual_;   // N: of plastic strain at begin and end; of Newton
+  Nodal stiff_;  // N/m, diagonal of K, with what damping by stiffness adds to it; held: 0
   double implicit_step_ = -1;
 };
 
