@@ -25,6 +25,11 @@ void State::list(const Visit& visit) {
   visit("settled", "N", "top load of the state of rest", settled);
   visit("offset", "m", "displacement when last settled, part of the shape", offset);
   visit("rest", "m", "static displacement under weight and settled load", rest);
+  if (one_before.of[0].empty()) return;
+  visit("acceleration_one_before", "m/s^2", "a window before the last one; implicit steps",
+        one_before);
+  visit("acceleration_two_before", "m/s^2", "two windows before the last one; implicit steps",
+        two_before);
 }
 
 namespace {
@@ -154,6 +159,9 @@ void Ground::load(const io::File& file, const std::string& group) {
     const std::size_t count = std::min(rows_at_once, total - begin);
     const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);
     room_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
+      // An explicit run that goes on with implicit steps: its guesses start anew.
+      const bool guess = &values == &room_->state.one_before || &values == &room_->state.two_before;
+      if (guess && !file.has(group + "/" + name)) return;
       const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
       for (std::size_t r = 0; r < count; ++r) {
         const std::int32_t n = mesh.local_node(names[r]);

@@ -39,7 +39,7 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
       mesh(comm, given, dim, thickness),
       stiffness(mesh, elements_of(mesh, given), given.rayleigh_stiffness),
       terms(mesh, given, stiffness),
-      state(components(), mesh.nodes()) {
+      state(components(), mesh.nodes(), given.integrator != Integrator::explicit_) {
   critical = critical_step(mesh, parameters, stiffness, limit);
   if (parameters.yields()) plasticity = std::make_unique<Plasticity>(mesh);
   if (!parameters.base_motion.empty())

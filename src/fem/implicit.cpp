@@ -4,7 +4,7 @@
 //   (m M + f gamma dt C + f beta dt^2 K) a' = (f F' + alpha_f F) - alpha_m M a
 //     - C (f v* + alpha_f v) - K (f u* + alpha_f u),   u' = u* + beta dt^2 a', v' = v* + ...
 // The load acts as varying linearly from window to window, the matrix is constant and set up once
-// per dt, the last acceleration is the first guess. Mass is lumped as in the explicit scheme.
+// per dt, the first guess extrapolated. Mass is lumped as in the explicit scheme.
 //
 // Symbols as in explicit.cpp, but beta is the integrator's; dt the window. Unconditionally stable
 // as declared in parameters.cpp; second order but for Newmark with gamma > 1/2. One solve per
@@ -91,6 +91,22 @@ double Ground::Room::balance(const AlphaScheme& s, const Nodal& before) {
   return roundings * std::sqrt(mesh.comm.sum(squared));
 }
 
+// The first guess of the acceleration: the parabola through those of the last three windows
+// (Lagrange), 0 before the start. It saves 14 to 18 % of the iterations while steps follow the
+// motion; a parabola that leads astray, in long steps, is dropped by the solver. Displacement or
+// speed carried on say less (docs/decisions/ground_elements.md).
+void Ground::Room::extrapolate() {
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : mesh.own) {
+      double &a = state.acceleration[c][n], &one = state.one_before[c][n],
+             &two = state.two_before[c][n];
+      const double guess = 3 * (a - one) + two;
+      two = one;
+      one = a;
+      a = guess;
+    }
+}
+
 // `before` holds the load of the last window, state.load this one's.
 void Ground::Room::implicit_window(double dt, const Nodal& before) {
   const AlphaScheme s = alpha_scheme(parameters);
@@ -107,6 +123,7 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
     free_field->act_on(state.internal);
   }
   const double rounding = balance(s, before);
+  extrapolate();
   // Held freedoms keep a = 0: the solver leaves them out.
   if (plasticity) {
     newton(dt, s, rounding);

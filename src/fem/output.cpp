@@ -151,7 +151,8 @@ double Ground::seconds() const { return room_->seconds; }
 std::size_t Ground::memory() const {
   const Room& room = *room_;
   const std::size_t per_nodal = room.state.displacement.bytes();
-  constexpr std::size_t nodals = 8 + 4;  // the state and what the explicit scheme derives
+  // The state and what the scheme derives: explicit four, implicit five (Newton's left out).
+  const std::size_t nodals = room.parameters.integrator == Integrator::explicit_ ? 8 + 4 : 10 + 5;
   const std::size_t plastic = room.plasticity ? room.plasticity->bytes() : 0;
   return room.mesh.bytes() + room.terms.bytes() + room.stiffness.bytes() + nodals * per_nodal +
          plastic;

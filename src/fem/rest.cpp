@@ -34,8 +34,9 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
   // The present shape stays the shape shown, as the reference from now on.
   for (int c = 0; c < components(); ++c)
     for (std::size_t n = 0; n < mesh.nodes(); ++n) state.offset[c][n] += state.displacement[c][n];
-  for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration, &state.internal,
-                        &state.load, &state.settled})
+  for (Nodal* values :
+       {&state.displacement, &state.velocity, &state.acceleration, &state.one_before,
+        &state.two_before, &state.internal, &state.load, &state.settled})
     values->fill(0);
   time = 0;
   if (free_field) free_field->rest();

@@ -34,7 +34,7 @@ struct TopNode {
 
 // What goes through a checkpoint, listed once: nodal states at one time level.
 struct State {
-  State(int components, std::size_t nodes)
+  State(int components, std::size_t nodes, bool implicit)
       : displacement(components, nodes),
         velocity(components, nodes),
         acceleration(components, nodes),
@@ -42,9 +42,13 @@ struct State {
         load(components, nodes),
         settled(components, nodes),
         offset(components, nodes),
-        rest(components, nodes) {}
+        rest(components, nodes) {
+    if (!implicit) return;
+    one_before = two_before = Nodal(components, nodes);
+  }
   Nodal displacement, velocity;  // m, m/s: deviation from rest
   Nodal acceleration;            // m/s^2 at the end of the last window; implicit steps carry it
+  Nodal one_before, two_before;  // m/s^2, windows earlier, for the first guess; implicit steps only
   Nodal internal;                // N, K (u + rayleigh_stiffness v) + springs at the present time
   Nodal load;                    // N, F - F_0 of the last window
   Nodal settled;                 // N, F_0
@@ -106,6 +110,7 @@ struct Ground::Room {
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces
+  void extrapolate();
   double balance(const AlphaScheme& scheme, const Nodal& load_before);
   void newton(double dt, const AlphaScheme& scheme, double rounding);
   double out_of_balance(double dt, const AlphaScheme& scheme, const Nodal& acceleration);

@@ -91,6 +91,16 @@ TEST_P(Implicit, ConvergesToTheExplicitSolution) {
   EXPECT_NEAR(std::log2(with_1ms / with_half), 2, 0.35) << with_1ms << ' ' << with_half;
 }
 
+// Under a smooth load the last acceleration as the guess takes 5.0 iterations in a plane and in
+// space, the parabola through three of them 3.9 and 4.1.
+TEST_P(Implicit, GuessFollowsTheMotion) {
+  GroundParameters p = scene(Integrator::newmark);
+  p.tolerance = 1e-8;
+  Ground ground(Comm::world(), p, GetParam(), 1.0);
+  run(Comm::world(), ground, 0.25e-3, 0.02);
+  EXPECT_LT(ground.totals().iterations_mean, 4.5);
+}
+
 constexpr std::array integrators = {Integrator::newmark, Integrator::hht, Integrator::bossak,
                                     Integrator::generalized_alpha};
 
