@@ -36,6 +36,7 @@ void Ground::Room::prepare_window(double dt, const AlphaScheme& s) {
   const std::size_t nodes = mesh.nodes();
   LinearSystem::Spec spec{{}, Nodal(components(), nodes), terms.held, parameters.tolerance};
   spec.common = f * (s.beta * dt * dt + s.gamma * dt * parameters.rayleigh_stiffness);
+  spec.use = LinearSystem::Use::in_every_step;
   spec.damping = f * s.gamma * dt;
   for (const Elastic& solid : mesh.solids.solid)
     spec.stiffness_factor.push_back(f *

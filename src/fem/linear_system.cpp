@@ -169,12 +169,12 @@ Nodal LinearSystem::stiffness_diagonal() const {
 }
 
 // Where inertia holds its own against stiffness, plain scaling by the diagonal takes few
-// iterations, and each costs a product; beyond, multigrid does. In a plane BoomerAMG started sooner
-// than gamg while products were assembled; in long steps gamg is faster by now
-// (docs/decisions/ground_elements.md).
-const char* LinearSystem::Handles::chosen() {
-  // Of stiffness over inertia on the diagonal: gamg costs as much as some 60 iterations.
-  constexpr double most = 100;
+// iterations, and each costs a product; beyond, multigrid does. A single solve in a plane stays
+// with BoomerAMG, which takes half of gamg's iterations beside stiff blocks; but one of them costs
+// as much as ten of gamg's, which steps pay for (docs/decisions/ground_elements.md).
+const char* LinearSystem::Handles::chosen(Use use) {
+  // Of stiffness over inertia on the diagonal, where gamg costs as much: 60 to 70 iterations.
+  const double most = components == 3 ? 100 : 30;
   const PetscScalar* all = nullptr;
   check(MatGetDiagonal(matrix, right), "ask for a diagonal");
   check(VecGetArrayRead(right, &all), "open a vector");
@@ -185,16 +185,16 @@ const char* LinearSystem::Handles::chosen() {
       if (!is_held(n, c)) ratio = std::max(ratio, all[at] / std::max(diagonal[c][n], 1e-300));
   check(VecRestoreArrayRead(right, &all), "close a vector");
   if (mesh.comm.max(ratio) <= most) return PCJACOBI;
-  return components == 3 ? PCGAMG : PCHYPRE;
+  return components == 3 || use == Use::in_every_step ? PCGAMG : PCHYPRE;
 }
 
 // The unpreconditioned residual is a force, which is what the tolerance in the deck means.
 // A thousand iterations are a bound for what has gone wrong; a good solve takes some ten.
-void LinearSystem::Handles::make_solver(double wanted) {
+void LinearSystem::Handles::make_solver(const Spec& spec) {
   if (suggest("ksp_type", "cg")) suggest("ksp_norm_type", "unpreconditioned");
   PetscBool given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, prefix, "-pc_type", &given), "read its options");
-  const char* type = chosen();
+  const char* type = chosen(spec.use);
   if (given == PETSC_TRUE ? suggest("pc_type", PCHYPRE) : std::string(type) == PCHYPRE) {
     suggest("pc_hypre_type", "boomeramg");
     suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
@@ -206,7 +206,8 @@ void LinearSystem::Handles::make_solver(double wanted) {
   check(KSPGetPC(solver, &preconditioner), "find a preconditioner");
   check(PCSetType(preconditioner, type), "type a preconditioner");
   check(KSPSetOperators(solver, product, matrix), "give a solver its matrix");
-  check(KSPSetTolerances(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT, 1000), "set the tolerance");
+  check(KSPSetTolerances(solver, spec.tolerance, PETSC_DEFAULT, PETSC_DEFAULT, 1000),
+        "set the tolerance");
   check(KSPSetFromOptions(solver), "take the solver options after --");
   check(KSPGetTolerances(solver, &tolerance, nullptr, nullptr, nullptr), "ask for the tolerance");
   check(KSPSetUp(solver), "set up the linear solver");
@@ -219,7 +220,7 @@ LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& s
   handles_->assemble(spec);
   handles_->make_product();
   handles_->tell_rigid_motions();
-  handles_->make_solver(spec.tolerance);
+  handles_->make_solver(spec);
 }
 
 LinearSystem::~LinearSystem() = default;

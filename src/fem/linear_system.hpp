@@ -4,10 +4,10 @@
 // Iterations multiply by the kernel of the explicit step (linear_system_product.cpp): no matrix to
 // load; the assembled one is what preconditioners are made of.
 //
-// Default: conjugate gradients, in short steps scaled by the diagonal, else with gamg in space and
-// BoomerAMG on the single unknowns in a plane (its nodal variants took six times more). The rigid
-// body motions are attached for solvers that use them (gamg). Every choice is open through PETSc
-// options with the prefix `ground_`.
+// Default: conjugate gradients, in short steps scaled by the diagonal, else with gamg, which knows
+// the rigid body motions; for a single solve in a plane with BoomerAMG on the single unknowns (its
+// nodal variants took six times more). Every choice is open through PETSc options with the prefix
+// `ground_`.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,7 @@ namespace trackbed::fem {
 // Owns PETSc's objects; refers to the mesh, which must outlive it.
 class LinearSystem {
  public:
+  enum class Use { once, in_every_step };
   struct Spec {
     std::vector<double> stiffness_factor;   // s of each solid
     Nodal diagonal;                         // N/m per component and node
@@ -31,6 +32,7 @@ class LinearSystem {
     // The same factors as Stiffness has them: s = common + damping (its stiffness damping less the
     // common one), s^2 and s if s is of a time step.
     double common = 1, damping = 0;
+    Use use = Use::once;  // which preconditioner pays
   };
   LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec);
   ~LinearSystem();

@@ -50,8 +50,8 @@ struct LinearSystem::Handles {
   void make_product();
   void multiply(Vec from, Vec to);
   static int multiply_shell(Mat shell, Vec from, Vec to);
-  const char* chosen();  // preconditioner, unless the user chooses
-  void make_solver(double tolerance);
+  const char* chosen(Use use);  // preconditioner, unless the user chooses
+  void make_solver(const Spec& spec);
   void make_tangent();
   void make_direct();
   bool is_held(std::int32_t node, int c) const {

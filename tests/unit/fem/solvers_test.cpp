@@ -89,5 +89,12 @@ TEST_P(Solvers, GiveTheSameDisplacement) {
   }
 }
 
+// The same system is solved in every step; a single solve in a plane is another matter.
+TEST_P(Solvers, LongStepsTakeGamgByDefault) {
+  const Solved chosen = solve({}, GetParam()), gamg = solve({{"pc_type", "gamg"}}, GetParam());
+  EXPECT_EQ(chosen.iterations, gamg.iterations);
+  EXPECT_EQ(chosen.displacement, gamg.displacement);
+}
+
 }  // namespace
 }  // namespace trackbed::fem
