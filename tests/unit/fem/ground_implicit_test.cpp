@@ -178,6 +178,7 @@ TEST(Petsc, SolverThatStopsShortIsARunError) {
     ADD_FAILURE() << "no error";
   } catch (const RunError& error) {
     EXPECT_NE(std::string(error.what()).find("linear solver of the ground"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("solver_type mumps after --"), std::string::npos);
   }
   PetscOptionsClearValue(nullptr, "-ground_ksp_max_it");
 }
