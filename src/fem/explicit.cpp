@@ -6,7 +6,8 @@
 // Cost per step: one sweep over zones, one over nodes, one message per neighbour.
 //
 // Symbols: u m, v m/s, a m/s^2, F load from outside N, M kg, C N s/m, K N/m, beta s, h s. Second
-// order in h. The step is that of terms.hpp with the deck's safety.
+// order in h without beta; damping by stiffness takes the velocity half a step late, which is of
+// first order in h. The step is that of terms.hpp with the deck's safety.
 #include <chrono>
 #include <cmath>
 

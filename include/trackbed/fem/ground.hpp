@@ -163,7 +163,8 @@ class Ground {
   // The shape in this state is the reference: displacement counts from it, top() does not jump.
   void settle(std::span<const Vec3> top_force);
   // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit
-  // step. Afterwards top() holds position at the start and motion over the window.
+  // step. Afterwards top() holds position at the start and motion over the window. Explicit steps
+  // are of second order, with damping by stiffness, which acts half a step late, of first.
   void advance(double dt, std::span<const Vec3> top_force);
   // The same for one explicit step in two halves, for a load that depends on where the top goes:
   // `begin_step` moves the nodes by dt under the load they have, `end_step` gives them the load of
