@@ -157,6 +157,32 @@ void Bodies::advance(double dt, double gravity, std::span<const Push> pushes,
       room.surfaces[s].motion[n] = room.system.of(change, room.node_of[s][n]);
 }
 
+// Bodies are linear: what pushes add is added to the motion, also to that of the surfaces.
+void Bodies::push(std::span<const Push> pushes) {
+  Room& room = *room_;
+  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(room.system.displacement.size());
+  for (const Push& push : pushes)
+    for (const NodeWeight& one : push.at) room.system.add(one.node, one.weight * push.force, force);
+  const BodiesSystem::Vector before = room.system.displacement;
+  room.system.add(force);
+  const BodiesSystem::Vector change = room.system.displacement - before;
+  for (std::size_t s = 0; s < room.surfaces.size(); ++s)
+    for (std::size_t n = 0; n < room.node_of[s].size(); ++n)
+      room.surfaces[s].motion[n] += room.system.of(change, room.node_of[s][n]);
+}
+
+double Bodies::mobility(double dt, const NodeWeights& at) {
+  BodiesSystem& system = room_->system;
+  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(system.displacement.size());
+  for (const NodeWeight& one : at) system.add(one.node, {0, 0, one.weight}, force);
+  return force.dot(system.mobility(dt, force));
+}
+
+Vec3 Bodies::trapezoidal(double dt, const NodeWeights& at) const {
+  const BodiesSystem& system = room_->system;
+  return displacement(at) - system.beyond_trapezoid(dt) * sum_of(at, system, system.acceleration);
+}
+
 Vec3 Bodies::displacement(const NodeWeights& at) const {
   return sum_of(at, room_->system, room_->system.displacement);
 }

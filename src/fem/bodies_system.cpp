@@ -4,6 +4,9 @@
 //   u' = u + dt v + dt^2 [(1/2 - beta) a + beta a'],  v' = v + dt [(1 - gamma) a + gamma a']
 // (alpha_scheme.hpp): with A = (1 - alpha_m) M + gamma dt C + beta dt^2 K, constant for a dt,
 //   A a' = F' - alpha_m M a - C [v + dt (1 - gamma) a] - K [u + dt v + dt^2 (1/2 - beta) a].
+// With alpha_m = alpha, gamma = 1/2 - alpha and beta = (1 - alpha)^2/4 of Bossak
+//   u' - u = dt (v + v')/2 + dt^2 alpha^2/4 (a' - a),
+// so that u - dt^2 alpha^2/4 a is what the trapezoidal rule makes of the velocities.
 //
 // A direct factor: thin bodies fill it little, and its solve is a fixed sequence of operations, the
 // same on every rank and after a restart. Rejected:
@@ -150,6 +153,18 @@ void BodiesSystem::step(double dt, const Vector& force) {
   acceleration = factor_->solve(right);
   displacement = u + (s.beta * dt * dt) * acceleration;
   velocity = v + (s.gamma * dt) * acceleration;
+}
+
+void BodiesSystem::add(const Vector& force) {
+  const Vector change = factor_->solve(force);
+  acceleration += change;
+  displacement += (scheme_.beta * factor_step_ * factor_step_) * change;
+  velocity += (scheme_.gamma * factor_step_) * change;
+}
+
+BodiesSystem::Vector BodiesSystem::mobility(double dt, const Vector& force) {
+  if (dt != factor_step_) factorise(dt);
+  return scheme_.gamma * dt * factor_->solve(force);
 }
 
 std::int64_t BodiesSystem::factor() const {

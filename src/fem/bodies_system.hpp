@@ -24,6 +24,11 @@ class BodiesSystem {
   void rest();  // all zero; the next step begins with the acceleration of its forces
   // N at the end of the step. Throws RunError if the matrix has no factor.
   void step(double dt, const Vector& force);
+  void add(const Vector& force);  // N more at the end of the step just taken
+  // m/s at the end of a step of dt per force there, N.
+  Vector mobility(double dt, const Vector& force);
+  // s^2: displacements differ by so much acceleration from the sum of dt (v + v')/2.
+  double beyond_trapezoid(double dt) const { return (scheme_.beta - scheme_.gamma / 2) * dt * dt; }
   bool begun() const { return begun_; }  // since `rest`
   void resume(bool begun) { begun_ = begun; }
 

@@ -59,6 +59,8 @@ Line::Room::Room(const LineParameters& given)
           "sleepers that bend are whole ones, or halves of them, right on ballast springs");
   require(given.pads || given.moved == 0 || given.moves == MovedPart::ground,
           "seat loads are those of sleepers on springs");
+  require(given.moved_pads.empty() || given.pad.knee == 0,
+          "pads with a knee stand on sleepers that do not give way within a step");
   require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
           "sleepers that somebody else moves do not bend");
   elements = static_cast<std::size_t>(bays * track.elements);
@@ -178,13 +180,19 @@ void Line::Room::connect(const Kelvin& element) {
     }
 }
 
+// Of sleepers that give way under the force of their pads within a step (on_bed.hpp).
+double Line::Room::moved_pad(std::size_t index) const {
+  if (!is_moved(index) || parameters.moved_pads.empty()) return 1;
+  return parameters.moved_pads.at(index - parameters.first_moved);
+}
+
 // Rail node - pad - sleeper. Over the run-in all is as much stiffer as the knee comes earlier.
 void Line::Room::add_pad(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
   const PadParameters& pad = parameters.pad;
   const std::size_t at = index * static_cast<std::size_t>(parameters.track.elements);
   const std::int32_t rail = nodes[side][at][0], below = sleeper.unknown[side];
-  const double stiffer = run_in(sleeper.x);
+  const double stiffer = run_in(sleeper.x) * moved_pad(index);
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
   if (pad.knee == 0) return;

@@ -60,6 +60,7 @@ struct Line::Room {
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
+  double moved_pad(std::size_t index) const;
   double gap_below(double x, std::size_t side) const;
   double bed_factor(double x, std::size_t side) const;
   BeamElement element(std::size_t e, std::size_t side) const;

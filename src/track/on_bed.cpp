@@ -7,6 +7,13 @@
 // long as the sleepers' step is (Belytschko, Mullen 1978, doi:10.1002/nme.1620121008). Rejected: to
 // let the rail's solve move these sleepers too; they have six degrees of freedom, and the stones'
 // answer is late by half a window in any case.
+//
+// Sleepers that take an implicit step want the force of its end. They are linear: with w*, w'* of
+// seats without that force, Y = `mobility` (m/s per N, of a seat) and h the step (s),
+//   w' = w'* - Y r F,  w = w* - h/2 Y r F,   F = f [k (w* - u) + c (w'* - u')],
+//   f = 1/(1 + r Y (c + k h/2)),   r rails of a sleeper,
+// which is a softer pad on w*, w'*. Rail, pads and sleepers thus take one implicit step together,
+// in which no force is late.
 #include "trackbed/track/on_bed.hpp"
 
 #include "trackbed/core/error.hpp"
@@ -19,6 +26,10 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   LineParameters line = p.line;
   line.first_moved = static_cast<std::size_t>(p.seat.before);
   line.moved = p.sleepers;
+  const PadParameters& pad = p.line.pad;
+  for (const double mobility : p.mobility)
+    line.moved_pads.push_back(
+        1 / (1 + p.seat.rails * mobility * (pad.damping + pad.stiffness * p.step / 2)));
   return line;
 }
 
@@ -35,7 +46,8 @@ struct TrainOnBed::Room {
         passage(line, train, WheelRail(p.wheel_rail),
                 Irregularity(p.irregularity, p.line.track.length), p.train,
                 {.step = p.step, .duration = 0, .tolerance = p.tolerance}) {
-    require(at.size() == p.sleepers, "one level for each sleeper of the bed");
+    require(at.size() == p.sleepers && (p.mobility.empty() || p.mobility.size() == p.sleepers),
+            "one level for each sleeper of the bed");
   }
 
   double rails;                // the sleepers of the bed carry

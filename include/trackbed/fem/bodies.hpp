@@ -108,8 +108,18 @@ class Bodies {
   void advance(double dt, double gravity, std::span<const Push> pushes,
                const std::vector<std::span<const Vec3>>& node_force);
 
+  // More pushes at the end of the step that `advance` took last, as if it had had them.
+  void push(std::span<const Push> pushes);
+  // m/s per N, up: how fast `at` moves at the end of a step because of a push there. What follows
+  // the velocities by the trapezoidal rule gives way by dt/2 of it. Factorises as `advance`.
+  double mobility(double dt, const NodeWeights& at);
+
   Vec3 displacement(const NodeWeights& at) const;  // m
   Vec3 velocity(const NodeWeights& at) const;      // m/s
+  // m: the displacement that follows the velocities by the trapezoidal rule in steps of dt; from
+  // the other by dt^2 alpha^2/4 of the acceleration. A spring on it to a part that somebody else
+  // moves by that rule makes no energy, whatever dt is (docs/decisions/train_on_bed.md).
+  Vec3 trapezoidal(double dt, const NodeWeights& at) const;
   BodyMotion motion(std::size_t body) const;
   Vec3 pad_force(std::size_t pad) const;  // N, on the body above; pushing it up is positive
   // Pa, xx yy zz xy yz zx, tension positive, at a point of the body as built.

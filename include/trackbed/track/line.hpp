@@ -108,6 +108,7 @@ struct LineParameters {
   // pads or ballast it has the upper ends.
   std::size_t first_moved = 0, moved = 0;
   MovedPart moves = MovedPart::sleepers;
+  std::vector<double> moved_pads = {};  // factor of the pad of each that is moved; none: 1
   bool pads = true;  // false: sleepers are loaded by seat loads, and the rail by nothing
 };
 

@@ -34,6 +34,10 @@ struct TrainOnBedParameters {
   double first;              // m, x of the bed, of the first of them
   double step;               // s
   double tolerance = 1e-12;  // m, see PassageParameters
+  // m/s per N, of each sleeper's seat at the end of a step by a force of its pads there; its level
+  // gives way by half a step of that. Of sleepers in implicit steps; none: explicit ones, for which
+  // forces of the end of a step come too late.
+  std::vector<double> mobility = {};
 };
 
 class TrainOnBed {
@@ -46,8 +50,8 @@ class TrainOnBed {
 
   // N, downwards, on the i-th sleeper of the bed at the present time; of all rails it carries.
   double seat_force(std::size_t i) const;
-  // One step: to where the sleepers of the bed are at `levels` (m) and move at `rates` (m/s, up).
-  // Throws RunError if the contact of wheels and rail cannot be solved.
+  // One step: to `levels` (m) and `rates` (m/s, up) of the bed's sleepers; with `mobility` to those
+  // without pads, whose forces `seat_force` then is. RunError: contacts of wheels are not solved.
   void advance(const std::vector<double>& levels, const std::vector<double>& rates);
   // The same train once more, on the rail as it is.
   void send_again();

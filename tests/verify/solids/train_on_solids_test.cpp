@@ -1,0 +1,300 @@
+// A train over solid sleepers on springs: against the track alone that has rigid ones in its
+// matrix, and in steps of any length.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/verified.hpp"
+#include "trackbed/fem/bodies.hpp"
+#include "trackbed/track/on_bed.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
+constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
+constexpr double width = 0.29, height = 0.22;                // m
+
+track::LineParameters track_of() {
+  track::LineParameters p;
+  p.track.length = 24;
+  return p;
+}
+
+const track::TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 0};
+
+// Every 0.4 ms: N, of the first wheel; m, of the sleeper in the middle of the bed.
+struct Histories {
+  std::vector<double> wheel, sleeper;
+};
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+Histories alone(double dt) {
+  const track::Line line(track_of());
+  const track::Train train(motion, {}, 2);
+  track::Passage passage(line, train, track::WheelRail({}), track::Irregularity({}, 24), motion,
+                         {.step = dt});
+  const std::int32_t unknown = line.sleeper_unknown(before + watched);
+  Histories found;
+  for (int i = 1; i <= std::lround(duration / dt); ++i) {
+    passage.advance();
+    if (i % std::lround(every / dt) != 0) continue;
+    found.wheel.push_back(passage.wheel_force(0));
+    found.sleeper.push_back(passage.line_motion().displacement[unknown]);
+  }
+  return found;
+}
+
+struct Case {
+  double dt;                        // s
+  double stiffer = 1e4;             // than concrete
+  double alpha = 0;                 // of Bossak's scheme
+  double rails = 1;                 // of a sleeper
+  std::vector<double> seats = {0};  // m, y from its middle
+  track::LineParameters line = track_of();
+  std::vector<std::string> vehicles = motion.vehicles;
+};
+
+// Sleepers of `rails` times the mass below one rail, on `rails` times its ballast spring, which
+// stand on blocks that are held; number i on block count + i.
+BodiesParameters solids(const Case& c) {
+  const track::TrackParameters& track = c.line.track;
+  const double length = 0.65 * c.rails,
+               density = c.rails * track.sleeper_mass / 2 / (width * height * length);
+  BodiesParameters p;
+  p.alpha = c.alpha;
+  for (const bool base : {false, true})
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = static_cast<double>(i) * track.spacing, z = base ? -height : 0;
+      p.bodies.push_back({.name = "sleeper",
+                          .low = {x - width / 2, -length / 2, z},
+                          .high = {x + width / 2, length / 2, z + height},
+                          .elements = {1, base ? 1 : 4, 1},
+                          .solid = {.young = c.stiffer * 37e9, .poisson = 0, .density = density},
+                          .touched = !base});
+    }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = static_cast<double>(i) * track.spacing;
+    const Vec3 directions(1, 1, c.rails);
+    p.pads.push_back(
+        {.below = count + i,
+         .above = i,
+         .patch = {.x = {x - width / 2, x + width / 2}, .y = {-length / 2, length / 2}},
+         .stiffness = c.line.ballast.stiffness * directions,
+         .damping = c.line.ballast.damping * directions});
+    for (const bool low : {true, false})
+      p.held.push_back(
+          {.body = count + i, .axis = 0, .low = low, .components = {true, true, true}});
+  }
+  return p;
+}
+
+// As app::SolidSleepers and app::StageTrain.
+struct OnSolids {
+  explicit OnSolids(const Case& given) : c(given), bodies(solids(c)), train(train_of()) {
+    bodies.place(Vec3::Zero());
+  }
+
+  track::TrainOnBed train_of() {
+    std::vector<double> mobility;
+    for (std::size_t i = 0; i < count; ++i) {
+      NodeWeights all;
+      for (const double y : c.seats) {
+        const double x = static_cast<double>(i) * c.line.track.spacing;
+        for (const NodeWeight& one :
+             bodies.over(i, Side::upper, {.x = {x - 0.07, x + 0.07}, .y = {y - 0.07, y + 0.07}}))
+          all.push_back({one.node, one.weight / static_cast<double>(c.seats.size())});
+      }
+      seats.push_back(all);
+      mobility.push_back(bodies.mobility(c.dt, all));
+    }
+    track::TrainParameters sent = motion;
+    sent.vehicles = c.vehicles;
+    return track::TrainOnBed({.line = c.line,
+                              .vehicles = {},
+                              .train = sent,
+                              .wheel_rail = {},
+                              .irregularity = {},
+                              .seat = {.before = before, .rails = c.rails},
+                              .sleepers = count,
+                              .first = 0.6,
+                              .step = c.dt,
+                              .mobility = mobility},
+                             std::vector<double>(count, 0.0));
+  }
+
+  void window(std::span<const Bodies::Push> also = {}) {
+    bodies.advance(c.dt, 0, also, {});
+    std::vector<double> levels, rates;
+    for (const NodeWeights& seat : seats) {
+      levels.push_back(bodies.trapezoidal(c.dt, seat).z());
+      rates.push_back(bodies.velocity(seat).z());
+    }
+    train.advance(levels, rates);
+    std::vector<Bodies::Push> pushes;
+    for (std::size_t i = 0; i < count; ++i)
+      pushes.push_back({seats[i], {0, 0, -train.seat_force(i)}});
+    bodies.push(pushes);
+  }
+
+  // N, by which the pad of sleeper i is off its law at rail and seat as they are now.
+  double off_law(std::size_t i) const {
+    const track::Newmark& rail = train.passage().line_motion();
+    const track::RailPoint at = train.line().at(train.line().sleeper_x(before + i));
+    const double pressed =
+                     bodies.trapezoidal(c.dt, seats[i]).z() - at.deflection(rail.displacement),
+                 rate = bodies.velocity(seats[i]).z() - at.deflection(rail.velocity);
+    return train.seat_force(i) -
+           c.rails * (c.line.pad.stiffness * pressed + c.line.pad.damping * rate);
+  }
+
+  Case c;
+  Bodies bodies;
+  std::vector<NodeWeights> seats;
+  track::TrainOnBed train;
+};
+
+Histories on_solids(const Case& c) {
+  OnSolids model(c);
+  Histories found;
+  for (int i = 1; i <= std::lround(duration / c.dt); ++i) {
+    model.window();
+    if (i % std::lround(every / c.dt) != 0) continue;
+    found.wheel.push_back(model.train.passage().wheel_force(0));
+    found.sleeper.push_back(model.bodies.motion(watched).displacement.z());
+  }
+  return found;
+}
+
+// alpha = 0 makes Bossak's scheme the trapezoidal rule, which the track alone takes: the step is
+// then the same, and what is left is how much stiff sleepers still give.
+TEST(TrainOnSolids, StiffSleepersAreThoseOfTheTrackAlone) {
+  const Histories rigid = alone(2e-4);
+  const Histories stiff = on_solids({.dt = 2e-4}), soft = on_solids({.dt = 2e-4, .stiffer = 1e2});
+  verified::below("wheel force with 1e4 E against rigid sleepers, root mean square", "N",
+                  distance(stiff.wheel, rigid.wheel), 1e-2);
+  verified::below("height of a sleeper with 1e4 E against a rigid one", "m",
+                  distance(stiff.sleeper, rigid.sleeper), 1e-10);
+  verified::near("the same over that with 1e2 E", "-",
+                 distance(stiff.sleeper, rigid.sleeper) / distance(soft.sleeper, rigid.sleeper),
+                 1e-2, 2e-3);
+}
+
+// Against the same steps of the track alone: what is left is the difference of the two schemes.
+TEST(TrainOnSolids, ConvergesToTheTrackAlone) {
+  const Histories coarse = alone(2e-4), fine = alone(1e-4);
+  const Case bossak{.dt = 2e-4, .stiffer = 1e6, .alpha = -0.1};
+  Case shorter = bossak;
+  shorter.dt = 1e-4;
+  const Histories a = on_solids(bossak), b = on_solids(shorter);
+  const auto order = [&](const auto& of) {
+    return std::log2(distance(a.*of, coarse.*of) / distance(b.*of, fine.*of));
+  };
+  verified::near("order in the window, sleeper", "-", order(&Histories::sleeper), 2, 0.2);
+  verified::near("order in the window, wheel force", "-", order(&Histories::wheel), 2, 0.2);
+  verified::below("sleeper against the track alone, windows of 0.1 ms, root mean square", "m",
+                  distance(b.sleeper, fine.sleeper), 5e-10);
+  verified::below("wheel force against the track alone", "N", distance(b.wheel, fine.wheel), 1);
+}
+
+// Whole sleepers with two seats carry both rails; their middle does not bend if the seats stand
+// where half of the springs' force is on either side of each, and 1e4 E leaves nothing else.
+TEST(TrainOnSolids, AWholeTrackIsTwoHalves) {
+  const Histories half = on_solids({.dt = 2e-4});
+  const Histories whole = on_solids({.dt = 2e-4, .rails = 2, .seats = {-0.325, 0.325}});
+  verified::below("wheel force, whole sleepers against halves", "N",
+                  distance(half.wheel, whole.wheel), 1e-3);
+  verified::below("height of a sleeper, whole against half", "m",
+                  distance(half.sleeper, whole.sleeper), 1e-11);
+}
+
+TEST(TrainOnSolids, ThePadsForceIsThatOfTheWindowsEnd) {
+  OnSolids model({.dt = 2e-4, .stiffer = 1, .alpha = -0.1});
+  double off = 0, largest = 0;
+  for (int n = 0; n < 1000; ++n) {
+    model.window();
+    for (std::size_t i = 0; i < count; ++i) {
+      off = std::max(off, std::abs(model.off_law(i)));
+      largest = std::max(largest, std::abs(model.train.seat_force(i)));
+    }
+  }
+  EXPECT_GT(largest, 1e4);
+  EXPECT_LT(off, 1e-9 * largest);
+}
+
+// Explicit sleepers of 1.5 kg on these pads are stable up to 0.22 ms without the dashpots and 0.06
+// ms with them. No window makes energy here: after a blow the sleepers come to rest, or without
+// dashpots swing no further.
+TEST(TrainOnSolids, AnyWindowIsStable) {
+  for (const double alpha : {0.0, -0.1, -1.0 / 3})
+    for (const double dt : {1e-4, 1e-2, 1.0})
+      for (const bool damped : {true, false}) {
+        Case c{.dt = dt, .stiffer = 1, .alpha = alpha};
+        c.vehicles = {};
+        c.line.track.sleeper_mass = 3;
+        if (!damped) c.line.pad.damping = c.line.ballast.damping = 0;
+        OnSolids model(c);
+        const Bodies::Push blow{model.seats[watched], {0, 0, -1e5}};
+        model.window(std::span(&blow, 1));
+        double early = 0, late = 0;
+        constexpr int windows = 1000;
+        for (int n = 0; n < windows; ++n) {
+          model.window();
+          const double found = std::abs(model.bodies.displacement(model.seats[watched]).z());
+          (n < windows / 2 ? early : late) = std::max(n < windows / 2 ? early : late, found);
+        }
+        EXPECT_LE(late, early) << "alpha " << alpha << ", dt " << dt << ", damped " << damped;
+      }
+}
+
+// A bar on a stiff spring and dashpot below a mass that takes trapezoidal steps, held by nothing:
+// with `displacement` instead of `trapezoidal` below the spring it gains 0.3 % in each step.
+TEST(TrainOnSolids, TheTrapezoidalSeatMakesNoEnergy) {
+  const auto largest_after = [](bool trapezoidal) {
+    BodiesParameters p;
+    constexpr double unit = 1e-3, dt = 1;  // kg, s
+    p.bodies = {{.name = "bar",
+                 .high = {1, 1, 1},
+                 .solid = {.young = 1, .poisson = 0, .density = 1.684 * unit}},
+                {.name = "base", .low = {0, 0, -1}, .high = {1, 1, 0}, .solid = {.young = 1}}};
+    p.pads = {{.below = 1, .above = 0, .patch = {.x = {0, 1}, .y = {0, 1}}}};
+    p.pads[0].stiffness = {1, 1, 15401 * unit};
+    for (const bool low : {true, false})
+      p.held.push_back({.body = 1, .axis = 0, .low = low, .components = {true, true, true}});
+    p.bodies[0].solid.young = 1e9;
+    Bodies bodies(p);
+    bodies.place(Vec3::Zero());
+    const NodeWeights seat = bodies.over(0, Side::upper, {.x = {0, 1}, .y = {0, 1}});
+    const double stiffness = 2442, damping = 219.6, mass = 735.5 * unit;
+    const double y = bodies.mobility(dt, seat);
+    const double gives = trapezoidal ? y * dt / 2 : y * dt * 0.3025 / 0.6;
+    double u = 0, v = 0, a = 0, largest = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const Bodies::Push first{seat, {0, 0, n == 0 ? 1.0 : 0.0}};
+      bodies.advance(dt, 0, std::span(&first, 1), {});
+      const double level =
+          (trapezoidal ? bodies.trapezoidal(dt, seat) : bodies.displacement(seat)).z();
+      // Forces of the end on both: of three unknowns, F, u and v at the end, F is the one to solve.
+      const double u0 = u + dt * v + dt * dt / 4 * a, v0 = v + dt / 2 * a;
+      const double force =
+          (stiffness * (level - u0) + damping * (bodies.velocity(seat).z() - v0)) /
+          (1 + stiffness * (gives + dt * dt / 4 / mass) + damping * (y + dt / 2 / mass));
+      const Bodies::Push pad{seat, {0, 0, -force}};
+      bodies.push(std::span(&pad, 1));
+      a = force / mass, u = u0 + dt * dt / 4 * a, v = v0 + dt / 2 * a;
+      if (n >= 2000) largest = std::max(largest, std::abs(v));
+    }
+    return largest;
+  };
+  EXPECT_LT(largest_after(true), 10);
+  EXPECT_GT(largest_after(false), 1e3);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
