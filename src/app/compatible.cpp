@@ -26,6 +26,7 @@ namespace {
 struct Holds {
   bool sleepers;      // placed
   bool solids;        // and they are solids
+  bool solid_rails;   // on them
   bool moved_ground;  // has left its rest
   bool plane;         // a plane model
   bool quiet_base;    // of the ground
@@ -42,6 +43,7 @@ Holds holds_of(const io::File& checkpoint, const Values& deck) {
   };
   return {.sleepers = checkpoint.has("sleepers"),
           .solids = checkpoint.has("sleepers/solid"),
+          .solid_rails = is("solid.rails", "true"),
           .moved_ground = checkpoint.has("ground"),
           .plane = is("dimension", "\"plane\""),
           .quiet_base = is("ground.base", "\"quiet\""),
@@ -83,10 +85,11 @@ bool matters_to_train(std::string_view key) {
 }
 
 // Solids are strained as their stiffness wants it. Damping and the scheme's constant may change.
-bool matters_to_solids(std::string_view key) {
+bool matters_to_solids(std::string_view key, const Holds& holds) {
   if (key == "solid.alpha" || key == "solid.rayleigh_stiffness" || key == "pad.damping")
     return false;
-  return key.starts_with("solid.") || key.starts_with("rail.") || key.starts_with("pad.");
+  const bool rail = key.starts_with("rail.") || key.starts_with("pad.");
+  return key.starts_with("solid.") || (rail && holds.solid_rails);
 }
 
 // Stones know the domain; the load of the bed lies on the nodes of the ground's top; a ground that
@@ -103,7 +106,7 @@ bool matters(std::string_view key, const Holds& holds) {
   if (is_one_of(key, always)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("tamping.")) return holds.tines;
-  if (holds.solids && matters_to_solids(key)) return true;
+  if (holds.solids && matters_to_solids(key, holds)) return true;
   if (key.starts_with("ground.layer[") &&
       (key.ends_with("].thickness") || key.ends_with("].zones")))
     return true;

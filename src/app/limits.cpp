@@ -169,10 +169,15 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
 }
 
 // Explicit sleepers on springs are stable up to 2/w, w = sqrt(k/m), on dashpots up to m/c; both
-// rates, 1/s, add up. k and c: of the pads of all rails that a sleeper carries.
+// rates, 1/s, add up. k and c: of the pads of all rails that a sleeper carries. Solid ones take one
+// implicit step with pads and rail, which is stable for any window.
 CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
   const CouplingLimit limit = coupling_limit(model, stage.ground_moves);
   if (!stage.train) return limit;
+  if (model.sleepers.model == track::SleeperBody::solid)
+    return limit.window <= model.track.passage.step
+               ? limit
+               : CouplingLimit{.window = model.track.passage.step, .instead = "passage.step"};
   const auto& s = model.sleepers;
   const auto& pad = model.track.line.pad;
   const double length = model.dimension == Dimension::plane ? model.thickness : s.length;

@@ -34,7 +34,7 @@ struct CouplingLimit {
 };
 CouplingLimit coupling_limit(const Model& model, bool ground_moves);
 // Of a stage; its train asks for windows of `passage.step` at most, and for a quarter of what is
-// stable for sleepers on the pads of the rail.
+// stable for rigid sleepers on the pads of the rail.
 CouplingLimit coupling_limit(const Model& model, const Stage& stage);
 
 // A window is `substeps` sub-steps of equal length, each at most the stable one.

@@ -82,12 +82,13 @@ void Simulation::move_sleepers(double dt) {
 }
 
 // An implicit step takes the loads of its end. Axles run on the rails, if there are any; what comes
-// to the seats is known afterwards.
+// to the seats is known afterwards. So it is of a train, whose rail takes the same step.
 void Simulation::move_solids(double dt) {
   const double end = (static_cast<double>(course_.clock.window()) + 1) * dt;
   world_.solids->roll(actions_.axles(stage(), end));
   world_.solids->advance(dt, actions_.seat_forces(stage(), end), world_.on_sleepers(),
                          model_.dem.gravity);
+  actions_.move_train(stage(), course_.clock);
   seat_force_ = world_.solids->seat_forces();
 }
 

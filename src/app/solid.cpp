@@ -89,9 +89,6 @@ void declare_kinds(const Model& model, input::Section& s) {
          about);
   s.rule("sleepers.model", !model.has_stage(StageKind::tamp),
          "must be rigid for stages of kind tamp, which lift the sleepers", about);
-  s.rule("sleepers.model", !model.has_train(),
-         "must be rigid below a train (train = true): on solid ones the axles of [load] pass",
-         about);
   s.rule("sleepers.bevel", model.sleepers.bevel == 0, "must be 0 for solid sleepers",
          {.reads = {"sleepers"}});
   const track::SleeperParameters none;
@@ -117,8 +114,15 @@ void declare_seats(const Model& model, input::Section& s) {
            about);
 }
 
+// The pads of a train are in the step of rail and solids together, which is linear.
 void declare_rails(const Model& model, input::Section& s) {
+  s.rule("pad.knee", model.solid.rails || !model.has_train() || model.track.line.pad.knee == 0,
+         "must be 0 on solid sleepers", {.reads = {"pad", "sleepers.model", "stage"}});
   if (!model.solid.rails) return;
+  s.rule("solid.rails", !model.has_train(),
+         "must be false below a train (train = true), whose rail is a beam; on solid rails the "
+         "axles of [load] pass",
+         {.reads = {"solid.rails", "stage"}});
   s.rule("load.kind",
          !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
          "must be winkler with solid rails, whose wheels run on them; other kinds are loads of "

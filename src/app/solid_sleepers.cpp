@@ -7,10 +7,13 @@
 namespace trackbed::app {
 
 SolidSleepers::SolidSleepers(const Model& model) : model_(model), bodies_(solid_bodies(model)) {
+  seats_.resize(count());
   for (std::size_t i = 0; i < count(); ++i)
     for (std::size_t s = 0; s < seats(); ++s) {
       const fem::Patch patch = seat_patch(model, i, s);
       seat_.push_back(bodies_.over(i, fem::Side::upper, patch));
+      for (const fem::NodeWeight& one : seat_.back())
+        seats_[i].push_back({one.node, one.weight / static_cast<double>(seats())});
       if (model.solid.rails) rail_.push_back(bodies_.over(count() + s, fem::Side::upper, patch));
     }
   loaded_ = model.solid.rails ? rail_ : seat_;
@@ -97,6 +100,34 @@ std::vector<double> SolidSleepers::seat_forces() const {
   std::vector<double> forces(count(), 0);
   for (std::size_t k = 0; k < seat_.size(); ++k) forces[k / seats()] += bodies_.pad_force(k).z();
   return forces;
+}
+
+std::vector<double> SolidSleepers::seat_levels(double dt) const {
+  std::vector<double> levels;
+  for (const fem::NodeWeights& seats : seats_) levels.push_back(bodies_.trapezoidal(dt, seats).z());
+  return levels;
+}
+
+std::vector<double> SolidSleepers::seat_rates() const {
+  std::vector<double> rates;
+  for (const fem::NodeWeights& seats : seats_) rates.push_back(bodies_.velocity(seats).z());
+  return rates;
+}
+
+std::vector<double> SolidSleepers::seat_mobility(double dt) {
+  std::vector<double> mobility;
+  for (const fem::NodeWeights& seats : seats_) mobility.push_back(bodies_.mobility(dt, seats));
+  return mobility;
+}
+
+void SolidSleepers::press(std::span<const double> force) {
+  require(force.size() == count(), "one force per sleeper");
+  std::vector<fem::Bodies::Push> pushes;
+  for (std::size_t i = 0; i < count(); ++i) {
+    given_[i] += force[i];
+    pushes.push_back({seats_[i], {0, 0, -force[i]}});
+  }
+  bodies_.push(pushes);
 }
 
 // Bending stress: along the sleeper, at its lower face below each seat and in its middle, which is

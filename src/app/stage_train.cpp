@@ -28,27 +28,47 @@ double StageTrain::duration() const {
   return track::Motion(t.train).time_at(t.line.track.length + train.axle_distance());
 }
 
+// Of solid sleepers those of the seats, which pads of other sleepers do not tell from the centre.
 std::vector<double> StageTrain::levels() const {
+  if (world_.solids) return world_.solids->seat_levels(step_);
   std::vector<double> all;
   for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
     all.push_back(world_.sleepers->state(i).displacement.z());
   return all;
 }
 
+std::vector<double> StageTrain::rates() const {
+  if (world_.solids) return world_.solids->seat_rates();
+  std::vector<double> all;
+  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
+    all.push_back(world_.sleepers->velocity_now(i).z());
+  return all;
+}
+
+// Solid sleepers have gone through the window without the pads' forces of its end.
+void StageTrain::press() {
+  std::vector<double> forces;
+  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
+    forces.push_back(train_->seat_force(i));
+  world_.solids->press(forces);
+}
+
 void StageTrain::send(double step) {
   const TrackModel& t = model_.track;
   forces_ = {};
-  train_.emplace(track::TrainOnBedParameters{.line = t.line,
-                                             .vehicles = t.vehicles,
-                                             .train = t.train,
-                                             .wheel_rail = t.wheel_rail,
-                                             .irregularity = t.irregularity,
-                                             .seat = model_.seat,
-                                             .sleepers = world_.sleepers->count(),
-                                             .first = model_.sleepers.first,
-                                             .step = step,
-                                             .tolerance = t.passage.tolerance},
-                 levels());
+  step_ = step;
+  track::TrainOnBedParameters parameters{.line = t.line,
+                                         .vehicles = t.vehicles,
+                                         .train = t.train,
+                                         .wheel_rail = t.wheel_rail,
+                                         .irregularity = t.irregularity,
+                                         .seat = model_.seat,
+                                         .sleepers = world_.sleepers->count(),
+                                         .first = model_.sleepers.first,
+                                         .step = step,
+                                         .tolerance = t.passage.tolerance};
+  if (world_.solids) parameters.mobility = world_.solids->seat_mobility(step);
+  train_.emplace(parameters, levels());
 }
 
 // Beyond the bed wheels meet springs, which tell nothing about it.
@@ -63,10 +83,8 @@ void StageTrain::see_wheels() {
 // Trains follow each other at the ends of cycles, which are counted as for their settlement.
 void StageTrain::move(std::int64_t trains, const Clock& clock) {
   if (!train_) return;
-  std::vector<double> rates;
-  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
-    rates.push_back(world_.sleepers->velocity_now(i).z());
-  train_->advance(levels(), rates);
+  train_->advance(levels(), rates());
+  if (world_.solids) press();
   see_wheels();
   const std::int64_t window = clock.window(), windows = clock.windows();
   const auto number = [&](std::int64_t done) { return done * trains / windows; };

@@ -22,7 +22,8 @@ class StageTrain {
   double duration() const;  // s until the last axle has left the track
   void send(double step);   // s, the stage's window; the rail is laid on the sleepers as they are
   bool there() const { return train_.has_value(); }
-  double seat_force(std::size_t i) const { return train_->seat_force(i); }  // N downwards
+  // N downwards, that moves the i-th sleeper from now on; on solid ones `move` presses.
+  double seat_force(std::size_t i) const { return world_.solids ? 0 : train_->seat_force(i); }
   // After the sleepers have moved through the window that `clock` is in, of `trains` in the stage.
   void move(std::int64_t trains, const Clock& clock);
   void take_away() { train_.reset(); }
@@ -40,12 +41,15 @@ class StageTrain {
 
  private:
   std::vector<double> levels() const;  // m, of the sleepers
+  std::vector<double> rates() const;   // m/s
+  void press();
   void see_wheels();
 
   World& world_;
   const Model& model_;
   std::optional<track::TrainOnBed> train_;
   WheelExtremes forces_;
+  double step_ = 0;  // s
   std::size_t wheels_ = 0, bodies_ = 0;
 };
 

@@ -93,7 +93,7 @@ void declare_bending(const TrackModel& model, input::Section& s) {
          "must be 0 below sleepers that bend: their ballast is spread along them",
          {.reads = {"track", "ballast"}});
   s.rule("track.sleeper.model", !model.on_bed,
-         "must be rigid on a bed, whose own sleepers do not bend", {.reads = {"track"}});
+         "must be rigid on a bed, whose sleepers are those of [sleepers]", {.reads = {"track"}});
 }
 
 // None that cannot be built: what it lacks is said already.

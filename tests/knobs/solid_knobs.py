@@ -35,10 +35,13 @@ KNOBS = {
 ALSO = ["rail.section=CHN60", "rail.young=190e9", "rail.poisson=0.2", "rail.mass=50",
         "rail.area=0.006", "rail.inertia=2e-5", "pad.stiffness=70e6", "pad.damping=10e3",
         "load.axles=[0]"]
+TRAIN = ("solid.rails=false stage.passage.train=true train.start=0 track.spacing=0.4 "
+         "track.length=12.4 track.sleeper_mass=732 seat.before=15 seat.rails=0.1")
 REFUSED = {
     "dimension=plane bed.stone=pebbles": "solid needs dimension = \"space\"",
     "stage.passage.kind=tamp stage.passage.duration=0": "must be rigid for stages of kind tamp",
-    "stage.passage.train=true train.start=0": "must be rigid below a train",
+    "stage.passage.train=true train.start=0": "must be false below a train (train = true)",
+    f"{TRAIN} pad.knee=1e-4 pad.beyond=300e6": "must be 0 on solid sleepers",
     "sleepers.bevel=0.02": "must be 0 for solid sleepers",
     "solid.seats=[0.3]": "puts a seat at 0.3 m, beyond the end of the sleeper",
     "solid.seats=[]": "must hold at least one",
@@ -57,6 +60,11 @@ PLACED = {
     "solid.rails=false": "solid.rails = false: the checkpoint",
     "rail.section=CHN60": 'was made with "60E1"',
     "pad.stiffness=70e6": "was made with 120000000.0",
+}
+# What `check` says: no pads are too stiff for a window.
+SAID = {
+    f"{TRAIN} passage.step=2e-5": "(limit: coupling: passage.step)",
+    f"{TRAIN} pad.stiffness=1e12 passage.step=1e-3": "load 271, passage 1084\n",
 }
 WARNED = {
     "sleepers.model=rigid": "have no effect: sleepers.model is rigid",
@@ -114,6 +122,10 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
+    for changes, words in SAID.items():
+        ran = program(1, "check", deck, *SHORT, *split(changes))
+        if ran.returncode != 0 or words not in ran.stdout:
+            problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")
     for changes, words in WARNED.items():
         ran = program(1, "check", deck, *split(changes))
         if ran.returncode != 0 or not any(line.startswith("warning: ") and words in line
