@@ -220,5 +220,47 @@ TEST(Bodies, FieldsAreOnTheFirstRank) {
   EXPECT_EQ(grid.cell_data[0].values.size(), world.root() ? 6u * 48 : 0u);
 }
 
+// What is pushed after a step counts as what was pushed in it, and moves a place as it says.
+TEST(Bodies, PushesAfterAStepAreThoseOfItsEnd) {
+  Bodies before = one(), after = one(), without = one();
+  constexpr double dt = 2e-4, force = 3e3;
+  const NodeWeights at = after.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}});
+  const Bodies::Push push{at, {0, 0, force}};
+  for (Bodies* bodies : {&before, &after, &without}) bodies->advance(dt, g, {}, {});
+  for (int n = 0; n < 20; ++n) {
+    before.advance(dt, g, std::span(&push, 1), {});
+    after.advance(dt, g, {}, {});
+    if (n == 0) without.advance(dt, g, {}, {});
+    const double rate = after.velocity(at).z();
+    after.push(std::span(&push, 1));
+    const double gained = after.velocity(at).z() - rate;
+    EXPECT_NEAR(gained, force * after.mobility(dt, at), rounding * gained);
+    if (n == 0)
+      EXPECT_NEAR(after.trapezoidal(dt, at).z() - without.trapezoidal(dt, at).z(), dt / 2 * gained,
+                  rounding * dt * gained);
+  }
+  const double way = before.displacement(at).z();
+  EXPECT_NEAR(after.displacement(at).z(), way, rounding * std::abs(way));
+  for (std::size_t k = 0; k < after.surfaces()[0].nodes(); ++k)
+    EXPECT_LT((after.surfaces()[0].motion[k] - before.surfaces()[0].motion[k]).norm(),
+              rounding * std::abs(way));
+}
+
+TEST(Bodies, TheTrapezoidalPlaceFollowsTheVelocities) {
+  Bodies bodies = one();
+  constexpr double dt = 1e-4;
+  const NodeWeights at = bodies.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}});
+  const Bodies::Push push{at, {0, 0, 5e3}};
+  bodies.advance(dt, g, {}, {});
+  double place = bodies.trapezoidal(dt, at).z(), rate = bodies.velocity(at).z(), off = 0;
+  for (int n = 0; n < 50; ++n) {
+    bodies.advance(dt, g, std::span(&push, 1), {});
+    place += dt / 2 * (rate + bodies.velocity(at).z()), rate = bodies.velocity(at).z();
+    off = std::max(off, std::abs(bodies.displacement(at).z() - place));
+    EXPECT_NEAR(bodies.trapezoidal(dt, at).z(), place, 1e-13);
+  }
+  EXPECT_GT(off, 1e-11);  // the displacement itself does not
+}
+
 }  // namespace
 }  // namespace trackbed::fem
