@@ -135,6 +135,7 @@ void Ground::Room::begin_step(double h) {
   prepare_step(h);
   move(Part::drift, h);
   pull_back(h, time + h);
+  show_motion();
 }
 
 void Ground::Room::end_step(double h) {

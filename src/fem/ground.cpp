@@ -80,11 +80,13 @@ void Ground::Room::make_surface() {
   window_start_.assign(own_top.size(), Vec3::Zero());
 }
 
-// Six-node faces as four triangles each, so that stones and nodal loads see straight pieces.
+// Six-node faces as four triangles each, so that stones and nodal loads see straight pieces;
+// flat_top.hpp says how they move. Collective.
 void Ground::Room::import_surface() {
   const Imported& shape = *mesh.imported;
   surface.name = "ground";
   surface.load_quantum = exact_quantum(largest_node_force);
+  flat_top = std::make_unique<FlatTop>(mesh, terms.mass);
   surface.position = shape.top_place;
   surface.triangles = shape.top_triangles;
   for (std::size_t n = 0; n < shape.top_node.size(); ++n) {
@@ -104,12 +106,17 @@ Vec3 Ground::Room::vector(const Nodal& values, std::int32_t node) const {
   return v;
 }
 
-// Of the shape the stones touch: settling moves the reference, not the surface.
-Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
-  return vector(state.offset, node) + vector(state.displacement, node);
+Vec3 Ground::Room::at_top(const Nodal& values, std::int32_t node) const {
+  return flat_top ? flat_top->at(node, values) : vector(values, node);
 }
 
-// Only the top carries load from outside; weight is in the state of rest.
+// Of the shape the stones touch: settling moves the reference, not the surface.
+Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
+  return at_top(state.offset, node) + at_top(state.displacement, node);
+}
+
+// Only the top carries load from outside; weight is in the state of rest. Collective if it is that
+// of a mesh.
 void Ground::Room::set_load(std::span<const Vec3> top_force) {
   require(top_force.size() == surface.nodes(), "ground: one force per top node");
   for (const TopNode& top : own_top)
@@ -118,6 +125,7 @@ void Ground::Room::set_load(std::span<const Vec3> top_force) {
     for (int c = 0; c < components(); ++c)
       state.load[c][top.node] +=
           top_force[static_cast<std::size_t>(top.number)][mesh.lattice.axis(c)];
+  if (flat_top) flat_top->to_nodes(state.load);
   // The front node comes first: take the settled load off once per node.
   std::int32_t faces = mesh.lattice.plane ? 2 : 1;
   for (std::size_t t = 0; t < own_top.size() / static_cast<std::size_t>(faces); ++t)
@@ -128,7 +136,7 @@ void Ground::Room::set_load(std::span<const Vec3> top_force) {
 // The surface of the window that just ended: where its nodes were and how far they went.
 // Collective. The stones follow this motion linearly while the ground already stands at its end.
 void Ground::Room::publish() {
-  mesh.exchange(state.displacement);
+  flat_top ? show_motion() : mesh.exchange(state.displacement);
   const Lattice& lattice = mesh.lattice;
   for (std::size_t t = 0; t < own_top.size(); ++t) {
     const TopNode& top = own_top[t];
@@ -143,8 +151,16 @@ void Ground::Room::publish() {
   check_finite();
 }
 
+// Corners of a mesh show what the nodes around do, of other ranks too.
+void Ground::Room::show_motion() {
+  if (!flat_top) return;
+  for (Nodal* values : {&state.displacement, &state.velocity, &state.acceleration})
+    mesh.exchange(*values);
+}
+
 // After construction, settling, loading: a surface at rest where the state says.
 void Ground::Room::refresh_surface() {
+  show_motion();
   for (std::size_t t = 0; t < own_top.size(); ++t)
     window_start_[t] = shown_displacement(own_top[t].node);
   publish();

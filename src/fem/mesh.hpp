@@ -58,6 +58,8 @@ struct Imported {
   std::vector<Id> top_node;  // ascending
   std::vector<Vec3> top_place;
   std::vector<std::array<std::int32_t, 3>> top_triangles;
+  std::vector<double> top_around;       // m^2, of the triangles at each corner; 0 amid an edge
+  double area_around(Id corner) const;  // of these, m^2
 };
 
 // Building is collective; afterwards only `exchange` is.

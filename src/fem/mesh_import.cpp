@@ -54,9 +54,25 @@ void make_top(const SolidMesh& whole, Imported& shape) {
             shape.top_node.begin());
     }
   }
+  shape.top_around.assign(shape.top_node.size(), 0.0);
+  // The first three of four triangles have a corner of the face, at the place of their own number.
+  for (std::size_t t = 0; t < shape.top_triangles.size(); ++t) {
+    if (t % 4 == 3) continue;
+    const auto& triangle = shape.top_triangles[t];
+    const auto at = [&](std::size_t k) {
+      return shape.top_place[static_cast<std::size_t>(triangle[k])];
+    };
+    shape.top_around[static_cast<std::size_t>(triangle[t % 4])] +=
+        0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+  }
 }
 
 }  // namespace
+
+double Imported::area_around(Id corner) const {
+  const auto found = std::lower_bound(top_node.begin(), top_node.end(), corner);
+  return top_around[static_cast<std::size_t>(found - top_node.begin())];
+}
 
 void Mesh::read_file(const GroundParameters& parameters) {
   const SolidMesh whole = read_solid_mesh(parameters);

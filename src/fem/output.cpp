@@ -87,20 +87,21 @@ std::int32_t Ground::Room::node_of_top(std::int32_t number) const {
 Ground::TopState Ground::top_state(std::int32_t number) const {
   const std::int32_t node = room_->node_of_top(number);
   const State& state = room_->state;
-  return {room_->vector(state.displacement, node), room_->vector(state.velocity, node),
-          room_->vector(state.acceleration, node), room_->surface_stress(node)};
+  return {room_->at_top(state.displacement, node), room_->at_top(state.velocity, node),
+          room_->at_top(state.acceleration, node), room_->surface_stress(node)};
 }
 
 Ground::TopMotion Ground::top_motion(std::int32_t number) const {
   const std::int32_t node = room_->node_of_top(number);
   const State& state = room_->state;
-  return {room_->vector(state.displacement, node), room_->vector(state.velocity, node),
-          room_->vector(state.acceleration, node)};
+  return {room_->at_top(state.displacement, node), room_->at_top(state.velocity, node),
+          room_->at_top(state.acceleration, node)};
 }
 
 double Ground::top_mass(std::int32_t number) const {
-  const auto node = static_cast<std::size_t>(room_->node_of_top(number));
-  return room_->terms.mass[node] / (room_->mesh.lattice.plane ? 2 : 1);
+  const std::int32_t node = room_->node_of_top(number);
+  if (room_->flat_top) return room_->flat_top->mass(node);
+  return room_->terms.mass[static_cast<std::size_t>(node)] / (room_->mesh.lattice.plane ? 2 : 1);
 }
 
 GroundTotals Ground::totals() const {
@@ -155,7 +156,7 @@ std::size_t Ground::memory() const {
   const std::size_t nodals = room.parameters.integrator == Integrator::explicit_ ? 8 + 4 : 10 + 5;
   const std::size_t plastic = room.plasticity ? room.plasticity->bytes() : 0;
   return room.mesh.bytes() + room.terms.bytes() + room.stiffness.bytes() + nodals * per_nodal +
-         plastic;
+         plastic + (room.flat_top ? room.flat_top->bytes() : 0);
 }
 
 }  // namespace trackbed::fem

@@ -16,6 +16,7 @@
 
 #include "alpha_scheme.hpp"
 #include "extremes.hpp"
+#include "flat_top.hpp"
 #include "free_field.hpp"
 #include "linear_system.hpp"
 #include "mesh.hpp"
@@ -77,8 +78,10 @@ struct Ground::Room {
   Vec6 stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const;
   // Collective.
   void publish();          // ghosts of u current, surface motion of this window
+  void show_motion();      // ghosts of what the top shows current, if it shows them
   void refresh_surface();  // positions from the state, no motion
   Vec3 vector(const Nodal& values, std::int32_t node) const;
+  Vec3 at_top(const Nodal& values, std::int32_t node) const;  // as the surface shows them
   Vec3 shown_displacement(std::int32_t node) const;
   double surface_stress(std::int32_t node) const;  // Pa, sigma_z at a top node
   double imported_surface_stress(std::int32_t node) const;
@@ -90,6 +93,7 @@ struct Ground::Room {
   Stiffness stiffness;
   Terms terms;
   State state;
+  std::unique_ptr<FlatTop> flat_top;       // if the ground is from a file
   std::unique_ptr<Plasticity> plasticity;  // if a solid yields
   std::unique_ptr<FreeField> free_field;   // if a wave comes from below
   std::unique_ptr<Extremes> extremes;      // if begun, of all zones held

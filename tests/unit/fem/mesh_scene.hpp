@@ -180,6 +180,19 @@ inline GroundParameters of_mesh(const TetBox& box, const std::string& name, cons
   return p;
 }
 
+// Nodal forces, N, of a pressure (Pa, at the middle of each triangle) on a surface.
+inline std::vector<Vec3> pressed(const Surface& top,
+                                 const std::function<double(const Vec3&)>& pressure) {
+  std::vector<Vec3> force(top.nodes(), Vec3::Zero());
+  for (const auto& t : top.triangles) {
+    const auto at = [&](std::size_t k) { return top.position[static_cast<std::size_t>(t[k])]; };
+    const Vec3 area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0));
+    const double p = pressure((at(0) + at(1) + at(2)) / 3);
+    for (const std::int32_t n : t) force[static_cast<std::size_t>(n)] -= p * area / 3;
+  }
+  return force;
+}
+
 // Moves nodes inside a box, and along its faces, by some `share` of a cell.
 inline TetBox::Move shaken(const Vec3& size, std::array<int, 3> cells, double share) {
   return [=](const Vec3& home) {

@@ -258,6 +258,35 @@ TEST(Tetrahedra, FreeVibration) {
                   std::pow(1.5, 2));
 }
 
+// At rest under `pressure` on the flat triangles of the top, all sides rollers: the largest error
+// of sigma_z at the surface, over 50 kPa.
+double surface_error(int cells, const char* name, const std::function<double(double)>& pressure) {
+  const TetBox box({2, 2, 2}, {cells, cells, cells});
+  GroundParameters p = of_mesh(box, fmt::format("{}_{}", name, cells), {50e6, 0.3, 2000});
+  p.integrator = Integrator::bossak, p.alpha = -0.3;
+  Ground ground(Comm::world(), p, Dimension::space, 1);
+  const auto force = pressed(ground.top(), [&](const Vec3& x) { return pressure(x.x()); });
+  for (int w = 0; w < 15; ++w) ground.advance(5, force);
+  double error = 0;
+  for (const std::int32_t n : ground.own_top()) {
+    const double x = ground.top().position[static_cast<std::size_t>(n)].x();
+    error = std::max(error, std::abs(ground.top_state(n).sigma_z + pressure(x)));
+  }
+  return Comm::world().max(error) / 50e3;
+}
+
+TEST(Tetrahedra, SurfaceStressIsThePressureOnIt) {
+  const auto uniform = [](double) { return 50e3; };
+  const auto wave = [](double x) { return 50e3 * (1 + 0.5 * std::cos(pi * x / 2)); };
+  for (const int cells : {4, 8})
+    verified::below(fmt::format("error of surface stress, uniform pressure, {} cells", cells), "-",
+                    surface_error(cells, "uniform", uniform), 1e-5);
+  const double coarse = surface_error(4, "wave", wave), fine = surface_error(8, "wave", wave);
+  verified::below("error of surface stress, half a wave of pressure on 8 cells", "-", fine, 0.05);
+  // At borders faces lie on one side of the node: order 1 there.
+  verified::above("error with 4 cells over that with 8", "-", coarse / fine, 1.9);
+}
+
 // A pulse of pressure goes down a column and out through its quiet base.
 TEST(Tetrahedra, QuietBaseLetsAWaveOut) {
   GroundParameters p = of_mesh(TetBox({1, 1, 10}, {1, 1, 30}), "quiet", {50e6, 0.3, 2000});
