@@ -80,6 +80,14 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
   return chosen.file;
 }
 
+// Collective.
+GroundFile checked_ground(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  GroundFile file = require_ground(model, deck);
+  for (const std::string& sentence : file.warnings)
+    print(comm, fmt::format("warning: {}\n", sentence));
+  return file;
+}
+
 int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
 }
@@ -131,7 +139,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const bool alone = !model.has_stages();
   if (alone) require_files(model.track);
   const std::string start = checked_start(comm, model, deck);
-  if (!alone) require_ground(model, deck);
+  checked_ground(comm, model, deck);
   if (!alone) require_stones(comm, model, deck);
   look_at_cell(comm, model, deck);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
@@ -287,18 +295,21 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
   const Model model = read_model(comm, deck);
   if (!model.has_stages()) {
+    if (const GroundFile ground = checked_ground(comm, model, deck); !ground.size.empty())
+      print(comm, ground.size + "\n");
     check_track(comm, model);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
   const std::string start = checked_start(comm, model, deck);
-  require_ground(model, deck);
+  const GroundFile ground = checked_ground(comm, model, deck);
   const StonesOfLayers stones = require_stones(comm, model, deck);
   look_at_cell(comm, model, deck);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);
   progress.start(world, model, arguments.deck);
+  if (!ground.size.empty()) print(comm, ground.size + "\n");
   // What is left to do after a start hangs on stones that only a run loads.
   if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());

@@ -19,21 +19,28 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
 }
 
 // The box around the top: whether it has holes within is for the eye.
-void require_ground(const Model& model, const input::Deck& deck) {
+GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
-  if (!model.ground.present || model.ground.mesh.empty()) return;
-  const fem::TopBounds top = fem::top_of_mesh(model.ground);
+  if (!model.ground.present || model.ground.mesh.empty()) return {};
+  const fem::MeshReport mesh = fem::look_at_mesh(model.ground);
   std::vector<std::string> problems;
   const auto below = [&](const char* axis, const std::vector<double>& bed, int a) {
-    if (bed.size() == 2 && (bed[0] < top.low[a] - rounding || bed[1] > top.high[a] + rounding))
-      problems.push_back(fmt::format(
-          "{} = [{:g}, {:g}] reaches beyond the top of the mesh ({:g} to {:g} m): "
-          "stones would fall beside the ground",
-          deck.where(std::string("bed.") + axis), bed[0], bed[1], top.low[a], top.high[a]));
+    if (bed.size() == 2 &&
+        (bed[0] < mesh.top_low[a] - rounding || bed[1] > mesh.top_high[a] + rounding))
+      problems.push_back(
+          fmt::format("{} = [{:g}, {:g}] reaches beyond the top of the mesh ({:g} to {:g} m): "
+                      "stones would fall beside the ground",
+                      deck.where(std::string("bed.") + axis), bed[0], bed[1], mesh.top_low[a],
+                      mesh.top_high[a]));
   };
-  below("x", model.bed.x, 0);
-  below("y", model.bed.y, 1);
+  if (model.has_stages()) below("x", model.bed.x, 0), below("y", model.bed.y, 1);
   if (!problems.empty()) throw InputError(problems);
+  const auto from_to = [&](int a) {
+    return fmt::format("{:g} to {:g}", mesh.low[a], mesh.high[a]);
+  };
+  return {fmt::format("  mesh: x = {}, y = {}, z = {} m, {:.6g} m^3", from_to(0), from_to(1),
+                      from_to(2), mesh.volume),
+          mesh.warnings};
 }
 
 }  // namespace trackbed::app

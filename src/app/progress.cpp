@@ -49,10 +49,6 @@ std::string words_of_base(const fem::GroundParameters& ground) {
 }
 
 std::string words_of_springs(const fem::GroundParameters& ground) {
-  const auto is_quiet = [](const fem::MeshBorder& b) { return b.holds == fem::BorderKind::quiet; };
-  if (!ground.mesh.empty() && std::none_of(ground.borders.begin(), ground.borders.end(), is_quiet))
-    return "";
-  if (ground.base == fem::Base::fixed || ground.base_stiffness == 0) return "";
   if (ground.base_stiffness < 0) return " on springs of shear modulus over depth";
   return fmt::format(" on springs of {:g} Pa/m", ground.base_stiffness);
 }
@@ -75,7 +71,7 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
     const double step = world.ground->stable_step(&limit);
     say(comm_, "  ground: {} elements, {} unknowns, {}{}, stable step {:.4g} s ({})\n",
         totals.elements, totals.unknowns, words_of_base(model.ground),
-        words_of_springs(model.ground), step, limit);
+        totals.springs ? words_of_springs(model.ground) : "", step, limit);
   }
   const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)

@@ -14,8 +14,12 @@ void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // What only the mesh file of a ground can tell: all that is wrong with it, and a bed that reaches
-// beyond its top. Throws InputError. Reads the file.
-void require_ground(const Model& model, const input::Deck& deck);
+// beyond its top. Throws InputError. Reads the file, if there is one; else all is empty.
+struct GroundFile {
+  std::string size;  // a line about extent and volume
+  std::vector<std::string> warnings;
+};
+GroundFile require_ground(const Model& model, const input::Deck& deck);
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);
 

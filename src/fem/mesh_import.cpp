@@ -111,16 +111,4 @@ void Mesh::read_file(const GroundParameters& parameters) {
   first_own = comm.exclusive_scan(static_cast<std::int64_t>(own.size()));
 }
 
-TopBounds top_of_mesh(const GroundParameters& parameters) {
-  const SolidMesh whole = read_solid_mesh(parameters);
-  TopBounds bounds{whole.position[static_cast<std::size_t>(whole.nodes_of(whole.top[0])[0])], {}};
-  bounds.high = bounds.low;
-  for (const SolidMesh::Face& face : whole.top)
-    for (const std::int32_t n : whole.nodes_of(face)) {
-      const Vec3& at = whole.position[static_cast<std::size_t>(n)];
-      bounds.low = bounds.low.cwiseMin(at), bounds.high = bounds.high.cwiseMax(at);
-    }
-  return bounds;
-}
-
 }  // namespace trackbed::fem

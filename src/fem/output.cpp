@@ -140,6 +140,7 @@ GroundTotals Ground::totals() const {
     elastic += room.plasticity->stored(room.state.rest, room.state.displacement);
     totals.plastic = mesh.comm.sum(room.plasticity->lost());
   }
+  totals.springs = mesh.comm.max(room.terms.springs.empty() ? 0.0 : 1.0) > 0;
   totals.kinetic = mesh.comm.sum(kinetic);
   totals.elastic = mesh.comm.sum(elastic);
   totals.unknowns = mesh.comm.sum(unknowns);

@@ -17,6 +17,10 @@ namespace trackbed::fem {
 
 namespace {
 
+// Of an element some 2000 times as wide as high: no layer of a ground, but a file squashed by a
+// wrong scale, and explicit steps would be as short.
+constexpr double least_mean_ratio = 0.005;
+
 using Nodes3 = std::array<std::int32_t, 3>;
 
 // A side of an element by its corners, sorted.
@@ -47,6 +51,7 @@ class Builder {
   void list_sides();
   void check_parts();
   void take_faces();
+  void take_open(const std::vector<char>& taken);
   void take_face(const GmshFile::Element& triangle, const Side& side);
   bool fits(const GmshFile::Element& triangle, const SolidMesh::Face& face) const;
   void turn_of(SolidMesh::Face& face) const;
@@ -110,6 +115,10 @@ void Builder::check_shapes() {
       problems_.add(
           "shape", file_.tetrahedra[e],
           fmt::format("is turned inside out or flat: its Jacobian falls to {:.3g} m^3", least));
+    else if (const double ratio = tetrahedron_mean_ratio(nodes); ratio < least_mean_ratio)
+      problems_.add("flat", file_.tetrahedra[e],
+                    fmt::format("is flat: its mean ratio is {:.2g} (1: equilateral; at least {:g})",
+                                ratio, least_mean_ratio));
   }
 }
 
@@ -262,6 +271,17 @@ void Builder::take_face(const GmshFile::Element& triangle, const Side& side) {
   (border < 0 ? mesh_.top : mesh_.borders).push_back(face);
 }
 
+// Outer faces that no triangle of the file covers.
+void Builder::take_open(const std::vector<char>& taken) {
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const auto same = [&](std::size_t other) {
+      return other < sides_.size() && sides_[other].corners == sides_[k].corners;
+    };
+    if (taken[k] == 0 && !same(k + 1) && !same(k - 1))
+      mesh_.open.push_back({sides_[k].element, sides_[k].side, MeshProblems::nowhere, -1, false});
+  }
+}
+
 void Builder::take_faces() {
   std::vector<char> taken(sides_.size(), 0);
   for (const GmshFile::Element& triangle : file_.triangles) {
@@ -285,6 +305,7 @@ void Builder::take_faces() {
       take_face(triangle, *first);
     again = 1;
   }
+  take_open(taken);
   const auto order = [](const SolidMesh::Face& a, const SolidMesh::Face& b) {
     return a.element != b.element ? a.element < b.element : a.side < b.side;
   };

@@ -24,7 +24,7 @@ struct SolidMesh {
   std::vector<Vec3> position;                         // m, in the order of the file
   std::vector<std::array<std::int32_t, 10>> element;  // nodes (tetrahedron.hpp)
   std::vector<std::int32_t> solid;                    // of each, index into parameters.solids
-  std::vector<Face> borders, top;
+  std::vector<Face> borders, top, open;               // open: in no physical surface
 
   std::array<std::int32_t, 6> nodes_of(const Face& face) const;
   double depth() const;  // m, from the top down to the lowest node
@@ -32,9 +32,9 @@ struct SolidMesh {
 
 // Reads parameters.mesh. Throws InputError with everything that is wrong with it, each with the
 // line of the file: besides what cannot be read, elements that are turned inside out, stand in no
-// group or do not hang together, nodes that no element has or two at one place, groups without
-// solid or border and the reverse, borders inside, rollers that are not even. Local; costs some 700
-// bytes per element for the moment.
+// group, are flat or do not hang together, nodes that no element has or two at one place, groups
+// without solid or border and the reverse, borders inside, rollers that are not even. Local; costs
+// some 700 bytes per element for the moment.
 SolidMesh read_solid_mesh(const GroundParameters& parameters);
 SolidMesh solid_mesh_of(const GroundParameters& parameters, GmshFile file);
 

@@ -2,6 +2,8 @@
 // the four corners; and the integrals that follow.
 #include "tetrahedron.hpp"
 
+#include <cmath>
+
 namespace trackbed::fem {
 
 namespace {
@@ -72,6 +74,16 @@ Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi) {
 }
 
 double tetrahedron_volume(const TenNodes& nodes) { return tetrahedron_load(nodes).sum(); }
+
+double tetrahedron_mean_ratio(const TenNodes& nodes) {
+  double squares = 0;
+  for (const auto& [i, j] : edges)
+    squares +=
+        (nodes[static_cast<std::size_t>(i)] - nodes[static_cast<std::size_t>(j)]).squaredNorm();
+  const double volume =
+      (nodes[1] - nodes[0]).cross(nodes[2] - nodes[0]).dot(nodes[3] - nodes[0]) / 6;
+  return 12 * std::pow(3 * std::abs(volume), 2.0 / 3) / squares;
+}
 
 TenNumbers tetrahedron_load(const TenNodes& nodes) {
   TenNumbers load = TenNumbers::Zero();

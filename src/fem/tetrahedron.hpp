@@ -35,6 +35,9 @@ Eigen::Matrix<double, 10, 3> tetrahedron_gradients(const Vec3& xi);  // by xi
 Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi);    // m, d x_i / d xi_a
 
 double tetrahedron_volume(const TenNodes& nodes);  // m^3
+// 12 (3 V)^(2/3) over the sum of the squared edges, of the corners: 1 of an equilateral one, 0 of a
+// flat one (Liu, Joe 1994, doi:10.1007/BF01955874).
+double tetrahedron_mean_ratio(const TenNodes& nodes);
 // Shares of the volume, m^3, that the integrals of the shape functions give to the nodes: what a
 // uniform weight is carried by. Below 0 at corners, so no mass.
 TenNumbers tetrahedron_load(const TenNodes& nodes);

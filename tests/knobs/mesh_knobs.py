@@ -39,12 +39,27 @@ REFUSED = {
     "ground.solid.1.name=embankment": "is the name of an earlier one",
     "ground.border.1.name=top": "is the name of an earlier one",
     "ground.border.3.holds=roller": "is not normal to x, y or z",
-    "ground.border.0.holds=free ground.border.1.holds=free": "holds the ground nowhere",
+    "ground.border.0.holds=free ground.border.1.holds=free":
+        "do not hold the ground at rest: it can move along y, move along z, turn about x",
+    # Quiet sides hold y and ends x; nothing holds z.
+    "ground.border.0.holds=free": "at rest: it can move along z; let a border be",
+    "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
     "ground.sides=quiet": "its surfaces are [[ground.border]]",
     "ground.zones_x=3": "the file has the shape",
     "dimension=plane": "needs dimension = \"space\"",
     "time.window=0": "must be given with ground.mesh",
     "bed.y=[-0.9, 0.9]": "reaches beyond the top of the mesh (-0.8 to 0.8 m)",
+}
+
+
+# Change of the deck -> words that `check` prints, or (after "-") does not.
+TOLD = {
+    "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
+    "ground.border.0.holds=roller": ["-on springs"],
+    "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
+    "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
+    "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
+    "ground.mesh={folder}/thin.msh": ["are nearly flat (mean ratio below 0.05"],
 }
 
 
@@ -61,6 +76,41 @@ def seen(program, deck, folder, changes):
     return {"code": 0, "data": digest.hexdigest(), "ground": summary(place)["ground"]["elements"]}
 
 
+def scaled(text, sizes):
+    """The mesh file with its coordinates times these."""
+    rows, inside = text.splitlines(), False
+    for k, row in enumerate(rows):
+        inside = (inside or row == "$Nodes") and row != "$EndNodes"
+        numbers = row.split()
+        if inside and len(numbers) == 3:
+            rows[k] = " ".join(repr(float(x) * s) for x, s in zip(numbers, sizes))
+    return "\n".join(rows) + "\n"
+
+
+def without_bottom(text, count):
+    """The mesh file without the first triangles of the surface "bottom", number 3."""
+    rows = text.splitlines()
+    total = rows.index("$Elements") + 1
+    block = next(k for k in range(total, len(rows)) if rows[k].startswith("2 3 9 "))
+    there = int(rows[block].split()[3])
+    blocks, all_there, *rest = rows[total].split()
+    rows[total] = " ".join([blocks, str(int(all_there) - count), *rest])
+    rows[block] = f"2 3 9 {there - count}"
+    return "\n".join(rows[:block + 1] + rows[block + 1 + count:]) + "\n"
+
+
+def untold(program, deck, place):
+    """What `check` should say of changes and does not."""
+    problems = []
+    for changes, words in TOLD.items():
+        ran = program(1, "check", deck, *split(changes.format(**place)))
+        for word in words:
+            if ran.returncode != 0 or (word.lstrip("-") in ran.stdout) == word.startswith("-"):
+                problems.append(f"check {changes}: {word}? code {ran.returncode}, {ran.stdout} "
+                                f"{ran.stderr}")
+    return problems
+
+
 def split(changes):
     """At blanks before a key; lists have blanks too."""
     return [("ground." if k else "") + part for k, part in enumerate(changes.split(" ground."))]
@@ -74,6 +124,10 @@ def main():
     (folder / "cut.msh").write_text(text[:len(text) // 2], encoding="utf-8")
     # The deepest nodes lower.
     (folder / "other.msh").write_text(text.replace(" -1.8\n", " -2\n"), encoding="utf-8")
+    for name, sizes in {"squashed": (1, 1, 1e-4), "mm": (1e3, 1e3, 1e3),
+                        "thin": (1, 1, 3e-3)}.items():
+        (folder / f"{name}.msh").write_text(scaled(text, sizes), encoding="utf-8")
+    (folder / "half.msh").write_text(without_bottom(text, 12), encoding="utf-8")
     place = {"folder": folder, "deck": deck}
     before = seen(program, deck, folder, [])
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
@@ -89,6 +143,7 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
+    problems += untold(program, deck, place)
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
     print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")

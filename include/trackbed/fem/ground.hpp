@@ -125,17 +125,21 @@ struct GroundParameters {
 // directions, since loads of a track act downwards.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth);
 
-// Bounds of the top of a ground from a mesh file, m. Reads and checks the file: throws InputError
-// with everything that is wrong with it. Local.
-struct TopBounds {
-  Vec3 low, high;
+// What a mesh file is as a ground. Reads and checks the file: throws InputError with everything
+// that is wrong with it, and if its borders leave it a rigid motion at rest. Local.
+struct MeshReport {
+  Vec3 low, high;          // m, of all nodes
+  Vec3 top_low, top_high;  // m, of the top
+  double volume = 0;       // m^3
+  std::vector<std::string> warnings;
 };
-TopBounds top_of_mesh(const GroundParameters& parameters);
+MeshReport look_at_mesh(const GroundParameters& parameters);
 
 struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
   double iterations_mean = 0, seconds = 0;  // linear solver; wall time in steps on this rank
   double kinetic = 0, elastic = 0;          // J over all ranks
+  bool springs = false;                     // whether any are below a quiet base
   double plastic = 0;                       // J lost by yielding, over all ranks
   // Newton's in implicit steps of a ground that yields: mean and most in a step, and what the last
   // step left of its forces from round to round.

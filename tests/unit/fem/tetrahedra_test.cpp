@@ -49,6 +49,14 @@ TEST(Tetrahedron, ShapeFunctionsAreOneAtTheirNode) {
   }
 }
 
+TEST(Tetrahedron, MeanRatioIsOneIfEdgesAreEqualAndFallsAsItIsSquashed) {
+  TenNodes nodes = {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)};
+  EXPECT_NEAR(tetrahedron_mean_ratio(nodes), 1, rounding);
+  for (Vec3& at : nodes) at.z() *= 1e-4;
+  // Volume 1e-4 as large, of the six squared edges of 8 four become 4 and two stay.
+  EXPECT_NEAR(tetrahedron_mean_ratio(nodes), std::pow(1e-4, 2.0 / 3) * 48 / 32, 1e-9);
+}
+
 TEST(Tetrahedron, OnlyRigidMotionsAreFree) {
   const Mesh mesh(par::Comm::self(), curved("rigid"), Dimension::space, 1);
   const Stiffness stiffness(mesh, {});
