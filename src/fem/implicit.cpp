@@ -85,8 +85,10 @@ double Ground::Room::balance(const AlphaScheme& s, const Nodal& before) {
       const double inertia = s.alpha_m * terms.mass[n] * state.acceleration[c][n];
       right_[c][n] = load - state.internal[c][n] - damped - inertia;
       if ((terms.held[n] >> c & 1) != 0) continue;
+      // Of a ground that yields the return sees the whole stress, that of rest too.
+      const double at_rest = plasticity ? std::abs(stiff_[c][n] * state.rest[c][n]) : 0;
       const double size = std::abs(load) + std::abs(stiff_[c][n] * blend_[c][n]) +
-                          std::abs(damped) + std::abs(inertia);
+                          std::abs(damped) + std::abs(inertia) + at_rest;
       squared += size * size;
     }
   return roundings * std::sqrt(mesh.comm.sum(squared));

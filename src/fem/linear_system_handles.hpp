@@ -62,6 +62,7 @@ struct LinearSystem::Handles {
   void take(Vec from, Nodal& to) const;
   // Throws RunError on all ranks if the solver gave up; its iterations otherwise.
   static int outcome(KSP of);
+  void require_solved(double all);
   PetscInt row(std::int32_t node, int c) const {
     return static_cast<PetscInt>(number[static_cast<std::size_t>(node)] * components + c);
   }

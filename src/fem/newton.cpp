@@ -28,12 +28,15 @@ constexpr double looser = 100;
 // Ten are many; what still grows then has no end.
 constexpr int most_rounds_of_a_step = 50;
 
-std::string no_end(int rounds, double left) {
+std::string no_end(int rounds, double left, std::int64_t lost) {
+  const std::string why =
+      lost > 0
+          ? fmt::format("in {} zones no stress fits both their strain and their strength", lost)
+          : fmt::format("{:.2g} of its forces are out of balance", left);
   return fmt::format(
-      "the ground finds no end of an implicit step: after {} rounds of Newton {:.2g} of its forces "
-      "are out of balance; take a shorter time.window, integrator = \"explicit\", or layers that "
-      "carry what lies on them",
-      rounds, left);
+      "the ground finds no end of an implicit step: after {} rounds of Newton {}; take a shorter "
+      "time.window, integrator = \"explicit\", or layers that carry what lies on them",
+      rounds, why);
 }
 
 }  // namespace
@@ -84,9 +87,11 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   for (int round = 0;; ++round) {
     const bool flows = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->flowing())) > 0;
     left.push_back(all > 0 ? open / all : 0);
-    if (open <= enough && (flows || round > 0)) break;
-    if (round == most_rounds_of_a_step || !std::isfinite(open))
-      throw RunError(no_end(round, left.back()));
+    const std::int64_t lost = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->lost()));
+    if (lost == 0 && open <= enough && (flows || round > 0)) break;
+    const bool stuck = lost > 0 && open <= enough && round > 0;  // no step would change it
+    if (stuck || round == most_rounds_of_a_step || !std::isfinite(open))
+      throw RunError(no_end(round, left.back(), lost));
     ++solves, ++rounds;
     most_rounds = std::max<std::int64_t>(most_rounds, round + 1);
     if (!flows) {
@@ -96,7 +101,7 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
     }
     const double exact = std::max(std::min(open / all, 1e-2), 0.1 * enough / open);
     const int spent = implicit_->solve_changed(add, residual_, exact, step);
-    if (spent < 0) throw RunError(no_end(round, left.back()));
+    if (spent < 0) throw RunError(no_end(round, left.back(), lost));
     iterations += spent;
     open = line_search(dt, s, step, open);
   }

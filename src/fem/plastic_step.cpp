@@ -92,10 +92,11 @@ PlasticStep::PlasticStep(const Mesh& mesh, Plasticity& plasticity)
 // Newton on x - Z^T d(x), damped where that does not get nearer: by a share of the identity
 // (Levenberg 1944, doi:10.1090/qam/10666), since enhanced strains that only flow have no stiffness
 // at all. For an associated law x - Z^T d is the gradient of a convex potential with curvatures
-// from 0 to 1, so the most damped step gets nearer. What is left after `most` lags as in explicit
-// steps: the balance of the nodes, which is what the step asks for, holds without it.
-void PlasticStep::solve(Flow& flow) const {
+// from 0 to 1, so the most damped step gets nearer. A little of what is left after `most` lags as
+// in explicit steps: the balance of the nodes holds without it. Returns whether no more is left.
+bool PlasticStep::seek(Flow& flow) const {
   constexpr int most = 100;
+  constexpr double little = 1e-6;
   constexpr double enough = 1e-12, rounding = 1e-15;
   constexpr std::array damping = {1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0};
   const Law& l = law(flow);
@@ -117,15 +118,15 @@ void PlasticStep::solve(Flow& flow) const {
     }
   }
   flow.gained = at.gained;
+  const double open = (flow.modes - l.modes.transpose() * at.gained).norm();
+  return open <= scale * (little * at.gained.norm() + least);
 }
 
-// Zones come in ascending order both times: the enhanced strains of the last try are the first
-// guess.
+// Enhanced strains are sought from none: those of the last try may have been far off, and from
+// there without dilation another end may be met, with plastic work out of nothing.
 void PlasticStep::flow(const Nodal& rest, const Nodal& u) {
   undo();
-  std::vector<Flow> before;
-  std::swap(before, flows_);
-  std::size_t last = 0;
+  flows_.clear();
   const auto width = static_cast<Eigen::Index>(plasticity_.width());
   plasticity_.beyond(rest, u, [&](std::size_t number, const double* stress) {
     Flow flow{number,
@@ -137,14 +138,12 @@ void PlasticStep::flow(const Nodal& rest, const Nodal& u) {
     const Eigen::Index parts = l.points.components, count = width / parts;
     for (Eigen::Index g = 0; g < count; ++g)
       for (Eigen::Index c = 0; c < parts; ++c) flow.elastic(parts * g + c) = stress[c * count + g];
-    while (last < before.size() && before[last].number < number) ++last;
-    flow.modes = last < before.size() && before[last].number == number
-                     ? before[last].modes
-                     : Vector::Zero(l.modes.cols());
+    flow.modes = Vector::Zero(l.modes.cols());
     flows_.push_back(std::move(flow));
   });
+  lost_ = 0;
   for (Flow& flow : flows_) {
-    solve(flow);
+    if (!seek(flow)) ++lost_;
     const Plasticity::Zone zone = plasticity_.zone(flow.number);
     const Eigen::Index parts = law(flow).points.components, count = width / parts;
     for (Eigen::Index g = 0; g < count; ++g)

@@ -30,6 +30,9 @@ class PlasticStep {
   void flow(const Nodal& rest, const Nodal& u);
   // Zones held here that flow at the last motion tried.
   std::size_t flowing() const { return flows_.size(); }
+  // Zones held here whose enhanced strains found no end at the last motion tried: their stress
+  // belongs to no strain, so that a step must not end there.
+  std::size_t lost() const { return lost_; }
   // Calls visit(local zone, N/m) with what flow takes off the elastic stiffness there: freedoms as
   // in ZoneElement, not symmetric unless dilation is friction.
   using Visit = std::function<void(std::size_t, const Eigen::MatrixXd&)>;
@@ -57,12 +60,13 @@ class PlasticStep {
   const Law& law(const Flow& flow) const {
     return laws_[static_cast<std::size_t>(plasticity_.zone(flow.number).solid)];
   }
-  void solve(Flow& flow) const;
+  bool seek(Flow& flow) const;
 
   const Mesh& mesh_;
   Plasticity& plasticity_;
   std::vector<Law> laws_;    // of each solid; empty matrices if it does not yield
   std::vector<Flow> flows_;  // ascending
+  std::size_t lost_ = 0;
 };
 
 }  // namespace trackbed::fem

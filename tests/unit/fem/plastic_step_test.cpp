@@ -297,5 +297,48 @@ TEST(Collapse, EndsWithASentence) {
   }
 }
 
+// A deep ground that yields at rest: rounding of its whole stress is all there is to balance.
+TEST(Unloaded, NothingHappensWhereNothingChanges) {
+  for (const double change : {0.0, 1e-12, 1e-6, 1e-3}) {
+    GroundParameters p = box({10, 5, 40}, {4, 2, 10}, {50e6, 0.1, 2000});
+    p.base = Base::fixed;
+    p.integrator = Integrator::hht;
+    p.layers[0].strength = {Yield::mohr_coulomb, 1e3, 20, 0, 1e3};
+    Ground ground(Comm::world(), p, Dimension::space, 1.0);
+    ground.settle(pressure(ground, 20e3));
+    const std::vector<Vec3> load = pressure(ground, 20e3 + change);  // Pa
+    for (int w = 0; w < 10; ++w) EXPECT_NO_THROW(ground.advance(5e-4, load)) << change;
+    for (const auto n : ground.own_top())
+      EXPECT_LT(std::abs(ground.top_state(n).displacement.z()), 1e-9);  // m
+  }
+}
+
+// Steps far above the period of an element, without end or with the one that is there: about half
+// of the load's work on the elastic ground, which explicit steps show not to yield.
+TEST(LongSteps, MakeNoWork) {
+  for (const double dt : {0.1, 0.2}) {
+    GroundParameters p = box({4, 1, 4}, {16, 1, 16}, {50e6, 0.3, 2000});
+    p.plane = PlaneState::strain;
+    p.base = Base::fixed;
+    p.integrator = Integrator::newmark;
+    p.layers[0].strength = {Yield::mohr_coulomb, 20e3, 30, 0, 10e3};
+    Ground ground(Comm::world(), p, Dimension::plane, 1.0);
+    ground.settle(pressure(ground, 0));
+    std::vector<Vec3> load = pressure(ground, 20e3);
+    for (std::size_t n = 0; n < load.size(); ++n)
+      if (ground.top().position[n].x() > 1) load[n] = Vec3::Zero();
+    for (int w = 0; w < 20; ++w) {
+      try {
+        ground.advance(dt, load);
+      } catch (const RunError& error) {
+        EXPECT_NE(std::string(error.what()).find("finds no end"), std::string::npos)
+            << error.what();
+        break;
+      }
+      EXPECT_LT(std::abs(ground.totals().plastic), 1.0) << dt << " s, step " << w;  // J of 10 J
+    }
+  }
+}
+
 }  // namespace
 }  // namespace trackbed::fem

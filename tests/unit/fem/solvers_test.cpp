@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -94,6 +95,11 @@ TEST_P(Solvers, LongStepsTakeGamgByDefault) {
   const Solved chosen = solve({}, GetParam()), gamg = solve({{"pc_type", "gamg"}}, GetParam());
   EXPECT_EQ(chosen.iterations, gamg.iterations);
   EXPECT_EQ(chosen.displacement, gamg.displacement);
+}
+
+// PETSc calls one application of any preconditioner converged.
+TEST(Solver, ThatSolvesNothingIsRefused) {
+  EXPECT_THROW(solve({{"ksp_type", "preonly"}, {"pc_type", "jacobi"}}, Dimension::plane), RunError);
 }
 
 }  // namespace
