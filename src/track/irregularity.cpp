@@ -1,5 +1,5 @@
-// Dips in closed form; spectra and measured profiles as samples with a cubic between them, so that
-// a wheel reads them in constant time and feels no kinks.
+// Dips in closed form; spectra as even samples with a cubic between them, so that a wheel reads
+// them in constant time and feels no kinks; measured profiles as the rows of their file.
 //
 // A spectrum is a sum of cosines with random phases on wave numbers spaced evenly in their
 // logarithm: the amplitude of each is exact for the power in its band, so the root mean square does
@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
@@ -50,6 +51,16 @@ double china(double w) {
       static_cast<std::size_t>(std::upper_bound(end.begin(), end.end(), f) - end.begin());
   constexpr double square_metre = 1e-6;
   return amount[band] * std::pow(f, -power[band]) * square_metre / two_pi;
+}
+
+// Of two neighbouring distances of rows, so that they count as even.
+constexpr double even_within = 0.1;
+
+// Cubic with given values (m) and slopes at both ends of a stretch of `length` m, t from 0 to 1.
+double hermite(double t, double length, std::array<double, 2> value, std::array<double, 2> slope) {
+  const double left = 1 - t;
+  return left * left * (1 + 2 * t) * value[0] + t * t * (3 - 2 * t) * value[1] +
+         t * left * length * (left * slope[0] - t * slope[1]);
 }
 
 // From 0 to 1 with level ends.
@@ -110,7 +121,9 @@ void IrregularityParameters::declare(input::Section& s) {
   s.integer("seed", seed, {.at_least = 0}, "Number that chooses the random profile.");
   s.number("fade", fade, {.unit = "m", .at_least = 0},
            "Way from the begin of the track over which spectrum or file fade in.");
-  s.file("file", file, "CSV with columns x_m, z_m (upwards), x rising; straight where it is not.");
+  s.file("file", file,
+         "CSV with columns x_m, z_m (upwards), x rising: a cubic through even rows, straight lines "
+         "between uneven ones; level before the first and behind the last.");
   s.rule("file", kind != IrregularityKind::file || !file.empty(), "is needed for kind = \"file\"");
   s.rule("longest", longest > shortest, "must be longer than the shortest");
 }
@@ -119,7 +132,7 @@ void IrregularityParameters::declare(input::Section& s) {
 Irregularity::Irregularity(const IrregularityParameters& parameters, double length)
     : parameters_(parameters) {
   if (parameters.kind == IrregularityKind::spectrum) draw(length);
-  if (parameters.kind == IrregularityKind::file) read(length);
+  if (parameters.kind == IrregularityKind::file) read();
 }
 
 // Slopes come with the samples: the cubic is then off by (W spacing)^4/384 of a line, below 3e-5.
@@ -149,26 +162,16 @@ void Irregularity::draw(double length) {
   d1_ = std::sqrt(d1);
 }
 
-// Resampled evenly by straight lines between the rows; slopes are central differences.
-void Irregularity::read(double length) {
-  const auto columns = input::read_table(parameters_.file, {"x_m", "z_m"}, "x_m");
-  const std::vector<double>&x = columns[0], &z = columns[1];
-  if (x.size() < 2) throw InputError({parameters_.file + ": needs at least two rows"});
-  spacing_ = (x.back() - x.front()) / static_cast<double>(x.size() - 1);
-  const auto count = static_cast<std::size_t>(std::ceil(length / spacing_)) + 2;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double at = static_cast<double>(k) * spacing_;
-    const auto next = std::upper_bound(x.begin(), x.end(), at);
-    if (next == x.begin() || next == x.end()) {
-      height_.push_back(next == x.begin() ? z.front() : z.back());
-      continue;
-    }
-    const auto i = static_cast<std::size_t>(next - x.begin());
-    height_.push_back(z[i - 1] + (z[i] - z[i - 1]) * (at - x[i - 1]) / (x[i] - x[i - 1]));
-  }
-  slope_.assign(count, 0);
-  for (std::size_t k = 1; k + 1 < count; ++k)
-    slope_[k] = (height_[k + 1] - height_[k - 1]) / (2 * spacing_);
+// The rows are kept as they are.
+void Irregularity::read() {
+  auto columns = input::read_table(parameters_.file, {"x_m", "z_m"}, "x_m");
+  if (columns[0].size() < 2) throw InputError({parameters_.file + ": needs at least two rows"});
+  row_ = std::move(columns[0]);
+  height_ = std::move(columns[1]);
+}
+
+double Irregularity::faded(double x, double value) const {
+  return parameters_.fade > 0 ? value * smooth_step(x / parameters_.fade) : value;
 }
 
 // Cubic Hermite between samples.
@@ -176,11 +179,29 @@ double Irregularity::sampled(double x) const {
   if (x <= 0) return 0;
   const double along = std::min(x / spacing_, static_cast<double>(height_.size() - 1) - 1e-9);
   const auto k = static_cast<std::size_t>(along);
-  const double t = along - static_cast<double>(k), left = 1 - t;
-  const double value = left * left * (1 + 2 * t) * height_[k] +
-                       t * t * (3 - 2 * t) * height_[k + 1] +
-                       t * left * spacing_ * (left * slope_[k] - t * slope_[k + 1]);
-  return parameters_.fade > 0 ? value * smooth_step(x / parameters_.fade) : value;
+  return faded(x, hermite(along - static_cast<double>(k), spacing_, {height_[k], height_[k + 1]},
+                          {slope_[k], slope_[k + 1]}));
+}
+
+// Cubic Hermite between rows. Where a row lies in the middle of its neighbours, its slope is the
+// difference of theirs; where it does not, and at both ends, the stretches on its sides end with
+// the slopes of their own chords. A cubic through uneven rows would swing over the long stretches:
+// rows that are far apart mean a straight line.
+double Irregularity::measured(double x) const {
+  if (x <= 0) return 0;
+  const auto next = std::upper_bound(row_.begin(), row_.end(), x);
+  if (next == row_.begin()) return faded(x, height_.front());
+  if (next == row_.end()) return faded(x, height_.back());
+  const auto k = static_cast<std::size_t>(next - row_.begin()) - 1;
+  const double length = row_[k + 1] - row_[k], chord = (height_[k + 1] - height_[k]) / length;
+  const auto slope = [&](std::size_t at) {
+    if (at == 0 || at + 1 == row_.size()) return chord;
+    const double before = row_[at] - row_[at - 1], behind = row_[at + 1] - row_[at];
+    if (std::abs(behind - before) > even_within * std::max(before, behind)) return chord;
+    return (height_[at + 1] - height_[at - 1]) / (before + behind);
+  };
+  return faded(x, hermite((x - row_[k]) / length, length, {height_[k], height_[k + 1]},
+                          {slope(k), slope(k + 1)}));
 }
 
 // All three are `depth` deep in the middle and nothing at their ends. vee and joint have a kink
@@ -207,8 +228,9 @@ double Irregularity::at(double x) const {
     case IrregularityKind::none:
       return 0;
     case IrregularityKind::spectrum:
-    case IrregularityKind::file:
       return sampled(x);
+    case IrregularityKind::file:
+      return measured(x);
     case IrregularityKind::waves:
       if (behind <= 0 || behind >= static_cast<double>(p.waves)) return 0;
       return -p.depth * (1 - std::cos(two_pi * behind)) / 2;

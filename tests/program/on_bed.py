@@ -96,6 +96,26 @@ def check_loop(source, program, folder):
         raise SystemExit(f"supports: {stiffness} N/m")
     if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
+    check_geometry(program, place / "round_1", lost[:4])
+
+
+def check_geometry(program, place, lost):
+    """The rail of a round lies as its sleepers were left by the round before, and a single one
+    that lies lower is felt by the wheels."""
+    table = np.loadtxt(place / "geometry.csv", delimiter=",", skiprows=1)
+    if not np.allclose(table[2:6, 1], -np.array(lost), atol=1e-15):
+        raise SystemExit(f"geometry of the second round: {table}, the first left {lost}")
+    table[3, 1] -= 1e-3
+    np.savetxt(place / "lower.csv", table, delimiter=",", header="x_m,z_m", comments="")
+    forces = []
+    for name in ("geometry", "lower"):
+        subprocess.run([program, "run", place / "track.toml", "--force", "-o", place / name,
+                        f"irregularity.file={place / name}.csv"], check=True, capture_output=True)
+        with h5py.File(place / f"{name}/results.h5") as file:
+            forces.append(file["history/wheel/force"][()])
+    if not np.abs(forces[1] - forces[0]).max() > 0.1 * STATIC:
+        raise SystemExit("a sleeper 1 mm lower changes wheel forces by "
+                         f"{np.abs(forces[1] - forces[0]).max()} N")
 
 
 def main():

@@ -45,11 +45,14 @@ class Irregularity {
 
  private:
   void draw(double length);
-  void read(double length);
+  void read();
+  double faded(double x, double value) const;
   double sampled(double x) const;
+  double measured(double x) const;
   double dip(double x) const;
   IrregularityParameters parameters_;
   double spacing_ = 0, d1_ = 0;         // m
+  std::vector<double> row_;             // m, x of the heights of a file
   std::vector<double> height_, slope_;  // m, -
 };
 

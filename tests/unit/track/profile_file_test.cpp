@@ -2,8 +2,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
+#include <vector>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/track/irregularity.hpp"
@@ -42,6 +46,50 @@ TEST(ProfileFile, FadesIn) {
   EXPECT_NEAR(profile.at(1e-9), 0, 1e-12);
   EXPECT_NEAR(profile.at(2), 0.5e-3, 1e-12);
   EXPECT_NEAR(profile.at(4), 1e-3, 1e-12);
+  std::filesystem::remove(p.file);
+}
+
+// Rows that are far apart where the rail is straight, close where it is not, as those of a
+// hand-over: the same as their polyline with a row each 5 mm, and no swing over the long stretches.
+TEST(ProfileFile, UnevenRowsAreTheirPolyline) {
+  const std::vector<std::array<double, 2>> points = {{0, 0},     {9, 0},        {9.6, -2e-3},
+                                                     {11, 1e-3}, {11.3, -1e-3}, {20, 0}};
+  std::string rows, fine;
+  for (const auto& [x, z] : points) rows += fmt::format("{},{}\n", x, z);
+  const auto line = [&](double x) {
+    std::size_t k = 0;
+    while (k + 2 < points.size() && x > points[k + 1][0]) ++k;
+    const auto [x0, z0] = points[k];
+    const auto [x1, z1] = points[k + 1];
+    return z0 + (z1 - z0) * (x - x0) / (x1 - x0);
+  };
+  for (int i = 0; i <= 4000; ++i) fine += fmt::format("{},{}\n", 0.005 * i, line(0.005 * i));
+  const IrregularityParameters few = from("trackbed_few.csv", rows),
+                               many = from("trackbed_many.csv", fine);
+  const Irregularity uneven(few, 20), even(many, 20);
+  for (int i = 1; i < 2000; ++i) {
+    EXPECT_NEAR(uneven.at(0.01 * i), line(0.01 * i), 1e-15) << 0.01 * i;
+    // A cubic rounds the corners within two rows.
+    EXPECT_NEAR(even.at(0.01 * i), line(0.01 * i), 1e-5) << 0.01 * i;
+  }
+  std::filesystem::remove(few.file);
+  std::filesystem::remove(many.file);
+}
+
+// Even rows that begin anywhere are met exactly: a wave of 1 m from rows each 0.25 m, its cubic
+// between them as high as sin(pi/4) (1 + 1/4).
+TEST(ProfileFile, EvenRowsNeedNotBeginAtZero) {
+  const auto wave = [](double x) { return 1e-3 * std::sin(2 * std::numbers::pi * x); };
+  std::string rows;
+  for (int i = 0; i < 80; ++i) {
+    const double x = 0.125 + 0.25 * i;
+    rows += fmt::format("{},{}\n", x, wave(x));
+  }
+  const IrregularityParameters p = from("trackbed_wave.csv", rows);
+  const Irregularity profile(p, 20);
+  for (int i = 1; i < 79; ++i)
+    EXPECT_NEAR(profile.at(0.125 + 0.25 * i), wave(0.125 + 0.25 * i), 1e-15);
+  EXPECT_NEAR(profile.at(10.25), 1e-3 * std::sqrt(0.5) * 1.25, 1e-15);
   std::filesystem::remove(p.file);
 }
 
