@@ -113,7 +113,7 @@ double Line::Room::run_in(double x) const {
 double Line::Room::bed_factor(double x, std::size_t side) const {
   double factor = run_in(x);
   for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(x, side)) factor *= zone.bed;
+    if (zone.covers(x, side, parameters.track.length)) factor *= zone.bed;
   return factor;
 }
 
@@ -121,7 +121,7 @@ double Line::Room::bed_factor(double x, std::size_t side) const {
 double Line::Room::gap_below(double x, std::size_t side) const {
   double gap = 0;
   for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(x, side)) gap = std::max(gap, zone.gap);
+    if (zone.covers(x, side, parameters.track.length)) gap = std::max(gap, zone.gap);
   return gap;
 }
 
@@ -131,7 +131,7 @@ BeamElement Line::Room::element(std::size_t e, std::size_t side) const {
   const double middle = (static_cast<double>(e) + 0.5) * element_length;
   double factor = 1;
   for (const TrackZone& zone : parameters.track.zones)
-    if (zone.covers(middle, side)) factor *= zone.rail;
+    if (zone.covers(middle, side, parameters.track.length)) factor *= zone.rail;
   Beam here = beam.times(factor);
   here.bending_stiffness *= run_in(middle);
   here.shear_stiffness *= run_in(middle);

@@ -23,8 +23,12 @@ double Stop::slope(double approach, double rate, double rate_slope) const {
   return damper > 0 ? 2 * stiffness : 0;
 }
 
-bool TrackZone::covers(double x, std::size_t of_side) const {
-  return x >= from && x <= to &&
+// A place on the border of two zones that touch belongs to the second one, and to it alone. The end
+// of the track has no second one.
+bool TrackZone::covers(double x, std::size_t of_side, double length) const {
+  constexpr double rounding = 1e-9;  // m, of places of sleepers, which are sums
+  const bool ends = x > length - rounding && to > length - rounding;
+  return x > from - rounding && (x < to - rounding || ends) &&
          (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
 }
 

@@ -55,7 +55,8 @@ void BallastParameters::declare(input::Section& s) {
 // A gap is worth more than a factor where ballast has been lost: the sleeper then strikes.
 void TrackZone::declare(input::Section& s) {
   s.number("from", from, {.unit = "m", .required = true}, "x where the zone begins.");
-  s.number("to", to, {.unit = "m", .required = true}, "x where it ends.");
+  s.number("to", to, {.unit = "m", .required = true},
+           "x where it ends: what stands right there is outside, but for the end of the track.");
   s.number("rail", rail, {.above = 0, .usually_to = 100},
            "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},

@@ -50,7 +50,8 @@ struct TrackZone {
   double rail = 1, bed = 1;        // factors of E I, k G A and mass; of bed or ballast
   double gap = 0;                  // m, between sleepers and ballast while nothing is on the track
   ZoneSide side = ZoneSide::both;  // of a track with two rails
-  bool covers(double x, std::size_t of_side) const;
+  // Of a track of `length` m: from <= x < to, or up to its end.
+  bool covers(double x, std::size_t of_side, double length) const;
   void declare(input::Section& s);
 };
 

@@ -1,0 +1,99 @@
+// What zones and run-in make of the supports of a track alone.
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "trackbed/track/line.hpp"
+
+namespace trackbed::track {
+namespace {
+
+using Zones = std::vector<TrackZone>;
+
+LineParameters with(const Zones& zones) {
+  LineParameters p;
+  p.track.length = 24;
+  p.track.zones = zones;
+  return p;
+}
+
+// Of the spring on the ground below the sleeper at x, over that of a track without zones.
+double bed(const LineParameters& p, double x) {
+  LineParameters none = p;
+  none.track.zones.clear();
+  const Line line(p), plain(none);
+  return line.ground_spring(line.nearest_sleeper(x))[0] /
+         plain.ground_spring(plain.nearest_sleeper(x))[0];
+}
+
+// The sleeper on their border is in the second one alone, the last sleeper of the track in the zone
+// that ends there.
+TEST(Zones, ThatTouchAreOne) {
+  const auto one = with({{.from = 0, .to = 24, .bed = 0.5}});
+  const auto two = with({{.from = 0, .to = 12, .bed = 0.5}, {.from = 12, .to = 24, .bed = 0.5}});
+  for (const double x : {0.0, 11.4, 12.0, 12.6, 24.0}) {
+    EXPECT_NEAR(bed(one, x), 0.5, 1e-12) << x;
+    EXPECT_NEAR(bed(two, x), 0.5, 1e-12) << x;
+  }
+  EXPECT_NEAR(bed(with({{.from = 0, .to = 12, .bed = 0.5}}), 12), 1, 1e-12);
+  EXPECT_NEAR(bed(with({{.from = 12, .to = 18, .bed = 0.5}}), 12), 0.5, 1e-12);
+}
+
+// Factors multiply; of gaps the widest counts, whichever zone has it.
+TEST(Zones, ThatOverlap) {
+  const Zones over = {{.from = 0, .to = 12.3, .bed = 0.5, .gap = 1e-3},
+                      {.from = 11.7, .to = 24, .bed = 0.5, .gap = 2e-4}};
+  EXPECT_NEAR(bed(with(over), 12), 0.25, 1e-12);
+  const std::vector<std::pair<double, double>> wanted = {{11.4, 1e-3}, {12, 1e-3}, {12.6, 2e-4}};
+  for (const Zones& zones : {over, Zones{over[1], over[0]}}) {
+    const Line line(with(zones));
+    for (const auto& [x, gap] : wanted) {
+      const std::int32_t stop = line.ground_stop(line.nearest_sleeper(x));
+      ASSERT_GE(stop, 0);
+      EXPECT_EQ(line.stops()[static_cast<std::size_t>(stop)].gap, gap) << x;
+    }
+  }
+}
+
+// Below a ballast mass as below none.
+TEST(Zones, ScaleTheSpringBelowTheBallastMass) {
+  LineParameters p = with({{.from = 9.5, .to = 14.5, .bed = 3}});
+  p.ballast.mass = 500;
+  EXPECT_NEAR(bed(p, 12), 3, 1e-12);
+  EXPECT_NEAR(bed(p, 9), 1, 1e-12);
+  const Line massless(with({})), line(p);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{3}, std::size_t{15}})
+    for (const std::size_t k : {0, 1}) {
+      const double of_mass = k == 0 ? p.ballast.below_stiffness : p.ballast.below_damping;
+      const double without = k == 0 ? p.ballast.stiffness : p.ballast.damping;
+      const double run_in = massless.ground_spring(i)[k] / without;
+      EXPECT_NEAR(line.ground_spring(i)[k] / of_mass, run_in, 1e-12 * run_in) << i;
+    }
+  EXPECT_NEAR(line.ground_spring(0)[0], 100 * p.ballast.below_stiffness, 1);
+}
+
+// Over the run-in a pad is stiffer by a factor, so it comes to its knee at as much less: at twice
+// that compression it has the same force everywhere.
+TEST(RunIn, KneesOfPadsComeEarlier) {
+  LineParameters p = with({});
+  p.track.ends = RailEnds::free;
+  p.pad.knee = 1e-4;
+  p.pad.beyond = 500e6;
+  const Line line(p);
+  const Vector rest = Vector::Zero(line.system().mass.rows());
+  ASSERT_EQ(line.stops().size(), line.sleepers());
+  for (const std::size_t i : {std::size_t{0}, std::size_t{4}, std::size_t{20}}) {
+    const double factor = line.ground_spring(i)[0] / p.ballast.stiffness;
+    EXPECT_EQ(factor > 1, i < 10);
+    EXPECT_NEAR(line.stops()[i].gap, p.pad.knee / factor, 1e-15);
+    EXPECT_NEAR(line.stops()[i].stiffness, (p.pad.beyond - p.pad.stiffness) * factor, 1);
+    Vector pressed = rest;
+    pressed[line.sleeper_unknown(i)] = 2 * p.pad.knee / factor;
+    const double force = (p.pad.stiffness + p.pad.beyond) * p.pad.knee;
+    EXPECT_NEAR(line.seat_force(i, pressed, rest), force, 1e-9 * force) << i;
+  }
+}
+
+}  // namespace
+}  // namespace trackbed::track
