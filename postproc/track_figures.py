@@ -9,6 +9,7 @@ force of the run is one impact. What is drawn is explained in docs/track.md.
 """
 import argparse
 import io
+import json
 import pathlib
 
 import matplotlib
@@ -54,12 +55,23 @@ def on_track(run, length):
     return (x >= 0) & (x <= length)
 
 
-def wheel_numbers(run, length):
+def extremes_of(folder):
+    """Of every step of the run, from its summary.json; nothing without one. Rows are less."""
+    path = folder / "summary.json" if folder.is_dir() else folder.parent / "summary.json"
+    try:
+        return json.loads(path.read_text(encoding="utf-8")).get("track", {})
+    except (OSError, ValueError):
+        return {}
+
+
+def wheel_numbers(run, length, extremes):
     force = history(run, "wheel/force")[on_track(run, length)]
     if not len(force):
         raise read.Unreadable("no wheel was on the track while histories were written")
-    found = {"largest wheel force": (force.max() / 1e3, "kN"),
-             "least wheel force": (force.min() / 1e3, "kN"),
+    most = extremes.get("wheel_force_max_n", force.max())
+    least = extremes.get("wheel_force_min_n", force.min())
+    found = {"largest wheel force": (most / 1e3, "kN"),
+             "least wheel force": (least / 1e3, "kN"),
              "scatter of wheel forces": (force.std() / 1e3, "kN")}
     if "history/wheel/height" in run:
         path = track_measures.loaded_rail(history(run, "wheel/x")[:, 0],
@@ -70,11 +82,14 @@ def wheel_numbers(run, length):
     return found
 
 
-def numbers(run, length):
-    """Name -> (value, unit). Of wheels only while they are on the track."""
-    found = wheel_numbers(run, length) if "history/wheel/force" in run else {}
+def numbers(run, length, extremes=None):
+    """Name -> (value, unit). Of wheels only while they are on the track. What `extremes` (of the
+    summary) holds is that of every step, all else of the rows."""
+    extremes = extremes or {}
+    found = wheel_numbers(run, length, extremes) if "history/wheel/force" in run else {}
     time, rail = run["history/time"].values, history(run, "rail/displacement")
-    for x, down in zip(places(run, "rail/x"), -rail.min(axis=0)):
+    lowest = extremes.get("rail_lowest_m", rail.min(axis=0))
+    for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
         found[f"rail at {x}, down"] = (1e3 * down, "mm")
     if "sleepers/x" not in run:
         return found
@@ -188,7 +203,8 @@ def main():
         write.whole(given.folder / "receptance.png", picture.getvalue())
         write.whole(given.folder / "receptance.csv", table_of(*found).encode())
     text = "".join(f"{name:60} {value:10.4g} {unit}\n"
-                   for name, (value, unit) in numbers(run, length).items())
+                   for name, (value, unit) in numbers(run, length,
+                                                      extremes_of(given.results)).items())
     write.whole(given.folder / "track.txt", text.encode())
     print(text, end="")
 

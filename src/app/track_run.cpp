@@ -39,7 +39,8 @@ std::int64_t steps_of(const TrackModel& model, const Built& built) {
   return static_cast<std::int64_t>(std::ceil(built.passage.duration() / model.passage.step - 1e-9));
 }
 
-// Wheels on the rigid rails before and behind the track have nothing to tell.
+// Every step, whether it makes a row or not: extremes do not depend on the interval of the
+// histories. Wheels on the rigid rails before and behind the track have nothing to tell.
 void see_wheels(const Built& built, WheelExtremes& wheels) {
   for (std::size_t i = 0; i < built.train.wheels().size(); ++i)
     if (const double x = built.passage.wheel_x(i); x >= 0 && x <= built.line.length())
@@ -114,6 +115,7 @@ class Run {
   WheelExtremes wheels;
 
  private:
+  void see();
   bool stops_here() const;
   void progress(std::int64_t steps);
   void checkpoint();
@@ -141,13 +143,16 @@ bool Run::go() {
   const std::int64_t row = steps_in(passage.history_interval, passage.step);
   const std::int64_t written = steps_in(passage.checkpoint_interval, passage.step);
   catch_interrupts();
-  if (built.passage.steps() == 0) histories.sample(built.passage);
+  if (built.passage.steps() == 0) {
+    histories.sample(built.passage);
+    see();
+  }
   while (built.passage.steps() < steps) {
     if (below_)
       below_->advance(built.passage);
     else
       built.passage.advance();
-    see_wheels(built, wheels);
+    see();
     const std::int64_t done = built.passage.steps();
     if (done % row == 0) histories.sample(built.passage);
     progress(steps);
@@ -158,6 +163,11 @@ bool Run::go() {
     if (passage.checkpoint_interval > 0 && done % written == 0) checkpoint();
   }
   return true;
+}
+
+void Run::see() {
+  see_wheels(built, wheels);
+  histories.see(built.passage);
 }
 
 // Signals may reach any rank and clocks differ: asked of all, but not in every step, which may take

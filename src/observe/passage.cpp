@@ -43,6 +43,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
   const std::size_t sides = line.sides(), points_each = sides * points_.size(),
                     sleepers_each = sides * sleepers_.size();
   const bool on_ground = line.moved() > 0 && line.moves() == track::MovedPart::ground;
+  lowest_.assign(points_each, 0);
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
       {"history/wheel/x", {"m", "where it is"}, wheels, {}},
@@ -122,12 +123,11 @@ void PassageHistories::sample(const track::Passage& passage) {
   for (std::size_t i = 0; i < forces_; ++i) put(rail_force, passage.rail_force(i));
 }
 
-std::vector<double> PassageHistories::lowest() const {
-  const std::size_t width = columns_[rail_displacement].width;
-  std::vector<double> lowest(width, 0);
-  const std::vector<double>& w = columns_[rail_displacement].values;
-  for (std::size_t i = 0; i < w.size(); ++i) lowest[i % width] = std::min(lowest[i % width], w[i]);
-  return lowest;
+void PassageHistories::see(const track::Passage& passage) {
+  for (std::size_t i = 0; i < lowest_.size(); ++i) {
+    const double down = passage.rail_displacement(points_[i / line_.sides()], i % line_.sides());
+    lowest_[i] = std::min(lowest_[i], down);
+  }
 }
 
 // As in results.h5: a checkpoint holds its own rows, so that no other file is needed to go on.
@@ -136,6 +136,9 @@ void PassageHistories::save(io::File& file, const par::Comm& comm) const {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
   file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
+  if (!lowest_.empty())
+    file.write<double>("extreme/rail/displacement", own(lowest_), 1,
+                       {"m", "lowest of all steps so far, also of those without a row"});
   for (const Column& column : columns_)
     if (column.width > 0)
       file.write<double>(column.path, own(column.values), column.width, column.label);
@@ -143,6 +146,16 @@ void PassageHistories::save(io::File& file, const par::Comm& comm) const {
 
 void PassageHistories::load(const io::File& file) {
   times_ = file.read_all<double>("history/time");
+  if (!lowest_.empty()) {
+    if (!file.has("extreme/rail/displacement"))
+      throw RunError(
+          "this checkpoint has no extremes of steps, which an older program did not "
+          "write: run the deck again");
+    const std::size_t width = lowest_.size();
+    lowest_ = file.read_all<double>("extreme/rail/displacement");
+    if (lowest_.size() != width)
+      throw RunError("extreme/rail/displacement belongs to another track");
+  }
   for (Column& column : columns_) {
     if (column.width == 0) continue;
     column.values = file.read_all<double>(column.path);

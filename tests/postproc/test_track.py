@@ -23,6 +23,14 @@ def made(sleepers=True):
     return {name: read.Quantity(values, "-", "made for a test") for name, values in run.items()}
 
 
+def test_extremes_are_those_of_steps():
+    extremes = {"wheel_force_max_n": 70e3, "wheel_force_min_n": 40e3, "rail_lowest_m": [-2e-3]}
+    found = track_figures.numbers(made(), 20, extremes)
+    assert found["largest wheel force"] == (70, "kN")
+    assert found["least wheel force"] == (40, "kN")
+    assert found["rail at 5 m, down"] == (2, "mm")
+
+
 def test_wheels_count_on_the_track_alone():
     found = track_figures.numbers(made(), 20)
     assert found["largest wheel force"] == (pytest.approx(60), "kN")

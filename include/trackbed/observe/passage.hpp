@@ -21,11 +21,13 @@ class PassageHistories {
                    std::size_t forces = 0);
   // A row. Local.
   void sample(const track::Passage& passage);
+  // A step, which has no row unless it is sampled, but counts for extremes. Local.
+  void see(const track::Passage& passage);
   std::int64_t rows() const { return static_cast<std::int64_t>(times_.size()); }
-  // Of all rows: lowest rail displacement at each point, m.
-  std::vector<double> lowest() const;
-  // Rows so far to a checkpoint, and back into histories of the same model. Collective; `load`
-  // throws RunError for those of another one.
+  // Of all steps seen: lowest rail displacement at each point, m, left before right; at most 0.
+  const std::vector<double>& lowest() const { return lowest_; }
+  // Rows and extremes so far to a checkpoint, and back into histories of the same model.
+  // Collective; `load` throws RunError for those of another one.
   void save(io::File& file, const par::Comm& comm) const;
   void load(const io::File& file);
   // Writes results.h5 at `path`, in place of what is there. Collective; throws RunError.
@@ -46,7 +48,7 @@ class PassageHistories {
   std::vector<double> points_;
   std::size_t forces_;
   std::vector<std::size_t> sleepers_;
-  std::vector<double> times_;
+  std::vector<double> times_, lowest_;
   std::vector<Column> columns_;
 };
 
