@@ -30,6 +30,16 @@ std::string words_of_speed(const track::TrainParameters& train) {
   return text;
 }
 
+// What was drawn or read, and of what it was drawn: a short track is one of many.
+std::string words_of_d1(const char* section, const track::IrregularityParameters& given,
+                        const track::Irregularity& profile) {
+  std::string text = fmt::format("  {}: D1 (3 to 25 m) root mean square {:.4f} mm", section,
+                                 1e3 * profile.d1_rms());
+  if (given.kind == track::IrregularityKind::spectrum)
+    text += fmt::format("; of its spectrum {:.4f} mm", 1e3 * profile.spectrum_d1_rms());
+  return text;
+}
+
 void introduce_track(const par::Comm& comm, const TrackModel& model, const Built& built) {
   const track::Beam rail = track::beam_of(model.line.rail);
   say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
@@ -60,11 +70,10 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
   const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
   say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
                         built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
-  if (model.irregularity.kind == track::IrregularityKind::spectrum)
-    say(comm, fmt::format("  irregularity: D1 (3 to 25 m) root mean square {:.4f} mm; of the whole "
-                          "spectrum {:.4f} mm",
-                          1e3 * built.irregularity.d1_rms(),
-                          1e3 * track::rms_of(model.irregularity.spectrum, 3, 25)));
+  if (model.irregularity.kind != track::IrregularityKind::none)
+    say(comm, words_of_d1("irregularity", model.irregularity, built.irregularity));
+  if (built.right)
+    say(comm, words_of_d1("irregularity_right", model.irregularity_right, *built.right));
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct Built {
         train(m.train, m.vehicles, m.line.track.rails, m.line.track.wheel_gauge()),
         law(m.wheel_rail),
         irregularity(m.irregularity, m.line.track.length),
-        passage(line, train, law, irregularity, m.train, m.passage, right_of(m), seats_of(m)) {}
+        right(right_of(m)),
+        passage(line, train, law, irregularity, m.train, m.passage, right, seats_of(m)) {}
 
   static std::optional<track::Irregularity> right_of(const TrackModel& m) {
     if (m.irregularity_right.kind == track::IrregularityKind::same) return {};
@@ -29,6 +30,7 @@ struct Built {
   track::Train train;
   track::WheelRail law;
   track::Irregularity irregularity;
+  std::optional<track::Irregularity> right;  // if it is another one
   track::Passage passage;
 };
 

@@ -73,6 +73,14 @@ std::string state_hash(const track::Passage& passage) {
   return fmt::format("{:016x}", hash);
 }
 
+// Of the profile as it lies, and of all those that its spectrum may give.
+void put_d1(Json& json, const std::string& section, const track::IrregularityParameters& given,
+            const track::Irregularity& profile) {
+  json[section + "_d1_rms_m"] = profile.d1_rms();
+  if (given.kind == track::IrregularityKind::spectrum)
+    json[section + "_spectrum_d1_rms_m"] = profile.spectrum_d1_rms();
+}
+
 // Names as in summary.json of other runs where they mean the same; a window is a step.
 Json figures(const TrackModel& model, const Built& built, const WheelExtremes& wheels,
              const std::vector<double>& lowest) {
@@ -89,8 +97,9 @@ Json figures(const TrackModel& model, const Built& built, const WheelExtremes& w
             {"wheel_steps_off_rail", passage.lost()},
             {"rail_lowest_m", lowest},
             {"state_hash", state_hash(passage)}};
-  if (model.irregularity.kind == track::IrregularityKind::spectrum)
-    json["irregularity_d1_rms_m"] = built.irregularity.d1_rms();
+  if (model.irregularity.kind != track::IrregularityKind::none)
+    put_d1(json, "irregularity", model.irregularity, built.irregularity);
+  if (built.right) put_d1(json, "irregularity_right", model.irregularity_right, *built.right);
   return json;
 }
 

@@ -16,6 +16,7 @@
 #include <numbers>
 #include <utility>
 
+#include "band.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
 #include "trackbed/input/table.hpp"
@@ -130,7 +131,7 @@ void IrregularityParameters::declare(input::Section& s) {
 
 // Closed forms need no samples.
 Irregularity::Irregularity(const IrregularityParameters& parameters, double length)
-    : parameters_(parameters) {
+    : parameters_(parameters), length_(length) {
   if (parameters.kind == IrregularityKind::spectrum) draw(length);
   if (parameters.kind == IrregularityKind::file) read();
 }
@@ -159,7 +160,7 @@ void Irregularity::draw(double length) {
       slope_[k] -= amplitude * w * std::sin(angle);
     }
   }
-  d1_ = std::sqrt(d1);
+  spectrum_d1_ = std::sqrt(d1);
 }
 
 // The rows are kept as they are.
@@ -237,6 +238,17 @@ double Irregularity::at(double x) const {
     default:
       return dip(x);
   }
+}
+
+// Where spectrum or file fade in there is less of them.
+double Irregularity::d1_rms() const {
+  constexpr double step = 0.1;  // m
+  const bool fades =
+      parameters_.kind == IrregularityKind::spectrum || parameters_.kind == IrregularityKind::file;
+  const double begin = fades && parameters_.fade < length_ ? parameters_.fade : 0;
+  std::vector<double> heights;
+  for (double x = begin + step / 2; x < length_; x += step) heights.push_back(at(x));
+  return band_rms(std::move(heights), step, d1_shortest, d1_longest);
 }
 
 }  // namespace trackbed::track

@@ -39,12 +39,40 @@ def check_extremes(program, decks, folder):
     same_bits(folder / "few", stopped, "extremes after a stop")
 
 
+def check_d1(program, decks, folder):
+    """Of what was drawn or read, of each rail; that of the spectrum is the same for all seeds."""
+    left, right = 3e-3 * np.sqrt(0.5), 1e-3 * np.sqrt(0.5)  # m, of waves of 8 m
+    x = np.arange(0, 400.05, 0.1)
+    for name, height in (("left", 3e-3), ("right", 1e-3)):
+        rows = np.stack([x, height * np.sin(2 * np.pi * x / 8)], axis=1)
+        np.savetxt(folder / f"{name}.csv", rows, delimiter=",", header="x_m,z_m", comments="")
+    words = [f"{section}.{key}" for section, name in (("irregularity", "left"),
+                                                      ("irregularity_right", "right"))
+             for key in ("kind=file", f"file={(folder / name).resolve()}.csv")]
+    program.done(1, "run", decks / "plain.toml", *SHORT, *words, "track.dimension=space",
+                 "track.length=396", "-o", folder / "waves")
+    found = summary(folder / "waves")["track"]
+    for name, wanted in (("irregularity", left), ("irregularity_right", right)):
+        if abs(found[f"{name}_d1_rms_m"] - wanted) > 0.02 * wanted:
+            raise SystemExit(f"D1 of {name}: {found}, waves have {wanted} m")
+    drawn = []
+    for seed in (1, 2):
+        program.done(1, "run", decks / "plain.toml", *SHORT, "irregularity.kind=spectrum",
+                     f"irregularity.seed={seed}", "-o", folder / f"seed_{seed}")
+        drawn.append(summary(folder / f"seed_{seed}")["track"])
+    if drawn[0]["irregularity_spectrum_d1_rms_m"] != drawn[1]["irregularity_spectrum_d1_rms_m"]:
+        raise SystemExit(f"one spectrum has one D1: {drawn}")
+    if drawn[0]["irregularity_d1_rms_m"] == drawn[1]["irregularity_d1_rms_m"]:
+        raise SystemExit(f"two profiles have the same D1: {drawn}")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_extremes(program, decks, folder)
+    check_d1(program, decks, folder)
 
 
 if __name__ == "__main__":

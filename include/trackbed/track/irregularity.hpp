@@ -40,8 +40,11 @@ class Irregularity {
   // bad file.
   Irregularity(const IrregularityParameters& parameters, double length);
   double at(double x) const;  // m, upwards
-  // m, of the sampled profile of kind `spectrum` between 3 and 25 m, from its lines.
-  double d1_rms() const { return d1_; }
+  // m, root mean square of its part between 3 and 25 m (D1 of EN 13848-1) on the track beyond
+  // `fade`, by a Butterworth filter of fourth order.
+  double d1_rms() const;
+  // m, the same of all tracks of its spectrum: from the power of the lines between 3 and 25 m.
+  double spectrum_d1_rms() const { return spectrum_d1_; }
 
  private:
   void draw(double length);
@@ -51,9 +54,9 @@ class Irregularity {
   double measured(double x) const;
   double dip(double x) const;
   IrregularityParameters parameters_;
-  double spacing_ = 0, d1_ = 0;         // m
-  std::vector<double> row_;             // m, x of the heights of a file
-  std::vector<double> height_, slope_;  // m, -
+  double length_, spacing_ = 0, spectrum_d1_ = 0;  // m
+  std::vector<double> row_;                        // m, x of the heights of a file
+  std::vector<double> height_, slope_;             // m, -
 };
 
 }  // namespace trackbed::track

@@ -93,6 +93,40 @@ TEST(ProfileFile, EvenRowsNeedNotBeginAtZero) {
   std::filesystem::remove(p.file);
 }
 
+// The filter takes waves in the band, half the power of one at its border, and nothing of those far
+// from it. Waves fade in over 10 m that do not count.
+TEST(ProfileFile, TheFilterTakesD1) {
+  const auto d1 = [](double wavelength) {
+    std::string rows;
+    for (int i = 0; i <= 12000; ++i)
+      rows += fmt::format("{:.17g},{:.17g}\n", 0.1 * i,
+                          1e-3 * std::cos(2 * std::numbers::pi * 0.1 * i / wavelength));
+    IrregularityParameters p = from("trackbed_d1.csv", rows);
+    p.fade = 10;
+    const double found = Irregularity(p, 1200).d1_rms() / (1e-3 * std::sqrt(0.5));
+    std::filesystem::remove(p.file);
+    return found;
+  };
+  EXPECT_NEAR(d1(8), 1, 0.01);
+  EXPECT_NEAR(d1(3), std::sqrt(0.5), 0.02);
+  EXPECT_NEAR(d1(25), std::sqrt(0.5), 0.02);
+  EXPECT_LT(d1(1), 0.02);
+  EXPECT_LT(d1(100), 0.02);
+}
+
+// Of 4 km as drawn: the power of the spectrum times that of the filter, integrated numerically,
+// 1.019 times what sharp borders give. Short tracks of one spectrum differ.
+TEST(ProfileFile, D1IsThatOfWhatWasDrawn) {
+  IrregularityParameters p;
+  p.kind = IrregularityKind::spectrum;
+  EXPECT_NEAR(Irregularity(p, 4000).d1_rms(), 1.00314e-3, 0.02e-3);
+  const Irregularity one(p, 60);
+  p.seed = 2;
+  const Irregularity other(p, 60);
+  EXPECT_GT(std::abs(one.d1_rms() - other.d1_rms()), 1e-5);
+  EXPECT_EQ(one.spectrum_d1_rms(), other.spectrum_d1_rms());
+}
+
 TEST(ProfileFile, OneRowIsNoProfile) {
   const IrregularityParameters p = from("trackbed_row.csv", "0,1e-3\n");
   EXPECT_THROW(Irregularity(p, 20), InputError);

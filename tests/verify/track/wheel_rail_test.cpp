@@ -48,7 +48,7 @@ TEST(Irregularities, RootMeanSquareInD1) {
     p.spectrum = spectrum;
     // Lines are 1 % apart: at each end of D1 up to half a line is in or out.
     verified::near(fmt::format("{}, of the profile's lines", name), "m",
-                   Irregularity(p, 100).d1_rms(), reference, 0.005 * reference);
+                   Irregularity(p, 100).spectrum_d1_rms(), reference, 0.005 * reference);
   }
 }
 
