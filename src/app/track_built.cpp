@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/track_rules.hpp"
+
 namespace trackbed::app {
 
 namespace {
@@ -96,6 +98,7 @@ Together::Together(const par::Comm& comm, const Model& model)
 void introduce(const par::Comm& comm, const Model& model, const Together& whole,
                const Built& built) {
   introduce_track(comm, whole.track, built);
+  for (const std::string& doubt : doubts_of_files(whole.track)) say(comm, "warning: " + doubt);
   if (!whole.below) return;
   const nlohmann::ordered_json of = whole.below->figures();
   say(comm, fmt::format("  ground: {} elements, {} unknowns, below sleepers at {:g} to {:g} m",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/track_rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/track/motion.hpp"
@@ -156,15 +157,16 @@ void TrackModel::declare(input::Section& s) {
   if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
   declare_seats(*this, s);
   declare_flat(*this, s);
+  declare_track_rules(*this, s);
   const double length = line.track.length;
   if (on_bed) return;
   for (const double x : passage.points)
     s.rule("passage.points", x <= length,
            fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
            {.reads = {"passage.points", "track.length"}});
-  s.rule("train.start", train.start < length,
+  s.rule("train.start", train.vehicles.empty() || train.start < length,
          fmt::format("lies beyond the track, which is {:g} m long", length),
-         {.reads = {"train.start", "track.length"}});
+         {.reads = {"train.start", "train.vehicles", "track.length"}});
   const std::optional<double> rests = stop();
   s.rule("passage.duration", passage.duration > 0 || !rests,
          fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "

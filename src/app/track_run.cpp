@@ -14,6 +14,7 @@
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
 #include "app/track_built.hpp"
+#include "app/track_rules.hpp"
 #include "app/version.hpp"
 #include "app/wheel_extremes.hpp"
 #include "trackbed/core/error.hpp"
@@ -269,7 +270,7 @@ Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, co
     json["coupling"] = whole.below->balance();
     json["energy"] = whole.below->energies(run.built.passage);
   }
-  json["warnings"] = Json::array();
+  json["warnings"] = doubts_of_files(whole.track);
   return json;
 }
 

@@ -27,6 +27,7 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 constexpr int lines = 400;
+constexpr double samples_per_wave = 20;
 constexpr double d1_shortest = 3, d1_longest = 25;  // m, EN 13848-1
 
 // ERRI B176, A in m rad: A Wc^2/((W^2 + Wr^2)(W^2 + Wc^2)).
@@ -139,7 +140,6 @@ Irregularity::Irregularity(const IrregularityParameters& parameters, double leng
 // Slopes come with the samples: the cubic is then off by (W spacing)^4/384 of a line, below 3e-5.
 void Irregularity::draw(double length) {
   const IrregularityParameters& p = parameters_;
-  constexpr double samples_per_wave = 20;
   spacing_ = p.shortest / samples_per_wave;
   const auto count = static_cast<std::size_t>(std::ceil(length / spacing_)) + 2;
   height_.assign(count, 0);
@@ -249,6 +249,10 @@ double Irregularity::d1_rms() const {
   std::vector<double> heights;
   for (double x = begin + step / 2; x < length_; x += step) heights.push_back(at(x));
   return band_rms(std::move(heights), step, d1_shortest, d1_longest);
+}
+
+double Irregularity::samples_for(double shortest, double length) {
+  return samples_per_wave * length / shortest;
 }
 
 }  // namespace trackbed::track

@@ -32,6 +32,8 @@ void PadParameters::declare(input::Section& s) {
            "Stiffness beyond the knee.");
   s.rule("beyond", knee == 0 || beyond > stiffness, "must be above pad.stiffness",
          {.reads = {"stiffness", "knee", "beyond"}});
+  s.rule("beyond", knee > 0 || beyond == 0, "has no effect without a knee",
+         {.weight = input::Weight::warning, .reads = {"knee", "beyond"}});
 }
 
 // One spring, or two with a mass between, for which Zhai, Wang and Lin (Modelling and experiment of
@@ -50,6 +52,13 @@ void BallastParameters::declare(input::Section& s) {
            "Below the ballast mass.");
   s.number("below_damping", below_damping, {.unit = "N s/m", .at_least = 0},
            "Below the ballast mass.");
+  const BallastParameters none;
+  const input::About about{.weight = input::Weight::warning,
+                           .reads = {"mass", "below_stiffness", "below_damping"}};
+  s.rule("below_stiffness", mass > 0 || below_stiffness == none.below_stiffness,
+         "has no effect without a mass of the ballast", about);
+  s.rule("below_damping", mass > 0 || below_damping == none.below_damping,
+         "has no effect without a mass of the ballast", about);
 }
 
 // A gap is worth more than a factor where ballast has been lost: the sleeper then strikes.

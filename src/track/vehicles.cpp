@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -197,6 +198,61 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
   return names;
 }
 
+namespace {
+
+// What kinds look at beside the length, in the order of VehicleKind.
+struct Looked {
+  const char* name;
+  double VehicleParameters::*number;
+  std::array<bool, 4> by;
+};
+constexpr std::array by_coach{true, false, false, false}, by_bodies{true, true, false, false},
+    by_wheels{true, true, true, false};
+using V = VehicleParameters;
+constexpr Looked looked_at[] = {{"body_mass", &V::body_mass, by_bodies},
+                                {"bogie_mass", &V::bogie_mass, by_coach},
+                                {"wheelset_mass", &V::wheelset_mass, by_wheels},
+                                {"body_inertia", &V::body_inertia, by_coach},
+                                {"bogie_inertia", &V::bogie_inertia, by_coach},
+                                {"primary_stiffness", &V::primary_stiffness, by_bodies},
+                                {"primary_damping", &V::primary_damping, by_bodies},
+                                {"secondary_stiffness", &V::secondary_stiffness, by_coach},
+                                {"secondary_damping", &V::secondary_damping, by_coach},
+                                {"bogie_distance", &V::bogie_distance, by_coach},
+                                {"wheelbase", &V::wheelbase, by_coach},
+                                {"body_roll", &V::body_roll, by_bodies},
+                                {"bogie_roll", &V::bogie_roll, by_coach},
+                                {"wheelset_roll", &V::wheelset_roll, by_wheels},
+                                {"primary_base", &V::primary_base, by_bodies},
+                                {"secondary_base", &V::secondary_base, by_coach},
+                                {"body_offset", &V::body_offset, by_bodies}};
+
+// Of a vehicle that is like one of the library they are errors: what stands in the deck is then
+// read as what the vehicle is. One of its own may change its kind by a word of the command line.
+void declare_unused(const V& given, const V& whole, input::Section& s) {
+  const bool own = given.like.empty();
+  const input::About about{.weight = own ? input::Weight::warning : input::Weight::problem};
+  s.rule("kind", own || given.kind == VehicleKind::coach || given.kind == whole.kind,
+         fmt::format("is that of {}, which it is like: leave it out", given.like));
+  const auto kind = static_cast<std::size_t>(whole.kind);
+  for (const Looked& one : looked_at)
+    s.rule(one.name, given.*one.number == 0 || one.by[kind],
+           "has no effect on a vehicle of this kind", about);
+  const bool forces = whole.kind == VehicleKind::forces;
+  s.rule("axles", given.axles.empty() || forces, "is for constant forces (kind)", about);
+  s.rule("loads", given.loads.empty() || forces, "is for constant forces (kind)", about);
+  const double reach = whole.kind == VehicleKind::coach ? whole.bogie_distance + whole.wheelbase
+                       : forces && !whole.axles.empty()
+                           ? *std::max_element(whole.axles.begin(), whole.axles.end())
+                           : 0;
+  s.rule("length", reach <= whole.length,
+         fmt::format("is less than the {:g} m that its axles need: they stand in other vehicles",
+                     reach),
+         {.weight = input::Weight::warning});
+}
+
+}  // namespace
+
 // Of a plane track none of these matters.
 void VehicleParameters::declare_roll(input::Section& s) {
   const auto inertia = [&](const char* of, double& value, const char* words) {
@@ -253,6 +309,7 @@ void VehicleParameters::declare(input::Section& s) {
   declare_roll(s);
   s.numbers("axles", axles, {.unit = "m", .at_least = 0}, "Behind the vehicle's front (forces).");
   s.numbers("loads", loads, {.unit = "N", .at_least = 0}, "Of each axle, both wheels (forces).");
+  declare_unused(*this, complete(*this), s);
   if (const auto missing = lacking(complete(*this)); !missing.empty())
     s.rule("kind", false, fmt::format("needs {} too", fmt::join(missing, ", ")));
 }

@@ -96,6 +96,12 @@ void WheelRailParameters::declare(input::Section& s) {
            "Of the flat, its edges worn round: it is length^2/(16 wheel_radius) deep.");
   s.number("flat_at", flat_at, {.unit = "m"},
            "x where the middle of the flat meets the rail; again after each turn of the wheel.");
+  const input::About about{.weight = input::Weight::warning,
+                           .reads = {"law", "constant", "stiffness"}};
+  s.rule("stiffness", law == WheelRailLaw::linear || stiffness == WheelRailParameters().stiffness,
+         "has no effect with law = \"hertz\"", about);
+  s.rule("constant", law == WheelRailLaw::hertz || constant == 0,
+         "has no effect with law = \"linear\"", about);
   s.rule("flat_length", flat_axle == 0 || flat_length <= bodies.wheel_radius,
          "must be at most the radius of the wheel",
          {.reads = {"flat_axle", "flat_length", "wheel_radius"}});

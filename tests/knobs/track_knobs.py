@@ -19,7 +19,7 @@ from program import Program, summary  # noqa: E402
 EVEN = ["track.support=continuous"]
 MASS = ["ballast.mass=500"]
 CUSTOM = ["train.vehicles=[\"own\"]"]
-COACH = [*CUSTOM, "vehicle.own.like=manchester_1"]
+COACH = [*CUSTOM, "vehicle.own.like=manchester_1", "vehicle.own.kind=coach"]
 AXLES = [*CUSTOM, "vehicle.own.kind=forces", "vehicle.own.axles=[1, 3]",
          "vehicle.own.loads=[1e5, 1e5]"]
 BRAKES = ["train.times=[1]", "train.speeds=[48]"]

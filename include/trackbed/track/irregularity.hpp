@@ -40,6 +40,8 @@ class Irregularity {
   // bad file.
   Irregularity(const IrregularityParameters& parameters, double length);
   double at(double x) const;  // m, upwards
+  // How many samples a spectrum with this shortest wave takes on a track of `length` m.
+  static double samples_for(double shortest, double length);
   // m, root mean square of its part between 3 and 25 m (D1 of EN 13848-1) on the track beyond
   // `fade`, by a Butterworth filter of fourth order.
   double d1_rms() const;

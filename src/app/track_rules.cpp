@@ -1,0 +1,179 @@
+// What cannot be computed is an error. What can, but does nothing or can hardly be meant, is a
+// warning: decks are made from others by a word of the command line, and what such a word leaves
+// without effect must not stop them.
+#include "app/track_rules.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "trackbed/input/table.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Kind = track::IrregularityKind;
+
+// Whether any of `count` places, `apart` m from the next, lies in the zone; the first is `first`.
+bool holds_place(const track::TrackZone& zone, double length, double first, double apart) {
+  for (double x = first; x < length + apart / 2; x += apart)
+    if (zone.covers(x, 0, length) || zone.covers(x, 1, length)) return true;
+  return false;
+}
+
+void declare_zone(const track::TrackParameters& track, std::size_t i, input::Section& s) {
+  const track::TrackZone& zone = track.zones[i];
+  const input::About about{.weight = input::Weight::warning, .reads = {"track"}};
+  const std::string from = fmt::format("track.zone[{}].from", i);
+  const bool on = zone.to > 0 && zone.from < track.length;
+  s.rule(
+      from, on,
+      fmt::format("begins a zone beyond the track, which reaches from 0 to {:g} m", track.length),
+      about);
+  if (!on) return;
+  const double element = track.spacing / static_cast<double>(track.elements);
+  const bool elements = holds_place(zone, track.length, element / 2, element);
+  s.rule(from, zone.rail == 1 || elements,
+         "begins a zone without the middle of an element of the rail: its factor `rail` has no "
+         "effect",
+         about);
+  const bool bears = track.support == track::Support::sleepers
+                         ? holds_place(zone, track.length, 0, track.spacing)
+                         : track.support == track::Support::continuous && elements;
+  s.rule(from, (zone.bed == 1 && zone.gap == 0) || bears,
+         "begins a zone without a sleeper: `bed` and `gap` have no effect", about);
+}
+
+// Sleepers, or elements of a continuous bed, of this side that lie on something while nothing is on
+// the track.
+std::int64_t carried(const track::TrackParameters& track, std::size_t side) {
+  const bool sleepers = track.support == track::Support::sleepers;
+  const double apart = track.spacing / (sleepers ? 1 : static_cast<double>(track.elements));
+  std::int64_t count = 0;
+  for (double x = sleepers ? 0 : apart / 2; x < track.length + apart / 4; x += apart)
+    count += std::none_of(track.zones.begin(), track.zones.end(), [&](const auto& zone) {
+      return zone.covers(x, side, track.length) && (zone.bed == 0 || zone.gap > 0);
+    });
+  return count;
+}
+
+// A free rail needs two sleepers, or it turns about the only one, or one element of a bed; between
+// pinned ends it hangs.
+void declare_support(const track::TrackParameters& track, input::Section& s) {
+  if (track.support == track::Support::none || track.zones.empty()) return;
+  const std::size_t sides = track.dimension == Dimension::space ? 2 : 1;
+  std::int64_t least = carried(track, 0);
+  if (sides == 2) least = std::min(least, carried(track, 1));
+  const int needed = track.support == track::Support::sleepers ? 2 : 1;
+  if (track.ends == track::RailEnds::free)
+    s.rule("track.zone", least >= needed,
+           fmt::format("leaves {} place{} to carry the rail, whose ends are free: bed = 0 or a gap "
+                       "is nearly everywhere",
+                       least, least == 1 ? "" : "s"),
+           {.reads = {"track"}});
+  else
+    s.rule("track.zone", least > 0,
+           "leaves nothing to carry the rail between its pinned ends: bed = 0 or a gap is "
+           "everywhere",
+           {.weight = input::Weight::warning, .reads = {"track"}});
+}
+
+// Of one rail: values that its kind does not look at.
+void declare_unused(const track::IrregularityParameters& p, const std::string& section,
+                    input::Section& s) {
+  const track::IrregularityParameters none;
+  const bool one = p.kind == Kind::versine || p.kind == Kind::vee || p.kind == Kind::joint;
+  const bool closed = one || p.kind == Kind::waves, random = p.kind == Kind::spectrum;
+  const auto unused = [&](const char* name, bool given, bool used) {
+    s.rule(fmt::format("{}.{}", section, name), !given || used,
+           fmt::format("has no effect with {}.kind as it is", section),
+           {.weight = input::Weight::warning, .reads = {section}});
+  };
+  unused("at", p.at != none.at, closed);
+  unused("depth", p.depth != none.depth, closed);
+  unused("length", p.length != none.length, closed);
+  unused("waves", p.waves != none.waves, p.kind == Kind::waves);
+  unused("spectrum", p.spectrum != none.spectrum, random);
+  unused("shortest", p.shortest != none.shortest, random);
+  unused("longest", p.longest != none.longest, random);
+  unused("seed", p.seed != none.seed, random);
+  unused("fade", p.fade != none.fade, random || p.kind == Kind::file);
+  unused("file", !p.file.empty(), p.kind == Kind::file);
+}
+
+void declare_irregularity(const track::IrregularityParameters& p, const std::string& section,
+                          double length, input::Section& s) {
+  declare_unused(p, section, s);
+  const std::vector<std::string> reads = {section, "track.length"};
+  const bool waves = p.kind == Kind::waves;
+  const bool closed =
+      waves || p.kind == Kind::versine || p.kind == Kind::vee || p.kind == Kind::joint;
+  const double begin = waves ? p.at : p.at - p.length / 2;
+  const double end = waves ? p.at + static_cast<double>(p.waves) * p.length : p.at + p.length / 2;
+  s.rule(section + ".at", !closed || (begin < length && end > 0),
+         fmt::format("puts it beyond the track, which is {:g} m long", length),
+         {.weight = input::Weight::warning, .reads = reads});
+  s.rule(section + ".fade", p.kind != Kind::spectrum || p.fade > 0,
+         "is 0: wheels meet the random profile with a step at x = 0",
+         {.weight = input::Weight::warning, .reads = reads});
+  const double samples = track::Irregularity::samples_for(p.shortest, length);
+  constexpr double most = 1e6;
+  s.rule(section + ".shortest", p.kind != Kind::spectrum || samples <= most,
+         fmt::format("makes {:.3g} samples of {:g} m of track; at most {:g}, so give {:.2g} m or "
+                     "more",
+                     samples, length, most, p.shortest * samples / most),
+         {.reads = reads});
+}
+
+// Of a wheel at the largest speed: it must not jump over elements.
+void declare_step(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  const double element = track.spacing / static_cast<double>(track.elements);
+  double speed = model.train.speed;
+  for (const double later : model.train.speeds) speed = std::max(speed, later);
+  s.rule("passage.step",
+         model.train.vehicles.empty() || speed * model.passage.step <= element * (1 + 1e-9),
+         fmt::format("lets wheels go {:.3g} m in a step, further than an element of the rail "
+                     "({:g} m)",
+                     speed * model.passage.step, element),
+         {.weight = input::Weight::warning, .reads = {"passage.step", "train", "track"}});
+}
+
+void add_doubts(const track::IrregularityParameters& p, const std::string& section, double length,
+                std::vector<std::string>& to) {
+  if (p.kind != Kind::file) return;
+  constexpr double high = 0.1;  // m: more can only be millimetres
+  const auto columns = input::read_table(p.file, {"x_m", "z_m"}, "x_m");
+  double most = 0;
+  for (const double z : columns[1]) most = std::max(most, std::abs(z));
+  if (most > high)
+    to.push_back(fmt::format("{}.file: {} is up to {:g} m high; are heights in millimetres?",
+                             section, p.file, most));
+  if (!columns[0].empty() && (columns[0].back() < length || columns[0].front() > p.fade))
+    to.push_back(
+        fmt::format("{}.file: {} reaches from {:g} to {:g} m, the track to {:g} m; beyond "
+                    "its rows the rail is level",
+                    section, p.file, columns[0].front(), columns[0].back(), length));
+}
+
+}  // namespace
+
+void declare_track_rules(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
+  if (!model.on_bed) declare_support(track, s);
+  declare_irregularity(model.irregularity, "irregularity", track.length, s);
+  declare_irregularity(model.irregularity_right, "irregularity_right", track.length, s);
+  declare_step(model, s);
+}
+
+std::vector<std::string> doubts_of_files(const TrackModel& model) {
+  std::vector<std::string> doubts;
+  add_doubts(model.irregularity, "irregularity", model.line.track.length, doubts);
+  add_doubts(model.irregularity_right, "irregularity_right", model.line.track.length, doubts);
+  return doubts;
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,17 @@
+// Rules of a track alone, and of the rail of a bed, that tie what is given to what it does.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/track_model.hpp"
+
+namespace trackbed::app {
+
+// Zones without effect or that leave nothing to carry the rail, irregularities that no wheel meets
+// or that are too fine, steps that are too long.
+void declare_track_rules(const TrackModel& model, input::Section& s);
+// Sentences on what stands in files of irregularities; throws InputError for a bad one.
+std::vector<std::string> doubts_of_files(const TrackModel& model);
+
+}  // namespace trackbed::app

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""A track alone: what a deck gives without effect, or can hardly mean, is said by `check`; what
+cannot be computed is refused before anything runs.
+
+    track_doubts.py PROGRAM DECKS FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+FORCE = """
+[[force]]
+at = 5
+"""
+ZONE = """
+[[track.zone]]
+from = {}
+to = {}
+{}
+"""
+VEHICLE = """
+[[vehicle]]
+name = "own"
+{}
+"""
+COACH = """kind = "coach"
+length = 20
+body_mass = 30e3
+bogie_mass = 2e3
+wheelset_mass = 1e3
+primary_stiffness = 1e6
+secondary_stiffness = 1e6
+bogie_distance = 18
+wheelbase = 2.5
+"""
+# Changes of the plain deck, what is added to it, words of the refusal.
+REFUSED = [
+    (["track.ends=free"], ZONE.format(0, 60, "bed = 0"), "leaves 0 places to carry the rail"),
+    (["track.ends=free"], ZONE.format(0, 59.9, "gap = 1e-3"), "leaves 1 place to carry the rail"),
+    (["track.ends=free", "track.dimension=space"],
+     ZONE.format(0, 60, 'gap = 1e-3\nside = "right"'), "leaves 0 places to carry the rail"),
+    (["track.ends=free", "track.support=continuous"], ZONE.format(0, 60, "bed = 0"),
+     "leaves 0 places to carry the rail"),
+    (["irregularity.shortest=1e-5"], "", "irregularity.shortest = 1e-05: makes 1.2e+08 samples"),
+    ([], VEHICLE.format('like = "hxd1_unit"\nbody_mass = 30e3'),
+     "vehicle[0].body_mass = 30000.0: has no effect on a vehicle of this kind"),
+    ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "is that of manchester_1"),
+    ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
+     "is for constant forces"),
+]
+WARNED = [
+    ([], ZONE.format(70, 80, "bed = 2"), "begins a zone beyond the track"),
+    ([], ZONE.format(30.1, 30.5, "bed = 2"), "without a sleeper: `bed` and `gap` have no effect"),
+    ([], ZONE.format(30.1, 30.2, "rail = 2"), "without the middle of an element of the rail"),
+    ([], ZONE.format(0, 60, "bed = 0"), "leaves nothing to carry the rail between its pinned ends"),
+    (["irregularity.kind=none", "irregularity.depth=1e-3", "irregularity.at=20"], "",
+     "irregularity.at = 20: has no effect with irregularity.kind"),
+    (["irregularity.kind=versine", "irregularity.at=70"], "", "puts it beyond the track, which"),
+    (["irregularity.fade=0"], "", "wheels meet the random profile with a step at x = 0"),
+    (["passage.step=4e-3"], "", "lets wheels go 0.2 m in a step, further than an element"),
+    (["wheel_rail.stiffness=1e9"], "", 'has no effect with law = "hertz"'),
+    (["wheel_rail.law=linear", "wheel_rail.constant=1e11"], "", 'effect with law = "linear"'),
+    (["ballast.below_stiffness=70e6"], "", "has no effect without a mass of the ballast"),
+    (["ballast.below_damping=7e3"], "", "has no effect without a mass of the ballast"),
+    (["pad.beyond=3e8"], "", "has no effect without a knee"),
+    (['train.vehicles=["own"]', "vehicle.own.length=15"], VEHICLE.format(COACH),
+     "is less than the 20.5 m that its axles need"),
+    ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
+     "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
+]
+# What must be said of nothing.
+SOUND = [
+    ([], ""), (["track.ends=free"], ZONE.format(1, 59, "bed = 0")),
+    (["track.ends=free", "track.support=continuous"], ZONE.format(0.3, 60, "bed = 0")),
+    ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
+    ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
+    (["irregularity.kind=waves", "irregularity.at=20", "irregularity.fade=10"], ""),
+    # No vehicle: where it would start does not matter.
+    (["train.vehicles=[]", "track.length=6", "track.run_in=2", "passage.duration=0.01",
+      "passage.points=[3]"], FORCE),
+]
+
+
+def deck_with(decks, folder, more):
+    path = folder / "changed.toml"
+    path.write_text((decks / "plain.toml").read_text(encoding="utf-8") + more, encoding="utf-8")
+    return path
+
+
+def check_sentences(program, decks, folder):
+    for changes, more, words in REFUSED:
+        ran = program(1, "check", deck_with(decks, folder, more), *changes)
+        if ran.returncode != 2 or words not in ran.stderr:
+            raise SystemExit(f"{changes} {more} must be refused with {words}:\n"
+                             f"{ran.stdout}{ran.stderr}")
+    for changes, more, words in WARNED:
+        ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
+        if not any(line.startswith("warning: ") and words in line
+                   for line in ran.stdout.splitlines()):
+            raise SystemExit(f"{changes} {more} must warn of {words}:\n{ran.stdout}")
+    for changes, more in SOUND:
+        ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
+        if "warning" in ran.stdout:
+            raise SystemExit(f"{changes} {more} must not warn:\n{ran.stdout}")
+
+
+def check_files(program, decks, folder):
+    """Heights in millimetres and rows that end early: said by check, and kept by the run."""
+    table = folder / "profile.csv"
+    words = ["irregularity.kind=file", f"irregularity.file={table.resolve()}",
+             "passage.duration=0.01"]
+    for rows, sentences in (("0,0\n30,0.4\n60,0\n", ["is up to 0.4 m high"]),
+                            ("0,0\n30,-1e-3\n", ["reaches from 0 to 30 m, the track to 60 m"]),
+                            ("20,0\n60,-1e-3\n", ["reaches from 20 to 60 m"]),
+                            ("0,0\n60,-1e-3\n", [])):
+        table.write_text("x_m,z_m\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", decks / "plain.toml", *words)
+        said = [line for line in ran.stdout.splitlines() if line.startswith("warning: ")]
+        program.done(1, "run", decks / "plain.toml", *words, "--force", "-o", folder / "run")
+        kept = summary(folder / "run")["warnings"]
+        for lines in (said, kept):
+            if len(lines) != len(sentences) or not all(
+                    sentence in line for sentence, line in zip(sentences, lines)):
+                raise SystemExit(f"{rows}: {sentences} is wanted, not {lines}")
+
+
+def main():
+    program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
+        sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_sentences(program, decks, folder)
+    check_files(program, decks, folder)
+
+
+if __name__ == "__main__":
+    main()
