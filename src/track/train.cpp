@@ -107,20 +107,23 @@ class Builder {
   std::vector<double> weight_;
 };
 
-// Wheelsets, front first.
+// Below a point of a body; its wheelsets go to the end of the list, front first.
+void add_bogie(Builder& to, const VehicleParameters& v, const Point& above,
+               std::vector<Body>& wheelsets) {
+  const Body bogie = to.body({v.bogie_mass, v.bogie_inertia, v.bogie_roll});
+  to.join(above, {bogie}, {v.secondary_stiffness, v.secondary_damping}, v.secondary_base);
+  for (const double end : {1.0, -1.0}) {
+    wheelsets.push_back(to.body({v.wheelset_mass, 0, v.wheelset_roll}));
+    to.join({bogie, end * v.wheelbase / 2}, {wheelsets.back()},
+            {v.primary_stiffness, v.primary_damping}, v.primary_base);
+  }
+}
+
 std::vector<Body> add_coach(Builder& to, const VehicleParameters& v) {
   std::vector<Body> wheelsets;
   const Body body = to.body({v.body_mass, v.body_inertia, v.body_roll, v.body_offset});
-  for (const double side : {1.0, -1.0}) {
-    const Body bogie = to.body({v.bogie_mass, v.bogie_inertia, v.bogie_roll});
-    to.join({body, side * v.bogie_distance / 2}, {bogie},
-            {v.secondary_stiffness, v.secondary_damping}, v.secondary_base);
-    for (const double end : {1.0, -1.0}) {
-      wheelsets.push_back(to.body({v.wheelset_mass, 0, v.wheelset_roll}));
-      to.join({bogie, end * v.wheelbase / 2}, {wheelsets.back()},
-              {v.primary_stiffness, v.primary_damping}, v.primary_base);
-    }
-  }
+  for (const double side : {1.0, -1.0})
+    add_bogie(to, v, {body, side * v.bogie_distance / 2}, wheelsets);
   return wheelsets;
 }
 
@@ -129,6 +132,11 @@ std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
   if (v.kind == VehicleKind::coach) return add_coach(to, v);
   if (v.kind == VehicleKind::wheel) return {to.body({v.wheelset_mass, 0, v.wheelset_roll})};
   const Body body = to.body({v.body_mass, 0, v.body_roll, v.body_offset});
+  if (v.kind == VehicleKind::bogie) {
+    std::vector<Body> wheelsets;
+    add_bogie(to, v, {body}, wheelsets);
+    return wheelsets;
+  }
   const Body wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
   to.join({body}, {wheelset}, {v.primary_stiffness, v.primary_damping}, v.primary_base);
   return {wheelset};
@@ -137,6 +145,8 @@ std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
 // m behind the vehicle's front.
 std::vector<double> axles_of(const VehicleParameters& v) {
   if (v.kind == VehicleKind::forces) return v.axles;
+  if (v.kind == VehicleKind::bogie)
+    return {v.length / 2 - v.wheelbase / 2, v.length / 2 + v.wheelbase / 2};
   if (v.kind != VehicleKind::coach) return {v.length / 2};
   const double front = v.length / 2 - v.bogie_distance / 2 - v.wheelbase / 2;
   return {front, front + v.wheelbase, front + v.bogie_distance,
@@ -156,6 +166,8 @@ double mass_of(const VehicleParameters& v) {
   switch (v.kind) {
     case VehicleKind::coach:
       return v.body_mass + 2 * v.bogie_mass + 4 * v.wheelset_mass;
+    case VehicleKind::bogie:
+      return v.body_mass + v.bogie_mass + 2 * v.wheelset_mass;
     case VehicleKind::sprung:
       return v.body_mass + v.wheelset_mass;
     default:

@@ -55,6 +55,27 @@ VehicleParameters alfa_pendular() {
           .source = "NeTIRail-INFRA D2.10, Table 1; inertias of uniform bars"};
 }
 
+// One bogie alone: the vehicle above cut down to axles of 15.5 t, (31000 - 2615 - 2 1340) kg on its
+// secondary springs, with a wheelset of 1340 kg and axles 2.9 m apart; its roll follows its mass.
+VehicleParameters x2_bogie() {
+  return {.name = "x2_bogie",
+          .kind = VehicleKind::bogie,
+          .length = 13,
+          .body_mass = 25705,
+          .bogie_mass = 2615,
+          .wheelset_mass = 1340,
+          .bogie_inertia = 1476,
+          .primary_stiffness = 2.44e6,
+          .primary_damping = 8e3,
+          .secondary_stiffness = 0.86e6,
+          .secondary_damping = 40e3,
+          .wheelbase = 2.9,
+          .bogie_roll = 1722,
+          .source =
+              "Model-based condition monitoring of railway switches and crossings, Table 4: "
+              "wheelset, axle load, axle spacing; the rest of manchester_1; length assumed"};
+}
+
 // Given for half a train: axle load 22.5 t.
 VehicleParameters freight_wagon() {
   return {.name = "freight_wagon",
@@ -129,7 +150,7 @@ constexpr double VehicleParameters::*numbers[] = {&VehicleParameters::length,
 // The order is that of the list of names in messages.
 const std::vector<VehicleParameters>& vehicle_library() {
   static const std::vector<VehicleParameters> library = {
-      manchester_1(), alfa_pendular(), freight_wagon(), hxd1_unit(), load_model_71()};
+      manchester_1(), alfa_pendular(), x2_bogie(), freight_wagon(), hxd1_unit(), load_model_71()};
   return library;
 }
 
@@ -182,6 +203,7 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
     if (!there) names.emplace_back(name);
   };
   const bool coach = v.kind == VehicleKind::coach, sprung = v.kind == VehicleKind::sprung;
+  const bool bogies = coach || v.kind == VehicleKind::bogie;
   need("length", v.length > 0);
   if (v.kind == VehicleKind::forces) {
     need("axles", !v.axles.empty());
@@ -189,12 +211,12 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
     return names;
   }
   need("wheelset_mass", v.wheelset_mass > 0);
-  need("body_mass", v.body_mass > 0 || !(coach || sprung));
-  need("primary_stiffness", v.primary_stiffness > 0 || !(coach || sprung));
-  need("bogie_mass", v.bogie_mass > 0 || !coach);
-  need("secondary_stiffness", v.secondary_stiffness > 0 || !coach);
+  need("body_mass", v.body_mass > 0 || !(bogies || sprung));
+  need("primary_stiffness", v.primary_stiffness > 0 || !(bogies || sprung));
+  need("bogie_mass", v.bogie_mass > 0 || !bogies);
+  need("secondary_stiffness", v.secondary_stiffness > 0 || !bogies);
   need("bogie_distance", v.bogie_distance > 0 || !coach);
-  need("wheelbase", v.wheelbase > 0 || !coach);
+  need("wheelbase", v.wheelbase > 0 || !bogies);
   return names;
 }
 
@@ -277,35 +299,37 @@ void VehicleParameters::declare(input::Section& s) {
   s.text("name", name, "Name by which the train refers to it.", {}, true);
   s.text("like", like, "Vehicle of the library that gives the kind and all numbers that are 0.",
          library);
-  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces"},
+  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie"},
            "coach: body, two bogies, four wheelsets; sprung: a mass on one wheelset; wheel: one "
-           "wheelset; forces: constant forces of axles.");
+           "wheelset; forces: constant forces of axles; bogie: the mass it carries, one bogie, two "
+           "wheelsets.");
   s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
            "Between couplings: axles stand symmetrically within it.");
   const auto mass = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "kg", .at_least = 0, .usually_to = 2e5}, words);
   };
-  mass("body_mass", body_mass, "Of the body (coach, sprung).");
-  mass("bogie_mass", bogie_mass, "Of one bogie without wheelsets (coach).");
+  mass("body_mass", body_mass, "Of the body (coach, sprung), or of its part on the bogie (bogie).");
+  mass("bogie_mass", bogie_mass, "Of one bogie without wheelsets (coach, bogie).");
   mass("wheelset_mass", wheelset_mass, "Of one wheelset.");
   s.number("body_inertia", body_inertia, {.unit = "kg m2", .at_least = 0},
            "Pitch inertia of the body (coach); 0: mass length^2/12.");
   s.number("bogie_inertia", bogie_inertia, {.unit = "kg m2", .at_least = 0},
-           "Pitch inertia of one bogie (coach); 0: mass wheelbase^2/12.");
+           "Pitch inertia of one bogie (coach, bogie); 0: mass wheelbase^2/12.");
   const auto spring = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "N/m", .at_least = 0, .usually_to = 1e9}, words);
   };
   const auto damper = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7}, words);
   };
-  spring("primary_stiffness", primary_stiffness, "On one wheelset, both sides (coach, sprung).");
-  damper("primary_damping", primary_damping, "On one wheelset, both sides (coach, sprung).");
-  spring("secondary_stiffness", secondary_stiffness, "On one bogie, both sides (coach).");
-  damper("secondary_damping", secondary_damping, "On one bogie, both sides (coach).");
+  spring("primary_stiffness", primary_stiffness,
+         "On one wheelset, both sides (coach, sprung, bogie).");
+  damper("primary_damping", primary_damping, "On one wheelset, both sides (coach, sprung, bogie).");
+  spring("secondary_stiffness", secondary_stiffness, "On one bogie, both sides (coach, bogie).");
+  damper("secondary_damping", secondary_damping, "On one bogie, both sides (coach, bogie).");
   s.number("bogie_distance", bogie_distance, {.unit = "m", .at_least = 0, .usually_to = 50},
            "Between the bogies' centres (coach).");
   s.number("wheelbase", wheelbase, {.unit = "m", .at_least = 0, .usually_to = 10},
-           "Between the axles of a bogie (coach).");
+           "Between the axles of a bogie (coach, bogie).");
   declare_roll(s);
   s.numbers("axles", axles, {.unit = "m", .at_least = 0}, "Behind the vehicle's front (forces).");
   s.numbers("loads", loads, {.unit = "N", .at_least = 0}, "Of each axle, both wheels (forces).");

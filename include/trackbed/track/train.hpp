@@ -13,8 +13,9 @@
 namespace trackbed::track {
 
 // coach: body and two bogies (bounce and pitch), four wheelsets. sprung: a mass on a spring on one
-// wheelset. wheel: one wheelset alone. forces: axles of constant force.
-enum class VehicleKind { coach, sprung, wheel, forces };
+// wheelset. wheel: one wheelset alone. forces: axles of constant force. bogie: one bogie (bounce
+// and pitch) on two wheelsets, below the mass that it carries (bounce).
+enum class VehicleKind { coach, sprung, wheel, forces, bogie };
 
 // A whole vehicle, both sides together; numbers of 0 are those of `like`.
 struct VehicleParameters {

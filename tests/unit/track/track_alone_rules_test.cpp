@@ -47,6 +47,13 @@ TEST(TrackAloneRules, VehiclesHaveWhatTheirKindNeeds) {
   using V = VehicleParameters;
   EXPECT_EQ(broken<V>([](V& v) { v.like = "manchester_1"; }), Names{});
   EXPECT_EQ(broken<V>([](V& v) { v.kind = VehicleKind::wheel, v.length = 1; }), Names{"kind"});
+  for (double V::*number : {&V::body_mass, &V::bogie_mass, &V::wheelset_mass, &V::wheelbase,
+                            &V::primary_stiffness, &V::secondary_stiffness}) {
+    V bogie = complete({.like = "x2_bogie"});
+    EXPECT_TRUE(lacking(bogie).empty());
+    bogie.*number = 0;
+    EXPECT_EQ(lacking(bogie).size(), 1U);
+  }
   EXPECT_EQ(broken<V>([](V& v) { v.kind = VehicleKind::forces, v.length = 1, v.axles = {0}; }),
             Names{"kind"});
   for (const V& known : vehicle_library()) EXPECT_TRUE(lacking(complete(known)).empty());

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "support/verified.hpp"
 #include "verify/track/lines.hpp"
@@ -25,6 +27,47 @@ TEST(Vehicle, FrequenciesOfTheManchesterVehicle) {
     verified::near(fmt::format("mode {}", i + 1), "Hz", found[i], expected[i], 6e-5);
 }
 
+// Bounce of the carried mass m over the bogie's t, and pitch of the bogie alone:
+//   m t w^4 - (m (k_s + 2 k_p) + t k_s) w^2 + 2 k_s k_p = 0,   w^2 = k_p a^2/(2 I)
+// k_s, k_p of secondary and of one wheelset's springs, a the wheelbase, I the pitch inertia.
+TEST(Vehicle, FrequenciesOfABogieAlone) {
+  const VehicleParameters& v = of_library("x2_bogie");
+  const double ks = v.secondary_stiffness, kp = v.primary_stiffness;
+  const double m = v.body_mass, t = v.bogie_mass;
+  const double half = (m * (ks + 2 * kp) + t * ks) / (2 * m * t);
+  const double root = std::sqrt(half * half - 2 * ks * kp / (m * t));
+  const double turn = kp * v.wheelbase * v.wheelbase / (2 * v.bogie_inertia);
+  const std::vector<double> found = natural_frequencies(v);
+  ASSERT_EQ(found.size(), 3U);
+  const auto hertz = [](double square) { return std::sqrt(square) / (2 * std::numbers::pi); };
+  verified::near("bounce of what it carries", "Hz", found[0], hertz(half - root), 1e-9);
+  verified::near("bounce of the bogie", "Hz", found[1], hertz(half + root), 1e-9);
+  verified::near("pitch of the bogie", "Hz", found[2], hertz(turn), 1e-9);
+}
+
+// A coach of two such bogies whose body stays level moves as two of them: bounce, pitch and roll of
+// the bogie are among the coach's modes.
+TEST(Vehicle, ABogieAloneIsHalfOfASymmetricCoach) {
+  const VehicleParameters bogie = complete(of_library("x2_bogie"));
+  VehicleParameters coach = bogie;
+  coach.kind = VehicleKind::coach;
+  coach.length = 26;
+  coach.body_mass *= 2;
+  coach.body_roll *= 2;
+  coach.bogie_distance = 19;
+  const std::vector<double> all = natural_frequencies(coach, true);
+  const std::vector<double> found = natural_frequencies(bogie, true);
+  ASSERT_EQ(found.size(), 5U);
+  double furthest = 0;
+  for (const double f : found) {
+    const auto far = [&](double of) { return std::abs(of - f); };
+    furthest = std::max(
+        furthest, far(*std::min_element(all.begin(), all.end(),
+                                        [&](double a, double b) { return far(a) < far(b); })));
+  }
+  verified::below("furthest from a mode of the coach", "Hz", furthest, 1e-6);
+}
+
 // Axle loads and static sag of the springs, from the equilibrium a passage begins in.
 TEST(Vehicle, LoadsAtRest) {
   const Line line((LineParameters()));
@@ -44,6 +87,26 @@ TEST(Vehicle, LoadsAtRest) {
     const double bogies = (u[2] + u[6]) / 2;
     verified::near("secondary springs", "m", bogies - u[0], 182.51e-3, 1e-5);
     verified::near("primary springs", "m", (u[4] + u[5]) / 2 - u[2], 37.42e-3, 1e-5);
+  }
+}
+
+// Two axles in the middle of the vehicle, on one rail and on each of two.
+TEST(Vehicle, LoadsOfABogieAlone) {
+  constexpr double axle = 15.5e3 * 9.81;  // N
+  for (const Dimension dimension : {Dimension::plane, Dimension::space}) {
+    LineParameters p;
+    p.track.dimension = dimension;
+    const Line line(p);
+    const TrainParameters motion{.vehicles = {"x2_bogie"}, .start = 40};
+    const Train train(motion, {}, 2, p.track.wheel_gauge());
+    const Passage passage(line, train, WheelRail({}), Irregularity({}, 60), motion, {});
+    const std::size_t wheels = 2 * line.sides();
+    ASSERT_EQ(train.wheels().size(), wheels);
+    for (std::size_t i = 0; i < wheels; ++i)
+      verified::near(fmt::format("{}, wheel {}", line.sides() == 1 ? "one rail" : "two rails", i),
+                     "N", passage.wheel_force(i), axle / 2, 1);
+    EXPECT_DOUBLE_EQ(train.axle_distance(), 2.9);
+    EXPECT_EQ(train.roll_unknown()[0], dimension == Dimension::space ? 1 : -1);
   }
 }
 
