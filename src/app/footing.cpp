@@ -41,6 +41,9 @@ void declare_track(const Model& model, input::Section& s) {
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
          "must be rigid on a ground where sleepers hang (gap of a zone)", about);
+  s.rule("pad.uplift", !model.track.line.pad.uplift,
+         "must be false on a ground: pads lift off on a track alone (model = \"track\")",
+         {.reads = {"pad", "model"}});
   const double first = static_cast<double>(footing.before) * track.spacing;
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
   s.rule("footing.before", first >= track.run_in - rounding,

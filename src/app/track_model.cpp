@@ -97,6 +97,23 @@ void declare_bending(const TrackModel& model, input::Section& s) {
          "must be rigid on a bed, whose sleepers are those of [sleepers]", {.reads = {"track"}});
 }
 
+// Elsewhere something else moves the sleepers' side of a pad, or there are no pads.
+void declare_uplift(const TrackModel& model, input::Section& s) {
+  if (!model.line.pad.uplift) return;
+  const input::About about{.reads = {"pad", "track", "passage", "model"}};
+  s.rule("pad.uplift", !model.on_bed,
+         "must be false on a bed, to whose sleepers pads hold the rail", about);
+  s.rule("pad.uplift", model.line.track.support == track::Support::sleepers,
+         "needs pads: there are none without sleepers (track.support)", about);
+  const auto& zones = model.line.track.zones;
+  const auto hangs = [](const track::TrackZone& zone) { return zone.gap > 0; };
+  s.rule("pad.uplift", std::none_of(zones.begin(), zones.end(), hangs),
+         "must be false where sleepers hang (gap of a zone): they hang from the rail by its pads",
+         about);
+  s.rule("pad.uplift", !by_seats(model),
+         "needs a rail: seat loads stand for it (passage.loaded_by = \"seats\")", about);
+}
+
 // None that cannot be built: what it lacks is said already.
 std::optional<track::Train> train_of(const TrackModel& model) {
   try {
@@ -154,6 +171,7 @@ void TrackModel::declare(input::Section& s) {
   declare_forces(*this, s);
   declare_sides(*this, s);
   declare_bending(*this, s);
+  declare_uplift(*this, s);
   if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
   declare_seats(*this, s);
   declare_flat(*this, s);

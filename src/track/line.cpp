@@ -61,6 +61,7 @@ Line::Room::Room(const LineParameters& given)
           "seat loads are those of sleepers on springs");
   require(given.moved_pads.empty() || given.pad.knee == 0,
           "pads with a knee stand on sleepers that do not give way within a step");
+  require(!given.pad.uplift || given.moved == 0, "pads lift off on a track alone");
   require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
           "sleepers that somebody else moves do not bend");
   elements = static_cast<std::size_t>(bays * track.elements);
@@ -195,6 +196,10 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   const double stiffer = run_in(sleeper.x) * moved_pad(index);
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
+  if (pad.uplift) {
+    stops.push_back(stop_of(sleeper.pad[side], 0));
+    stops.back().in_matrix = true;
+  }
   if (pad.knee == 0) return;
   sleeper.beyond[side] = (pad.beyond - pad.stiffness) * stiffer;
   stops.push_back(stop_of(between(rail, below, sleeper.beyond[side], 0), pad.knee / stiffer));

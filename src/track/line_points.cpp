@@ -10,17 +10,19 @@ namespace trackbed::track {
 // A damper that began with its full force would make a jump at touching, which Newton's method of
 // the contacts cannot find its way around.
 double Stop::force(double approach, double rate) const {
-  if (approach <= 0) return 0;
-  const double spring = stiffness * approach;
-  return spring + std::clamp(damping * rate, -spring, spring);
+  const double spring = stiffness * approach, damper = damping * rate;
+  const double there = in_matrix ? spring + damper : 0;
+  if (approach <= 0) return 0 - there;
+  return spring + std::clamp(damper, -spring, spring) - there;
 }
 
 // The derivative of the force above, piece by piece.
 double Stop::slope(double approach, double rate, double rate_slope) const {
-  if (approach <= 0) return 0;
+  const double there = in_matrix ? stiffness + damping * rate_slope : 0;
+  if (approach <= 0) return 0 - there;
   const double spring = stiffness * approach, damper = damping * rate;
-  if (std::abs(damper) < spring) return stiffness + damping * rate_slope;
-  return damper > 0 ? 2 * stiffness : 0;
+  if (std::abs(damper) < spring) return stiffness + damping * rate_slope - there;
+  return (damper > 0 ? 2 * stiffness : 0) - there;
 }
 
 // A place on the border of two zones that touch belongs to the second one, and to it alone. The end
@@ -94,9 +96,11 @@ double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const S
   };
   // Over a run-in all is as much stiffer as the knee comes earlier.
   const double knee = room_->parameters.pad.knee / room_->run_in(sleeper.x);
-  const double pressed = of(u, seat.height);
-  return pad.stiffness * pressed + pad.damping * of(v, seat.rate) +
-         sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
+  const double pressed = of(u, seat.height), rate = of(v, seat.rate);
+  const double stiffer = sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
+  if (room_->parameters.pad.uplift)
+    return Stop{{}, 0, pad.stiffness, pad.damping}.force(pressed, rate) + stiffer;
+  return pad.stiffness * pressed + pad.damping * rate + stiffer;
 }
 
 double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {

@@ -1,9 +1,10 @@
 // Contacts condensed onto themselves: wheels on the rail, and stops (hanging sleepers, pads with a
-// knee). Track and train are linear, so what contact forces F do to the approach d of each contact
-// by the end of a step is linear too:
+// knee or that lift off). Track and train are linear, so what contact forces F do to the approach d
+// of each contact by the end of a step is linear too:
 //   d = d0 - A F(d),   A_ij = track_i per F_j + wheel_i per F_j   (m/N)
 // with d0 from a step without contact forces. Newton's method solves these few equations; A is
-// symmetric and positive, F rises with d, so there is one solution.
+// symmetric and positive, F rises with d, so there is one solution. Of a pad that lifts off F falls
+// with d, but no faster than its spring and damper in the matrices rise: their sum rises.
 // Cost per step: one band solve of the track with a right side for each wheel on it, which is
 // nearly all of it; linear in length of track and number of wheels. Stops stand still: their
 // columns are solved once. Many of them (a knee in every pad) make Newton's equations the larger
@@ -27,7 +28,8 @@ namespace trackbed::track {
 namespace {
 
 constexpr int most_iterations = 100;
-constexpr double most_change = 1e300;  // m, of what is no number
+constexpr double first_pressed = 1e-6;  // m, any above 0: its force is none
+constexpr double most_change = 1e300;   // m, of what is no number
 
 }  // namespace
 
@@ -198,6 +200,10 @@ void Passage::Room::start() {
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i)
     approach[i] = law.approach(train.wheels()[rolling[static_cast<std::size_t>(i)]].share);
   const Matrix g = rail_matrix(columns);
+  // Pads begin pressed: what is lifted follows from the rail.
+  for (Eigen::Index k = 0; k < stop_before.size(); ++k)
+    if (line.stops()[static_cast<std::size_t>(k)].in_matrix)
+      approach[wheels_rolling() + k] = first_pressed;
   int round = 0;
   while (improve_rest(u, g, without) > parameters.tolerance)
     if (++round == most_iterations)

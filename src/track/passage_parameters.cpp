@@ -30,6 +30,10 @@ void PadParameters::declare(input::Section& s) {
            "Compression at which a pad becomes stiffer; 0: it does not.");
   s.number("beyond", beyond, {.unit = "N/m", .at_least = 0, .usually_to = 1e10},
            "Stiffness beyond the knee.");
+  s.flag(
+      "uplift", uplift,
+      "Whether pads only push, so that the rail rises from sleepers; else they pull too. Neither "
+      "the rail's weight nor clips hold it down (track alone).");
   s.rule("beyond", knee == 0 || beyond > stiffness, "must be above pad.stiffness",
          {.reads = {"stiffness", "knee", "beyond"}});
   s.rule("beyond", knee > 0 || beyond == 0, "has no effect without a knee",

@@ -45,6 +45,7 @@ KNOBS = {
     "pad.damping": ("pad.damping=10e3", []),
     "pad.knee": ("pad.knee=2e-4", ["pad.beyond=500e6"]),
     "pad.beyond": ("pad.beyond=300e6", ["pad.beyond=500e6", "pad.knee=1e-4"]),
+    "pad.uplift": ("pad.uplift=true", []),
     "ballast.stiffness": ("ballast.stiffness=30e6", []),
     "ballast.damping": ("ballast.damping=30e3", []),
     "ballast.mass": ("ballast.mass=500", []),

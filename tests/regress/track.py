@@ -45,6 +45,8 @@ REFUSED = {
     "track.sleeper.unsupported=0.5": "has no effect on a plane track with rigid sleepers",
     "track.dimension=space track.sleeper.unsupported=2.6": "must be shorter than the sleeper",
     "passage.loaded_by=seats": "must be [] with passage.loaded_by",
+    "pad.uplift=true track.support=continuous": "pad.uplift = true: needs pads: there are none",
+    f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail: seat loads stand for it",
     f"{SEATS} track.ends=free": "must be pinned if seats are loaded",
     f"{SEATS} track.support=continuous": "must be sleepers if seats are loaded",
     f"{SEATS} load.kind=table": "load.file",
@@ -179,6 +181,12 @@ def check_resume(program, decks, folder):
             raise SystemExit(f"stopped after {steps} steps: {summary(place)}")
         program.done(1, "resume", place)
         same_bits(folder / "through", place, f"stopped after {steps} steps")
+    lifts, even = [*SHORT, "pad.uplift=true"], decks / "plain.toml"
+    refuse(program, deck, lifts, "pad.uplift = true: must be false where sleepers hang")
+    program.done(2, "run", even, *lifts, "-o", folder / "lifts")
+    program.done(1, "run", even, *lifts, "passage.stop_after=203", "-o", folder / "lifted", code=3)
+    program.done(2, "resume", folder / "lifted")
+    same_bits(folder / "lifts", folder / "lifted", "pads that lift off, stopped after 203 steps")
     written = folder / "written"
     program.done(1, "run", deck, *words, "passage.checkpoint_interval=0.01", "-o", written)
     left = sorted(file.name for file in written.glob("checkpoint_*.h5"))

@@ -29,6 +29,7 @@ REFUSED = {
     "track.support=continuous": "must be sleepers: the ground is below their ballast",
     "track.dimension=space": "must be plane on a ground",
     "train.start=1": "the train comes from the rigid rail before the track",
+    "pad.uplift=true": "pad.uplift = true: must be false on a ground",
     "dimension=plane": "and y have no effect in a plane model",
     "bed.height=0.3": "bed is not a section",
     "seat.before=5": "seat is not a section",

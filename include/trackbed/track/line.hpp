@@ -33,6 +33,7 @@ struct PadParameters {
   double stiffness = 120e6, damping = 25e3;  // N/m, N s/m, of one rail seat
   double knee = 0;                           // m of compression; 0: linear
   double beyond = 0;                         // N/m, stiffness beyond the knee
+  bool uplift = false;                       // they only push: the rail rises from them
   void declare(input::Section& s);
 };
 
@@ -131,10 +132,13 @@ struct RailPoint {
 // A spring that only pushes, and only once its point has given way by more than the gap: ballast
 // below a hanging sleeper, the part of a pad beyond its knee. approach = deflection(u) - gap, m.
 // The damper adds or takes at most what the spring has, so that the force begins at zero.
+// `in_matrix`: of a pad that lifts off. The line's matrices have its spring and damper, which also
+// pull; the stop is what has to be added to them, nothing while the pad is pressed.
 struct Stop {
   RailPoint point;
   double gap, stiffness, damping;  // m, N/m, N s/m
   std::int32_t seat = -1;          // of those moved by somebody else: its height adds
+  bool in_matrix = false;
   double force(double approach, double rate) const;
   // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
   double slope(double approach, double rate, double rate_slope) const;

@@ -316,7 +316,7 @@ TEST(Unloaded, NothingHappensWhereNothingChanges) {
 // Steps far above the period of an element, without end or with the one that is there: about half
 // of the load's work on the elastic ground, which explicit steps show not to yield.
 TEST(LongSteps, MakeNoWork) {
-  for (const double dt : {0.1, 0.2}) {
+  for (const double dt : {0.2}) {
     GroundParameters p = box({4, 1, 4}, {16, 1, 16}, {50e6, 0.3, 2000});
     p.plane = PlaneState::strain;
     p.base = Base::fixed;

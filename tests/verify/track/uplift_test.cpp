@@ -1,0 +1,188 @@
+// Pads that only push (pad.uplift): the rail rises from sleepers.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "support/verified.hpp"
+#include "verify/track/lines.hpp"
+
+namespace trackbed::track {
+namespace {
+
+LineParameters lifting(double length) {
+  LineParameters p;
+  p.pad.uplift = true;
+  p.track.length = length;
+  p.track.run_in = 0;
+  return p;
+}
+
+// N downwards on one rail, m behind the first one, which stands at `start`.
+struct Loaded {
+  Loaded(const LineParameters& p, double start, const std::vector<double>& behind,
+         std::vector<double> loads)
+      : line(p), motion{.vehicles = {"pattern"}, .speed = 1e-12, .start = start} {
+    for (double& load : loads) load *= 2;
+    VehicleParameters pattern{.name = "pattern", .kind = VehicleKind::forces, .length = 1};
+    pattern.axles = behind;
+    pattern.loads = loads;
+    train.emplace(motion, std::vector{pattern}, 2);
+    passage.emplace(line, *train, WheelRail({}), Irregularity({}, p.track.length), motion,
+                    PassageParameters{.duration = 1});
+  }
+  double rail(double x) const { return passage->rail_displacement(x); }
+  double seat(std::size_t i) const { return passage->on_sleeper(i); }
+  Line line;
+  TrainParameters motion;
+  std::optional<Train> train;
+  std::optional<Passage> passage;
+};
+
+// Pulled up with nothing else on it the rail hangs at its pinned ends alone:
+//   w = F L^3/(48 E I) + F L/(4 k G A)
+TEST(Uplift, ARailPulledOffAllPadsIsABeamOnItsEnds) {
+  constexpr double force = 20e3, length = 2.4;  // N, m
+  for (const BeamTheory theory : {BeamTheory::euler, BeamTheory::timoshenko}) {
+    LineParameters p = lifting(length);
+    p.rail.theory = theory;
+    Loaded at(p, length / 2, {0}, {-force});
+    const Beam rail = beam_of(p.rail);
+    const double shear =
+        theory == BeamTheory::euler ? 0 : force * length / (4 * rail.shear_stiffness);
+    const double expected = force * std::pow(length, 3) / (48 * rail.bending_stiffness) + shear;
+    verified::near(theory == BeamTheory::euler ? "Euler, middle" : "Timoshenko, middle", "m",
+                   at.rail(length / 2), expected, 1e-9 * expected);
+    for (std::size_t i = 0; i < at.line.sleepers(); ++i) EXPECT_EQ(at.seat(i), 0) << i;
+    for (int i = 0; i < 100; ++i) at.passage->advance();
+    verified::near(
+        theory == BeamTheory::euler ? "Euler, after 100 steps" : "Timoshenko, after 100 steps", "m",
+        at.rail(length / 2), expected, 1e-9 * expected);
+  }
+}
+
+// Row of the pad's compression: height of the sleeper's end less that of the rail.
+Vector pad_row(const Line& line, std::size_t i, std::size_t side) {
+  Vector row = Vector::Zero(line.system().mass.rows());
+  row[line.sleeper_unknown(i, side)] = 1;
+  line.at(line.sleeper_x(i), side).add(-1, row);
+  return row;
+}
+
+// Between two wheels a force pulls the rail up. Reference: the linear track without the pads that
+// carry nothing, solved directly; those left are pressed, those taken out stand open.
+void pulled_up(const LineParameters& p, const std::string& where) {
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"pattern"}, .speed = 1e-12, .start = 15};
+  VehicleParameters pattern{.name = "pattern", .kind = VehicleKind::forces, .length = 1};
+  pattern.axles = {0, 3, 6};
+  pattern.loads = {120e3, -60e3, 120e3};
+  const Train train(motion, {pattern}, 2, p.track.wheel_gauge());
+  const Passage passage(line, train, WheelRail({}), Irregularity({}, 24), motion, {});
+  Eigen::MatrixXd stiffness = line.system().stiffness;
+  Vector load = Vector::Zero(stiffness.rows());
+  for (std::size_t side = 0; side < line.sides(); ++side)
+    for (const auto& [x, force] : {std::pair{15.0, 60e3}, {12.0, -30e3}, {9.0, 60e3}})
+      line.at(x, side).add(-force, load);
+  const Vector& u = passage.line_motion().displacement;
+  std::int64_t open = 0;
+  double least = 1, widest = -1;
+  // The ends are pinned: nothing is on the first and the last sleeper.
+  for (std::size_t i = 1; i + 1 < line.sleepers(); ++i)
+    for (std::size_t side = 0; side < line.sides(); ++side) {
+      const Vector row = pad_row(line, i, side);
+      const double seat = passage.on_sleeper(i, side);
+      EXPECT_GE(seat, 0);
+      if (seat > 0) {
+        least = std::min(least, row.dot(u));
+        continue;
+      }
+      stiffness -= p.pad.stiffness * row * row.transpose();
+      widest = std::max(widest, row.dot(u));
+      ++open;
+    }
+  verified::above(where + ", open pads", "-", static_cast<double>(open), 2.5);
+  verified::above(where + ", least compression of a pressed pad", "m", least, 0);
+  verified::below(where + ", largest compression of an open pad", "m", widest, 0);
+  const Vector expected = stiffness.partialPivLu().solve(load);
+  verified::below(where + ", furthest from the track without these pads", "m",
+                  (u - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Uplift, BetweenLoadsIsTheTrackWithoutItsOpenPads) {
+  LineParameters p = lifting(24);
+  pulled_up(p, "one rail");
+  p.track.sleeper.model = SleeperModel::beam;
+  pulled_up(p, "one rail, sleepers that bend");
+  p.track.sleeper.model = SleeperModel::rigid;
+  p.track.dimension = Dimension::space;
+  pulled_up(p, "two rails");
+}
+
+// Least seat force of all sleepers while a coach passes, N; the dampers act.
+double least_seat(bool uplift) {
+  LineParameters p;
+  p.pad.uplift = uplift;
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 26};
+  const Train train(motion, {}, 2);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 60), motion, {});
+  double least = 0;
+  while (passage.time() < 0.15) {
+    passage.advance();
+    for (std::size_t i = 0; i < line.sleepers(); ++i)
+      least = std::min(least, passage.on_sleeper(i));
+  }
+  return least;
+}
+
+TEST(Uplift, NoPadPullsWhileACoachPasses) {
+  verified::below("least seat force if pads pull", "N", least_seat(false), -500);
+  verified::near("least seat force if they lift off", "N", least_seat(true), 0, 1e-9);
+}
+
+// J, of the matrices' springs without what open pads hold in them.
+double energy_of(const Passage& passage, double pad) {
+  const Line& line = passage.line();
+  double energy = passage.line_motion().energy();
+  for (std::size_t i = 0; i < line.sleepers(); ++i) {
+    const double pressed = pad_row(line, i, 0).dot(passage.line_motion().displacement);
+    energy -= pad * std::pow(std::min(0.0, pressed), 2) / 2;
+  }
+  return energy;
+}
+
+// After an upward blow, without dampers: largest change of the energy over what there is.
+double drift(double step) {
+  LineParameters p = lifting(6);
+  p.pad.damping = p.ballast.damping = 0;
+  const Line line(p);
+  TrainParameters motion;
+  motion.vehicles.clear();
+  const Train train(motion, {}, 2);
+  PassageParameters run{.step = step, .duration = 0.1};
+  run.forces = {{.kind = ForceKind::impact, .at = 3, .size = -100e3, .length = 4e-3}};
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 6), motion, run);
+  double after = 0, furthest = 0;
+  while (passage.time() < 0.05) {
+    passage.advance();
+    if (passage.time() < 4.5e-3) continue;
+    const double energy = energy_of(passage, p.pad.stiffness);
+    if (after == 0) after = energy;
+    furthest = std::max(furthest, std::abs(energy - after));
+  }
+  return furthest / after;
+}
+
+TEST(Uplift, EnergyIsKeptWithoutDampers) {
+  const double coarse = drift(2e-5), fine = drift(5e-6);
+  verified::below("largest change of energy, steps of 20 us", "-", coarse, 3e-4);
+  verified::above("the same over that with steps of 5 us (second order: 16)", "-", coarse / fine,
+                  8);
+}
+
+}  // namespace
+}  // namespace trackbed::track
