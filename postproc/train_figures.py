@@ -110,7 +110,7 @@ def draw(passing, blocks):
         down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], "o-", ms=3, lw=0.9, label=words)
         if axle:
             left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], "o-", ms=3,
-                      lw=0.9, label=f"under {words} against axle 1")
+                      lw=0.9, color=f"C{axle}", label=f"under {words} against axle 1")
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
               label="after the train against before")
     wheels.set(ylabel="wheel force, kN", title="Train over the bed")
