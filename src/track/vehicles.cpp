@@ -226,27 +226,28 @@ namespace {
 struct Looked {
   const char* name;
   double VehicleParameters::*number;
-  std::array<bool, 4> by;
+  std::array<bool, 5> by;
 };
-constexpr std::array by_coach{true, false, false, false}, by_bodies{true, true, false, false},
-    by_wheels{true, true, true, false};
+constexpr std::array by_coach{true, false, false, false, false},
+    by_bogies{true, false, false, false, true}, by_bodies{true, true, false, false, true},
+    by_wheels{true, true, true, false, true};
 using V = VehicleParameters;
 constexpr Looked looked_at[] = {{"body_mass", &V::body_mass, by_bodies},
-                                {"bogie_mass", &V::bogie_mass, by_coach},
+                                {"bogie_mass", &V::bogie_mass, by_bogies},
                                 {"wheelset_mass", &V::wheelset_mass, by_wheels},
                                 {"body_inertia", &V::body_inertia, by_coach},
-                                {"bogie_inertia", &V::bogie_inertia, by_coach},
+                                {"bogie_inertia", &V::bogie_inertia, by_bogies},
                                 {"primary_stiffness", &V::primary_stiffness, by_bodies},
                                 {"primary_damping", &V::primary_damping, by_bodies},
-                                {"secondary_stiffness", &V::secondary_stiffness, by_coach},
-                                {"secondary_damping", &V::secondary_damping, by_coach},
+                                {"secondary_stiffness", &V::secondary_stiffness, by_bogies},
+                                {"secondary_damping", &V::secondary_damping, by_bogies},
                                 {"bogie_distance", &V::bogie_distance, by_coach},
-                                {"wheelbase", &V::wheelbase, by_coach},
+                                {"wheelbase", &V::wheelbase, by_bogies},
                                 {"body_roll", &V::body_roll, by_bodies},
-                                {"bogie_roll", &V::bogie_roll, by_coach},
+                                {"bogie_roll", &V::bogie_roll, by_bogies},
                                 {"wheelset_roll", &V::wheelset_roll, by_wheels},
                                 {"primary_base", &V::primary_base, by_bodies},
-                                {"secondary_base", &V::secondary_base, by_coach},
+                                {"secondary_base", &V::secondary_base, by_bogies},
                                 {"body_offset", &V::body_offset, by_bodies}};
 
 // Of a vehicle that is like one of the library they are errors: what stands in the deck is then
@@ -258,12 +259,13 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
          fmt::format("is that of {}, which it is like: leave it out", given.like));
   const auto kind = static_cast<std::size_t>(whole.kind);
   for (const Looked& one : looked_at)
-    s.rule(one.name, given.*one.number == 0 || one.by[kind],
+    s.rule(one.name, given.*one.number == 0 || one.by.at(kind),
            "has no effect on a vehicle of this kind", about);
   const bool forces = whole.kind == VehicleKind::forces;
   s.rule("axles", given.axles.empty() || forces, "is for constant forces (kind)", about);
   s.rule("loads", given.loads.empty() || forces, "is for constant forces (kind)", about);
-  const double reach = whole.kind == VehicleKind::coach ? whole.bogie_distance + whole.wheelbase
+  const double reach = whole.kind == VehicleKind::coach   ? whole.bogie_distance + whole.wheelbase
+                       : whole.kind == VehicleKind::bogie ? whole.wheelbase
                        : forces && !whole.axles.empty()
                            ? *std::max_element(whole.axles.begin(), whole.axles.end())
                            : 0;

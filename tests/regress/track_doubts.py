@@ -77,6 +77,8 @@ SOUND = [
     (["track.ends=free", "track.support=continuous"], ZONE.format(0.3, 60, "bed = 0")),
     ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
     ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
+    ([], VEHICLE.format('like = "x2_bogie"\nbogie_mass = 3e3\nsecondary_damping = 30e3\n'
+                        'wheelbase = 2.5')),
     (["irregularity.kind=waves", "irregularity.at=20", "irregularity.fade=10"], ""),
     # No vehicle: where it would start does not matter.
     (["train.vehicles=[]", "track.length=6", "track.run_in=2", "passage.duration=0.01",
