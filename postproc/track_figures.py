@@ -4,8 +4,9 @@
     track_figures.py RESULT_DIR -o DIR
 
 RESULT_DIR holds results.h5. Writes track.png (wheel forces, rail and sleepers, seat loads, sleeper
-acceleration) and track.txt into DIR; receptance.png and .csv of each point of the rail if the only
-force of the run is one impact. What is drawn is explained in docs/track.md.
+acceleration), envelope.png (extremes of every step along the track) and track.txt into DIR; of a
+run whose only force is one impact also receptance.png and .csv of each point of the rail. What is
+drawn is explained in docs/track.md.
 """
 import argparse
 import io
@@ -182,9 +183,50 @@ def draw(run, length):
     return figure
 
 
+def sides(run, name, twice):
+    """Words -> values of the places of each rail, left before right."""
+    values = run[name].values.ravel()
+    return {", left": values[::2], ", right": values[1::2]} if twice else {"": values}
+
+
+def draw_envelope(run):
+    """Extremes of all steps along the track; None of a run of a program without them."""
+    if "envelope/x" not in run:
+        return None
+    x = run["envelope/x"].values.ravel()
+    twice = len(x) > 1 and x[0] == x[1]
+    x = x[::2] if twice else x
+    seats = "envelope/sleeper/seat_force_max" in run
+    figure, panels = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
+                                  squeeze=False, layout="constrained")
+    for what in ("rail", "sleeper") if seats else ("rail",):
+        most = sides(run, f"envelope/{what}/displacement_max", twice)
+        for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
+            line, = panels[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
+                                      label=f"{what}{side}")
+            panels[0, 0].plot(x, 1e3 * most[side], line.get_linestyle(), lw=0.9,
+                              color=line.get_color())
+    panels[0, 0].set(ylabel="least and largest\ndisplacement, mm")
+    if seats:
+        for side, most in sides(run, "envelope/sleeper/seat_force_max", twice).items():
+            panels[1, 0].plot(x, most / 1e3, lw=0.9, label=f"largest{side}")
+        panels[1, 0].set(ylabel="seat load, kN")
+    panels[-1, 0].set(xlabel="x, m")
+    for panel in panels[:, 0]:
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=7, ncols=2)
+    return figure
+
+
 def length_of(run):
     """m, of the track, from the effective input in the results."""
     return read.results(run).deck["track"]["length"]
+
+
+def write_figure(path, figure):
+    picture = io.BytesIO()
+    figure.savefig(picture, dpi=130, format="png")
+    write.whole(path, picture.getvalue())
 
 
 def main():
@@ -194,13 +236,11 @@ def main():
     given = parser.parse_args()
     run, length = loaded(given.results), length_of(given.results)
     write.folder(given.folder)
-    picture = io.BytesIO()
-    draw(run, length).savefig(picture, dpi=130, format="png")
-    write.whole(given.folder / "track.png", picture.getvalue())
+    write_figure(given.folder / "track.png", draw(run, length))
+    if along := draw_envelope(run):
+        write_figure(given.folder / "envelope.png", along)
     if found := receptances(run):
-        picture = io.BytesIO()
-        draw_receptances(*found).savefig(picture, dpi=130, format="png")
-        write.whole(given.folder / "receptance.png", picture.getvalue())
+        write_figure(given.folder / "receptance.png", draw_receptances(*found))
         write.whole(given.folder / "receptance.csv", table_of(*found).encode())
     text = "".join(f"{name:60} {value:10.4g} {unit}\n"
                    for name, (value, unit) in numbers(run, length,

@@ -206,4 +206,14 @@ void write_summary_file(const par::Comm& comm, const std::string& folder, const 
   comm.agree(problem);
 }
 
+// Without a checkpoint the sentence says so: a user then need not look for one.
+std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from) {
+  if (last_checkpoint.empty())
+    return "no checkpoint had been written" +
+           (started_from.empty() ? "" : "; the run had started from " + started_from);
+  return fmt::format(
+      "last good checkpoint: {}; once the cause is mended, go on with: trackbed resume {}",
+      last_checkpoint, last_checkpoint);
+}
+
 }  // namespace trackbed::app

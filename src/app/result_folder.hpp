@@ -43,6 +43,9 @@ FolderLock prepare_folder(const par::Comm& comm, const std::string& folder, OldR
 // be called while the folder is held. Throws RunError if a file cannot be removed. Collective.
 void remove_parts(const par::Comm& comm, const std::string& folder);
 
+// After an error in a run: what to go on with. Empty: no checkpoint, or not from one.
+std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from);
+
 // Writes the text of summary.json. Collective; throws RunError.
 void write_summary_file(const par::Comm& comm, const std::string& folder, const std::string& text);
 

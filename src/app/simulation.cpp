@@ -14,6 +14,7 @@
 
 #include "app/doubts.hpp"
 #include "app/interrupt.hpp"
+#include "app/result_folder.hpp"
 #include "app/shear.hpp"
 #include "app/summary.hpp"
 #include "app/version.hpp"
@@ -161,23 +162,15 @@ void Simulation::average_support(double dt) {
 }
 
 // Errors leave with the words a user needs to go on: when, where, and from which checkpoint.
-// Without a checkpoint the sentence says so: a user then need not look for one.
 Outcome Simulation::run() {
   try {
     const Outcome outcome = run_stages();
     progress_.timer_table(timers_);
     return outcome;
   } catch (const RunError& error) {
-    const std::string good =
-        last_checkpoint_.empty()
-            ? "no checkpoint had been written" +
-                  (started_from_.empty() ? "" : "; the run had started from " + started_from_)
-            : fmt::format(
-                  "last good checkpoint: {}; once the cause is mended, go on with: trackbed resume "
-                  "{}",
-                  last_checkpoint_, last_checkpoint_);
     throw RunError(fmt::format("{} (at {:.6g} s, stage \"{}\"); {}", error.what(),
-                               course_.clock.time(), stage().name, good));
+                               course_.clock.time(), stage().name,
+                               what_is_left(last_checkpoint_, started_from_)));
   }
 }
 

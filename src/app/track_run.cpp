@@ -126,8 +126,8 @@ class Run {
         below_(whole.below),
         of_(of) {}
 
-  // Whether it came to its end.
-  bool go();
+  // Whether it came to its end; histories are written then, and when it is stopped or fails.
+  bool run();
   void resume();
 
   Built built;
@@ -135,6 +135,8 @@ class Run {
   WheelExtremes wheels;
 
  private:
+  bool go();
+  void write_histories();
   void see();
   bool stops_here() const;
   void progress(std::int64_t steps);
@@ -153,6 +155,28 @@ class Run {
 
 std::int64_t steps_in(double interval, double step) {
   return std::max<std::int64_t>(1, std::llround(interval / step));
+}
+
+// Errors leave with the words a user needs to go on, as in a run of a bed, and leave what has been
+// computed, for all ranks have them at the same step. A disk may be too full for that.
+bool Run::run() {
+  try {
+    const bool finished = go();
+    write_histories();
+    return finished;
+  } catch (const RunError& error) {
+    try {
+      write_histories();
+    } catch (const RunError&) {  // of the first error is told, it came before
+    }
+    const std::string last = periodic_.empty() ? of_.checkpoint : periodic_.back();
+    throw RunError(fmt::format("{} (at {:.6g} s); {}", error.what(), built.passage.time(),
+                               what_is_left(last, "")));
+  }
+}
+
+void Run::write_histories() {
+  histories.write(comm_, of_.folder + "/results.h5", {.deck = of_.effective, .version = version()});
 }
 
 // Rows and checkpoints are counted in steps from the begin: a resumed run has them at the same
@@ -308,10 +332,8 @@ bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& of) 
   introduce(comm, model, whole, run.built);
   if (!of.checkpoint.empty()) run.resume();
   const Watch::time_point moving = Watch::now();
-  const bool finished = run.go();
+  const bool finished = run.run();
   const double stepping = seconds_since(moving);
-  run.histories.write(comm, of.folder + "/results.h5",
-                      {.deck = of.effective, .version = version()});
   const double wall = comm.max(seconds_since(begin));
   write_summary_file(comm, of.folder,
                      summary_of(comm, whole, run, {of.deck, finished, wall, stepping}).dump(2));

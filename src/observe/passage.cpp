@@ -34,7 +34,7 @@ enum Which : std::size_t {
 // Columns stand in the order of `Which`. Points may share their nearest sleeper: it is kept once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
                                    std::vector<double> points, std::size_t forces)
-    : line_(line), train_(train), points_(std::move(points)), forces_(forces) {
+    : line_(line), train_(train), points_(std::move(points)), forces_(forces), envelope_(line) {
   for (const double x : points_)
     if (line.sleepers() > 0) sleepers_.push_back(line.nearest_sleeper(x));
   std::sort(sleepers_.begin(), sleepers_.end());
@@ -128,6 +128,7 @@ void PassageHistories::see(const track::Passage& passage) {
     const double down = passage.rail_displacement(points_[i / line_.sides()], i % line_.sides());
     lowest_[i] = std::min(lowest_[i], down);
   }
+  envelope_.see(passage);
 }
 
 // As in results.h5: a checkpoint holds its own rows, so that no other file is needed to go on.
@@ -139,6 +140,7 @@ void PassageHistories::save(io::File& file, const par::Comm& comm) const {
   if (!lowest_.empty())
     file.write<double>("extreme/rail/displacement", own(lowest_), 1,
                        {"m", "lowest of all steps so far, also of those without a row"});
+  envelope_.save(file, comm);
   for (const Column& column : columns_)
     if (column.width > 0)
       file.write<double>(column.path, own(column.values), column.width, column.label);
@@ -156,6 +158,7 @@ void PassageHistories::load(const io::File& file) {
     if (lowest_.size() != width)
       throw RunError("extreme/rail/displacement belongs to another track");
   }
+  envelope_.load(file);
   for (Column& column : columns_) {
     if (column.width == 0) continue;
     column.values = file.read_all<double>(column.path);

@@ -239,10 +239,9 @@ void Passage::Room::solve_contacts(const Vector& without, const Matrix& flexibil
     if (!change.allFinite()) break;
     if (largest <= parameters.tolerance) return;
   }
-  throw RunError(
-      fmt::format("the contact of wheels and rail is not solved to {:g} m at {:.6g} s: "
-                  "is the step short enough?",
-                  parameters.tolerance, time()));
+  throw RunError(fmt::format(
+      "the contact of wheels and rail is not solved to {:g} m: is the step short enough?",
+      parameters.tolerance));
 }
 
 // Free motion of track and train, contact forces, and what these add.

@@ -54,6 +54,23 @@ def test_panels(sleepers, panels):
     plt.close(figure)
 
 
+def test_envelope():
+    assert track_figures.draw_envelope(made()) is None  # of an older program
+    x = np.repeat([0.0, 0.6, 1.2], 2)
+    along = {"x": x, "rail/displacement_min": -1e-3 - 1e-4 * np.arange(6),
+             "rail/displacement_max": 1e-4 * np.arange(6)}
+    along |= {"sleeper" + name[4:]: values for name, values in along.items() if name != "x"}
+    along["sleeper/seat_force_max"] = 1e3 * np.arange(6)
+    figure = track_figures.draw_envelope(made() | {
+        f"envelope/{name}": read.Quantity(values, "-", "made for a test")
+        for name, values in along.items()})
+    rail, seat = figure.axes
+    lines = {line.get_label(): line.get_ydata() for line in rail.lines + seat.lines}
+    assert np.allclose(lines["rail, right"], [-1.1, -1.3, -1.5])
+    assert np.allclose(lines["largest, left"], [0, 2, 4])
+    plt.close(figure)
+
+
 @pytest.mark.parametrize("wavelength, gain", [(3, 0.7071), (25, 0.7071), (40, 0.1110), (8, 1.0)])
 def test_d1_passes_its_band(wavelength, gain):
     step, n = 0.05, 24000  # a whole number of waves in 1200 m but for 25 m; the middle is looked at

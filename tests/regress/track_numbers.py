@@ -32,11 +32,32 @@ def check_extremes(program, decks, folder):
         raise SystemExit(f"wheel forces: {found[0]}, rows {force[on].min()} {force[on].max()}")
     if found[0] != found[1]:
         raise SystemExit(f"extremes depend on the interval of the histories: {found}")
+    check_envelope(folder / "each")
     stopped = folder / "few_stopped"
     program.done(2, "run", decks / "plain.toml", *SHORT, "passage.history_interval=0.03",
                  "passage.stop_after=149", "-o", stopped, code=3)
     program.done(1, "resume", stopped)
     same_bits(folder / "few", stopped, "extremes after a stop")
+
+
+def check_envelope(place):
+    """Extremes along the track are those of the rows where every step has one, and the places that
+    are watched are among them."""
+    with h5py.File(place / "results.h5") as file:
+        x = file["envelope/x"][()].ravel()
+        for what, at in (("rail", "rail/x"), ("sleeper", "sleepers/x")):
+            watched = file[at][()].ravel()
+            shared = [i for i, one in enumerate(watched) if np.abs(x - one).min() < 1e-9]
+            near = [int(np.abs(x - watched[i]).argmin()) for i in shared]
+            if not near:
+                raise SystemExit(f"{at}: {watched} lie nowhere in {x}")
+            for name in ["displacement", "seat_force"] if what == "sleeper" else ["displacement"]:
+                rows = file[f"history/{what}/{name}"][()].reshape(-1, len(watched))[:, shared]
+                for end, wanted in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
+                    found = file[f"envelope/{what}/{name}_{end}"][()].ravel()
+                    if len(found) != len(x) or list(found[near]) != list(wanted):
+                        raise SystemExit(f"envelope of {what} {name}, {end}: {found[near]}, rows "
+                                         f"have {wanted}")
 
 
 def check_d1(program, decks, folder):

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trackbed/io/file.hpp"
+#include "trackbed/observe/passage_envelope.hpp"
 #include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/passage.hpp"
@@ -49,6 +50,7 @@ class PassageHistories {
   std::size_t forces_;
   std::vector<std::size_t> sleepers_;
   std::vector<double> times_, lowest_;
+  PassageEnvelope envelope_;
   std::vector<Column> columns_;
 };
 

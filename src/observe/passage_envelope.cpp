@@ -1,0 +1,96 @@
+// Extremes along a track alone. All ranks hold the same ones; rank 0 writes.
+#include "trackbed/observe/passage_envelope.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+// m, of all sleepers, or where there are none of whole metres.
+std::vector<double> watched(const track::Line& line) {
+  std::vector<double> x(line.sleepers());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = line.sleeper_x(i);
+  if (x.empty())
+    for (double at = 0; at <= line.length(); ++at) x.push_back(at);
+  return x;
+}
+
+std::vector<double> read(const io::File& file, const std::string& path, std::size_t width) {
+  if (!file.has(path))
+    throw RunError(
+        "this checkpoint has no extremes along the track, which an older program did not write: "
+        "run the deck again");
+  std::vector<double> values = file.read_all<double>(path);
+  if (values.size() != width) throw RunError(path + " belongs to another track");
+  return values;
+}
+
+}  // namespace
+
+PassageEnvelope::PassageEnvelope(const track::Line& line)
+    : line_(line),
+      rail_{"envelope/rail/displacement", "m", "vertical displacement, up positive", {}, {}},
+      sleeper_{"envelope/sleeper/displacement", "m", "vertical displacement, up positive", {}, {}},
+      seat_{"envelope/sleeper/seat_force",
+            "N",
+            "force of the pad, compression positive, or the seat load",
+            {},
+            {}} {
+  for (const double x : watched(line))
+    for (std::size_t side = 0; side < line.sides(); ++side) {
+      x_.push_back(x);
+      rail_points_.push_back(line.at(x, side));
+    }
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const std::size_t of_sleepers = line.sleepers() * line.sides();
+  for (auto [range, width] :
+       {std::pair(&rail_, x_.size()), {&sleeper_, of_sleepers}, {&seat_, of_sleepers}}) {
+    range->least.assign(width, none);
+    range->most.assign(width, -none);
+  }
+}
+
+void PassageEnvelope::Range::see(std::size_t place, double value) {
+  least[place] = std::min(least[place], value);
+  most[place] = std::max(most[place], value);
+}
+
+void PassageEnvelope::see(const track::Passage& passage) {
+  const track::Vector& u = passage.line_motion().displacement;
+  for (std::size_t k = 0; k < x_.size(); ++k) rail_.see(k, rail_points_[k].deflection(u));
+  for (std::size_t k = 0; k < seat_.least.size(); ++k) {
+    const std::size_t sleeper = k / line_.sides(), side = k % line_.sides();
+    sleeper_.see(k, u[line_.sleeper_unknown(sleeper, side)]);
+    seat_.see(k, passage.on_sleeper(sleeper, side));
+  }
+}
+
+void PassageEnvelope::save(io::File& file, const par::Comm& comm) const {
+  const auto own = [&](const std::vector<double>& values) {
+    return std::span(values).first(comm.root() ? values.size() : 0);
+  };
+  file.write<double>("envelope/x", own(x_), 1, {"m", "places along the track, sleepers if any"});
+  for (const Range* range : {&rail_, &sleeper_, &seat_}) {
+    if (range->least.empty()) continue;
+    file.write<double>(range->path + "_min", own(range->least), 1,
+                       {range->unit, "least of all steps: " + range->meaning});
+    file.write<double>(range->path + "_max", own(range->most), 1,
+                       {range->unit, "largest of all steps: " + range->meaning});
+  }
+}
+
+void PassageEnvelope::load(const io::File& file) {
+  for (Range* range : {&rail_, &sleeper_, &seat_}) {
+    if (range->least.empty()) continue;
+    range->least = read(file, range->path + "_min", range->least.size());
+    range->most = read(file, range->path + "_max", range->most.size());
+  }
+}
+
+}  // namespace trackbed::observe

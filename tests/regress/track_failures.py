@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""A track alone that cannot go on: what is said, what is left, how one goes on.
+
+    track_failures.py PROGRAM DECKS FOLDER
+"""
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
+
+def want(text, *words):
+    for word in words:
+        if word not in text:
+            raise SystemExit(f"it must say {word}: {text}")
+
+
+def check_full_disk(path, deck, folder):
+    """A file that may not grow stands for a full disk; checkpoints grow with their rows."""
+    place, limit = folder / "full", 700_000  # bytes: some checkpoints, not the last
+    with subprocess.Popen(
+            [path, "run", deck, "passage.checkpoint_interval=0.05", "passage.history_interval=2e-4",
+             "-o", place], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)) as run:
+        run.stdout.readline()  # only now: MPI itself begins with larger files
+        resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (limit, limit))
+        out, err = run.communicate(timeout=300)
+    ran = subprocess.CompletedProcess(run.args, run.returncode, out, err)
+    if ran.returncode != 4:
+        raise SystemExit(f"a full disk must end with 4: {ran}")
+    good = place / (place / "latest").read_text(encoding="utf-8").splitlines()[0]
+    want(ran.stderr, "(File too large)", f"last good checkpoint: {good}",
+         f"go on with: trackbed resume {good}")
+    if list(place.glob("*.part")):
+        raise SystemExit(f"half written files are left: {list(place.iterdir())}")
+    Program(path).done(1, "resume", good, f"passage.stop_after={int(good.stem[-10:]) + 5}", code=3)
+
+
+def check_error(program, deck, folder):
+    """Contacts that are not solved: the rows so far are written, and that there is no checkpoint
+    is said."""
+    ran = program.done(1, "run", deck, "passage.step=0.02", "passage.history_interval=0.02",
+                       "wheel_rail.flat_length=0.2", "wheel_rail.flat_axle=1", "pad.uplift=true",
+                       "-o", folder / "open", code=4)
+    want(ran.stderr, "is not solved", "(at 0.04 s)", "no checkpoint had been written")
+    with h5py.File(folder / "open/results.h5") as file:
+        if not np.allclose(file["history/time"][()].ravel(), [0, 0.02]):
+            raise SystemExit(f"rows before the error must be kept: {file['history/time'][()]}")
+
+
+def main():
+    path, deck, folder = sys.argv[1], pathlib.Path(sys.argv[2]) / "plain.toml", pathlib.Path(
+        sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_full_disk(path, deck, folder)
+    check_error(Program(path), deck, folder)
+
+
+if __name__ == "__main__":
+    main()
