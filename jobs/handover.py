@@ -3,7 +3,7 @@
 alone, what this does to each sleeper goes back to the bed, round after round.
 
     handover.py PROGRAM DECK FOLDER [--start CHECKPOINT]
-                [--rounds N] [--trains N] [--each N] [--load N]
+                [--rounds N] [--trains N] [--each N] [--load N] [--force]
 
 DECK: a bed with the sections of rail and train, and [handover] (inputs/track/on_bed.toml): a stage
 `after` which the rounds begin, with sleepers that are bedded in, and numbers that words of the
@@ -18,12 +18,16 @@ of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
    the geometry of the rail for the next round.
 
+The same command again goes on where the last one was stopped: what FOLDER holds of the same decks is
+taken as it is, what was stopped is resumed. --force begins anew.
+
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
 rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
 (all figures of each sleeper and round) and handover.png. RANKS=N sets the ranks (2).
 """
 import argparse
 import csv
+import json
 import os
 import re
 import subprocess
@@ -40,6 +44,7 @@ import numpy as np  # noqa: E402
 OF_THE_TRAIN = ("rail", "pad", "ballast", "seat", "track", "train", "wheel_rail", "irregularity",
                 "passage", "vehicle")
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
+STOPPED = 3  # exit code of a run that can be resumed
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
 
@@ -47,6 +52,7 @@ WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 if os.geteuid() == 0:
     os.environ |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
+RANKS = int(os.environ.get("RANKS", "2"))
 
 
 def chunks(text):
@@ -71,34 +77,41 @@ def table(name, values):
     return "\n".join(lines) + "\n\n"
 
 
+def absolute(text, folder):
+    """The text of a deck of `folder`, with the files it names under their whole path."""
+    return re.sub(r'"([^"\n]+)"', lambda found: f'"{(folder / found[1]).resolve()}"'
+                  if (folder / found[1]).is_file() else found[0], text)
+
+
 class Loop:
     def __init__(self, given):
         self.given = given
+        self.check()
         text = given.deck.read_text(encoding="utf-8")
         self.deck = tomllib.loads(text)
         loop = self.deck.get("handover", {})
         for name, default in OPTIONS.items():
             if getattr(given, name) is None:
                 setattr(given, name, loop.get(name, default))
-        done = loop.get("after")
-        if given.start:
-            done = given.start.name.removeprefix("stage_").removesuffix(".h5")
-        names = [stage["name"] for stage in self.deck["stage"]]
+        if given.rounds < 1 or given.trains < 1 or given.each <= 0 or given.load <= 0:
+            sys.exit("rounds, trains, each and load must be above 0")
+        done, names = self.last_stage(loop)
         trains = [stage for stage in self.deck["stage"] if stage.get("train")]
-        if done not in names:
-            sys.exit(f"{given.start} is no stage_NAME.h5 of {given.deck}" if given.start else
-                     f"{given.deck}: [handover] with `after`, the name of a stage, is needed")
         if not trains:
             sys.exit(f"{given.deck} has no stage with train = true")
         if self.deck.get("irregularity", {}).get("kind", "none") != "none":
             sys.exit(f"{given.deck}: the loop has its own irregularity, leave out [irregularity]")
         self.preload = trains[0].get("seat_force", 0)
-        kept = [part for name, part in chunks(text)
+        parts = chunks(absolute(text, given.deck.parent))
+        parts[0] = ("", re.sub(r"(?m)^start\s*=.*\n", "", parts[0][1]))  # rounds have their own
+        kept = [part for name, part in parts
                 if name.split(".")[0] not in (*OF_THE_TRAIN, "stage", "load", "handover")]
-        stages = [part for name, part in chunks(text) if name == "stage"]
+        stages = [part for name, part in parts if name == "stage"]
         self.bed = "".join(kept) + "".join(stages[:names.index(done) + 1])
+        sleepers = self.deck.get("sleepers", {})
+        if missing := [key for key in ("first", "spacing", "count") if key not in sleepers]:
+            sys.exit(f"{given.deck}: [sleepers] must say {' and '.join(missing)}")
         self.start = given.start.resolve() if given.start else self.make_bed(done)
-        sleepers = self.deck["sleepers"]
         self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
         seat = self.deck.get("seat", {})
         self.rails = seat.get("rails", 1)
@@ -106,30 +119,68 @@ class Loop:
         self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
         self.rows = []
 
-    def program(self, deck, folder, *overrides, ranks):
+    def check(self):
+        """Ends with the program's own sentences if the deck is not valid."""
+        try:
+            ran = subprocess.run([self.given.program, "check", self.given.deck],
+                                 capture_output=True, text=True, check=False)
+        except OSError as error:
+            sys.exit(f"{self.given.program}: {error.strerror}")
+        if ran.returncode:
+            sys.exit(ran.stderr.rstrip())
+
+    def last_stage(self, loop):
+        """The stage after which the rounds begin, and the names of all."""
+        given = self.given
+        names = [stage["name"] for stage in self.deck.get("stage", [])]
+        done = loop.get("after")
+        if given.start:
+            done = given.start.name.removeprefix("stage_").removesuffix(".h5")
+            if not given.start.is_file():
+                sys.exit(f"{given.start} is not there")
+        if done not in names:
+            sys.exit(f"{given.start} is no stage_NAME.h5 of {given.deck}" if given.start else
+                     f"{given.deck}: [handover] with `after`, the name of a stage, is needed")
+        return done, names
+
+    def program(self, deck, text, folder, ranks):
+        """Runs what `text` says, or what is still to do of it; it becomes the file `deck`."""
+        summary, words = folder / "summary.json", ["run", deck, "-o", folder]
+        if self.given.force:
+            words.append("--force")
+        elif folder.exists():
+            if not deck.is_file() or deck.read_text(encoding="utf-8") != text:
+                sys.exit(f"{folder} holds a run of another deck: take another folder, or --force")
+            if summary.is_file() and json.loads(summary.read_text(encoding="utf-8"))["finished"]:
+                return
+            if (folder / "latest").is_file():
+                words = ["resume", folder]
+            else:  # it ended before its first checkpoint
+                words.append("--force")
+        deck.write_text(text, encoding="utf-8")
         command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none",
-                   str(self.given.program), "run", str(deck), *overrides, "--force", "-o",
-                   str(folder)]
+                   str(self.given.program), *map(str, words)]
         with open(f"{folder}.log", "w", encoding="utf-8") as log:
             ran = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)
-            if ran.returncode:
-                sys.exit(f"{' '.join(command)} failed: see {folder}.log")
+        if ran.returncode == STOPPED:
+            sys.exit(f"{folder} was stopped; the same command goes on with it")
+        if ran.returncode:
+            last = Path(f"{folder}.log").read_text(encoding="utf-8").splitlines()[-5:]
+            sys.exit("\n".join([*last, f"{folder} failed: see {folder}.log"]))
 
     def make_bed(self, last):
         """Checkpoint of the bed after stage `last`."""
         self.given.folder.mkdir(parents=True, exist_ok=True)
-        deck, folder = self.given.folder / "bed.toml", self.given.folder / "bed"
-        deck.write_text(self.bed, encoding="utf-8")
-        self.program(deck, folder, ranks=int(os.environ.get("RANKS", "2")))
+        folder = self.given.folder / "bed"
+        self.program(folder.with_suffix(".toml"), self.bed, folder, RANKS)
         return (folder / f"stage_{last}.h5").resolve()
 
-    def run_bed(self, stage, folder, *overrides):
+    def run_bed(self, stage, folder, load=None):
         """One stage more of the bed; histories of it."""
         self.bed += "\n" + table("[[stage]]", stage)
-        deck = folder.with_suffix(".toml")
-        deck.write_text(self.bed, encoding="utf-8")
-        self.program(deck, folder, f"start={self.start}", *overrides,
-                     ranks=int(os.environ.get("RANKS", "2")))
+        text = f"start = {toml(str(self.start))}\n" + self.bed
+        self.program(folder.with_suffix(".toml"), text + (table("[load]", load) if load else ""),
+                     folder, RANKS)
         self.start = (folder / f"stage_{stage['name']}.h5").resolve()
         with h5py.File(folder / "results.h5") as file:
             last = len(tomllib.loads(self.bed)["stage"]) - 1
@@ -149,7 +200,7 @@ class Loop:
             sleeper["displacement"][going].T, sleeper["seat_force"][going].T)]) / self.rails
 
     def track_deck(self, folder, stiffness):
-        """The track alone: springs of the bed's stiffness, rail as the sleepers have settled."""
+        """Text of the track alone: springs of the bed's stiffness, rail as the sleepers have settled."""
         parts = {name: dict(self.deck.get(name, {})) for name in OF_THE_TRAIN[:-1]}
         springs = parts["ballast"].get("stiffness", 60e6)
         spacing = self.deck["sleepers"]["spacing"]
@@ -170,13 +221,11 @@ class Loop:
                     "bed": float(k / springs)} for x, k in zip(self.on_track, stiffness))]
         text += "".join(table("[[track.zone]]", zone) for zone in zones)
         text += "".join(table("[[vehicle]]", one) for one in self.deck.get("vehicle", []))
-        deck = folder / "track.toml"
-        deck.write_text(text, encoding="utf-8")
-        return deck
+        return text
 
     def pass_track(self, folder, stiffness):
         """Seat forces, N of one rail, [time, sleeper]; largest wheel force, N."""
-        self.program(self.track_deck(folder, stiffness), folder / "track", ranks=1)
+        self.program(folder / "track.toml", self.track_deck(folder, stiffness), folder / "track", 1)
         with h5py.File(folder / "track/results.h5") as file:
             time, force = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
             wheel = file["history/wheel/force"][()].max()
@@ -192,8 +241,8 @@ class Loop:
         """m, what each sleeper loses under one train."""
         stage = {"name": f"trains_{number}", "kind": "passage", "cycles": self.given.trains,
                  "seat_force": self.preload, "ground_moves": True}
-        _, sleeper = self.run_bed(stage, folder / "trains", "load.kind=seats",
-                                  f"load.file={seats.resolve()}")
+        _, sleeper = self.run_bed(stage, folder / "trains",
+                                  {"kind": "seats", "file": str(seats.resolve())})
         lost = sleeper["displacement"][0] - sleeper["displacement"][-1]
         return lost / self.given.trains
 
@@ -229,7 +278,7 @@ class Loop:
         figure, panels = plt.subplots(len(shown), 1, figsize=(8, 10), sharex=True,
                                       layout="constrained")
         for panel, (name, (words, scale)) in zip(panels, shown.items()):
-            for number in range(self.given.rounds):
+            for number in sorted({row["round"] for row in self.rows}):
                 values = [scale * row[name] for row in self.rows if row["round"] == number]
                 panel.plot(self.x, values, "o-", ms=4, lw=0.9, label=f"round {number}")
             panel.set(ylabel=words)
@@ -237,6 +286,7 @@ class Loop:
         panels[0].legend(fontsize=7)
         panels[-1].set(xlabel="x, m")
         figure.savefig(self.given.folder / "handover.png", dpi=130)
+        plt.close(figure)
 
 
 def main():
@@ -249,10 +299,11 @@ def main():
     parser.add_argument("--trains", type=int, help="computed in a round")
     parser.add_argument("--each", type=float, help="trains that one stands for")
     parser.add_argument("--load", type=float, help="N on each seat while weighing")
+    parser.add_argument("--force", action="store_true", help="do what FOLDER holds anew")
     loop = Loop(parser.parse_args())
     for number in range(loop.given.rounds):
         loop.round(number)
-    loop.write()
+        loop.write()
 
 
 if __name__ == "__main__":

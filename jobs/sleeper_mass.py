@@ -87,18 +87,24 @@ def measured(place):
     return np.array([-rail.min(axis=0), np.sqrt((rail**2).mean(axis=0))])
 
 
+def run_program(command, what):
+    try:
+        ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        sys.exit(f"{error.filename}: {error.strerror}")
+    if ran.returncode:
+        sys.exit(f"{what}: {ran.stdout}{ran.stderr}")
+
+
 def run(program, folder, name, mass, text):
     place = folder / f"{name.replace(', ', '_').replace(' ', '_')}_{mass}"
     deck = place.with_suffix(".toml")
     deck.write_text(text, encoding="utf-8")
     points = [round((BRIDGE_ENDS + point) / 0.15) * 0.15 for point in POINTS]  # nodes
-    ran = subprocess.run([program, "run", deck, f"track.length={LENGTH}",
-                          f"track.sleeper_mass={mass * SLEEPER}",
-                          'train.vehicles=["alfa_pendular", "alfa_pendular"]',
-                          f"passage.points={points}", "--force", "-o", place],
-                         capture_output=True, text=True, check=False)
-    if ran.returncode:
-        sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
+    run_program([program, "run", deck, f"track.length={LENGTH}",
+                 f"track.sleeper_mass={mass * SLEEPER}",
+                 'train.vehicles=["alfa_pendular", "alfa_pendular"]', f"passage.points={points}",
+                 "--force", "-o", place], f"{name}, {mass}")
     return measured(place)
 
 
@@ -115,13 +121,10 @@ def run_on_ground(program, folder, name, mass):
     elif not tapered:
         words = [f"ground.block.{block}.outline={outline}" for block, outline in STRAIGHT.items()]
     place = folder / f"ground_{name.replace(', ', '_').replace(' ', '_')}_{mass}"
-    ran = subprocess.run(["mpirun", "-n", "2", "--oversubscribe", "--bind-to", "none", program,
-                          "run", DECK.parent / "netirail.toml", *words,
-                          f"track.sleeper_mass={mass * SLEEPER}", "passage.duration=1.1",
-                          'train.vehicles=["alfa_pendular"]', "--force", "-o", place],
-                         capture_output=True, text=True, check=False)
-    if ran.returncode:
-        sys.exit(f"{name}, {mass}: {ran.stdout}{ran.stderr}")
+    run_program(["mpirun", "-n", "2", "--oversubscribe", "--bind-to", "none", program, "run",
+                 DECK.parent / "netirail.toml", *words, f"track.sleeper_mass={mass * SLEEPER}",
+                 "passage.duration=1.1", 'train.vehicles=["alfa_pendular"]', "--force", "-o",
+                 place], f"{name}, {mass}")
     return measured(place)
 
 
@@ -149,6 +152,8 @@ def main():
     parser.add_argument("--ground", action="store_true")
     parser.add_argument("--masses", type=float, nargs="+", default=MASSES)
     given = parser.parse_args()
+    if min(given.masses) <= 0:
+        parser.error("--masses: factors above 0")
     given.folder.mkdir(parents=True, exist_ok=True)
     plain = DECK.read_text(encoding="utf-8")
     head, rest = plain.split("[train]")

@@ -97,6 +97,33 @@ def check_loop(source, program, folder):
     if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
     check_geometry(program, place / "round_1", lost[:4])
+    check_loop_again(source, program, folder, place)
+
+
+def check_loop_again(source, program, folder, place):
+    """The same command takes what is there, and does what is missing; another load is another loop;
+    a deck that is not valid is the program's to refuse."""
+    def again(deck, *words):
+        return subprocess.run([sys.executable, source / "jobs/handover.py", program, deck, place,
+                               "--start", folder / "stage_bed_in.h5", *words],
+                              capture_output=True, text=True, check=False)
+    table = place / "handover.csv"
+    kept, lost = place / "round_0/weigh/results.h5", place / "round_1/track"
+    first, written = table.read_bytes(), kept.stat().st_mtime_ns
+    table.unlink()
+    shutil.rmtree(lost)
+    ran = again(deck_of_loop(source, folder))
+    if ran.returncode or table.read_bytes() != first or kept.stat().st_mtime_ns != written:
+        raise SystemExit(f"handover.py again: {ran.stdout}{ran.stderr}")
+    ran = again(deck_of_loop(source, folder), "--load", "20e3")
+    if ran.returncode != 1 or "weigh holds a run of another deck" not in ran.stderr:
+        raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
+    deck = folder / "misspelt.toml"
+    deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(
+        "rounds = 2", "round = 2"), encoding="utf-8")
+    ran = again(deck)
+    if "did you mean handover.rounds?" not in ran.stderr or "Traceback" in ran.stderr:
+        raise SystemExit(f"a wrong deck: {ran.stdout}{ran.stderr}")
 
 
 def check_geometry(program, place, lost):
