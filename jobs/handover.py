@@ -18,8 +18,8 @@ of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
    the geometry of the rail for the next round.
 
-The same command again goes on where the last one was stopped: what FOLDER holds of the same decks is
-taken as it is, what was stopped is resumed. --force begins anew.
+The same command again goes on where the last one was stopped: what FOLDER holds of the same decks
+is taken as it is, what was stopped is resumed. --force begins anew.
 
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
 rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
@@ -200,7 +200,7 @@ class Loop:
             sleeper["displacement"][going].T, sleeper["seat_force"][going].T)]) / self.rails
 
     def track_deck(self, folder, stiffness):
-        """Text of the track alone: springs of the bed's stiffness, rail as the sleepers have settled."""
+        """Text of the track alone: the bed's stiffness, rail as the sleepers have settled."""
         parts = {name: dict(self.deck.get(name, {})) for name in OF_THE_TRAIN[:-1]}
         springs = parts["ballast"].get("stiffness", 60e6)
         spacing = self.deck["sleepers"]["spacing"]
