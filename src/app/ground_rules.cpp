@@ -1,10 +1,44 @@
-// What a ground from a mesh file asks of the rest of the deck.
+// What a ground asks of the rest of the deck, and what its files tell.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "app/rules.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/input/table.hpp"
 
 namespace trackbed::app {
+
+namespace {
+
+// Rows in another unit, or beside the ground: they are read, and mean nothing.
+std::vector<std::string> doubts_of_young(const Model& model, const input::Deck& deck) {
+  constexpr double softest = 1e5, stiffest = 1e12;  // Pa, as usual for ground.layer[].young
+  std::vector<std::string> doubts;
+  for (std::size_t l = 0; l < model.ground.layers.size(); ++l) {
+    const std::string& path = model.ground.layers[l].young_file;
+    if (path.empty()) continue;
+    const auto columns = input::read_table(path, {"x_m", "young_Pa"}, "x_m");
+    const std::vector<double>&x = columns[0], &young = columns[1];
+    const auto doubt = [&](const std::string& what) {
+      doubts.push_back(fmt::format(
+          "{}: {}: {}", deck.where(fmt::format("ground.layer[{}].young_file", l)), path, what));
+    };
+    const auto odd = std::find_if(young.begin(), young.end(),
+                                  [](double e) { return e < softest || e > stiffest; });
+    if (odd != young.end())
+      doubt(fmt::format("{:g} Pa is outside the usual values ({:g} to {:g} Pa)", *odd, softest,
+                        stiffest));
+    if (!x.empty() && (x.back() <= model.ground.x[0] || x.front() >= model.ground.x[1]))
+      doubt(
+          fmt::format("its rows, x = {:g} to {:g} m, lie beside the ground ({:g} to {:g} m): one "
+                      "of them holds for all of it",
+                      x.front(), x.back(), model.ground.x[0], model.ground.x[1]));
+  }
+  return doubts;
+}
+
+}  // namespace
 
 // Of layers the deck tells what a node of the top weighs, and so how long a window may be. Declared
 // after the steps in time.
@@ -21,7 +55,8 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
 // The box around the top: whether it has holes within is for the eye.
 GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
-  if (!model.ground.present || model.ground.mesh.empty()) return {};
+  if (!model.ground.present) return {};
+  if (model.ground.mesh.empty()) return {"", doubts_of_young(model, deck)};
   const fem::MeshReport mesh = fem::look_at_mesh(model.ground);
   std::vector<std::string> problems;
   const auto below = [&](const char* axis, const std::vector<double>& bed, int a) {

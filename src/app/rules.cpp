@@ -311,6 +311,10 @@ void declare_intervals(const Model& model, input::Section& s) {
                "every window; is it in s?",
                window),
            {.weight = input::Weight::warning, .reads = {key, "time", "dem", "bed", "contact"}});
+  for (const Stage& stage : model.stages)
+    s.rule("time.window", stage.duration <= 0 || model.time.window <= stage.duration,
+           fmt::format("is longer than stage \"{}\", which takes one window at least", stage.name),
+           {.weight = input::Weight::warning, .reads = {"time.window", "stage"}});
   constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const Stage& stage = model.stages[i];

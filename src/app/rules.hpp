@@ -13,10 +13,11 @@ void declare_train(const Model& model, input::Section& s);  // once the track is
 void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
-// What only the mesh file of a ground can tell: all that is wrong with it, and a bed that reaches
-// beyond its top. Throws InputError. Reads the file, if there is one; else all is empty.
+// What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches
+// beyond its top; odd moduli along a layer. Throws InputError. Reads the files, if there are any;
+// else all is empty.
 struct GroundFile {
-  std::string size;  // a line about extent and volume
+  std::string size;  // a line about extent and volume of a mesh
   std::vector<std::string> warnings;
 };
 GroundFile require_ground(const Model& model, const input::Deck& deck);

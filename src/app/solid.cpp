@@ -112,6 +112,13 @@ void declare_seats(const Model& model, input::Section& s) {
            fmt::format("puts a seat at {:g} m, beyond the end of the sleeper, which is {:g} m long",
                        y, sleeper.length),
            about);
+  std::vector<double> seats = model.solid.seats;
+  std::sort(seats.begin(), seats.end());
+  for (std::size_t r = 1; r < seats.size(); ++r)
+    s.rule("solid.seats", seats[r] - seats[r - 1] >= size[1],
+           fmt::format("puts seats {:g} m wide at {:g} and {:g} m: they overlap", size[1],
+                       seats[r - 1], seats[r]),
+           about);
 }
 
 // The pads of a train are in the step of rail and solids together, which is linear.

@@ -355,7 +355,7 @@ void GroundParameters::declare(Section& s) {
   declare_mesh(s);
   s.rule("layer", !present || !layers.empty() || !mesh.empty(),
          "must be given at least once: the ground is empty");
-  s.number("tolerance", tolerance, {.above = 0, .at_most = 1e-2},
+  s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
            "Newton's rounds of layers that yield stop at 100 times it.");
 }
