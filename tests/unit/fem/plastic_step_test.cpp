@@ -237,8 +237,8 @@ TEST_P(Step, StrongLayersHaveTheBitsOfElasticOnes) {
   EXPECT_EQ(a.totals().plastic, 0);
 }
 
-// All schemes in ever shorter steps: one motion, of first order as the return. A scheme that weights
-// forces does so with those of plastic strain too, or would be off by its weight.
+// All schemes in ever shorter steps: one motion, of first order as the return. A scheme that
+// weights forces does so with those of plastic strain too, or would be off by its weight.
 TEST_P(Step, AgreesWithTheExplicitScheme) {
   const Comm self = Comm::self();
   const auto run = [&](Integrator integrator, double dt) {
