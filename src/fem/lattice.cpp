@@ -170,6 +170,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
     solid.push_back(one);
     strength.push_back(limit);
     name.push_back(called);
+    table_.push_back(-1);
     return static_cast<int>(solid.size()) - 1;
   };
   for (const Layer& layer : parameters.layers) {
@@ -189,6 +190,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
       columns.push_back(
           same ? columns.back()
                : add(one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
+      table_.back() = static_cast<std::int32_t>(columns_.size());
     }
   }
   for (const MeshSolid& one : parameters.solids) add(one.solid, Strength{}, "solid " + one.name);
@@ -198,6 +200,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
   kind.resize(solid.size());
   std::iota(kind.begin(), kind.end(), 0);
   if (lattice.graded()) tell_sizes_apart(parameters, lattice);
+  find_alike();
 }
 
 Solids::KindAndSize Solids::key_of(int kind, const Vec3& size) {
@@ -207,7 +210,7 @@ Solids::KindAndSize Solids::key_of(int kind, const Vec3& size) {
 // Every rank looks at all zones in turn: the same numbers on each without a message.
 void Solids::tell_sizes_apart(const GroundParameters& parameters, const Lattice& lattice) {
   const Solids plain = *this;
-  solid.clear(), strength.clear(), name.clear(), size.clear(), kind.clear();
+  solid.clear(), strength.clear(), name.clear(), size.clear(), kind.clear(), table_.clear();
   for (Id zone = 0; zone < lattice.zone_count(); ++zone) {
     const int of = plain.kind_of(parameters, lattice, zone);
     const Vec3 extent = lattice.size_of(zone);
@@ -216,6 +219,16 @@ void Solids::tell_sizes_apart(const GroundParameters& parameters, const Lattice&
     const auto at = static_cast<std::size_t>(of);
     solid.push_back(plain.solid[at]), strength.push_back(plain.strength[at]);
     name.push_back(plain.name[at]), size.push_back(extent), kind.push_back(of);
+    table_.push_back(plain.table_[at]);
+  }
+}
+
+void Solids::find_alike() {
+  std::map<KindAndSize, std::int32_t> first;
+  for (std::int32_t s = 0; const std::int32_t table : table_) {
+    const Vec3& extent = size[static_cast<std::size_t>(s)];
+    alike.push_back(table < 0 ? s : first.emplace(key_of(table, extent), s).first->second);
+    ++s;
   }
 }
 

@@ -26,9 +26,10 @@ struct RunForces {
 
 // Corner forces of zones at, at + 1 ... at + 7 of a run. Lanes beyond the end of the run compute
 // something from nodes that follow (or padding); their results are never added.
-template <int D>
+// factor: of each zone of the run; only if they differ.
+template <int D, bool differ>
 inline void eight_zones(const Stiffness::Blocks& stiffness, const double* const (&from)[D][4],
-                        std::int32_t at, RunForces<D>& forces) {
+                        const double* factor, std::int32_t at, RunForces<D>& forces) {
   constexpr int corners = 1 << D;
   // All indices below are known to the compiler: unrolled, everything lives in registers.
   Lane u[D][corners], f[D][corners];
@@ -46,6 +47,7 @@ inline void eight_zones(const Stiffness::Blocks& stiffness, const double* const 
       Lane sum = stiffness.block[g][c][0] * u[0][g ^ 1];
 #pragma GCC unroll 8
       for (int d = 1; d < D; ++d) sum += stiffness.block[g][c][d] * u[d][g ^ (1 << d)];
+      if constexpr (differ) sum *= load(factor + at);
       f[c][g ^ (1 << c)] = sum;
     }
 #pragma GCC unroll 8
@@ -69,8 +71,8 @@ inline void add_line(double* to, const double* left, const double* right, std::i
 // Runs come in the order of zone numbers, so each node sees its zones in ascending order however
 // the runs are cut.
 template <int D, class Runs>
-void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, const Nodal& w,
-                Nodal& f) {
+void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks,
+                const std::vector<double>& factor, const Nodal& w, Nodal& f) {
   constexpr int lines = 1 << (D - 1);
   RunForces<D> forces;
   for (const auto& run : runs) {
@@ -78,8 +80,12 @@ void apply_runs(const Runs& runs, const std::vector<Stiffness::Blocks>& blocks, 
     for (int c = 0; c < D; ++c)
       for (int l = 0; l < lines; ++l) from[c][l] = w[c] + run.line[static_cast<std::size_t>(l)];
     const auto& stiffness = blocks[static_cast<std::size_t>(run.solid)];
-    for (std::int32_t at = 0; at < run.zones; at += lanes)
-      eight_zones<D>(stiffness, from, at, forces);
+    if (run.factors < 0)
+      for (std::int32_t at = 0; at < run.zones; at += lanes)
+        eight_zones<D, false>(stiffness, from, nullptr, at, forces);
+    else
+      for (std::int32_t at = 0; at < run.zones; at += lanes)
+        eight_zones<D, true>(stiffness, from, factor.data() + run.factors, at, forces);
     for (int l = 0; l < lines; ++l)
       for (int c = 0; c < D; ++c)
         add_line(f[c] + run.line[static_cast<std::size_t>(l)], forces.left[c][l],
@@ -120,18 +126,7 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double
   }
   for (const ZoneElement& element : elements_)
     blocks_.push_back(blocks_of(element.stiffness, components_));
-  // Zones are ascending with x fastest, so a row of the lattice is contiguous unless the partition
-  // or a change of solid cuts it.
-  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
-    const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&
-                         mesh.solid[z] == mesh.solid[z - 1] && runs_.back().zones < longest_run;
-    if (goes_on)
-      ++runs_.back().zones;
-    else
-      runs_.push_back({1, mesh.solid[z], mesh.line[z]});
-  }
-  runs_.shrink_to_fit();
+  cut_into_runs(mesh);
   for (std::size_t s = 0; s < blocks_.size(); ++s) {
     const double more = mesh.solids.solid[s].rayleigh_stiffness - common_damping;
     damps_ = damps_ || more != 0;
@@ -144,13 +139,46 @@ Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double
   }
 }
 
+// Zones are ascending with x fastest, so a row of the lattice is contiguous unless the partition or
+// a change of solid cuts it. Factors do not depend on where a run begins: the same bits on any
+// number of ranks.
+void Stiffness::cut_into_runs(const Mesh& mesh) {
+  const auto alike = [&](std::size_t zone) {
+    return mesh.solids.alike[static_cast<std::size_t>(mesh.solid[zone])];
+  };
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
+    const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&
+                         alike(z) == alike(z - 1) && runs_.back().zones < longest_run;
+    if (goes_on)
+      ++runs_.back().zones;
+    else
+      runs_.push_back({1, alike(z), mesh.line[z], -1});
+  }
+  runs_.shrink_to_fit();
+  for (std::size_t z = 0; Run & run : runs_) {
+    const auto young = [&](std::int32_t solid) {
+      return mesh.solids.solid[static_cast<std::size_t>(solid)].young;
+    };
+    const auto begin = static_cast<std::int32_t>(factor_.size());
+    for (std::int32_t n = 0; n < run.zones; ++n)
+      factor_.push_back(young(mesh.solid[z++]) / young(run.solid));
+    if (std::all_of(factor_.begin() + begin, factor_.end(), [](double f) { return f == 1; }))
+      factor_.resize(static_cast<std::size_t>(begin));
+    else
+      run.factors = begin;
+  }
+  if (!factor_.empty()) factor_.resize(factor_.size() + lanes, 0.0);
+  factor_.shrink_to_fit();
+}
+
 // Solid by solid, within each in the order of zones: the same order of sums on any number of ranks.
 void Stiffness::add_damping(const Nodal& v, Nodal& f) const {
   if (tetrahedra_) return tetrahedra_->add_damping(v, f);
   if (components_ == 2)
-    apply_runs<2>(damped_runs_, damping_, v, f);
+    apply_runs<2>(damped_runs_, damping_, factor_, v, f);
   else
-    apply_runs<3>(damped_runs_, damping_, v, f);
+    apply_runs<3>(damped_runs_, damping_, factor_, v, f);
 }
 
 // Forces of ghosts are sums over the zones held here alone, and not complete.
@@ -158,9 +186,9 @@ void Stiffness::apply(const Nodal& w, Nodal& f) const {
   for (int c = 0; c < components_; ++c) std::fill_n(f[c], nodes_, 0.0);
   if (tetrahedra_) return tetrahedra_->add_force(w, f);
   if (components_ == 2)
-    apply_runs<2>(runs_, blocks_, w, f);
+    apply_runs<2>(runs_, blocks_, factor_, w, f);
   else
-    apply_runs<3>(runs_, blocks_, w, f);
+    apply_runs<3>(runs_, blocks_, factor_, w, f);
 }
 
 }  // namespace trackbed::fem

@@ -4,8 +4,9 @@
 // and differences of its corner displacements along x, y, z (one pattern of signs per corner), the
 // 24x24 matrix falls apart into eight blocks of 3x3 (in a plane 8x8 into four of 2x2): 288 flops
 // per zone instead of 1152. Component c with pattern p belongs to block p ^ (1 << c). Zones that
-// follow one another along x and share a solid form a run; eight of them are worked on at once,
-// one per vector lane, with unit-stride loads. See docs/decisions/ground_elements.md.
+// follow one another along x and share a solid, or differ by a factor of Young's modulus, form a
+// run; eight of them are worked on at once, one per vector lane, with unit-stride loads. See
+// docs/decisions/ground_elements.md.
 #pragma once
 
 #include <optional>
@@ -39,7 +40,8 @@ class Stiffness {
   }
   const Tetrahedra& tetrahedra() const { return *tetrahedra_; }  // of a mesh from a file
   std::size_t bytes() const {
-    return runs_.capacity() * sizeof(Run) + (tetrahedra_ ? tetrahedra_->bytes() : 0);
+    return runs_.capacity() * sizeof(Run) + factor_.capacity() * sizeof(double) +
+           (tetrahedra_ ? tetrahedra_->bytes() : 0);
   }
 
   // Stiffness in patterns: block[g][c][d] ties component c with pattern g ^ (1 << c) to component
@@ -49,9 +51,11 @@ class Stiffness {
   };
 
  private:
+  void cut_into_runs(const Mesh& mesh);
   struct Run {
-    std::int32_t zones, solid;
+    std::int32_t zones, solid;         // the first of those that are alike
     std::array<std::int32_t, 4> line;  // first node of each line of nodes along x
+    std::int32_t factors;              // where those of its zones begin; -1: all are 1
   };
   // Short enough for the forces of a run to stay in the first-level cache.
   static constexpr std::int32_t longest_run = 64;
@@ -59,6 +63,8 @@ class Stiffness {
   std::vector<ZoneElement> elements_;
   std::vector<Blocks> blocks_;  // of each solid
   std::vector<Run> runs_;
+  // What the matrix of a zone is of that of its run's solid; with room for a whole vector.
+  std::vector<double> factor_;
   std::vector<Blocks> damping_;   // of each solid, blocks_ times what it damps more
   std::vector<Run> damped_runs_;  // of solids that damp more or less than the others
   std::optional<Tetrahedra> tetrahedra_;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <string>
 
 #include "fem/mesh.hpp"
 #include "unit/fem/ground_scene.hpp"
@@ -20,13 +22,24 @@ GroundParameters two_layers(std::int64_t nx) {
   return p;
 }
 
+// The modulus of layer b rises and falls along x, over a plateau.
+GroundParameters with_table(std::int64_t nx) {
+  GroundParameters p = two_layers(nx);
+  p.layers[1].young_file =
+      "stiffness_" + std::to_string(Comm::world().size()) + std::to_string(Comm::world().rank());
+  std::ofstream(p.layers[1].young_file) << "x_m,young_Pa\n0,6e7\n0.6,3e9\n1.2,3e9\n2,1e8\n";
+  return p;
+}
+
 class Kernel : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Kernel, ::testing::Values(Dimension::plane, Dimension::space));
 
-// Row lengths around the vector width and the longest run, so that every remainder occurs.
+// Row lengths around the vector width and the longest run, so that every remainder occurs; below 0:
+// with moduli from a table.
 TEST_P(Kernel, ForceIsThatOfTheElementMatrices) {
-  for (const std::int64_t nx : {1, 7, 8, 9, 16, 63, 64, 65, 131}) {
-    Mesh mesh(Comm::world(), two_layers(nx), GetParam(), 1.0);
+  for (const std::int64_t number : {1, 7, 8, 9, 16, 63, 64, 65, 131, -7, -9, -64, -131}) {
+    const std::int64_t nx = std::abs(number);
+    Mesh mesh(Comm::world(), number > 0 ? two_layers(nx) : with_table(nx), GetParam(), 1.0);
     std::vector<ZoneElement> elements;
     for (const Elastic& s : mesh.solids.solid)
       elements.push_back(zone_element(mesh.lattice.size, s, GetParam(), PlaneState::stress));
@@ -49,7 +62,7 @@ TEST_P(Kernel, ForceIsThatOfTheElementMatrices) {
         error = std::max(error, std::abs(f[c][n] - expected[c][n]));
         size = std::max(size, std::abs(expected[c][n]));
       }
-    EXPECT_LE(error, 1e-12 * size) << nx;  // rounding of sums of a few dozen terms
+    EXPECT_LE(error, 1e-12 * size) << number;  // rounding of sums of a few dozen terms
   }
 }
 
