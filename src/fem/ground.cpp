@@ -2,11 +2,13 @@
 // in output.cpp, restart in checkpoint.cpp.
 #include "trackbed/fem/ground.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "room.hpp"
+#include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/exact_sum.hpp"
 
@@ -94,6 +96,13 @@ void Ground::Room::import_surface() {
     if (node >= 0 && mesh.owned[static_cast<std::size_t>(node)] != 0)
       own_top.push_back({static_cast<std::int32_t>(n), node});
   }
+  for (std::int32_t number = 0; const Imported::Face& face : shape.top) {
+    for (const int k : tetrahedron_faces[static_cast<std::size_t>(face.side)])
+      faces_at.emplace_back(
+          shape.corner[static_cast<std::size_t>(face.zone)][static_cast<std::size_t>(k)], number);
+    ++number;
+  }
+  std::sort(faces_at.begin(), faces_at.end());
   surface.motion.assign(surface.nodes(), Vec3::Zero());
   surface.clear_load();
   window_start_.assign(own_top.size(), Vec3::Zero());

@@ -50,20 +50,15 @@ double Ground::Room::surface_stress(std::int32_t node) const {
   return sum / count;
 }
 
-// The same over the faces around the node. Linear in the faces of the top held here.
+// The same over the faces around the node.
 double Ground::Room::imported_surface_stress(std::int32_t node) const {
   double sum = 0;
   int count = 0;
-  for (const Imported::Face& face : mesh.imported->top) {
-    const auto zone = static_cast<std::size_t>(face.zone);
-    const auto& nodes = mesh.imported->corner[zone];
-    const auto& local = tetrahedron_faces[static_cast<std::size_t>(face.side)];
-    if (std::none_of(local.begin(), local.end(),
-                     [&](int k) { return nodes[static_cast<std::size_t>(k)] == node; }))
-      continue;
-    sum += stiffness.tetrahedra().stress(zone, tetrahedron_face_centre(face.side),
-                                         state.displacement)(2);
-    ++count;
+  auto at = std::lower_bound(faces_at.begin(), faces_at.end(), std::pair(node, 0));
+  for (; at != faces_at.end() && at->first == node; ++at, ++count) {
+    const Imported::Face& face = mesh.imported->top[static_cast<std::size_t>(at->second)];
+    sum += stiffness.tetrahedra().stress(static_cast<std::size_t>(face.zone),
+                                         tetrahedron_face_centre(face.side), state.displacement)(2);
   }
   return sum / count;
 }

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "alpha_scheme.hpp"
@@ -101,6 +102,8 @@ struct Ground::Room {
   double step_in_halves = 0;               // s, of begin_step and end_step
   Surface surface;
   std::vector<TopNode> own_top;
+  // Of a ground from a file: local node of the top and number of a face there, ascending.
+  std::vector<std::pair<std::int32_t, std::int32_t>> faces_at;
   double critical = 0;  // s, without safety
   std::string limit, trouble;
   std::int64_t steps = 0, solves = 0, iterations = 0;
