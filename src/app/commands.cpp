@@ -80,9 +80,23 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
   return chosen.file;
 }
 
+// What one rank alone cannot read is told on all of them: the others would wait for it.
+GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  GroundFile file;
+  std::string problem;
+  try {
+    file = require_ground(model, deck);
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  if (const std::string first = comm.first_problem(problem); !first.empty())
+    throw InputError({first});
+  return file;
+}
+
 // Collective.
 GroundFile checked_ground(const par::Comm& comm, const Model& model, const input::Deck& deck) {
-  GroundFile file = require_ground(model, deck);
+  GroundFile file = ground_of_all(comm, model, deck);
   for (const std::string& sentence : file.warnings)
     print(comm, fmt::format("warning: {}\n", sentence));
   return file;

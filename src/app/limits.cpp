@@ -324,6 +324,23 @@ StonesStep step_of(const World& world) {
   return step;
 }
 
+namespace {
+
+// What a mesh from a file weighs at its top is not in the deck: asked of the ground itself.
+CouplingLimit coupling_limit(const World& world, const Stage& stage) {
+  const CouplingLimit limit = coupling_limit(world.model, stage);
+  if (!stage.ground_moves || !world.ground || world.model.ground.mesh.empty()) return limit;
+  double lightest = infinite;
+  for (const std::int32_t node : world.ground->own_top())
+    lightest = std::min(lightest, world.ground->top_mass(node));
+  constexpr double contacts = 1;  // as of layers
+  const CouplingLimit top =
+      limit_of(world.model, "node of the ground's top", world.comm.min(lightest), contacts);
+  return top.window < limit.window ? top : limit;
+}
+
+}  // namespace
+
 // The chain: sub-step from the stones (or given), window from the sub-steps wanted, cut by the
 // coupling (or given), then as many sub-steps as fill the window. The last rounding shortens the
 // sub-step and never lengthens it.
@@ -333,7 +350,7 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   std::string ground_words;
   require_stable(model, deck, stones.longest, stones.limit);
   const double step = model.time.step > 0 ? model.time.step : stones.longest;
-  const CouplingLimit coupling = coupling_limit(model, stage);
+  const CouplingLimit coupling = coupling_limit(world, stage);
   Steps steps;
   steps.window = step * static_cast<double>(model.time.substeps);
   steps.limit = "stones: " + stones.limit;

@@ -21,6 +21,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/par/meeting.hpp"
 
 namespace trackbed::app {
 
@@ -149,6 +150,34 @@ int answered(const par::Comm& comm, int code) {
                   ExitCode::run_failed);
 }
 
+// Ends a rank that is alone with its error: the others wait for it elsewhere, and mpirun ends them
+// when it leaves unfinished.
+void leave_if_alone(const par::Comm& comm, par::Meeting& meeting, const std::exception& error,
+                    ExitCode code) {
+  constexpr double patience = 20;  // s: ranks meet an error that they share at nearly one time
+  if (comm.size() == 1 || meeting.all_come(patience)) return;
+  fmt::print(stderr, "trackbed: rank {} alone: {}\n", comm.rank(), error.what());
+  std::fflush(stderr);
+  std::_Exit(static_cast<int>(code));
+}
+
+// PETSc outlives the model, whose matrices and solvers must go before it does; and it ends with all
+// ranks together, so who is alone leaves before.
+int run_command(const par::Comm& comm, par::Meeting& meeting,
+                const std::vector<std::string>& petsc_options, const Command& command,
+                const Arguments& arguments) {
+  const fem::Petsc petsc(petsc_options);
+  try {
+    return command(comm, arguments);
+  } catch (const InputError& error) {
+    leave_if_alone(comm, meeting, error, ExitCode::bad_input);
+    throw;
+  } catch (const RunError& error) {
+    leave_if_alone(comm, meeting, error, ExitCode::run_failed);
+    throw;
+  }
+}
+
 // --help and --version are errors to CLI11, with exit code 0.
 // CLI11 prints in `exit`: on rank 0 only.
 int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
@@ -178,9 +207,8 @@ int program(const par::Comm& comm, int argc, char** argv) {
     return answered(comm, parse_error(comm, line, error));
   }
   try {
-    // Outlives the model: its matrices and solvers must go before PETSc does.
-    const fem::Petsc petsc(petsc_options);
-    const int code = (*chosen)(comm, arguments);
+    par::Meeting meeting(comm);
+    const int code = run_command(comm, meeting, petsc_options, *chosen, arguments);
     return line.got_subcommand("run") || line.got_subcommand("resume") ? code
                                                                        : answered(comm, code);
   } catch (const InputError& error) {

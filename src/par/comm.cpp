@@ -146,16 +146,21 @@ std::string Comm::broadcast(const std::string& text) const {
 // One integer reduction when all is well, which is nearly always; text travels only in trouble. max
 // over size - rank finds the lowest rank with a problem and is 0 if there is none. The lowest
 // speaks so that the message does not depend on timing.
-void Comm::agree(const std::string& problem) const {
+std::string Comm::first_problem(const std::string& problem) const {
   const std::int64_t first = max(problem.empty() ? std::int64_t{0} : std::int64_t{size_ - rank_});
-  if (first == 0) return;
+  if (first == 0) return "";
   const int speaker = size_ - static_cast<int>(first);
   std::int64_t length = static_cast<std::int64_t>(problem.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, speaker, mpi(*this));
   std::string text =
       rank_ == speaker ? problem : std::string(static_cast<std::size_t>(length), ' ');
   MPI_Bcast(text.data(), checked_int(text.size()), MPI_CHAR, speaker, mpi(*this));
-  throw RunError("rank " + std::to_string(speaker) + ": " + text);
+  return text;
+}
+
+void Comm::agree(const std::string& problem) const {
+  const std::string named = problem.empty() ? "" : "rank " + std::to_string(rank_) + ": " + problem;
+  if (const std::string first = first_problem(named); !first.empty()) throw RunError(first);
 }
 
 }  // namespace trackbed::par

@@ -61,6 +61,8 @@ class Comm {
   }
   std::string broadcast(const std::string& text) const;  // rank 0's text
 
+  // The text of the lowest rank that gives one; empty if none does.
+  std::string first_problem(const std::string& problem) const;
   // Agreement on failure: if any rank gives a non-empty problem, every rank throws RunError with
   // the lowest such rank's text (prefixed by its rank).
   void agree(const std::string& problem) const;
