@@ -66,6 +66,7 @@ bool is_one_of(std::string_view key, const auto& keys) {
 // and the integrators' constants are no part of a state.
 bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
   if (key == "ground.base" || key == "ground.sides" || key == "ground.base_motion") return true;
+  if (key.starts_with("ground.side_")) return true;
   if (key == "ground.base_stiffness") return holds.quiet_base;
   if (key == "ground.plane") return holds.plane;
   if (key == "ground.integrator") return holds.implicit;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/parameters.hpp"
+#include "app/rules.hpp"
 #include "trackbed/input/deck.hpp"
 
 namespace trackbed::app {
@@ -138,6 +138,7 @@ void declare_footing(const Model& model, input::Section& s) {
                   {.reads = {"footing", "model"}});
   }
   declare_kind(model, s);
+  declare_plane_sides(model.ground, model.dimension, s);
   declare_track(model, s);
   declare_place(model, s);
 }

@@ -40,6 +40,21 @@ std::vector<std::string> doubts_of_young(const Model& model, const input::Deck& 
 
 }  // namespace
 
+void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimension,
+                         input::Section& s) {
+  const auto across = [&](const char* key, fem::Sides side) {
+    s.rule(key, dimension == Dimension::space || side == fem::Sides::as_sides,
+           "has no effect in a plane model: it has no sides across the track",
+           {.weight = input::Weight::warning, .reads = {"dimension", key}});
+  };
+  across("ground.side_y_low", ground.side_y_low);
+  across("ground.side_y_high", ground.side_y_high);
+}
+
+void declare_ground_sides(const Model& model, input::Section& s) {
+  if (model.ground.present) declare_plane_sides(model.ground, model.dimension, s);
+}
+
 // Of layers the deck tells what a node of the top weighs, and so how long a window may be. Declared
 // after the steps in time.
 void declare_ground_mesh(const Model& model, input::Section& s) {

@@ -334,6 +334,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_profile(model, s);
   declare_materials(model, s);
   declare_ground_below(model, s);
+  declare_ground_sides(model, s);
   declare_ground_yields(model, s);
   declare_sleepers(model, s);
   declare_passages(model, s);

@@ -11,6 +11,10 @@ void declare_rules(const Model& model, input::Section& s);
 void declare_train(const Model& model, input::Section& s);  // once the track is read, too
 // Parts of declare_rules.
 void declare_ground_mesh(const Model& model, input::Section& s);
+void declare_ground_sides(const Model& model, input::Section& s);
+// Of a model with or without stones.
+void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimension,
+                         input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches

@@ -8,15 +8,26 @@ namespace trackbed::fem {
 
 namespace {
 
-// Two levels tied: corner motion from (lower, upper) motion, then corner forces less their mean
-// over each level.
-Eigen::MatrixXd hold_of(const Eigen::MatrixXd& stiffness, int components) {
+// Two levels tied: corner motion from (lower, upper) motion, then what of the corner forces turns
+// round from the low to the high side along a normal.
+Eigen::MatrixXd hold_of(const Eigen::MatrixXd& stiffness, int components, int normal) {
   const Eigen::Index corners = stiffness.rows() / components, half = corners / 2;
   Eigen::MatrixXd tie = Eigen::MatrixXd::Zero(stiffness.rows(), 2 * components);
   for (Eigen::Index k = 0; k < corners; ++k)
     for (int c = 0; c < components; ++c) tie(k * components + c, k / half * components + c) = 1;
   const Eigen::MatrixXd force = stiffness * tie;
-  return force - tie * (tie.transpose() * force) / static_cast<double>(half);
+  Eigen::MatrixXd hold = force;
+  for (Eigen::Index k = 0; k < corners; ++k)
+    hold.middleRows(k * components, components) -=
+        force.middleRows((k ^ (1 << normal)) * components, components);
+  return 0.5 * hold;
+}
+
+bool any_free_field(const GroundParameters& p, int normals) {
+  for (int n = 0; n < normals; ++n)
+    for (const bool high : {false, true})
+      if (p.side(n, high) == Sides::free_field) return true;
+  return false;
 }
 
 // N/m between the levels for motion along `c`: the upper corners' resistance to moving together.
@@ -36,13 +47,14 @@ FreeField::FreeField(const Mesh& mesh, const GroundParameters& parameters,
     : motion_(parameters.base_motion),
       components_(mesh.lattice.components()),
       zones_(static_cast<std::size_t>(mesh.lattice.zones[2])) {
-  if (parameters.sides == Sides::free_field) {
+  if (const int normals = components_ - 1; any_free_field(parameters, normals)) {
     const std::int64_t last = mesh.lattice.zones[0] - 1, step = mesh.lattice.plane ? last : 1;
     for (std::int64_t i = 0; i <= last; i += std::max<std::int64_t>(step, 1))
       make_column(mesh, parameters, stiffness, i);
     for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s)
-      hold_.push_back(
-          hold_of(stiffness.element(static_cast<std::int32_t>(s)).stiffness, components_));
+      for (int n = 0; n < normals; ++n)
+        hold_.push_back(
+            hold_of(stiffness.element(static_cast<std::int32_t>(s)).stiffness, components_, n));
   }
   find_corners(mesh, parameters);
   for (auto* numbers : {&displacement_, &velocity_, &acceleration_, &force_, &seen_.displacement,
@@ -95,18 +107,18 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
     for (int k = 0; k < lattice.corners(); ++k) {
       const std::int32_t node = mesh.corner(z, k);
       if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
-      SideCorner side{node, solid, k, 0, {}};
-      bool beside = false;
-      for (int n = 0; n < up && columns_ > 0; ++n) {
-        if (!border.on_side(at, k, n)) continue;
-        beside = true;
-        for (int c = 0; c <= up; ++c) side.dashpots[c] += border.dashpot(solid, n, c);
-      }
       const bool end = lattice.plane && at[0] > 0;  // a plane model's second column
       const auto column =
           static_cast<std::size_t>(lattice.plane ? (end ? columns_ - 1 : 0) : at[0]);
-      side.chain = column * zones_ + static_cast<std::size_t>(at[2]);
-      if (beside) sides_.push_back(side);
+      for (int n = 0; n < up; ++n) {
+        if (parameters.side(n, (k >> n & 1) != 0) != Sides::free_field) continue;
+        if (!border.on_side(at, k, n)) continue;
+        SideCorner& side = sides_.emplace_back();
+        side.node = node, side.corner = k;
+        side.hold = static_cast<std::size_t>(solid * up + n);
+        side.chain = column * zones_ + static_cast<std::size_t>(at[2]);
+        for (int c = 0; c <= up; ++c) side.dashpots[c] = border.dashpot(solid, n, c);
+      }
       if (!border.on_base(at, k)) continue;
       BaseCorner low{node, {}, border.spring(solid)};
       for (int c = 0; c <= up; ++c) low.dashpots[c] = border.dashpot(solid, up, c);
@@ -238,7 +250,7 @@ void FreeField::act_on(Nodal& internal) const {
   const int half = (1 << components_) / 2;
   for (const SideCorner& side : sides_) {
     const Chain& chain = chains_[side.chain];
-    const Eigen::MatrixXd& hold = hold_[static_cast<std::size_t>(side.solid)];
+    const Eigen::MatrixXd& hold = hold_[side.hold];
     const std::size_t column = side.chain / zones_, k = side.chain % zones_;
     const std::size_t level = k + static_cast<std::size_t>(side.corner / half);
     for (int c = 0; c < components_; ++c) {

@@ -5,9 +5,9 @@
 // A column is a stack of the model's own zones whose corners at one height move together: a chain
 // per component, with the zones' masses, stiffness, damping and quiet base. A side node of the
 // model feels the dashpots of a quiet side, stretched by its velocity less the column's, and the
-// force with which the column's zones hold their own neighbours up, f - mean of f over the corners
-// at one height. So a model whose zones move as the columns do is not disturbed by its sides, to
-// rounding.
+// force f with which the column's zones hold their neighbours across that side: half of f at a
+// corner less f at the one opposite along the normal. So a model whose zones move as the columns do
+// is not disturbed by its sides, to rounding, and sides of another kind get nothing of it.
 //
 // Columns are few numbers beside the model and are computed on every rank alike: no message, and
 // the same bits on any number of ranks. Solids do not change across the track, so there is one
@@ -51,9 +51,9 @@ class FreeField {
   };
   // One corner of a zone at a border of the model.
   struct SideCorner {
-    std::int32_t node, solid, corner;
-    std::size_t chain;   // of its column
-    double dashpots[3];  // N s/m
+    std::int32_t node, corner;
+    std::size_t hold, chain;  // in hold_; of its column
+    double dashpots[3];       // N s/m
   };
   struct BaseCorner {
     std::int32_t node;
@@ -82,7 +82,8 @@ class FreeField {
   std::vector<double> mass_, damping_;  // kg, N s/m per number of the state (mass damping, base)
   std::vector<double> spring_;          // N/m of each column's foot
   std::vector<double> foot_;            // N s/m, dashpots of each column's foot, per component
-  std::vector<Eigen::MatrixXd> hold_;   // of each solid: forces on corners from two levels' motion
+  // Of each solid, for each normal: forces on corners from the motion of two levels.
+  std::vector<Eigen::MatrixXd> hold_;
   std::vector<SideCorner> sides_;
   std::vector<BaseCorner> base_;
   std::vector<double> displacement_, velocity_, acceleration_;

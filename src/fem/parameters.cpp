@@ -144,27 +144,6 @@ void declare_zones(const GroundParameters& p, Section& s) {
          {.reads = {"zones_x", "zones_y", "zones_z", "layer"}});
 }
 
-// Without a wave from below the ground beside the model is at rest, and what holds the model is a
-// quiet side.
-void declare_sides(GroundParameters& p, Section& s) {
-  s.choice(
-      "sides", p.sides, {"free", "roller", "quiet", "free_field"},
-      "Lateral borders; roller: held along the normal; quiet: dashpots that let waves out; "
-      "free_field: the same, against columns of the ground beside that move with base_motion.");
-  s.file(
-      "base_motion", p.base_motion,
-      "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
-      "that comes up through a quiet base, half of an outcrop's; empty: none.");
-  const About about{.reads = {"base", "sides", "base_motion"}};
-  s.rule("base_motion", p.base_motion.empty() || p.base == Base::quiet,
-         "needs base = \"quiet\": a wave comes in through its dashpots", about);
-  const About odd{.weight = input::Weight::warning, .reads = about.reads};
-  s.rule("sides", p.sides != Sides::free_field || !p.base_motion.empty(),
-         "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
-  s.rule("sides", p.base_motion.empty() || p.sides != Sides::quiet,
-         "hold back the wave of base_motion; take free_field", odd);
-}
-
 // Damping of what the windows do not resolve, without loss of order. HHT is unconditionally stable
 // down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak below it too.
 void declare_alphas(GroundParameters& p, Section& s) {
@@ -176,15 +155,6 @@ void declare_alphas(GroundParameters& p, Section& s) {
   s.number("rho_inf", p.rho_inf, {.at_least = 0, .at_most = 1},
            "Numerical damping (generalized_alpha): amplitude that a step leaves of the highest "
            "frequencies; 1: none.");
-}
-
-// What has no part in yielding would be wrong without a word.
-void declare_yielding(const GroundParameters& p, Section& s) {
-  const bool yields = p.yields();
-  s.rule("sides", !yields || p.sides != Sides::free_field,
-         "has elastic columns beside the model, which layers that yield would tear off; take quiet "
-         "or roller",
-         {.reads = {"sides", "layer", "block"}});
 }
 
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
@@ -335,7 +305,7 @@ void GroundParameters::declare(Section& s) {
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is next to nothing below a track: is it in Pa/m?",
          {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
-  declare_sides(*this, s);
+  declare_sides(s);
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
@@ -351,7 +321,6 @@ void GroundParameters::declare(Section& s) {
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
-  declare_yielding(*this, s);
   declare_mesh(s);
   s.rule("layer", !present || !layers.empty() || !mesh.empty(),
          "must be given at least once: the ground is empty");

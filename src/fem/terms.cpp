@@ -46,13 +46,16 @@ struct Builder {
   }
 
   // Quiet and free-field sides give no static support across them; at rest they act as rollers.
-  void side(std::size_t z, std::int32_t node, int normal) const {
-    if (parameters.sides == Sides::free) return;
+  // Where two sides meet, what one of them holds is held; dashpots of both add up.
+  void side(std::size_t z, std::int32_t node, int normal, bool high) const {
+    const Sides kind = parameters.side(normal, high);
+    if (kind == Sides::free) return;
     const auto n = static_cast<std::size_t>(node);
-    const auto bit = static_cast<std::uint8_t>(1 << normal);
-    terms.held_at_rest[n] |= bit;
-    if (parameters.sides == Sides::roller)
-      terms.held[n] |= bit;
+    const int all = (1 << mesh.lattice.components()) - 1;
+    const auto bits = static_cast<std::uint8_t>(kind == Sides::fixed ? all : 1 << normal);
+    terms.held_at_rest[n] |= bits;
+    if (kind == Sides::roller || kind == Sides::fixed)
+      terms.held[n] |= bits;
     else
       dashpots(z, node, normal);
   }
@@ -64,7 +67,7 @@ struct Builder {
     const int up = lattice.components() - 1;
     for (int k = 0; k < lattice.corners(); ++k) {
       for (int c = 0; c < up; ++c)
-        if (border.on_side(at, k, c)) side(z, mesh.corner(z, k), c);
+        if (border.on_side(at, k, c)) side(z, mesh.corner(z, k), c, (k >> c & 1) != 0);
       if (border.on_base(at, k)) base(z, mesh.corner(z, k));
     }
   }

@@ -75,8 +75,10 @@ struct MeshBorder {
 enum class Integrator { explicit_, newmark, hht, bossak, generalized_alpha };
 enum class PlaneState { stress, strain };
 enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
-// free_field: dashpots against columns that feel only what comes from below.
-enum class Sides { free, roller, quiet, free_field };
+// Lateral borders. roller: held along the normal, which makes it a plane of symmetry; free_field:
+// dashpots against columns that feel only what comes from below; as_sides: of a single side, what
+// all have.
+enum class Sides { free, roller, quiet, free_field, fixed, as_sides };
 
 struct GroundParameters {
   bool present = true;
@@ -97,6 +99,9 @@ struct GroundParameters {
   // as `base_spring` says.
   double base_stiffness = -1;
   Sides sides = Sides::roller;
+  Sides side_x_low = Sides::as_sides, side_x_high = Sides::as_sides;
+  Sides side_y_low = Sides::as_sides, side_y_high = Sides::as_sides;
+  Sides side(int axis, bool high) const;  // normal to x (0) or y (1); never as_sides
   std::string base_motion;  // file: velocity of a wave that comes up through a quiet base
   double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s; of solids without their own
   Integrator integrator = Integrator::explicit_;
@@ -115,6 +120,7 @@ struct GroundParameters {
 
  private:
   void declare_mesh(input::Section& s);
+  void declare_sides(input::Section& s);
   void declare_grading(input::Section& s);
 };
 

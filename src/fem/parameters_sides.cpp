@@ -1,0 +1,80 @@
+// The part of [ground] that says what its lateral borders are, and the wave from below that some of
+// them are for.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+using input::About;
+using input::Section;
+using input::Weight;
+
+namespace {
+
+struct NamedSide {
+  const char* key;
+  Sides holds;
+};
+
+std::array<NamedSide, 4> single_sides(const GroundParameters& p) {
+  return {{{"side_x_low", p.side_x_low},
+           {"side_x_high", p.side_x_high},
+           {"side_y_low", p.side_y_low},
+           {"side_y_high", p.side_y_high}}};
+}
+
+// What a side of this kind asks of the rest, and what it leaves without effect.
+void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) {
+  const std::string key = side.key;
+  const About odd{.weight = Weight::warning, .reads = {"base", "base_motion", key}};
+  s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
+         "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
+  const bool holds_back = side.holds == Sides::quiet || side.holds == Sides::fixed;
+  s.rule(key, p.base_motion.empty() || !holds_back,
+         "hold back the wave of base_motion; take free_field", odd);
+  s.rule(key, !p.yields() || side.holds != Sides::free_field,
+         "has elastic columns beside the model, which layers that yield would tear off; take quiet "
+         "or roller",
+         {.reads = {key, "layer", "block"}});
+}
+
+}  // namespace
+
+Sides GroundParameters::side(int axis, bool high) const {
+  const Sides own = axis == 0 ? (high ? side_x_high : side_x_low) : high ? side_y_high : side_y_low;
+  return own == Sides::as_sides ? sides : own;
+}
+
+// Without a wave from below the ground beside the model is at rest, and what holds the model is a
+// quiet side.
+void GroundParameters::declare_sides(Section& s) {
+  s.choice(
+      "sides", sides, {"free", "roller", "quiet", "free_field"},
+      "Lateral borders; roller: held along the normal, a plane of symmetry; quiet: dashpots that "
+      "let waves out; free_field: the same, against columns of the ground beside that move with "
+      "base_motion.");
+  const auto one = [&](const char* key, Sides& side, const char* where) {
+    s.choice(key, side, {"free", "roller", "quiet", "free_field", "fixed", "as_sides"},
+             fmt::format("What holds the side {}; as_sides: what sides says; fixed: held in all "
+                         "directions.",
+                         where));
+  };
+  one("side_x_low", side_x_low, "at the begin along the track");
+  one("side_x_high", side_x_high, "at the end along the track");
+  one("side_y_low", side_y_low, "at the lateral begin");
+  one("side_y_high", side_y_high, "at the lateral end");
+  s.file(
+      "base_motion", base_motion,
+      "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
+      "that comes up through a quiet base, half of an outcrop's; empty: none.");
+  s.rule("base_motion", base_motion.empty() || base == Base::quiet,
+         "needs base = \"quiet\": a wave comes in through its dashpots",
+         {.reads = {"base", "sides", "base_motion"}});
+  declare_kind(*this, {"sides", sides}, s);
+  for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, s);
+}
+
+}  // namespace trackbed::fem
