@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/rules.hpp"
 #include "trackbed/core/error.hpp"
@@ -51,8 +52,25 @@ void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimensio
   across("ground.side_y_high", ground.side_y_high);
 }
 
+// Stones that leave at one end and a wave that does must come back over the same length. Walls of
+// the bed at a periodic end of the ground stand for a row of beds.
 void declare_ground_sides(const Model& model, input::Section& s) {
-  if (model.ground.present) declare_plane_sides(model.ground, model.dimension, s);
+  const fem::GroundParameters& ground = model.ground;
+  if (!ground.present) return;
+  declare_plane_sides(ground, model.dimension, s);
+  const auto both = [&](const std::string& axis, int a, const auto& over, const auto& stones) {
+    constexpr double rounding = 1e-9;
+    if (!ground.periodic(a) || !model.periodic_in(axis) || over.size() != 2 || stones.size() != 2)
+      return;
+    const double length = over[1] - over[0], bed = stones[1] - stones[0];
+    s.rule("ground.side_" + axis + "_low", std::abs(length - bed) <= rounding * length,
+           fmt::format("repeats the ground every {:g} m, but `periodic` the stones every {:g} m; "
+                       "take ground.{} as long as bed.{}",
+                       length, bed, axis, axis),
+           {.reads = {"periodic", "ground", "bed." + axis}});
+  };
+  both("x", 0, ground.x, model.bed.x);
+  if (model.dimension == Dimension::space) both("y", 1, ground.y, model.bed.y);
 }
 
 // Of layers the deck tells what a node of the top weighs, and so how long a window may be. Declared

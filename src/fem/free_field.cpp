@@ -105,7 +105,7 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
     const Index3 at = lattice.zone_index(mesh.zone[z]);
     const std::int32_t solid = mesh.solid[z];
     for (int k = 0; k < lattice.corners(); ++k) {
-      const std::int32_t node = mesh.corner(z, k);
+      const std::int32_t node = mesh.home(mesh.corner(z, k));
       if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
       const bool end = lattice.plane && at[0] > 0;  // a plane model's second column
       const auto column =

@@ -67,8 +67,9 @@ void Ground::Room::make_surface() {
       const auto number = static_cast<std::int32_t>(surface.position.size());
       surface.position.push_back(x);
       const std::int32_t node = mesh.local_node(id);
-      if (node >= 0 && mesh.owned[static_cast<std::size_t>(node)] != 0)
-        own_top.push_back({number, node});
+      const std::int32_t home = node < 0 ? node : mesh.home(node);
+      if (home >= 0 && mesh.owned[static_cast<std::size_t>(home)] != 0)
+        own_top.push_back({number, home, x});
     }
   for (std::int64_t j = 0; j + 1 < across; ++j)
     for (std::int64_t i = 0; i + 1 < row; ++i) {
@@ -77,9 +78,7 @@ void Ground::Room::make_surface() {
       surface.triangles.push_back({a, b, c});
       surface.triangles.push_back({a, c, d});
     }
-  surface.motion.assign(surface.nodes(), Vec3::Zero());
-  surface.clear_load();
-  window_start_.assign(own_top.size(), Vec3::Zero());
+  finish_surface();
 }
 
 // Six-node faces as four triangles each, so that stones and nodal loads see straight pieces;
@@ -94,7 +93,7 @@ void Ground::Room::import_surface() {
   for (std::size_t n = 0; n < shape.top_node.size(); ++n) {
     const std::int32_t node = mesh.local_node(shape.top_node[n]);
     if (node >= 0 && mesh.owned[static_cast<std::size_t>(node)] != 0)
-      own_top.push_back({static_cast<std::int32_t>(n), node});
+      own_top.push_back({static_cast<std::int32_t>(n), node, shape.top_place[n]});
   }
   for (std::int32_t number = 0; const Imported::Face& face : shape.top) {
     for (const int k : tetrahedron_faces[static_cast<std::size_t>(face.side)])
@@ -103,6 +102,13 @@ void Ground::Room::import_surface() {
     ++number;
   }
   std::sort(faces_at.begin(), faces_at.end());
+  finish_surface();
+}
+
+void Ground::Room::finish_surface() {
+  for (const TopNode& top : own_top) top_nodes.push_back(top.node);
+  std::sort(top_nodes.begin(), top_nodes.end());
+  top_nodes.erase(std::unique(top_nodes.begin(), top_nodes.end()), top_nodes.end());
   surface.motion.assign(surface.nodes(), Vec3::Zero());
   surface.clear_load();
   window_start_.assign(own_top.size(), Vec3::Zero());
@@ -128,32 +134,27 @@ Vec3 Ground::Room::shown_displacement(std::int32_t node) const {
 // of a mesh.
 void Ground::Room::set_load(std::span<const Vec3> top_force) {
   require(top_force.size() == surface.nodes(), "ground: one force per top node");
+  for (const std::int32_t node : top_nodes)
+    for (int c = 0; c < components(); ++c) state.load[c][node] = 0;
+  // Both faces of a plane, both ends of a periodic ground add up.
   for (const TopNode& top : own_top)
-    for (int c = 0; c < components(); ++c) state.load[c][top.node] = 0;
-  for (const TopNode& top : own_top)  // in a plane both faces add up
     for (int c = 0; c < components(); ++c)
       state.load[c][top.node] +=
           top_force[static_cast<std::size_t>(top.number)][mesh.lattice.axis(c)];
   if (flat_top) flat_top->to_nodes(state.load);
-  // The front node comes first: take the settled load off once per node.
-  std::int32_t faces = mesh.lattice.plane ? 2 : 1;
-  for (std::size_t t = 0; t < own_top.size() / static_cast<std::size_t>(faces); ++t)
-    for (int c = 0; c < components(); ++c)
-      state.load[c][own_top[t].node] -= state.settled[c][own_top[t].node];
+  for (const std::int32_t node : top_nodes)
+    for (int c = 0; c < components(); ++c) state.load[c][node] -= state.settled[c][node];
 }
 
 // The surface of the window that just ended: where its nodes were and how far they went.
 // Collective. The stones follow this motion linearly while the ground already stands at its end.
 void Ground::Room::publish() {
   flat_top ? show_motion() : mesh.exchange(state.displacement);
-  const Lattice& lattice = mesh.lattice;
   for (std::size_t t = 0; t < own_top.size(); ++t) {
     const TopNode& top = own_top[t];
     const auto number = static_cast<std::size_t>(top.number);
     const Vec3 now = shown_displacement(top.node);
-    Vec3 home = mesh.position(top.node);
-    if (lattice.plane) home.y() = surface.position[number].y();
-    surface.position[number] = home + window_start_[t];
+    surface.position[number] = top.place + window_start_[t];
     surface.motion[number] = now - window_start_[t];
     window_start_[t] = now;
   }

@@ -112,6 +112,27 @@ double Lattice::depth() const {
   return edges[2].empty() ? size.z() * static_cast<double>(zones[2]) : -low.z();
 }
 
+std::int64_t Lattice::home_count() const {
+  const Index3 n = points();
+  return (n[0] - (periodic[0] ? 1 : 0)) * (n[1] - (periodic[1] ? 1 : 0)) * n[2];
+}
+
+Id Lattice::home(Id id) const {
+  if (!periodic[0] && !periodic[1]) return id;
+  Index3 p = node_index(id);
+  for (const std::size_t a : {0, 1})
+    if (periodic[a] && p[a] == zones[a]) p[a] = 0;
+  return node(p);
+}
+
+int Lattice::shown(Id home) const {
+  const Index3 p = node_index(home);
+  int count = plane ? 2 : 1;
+  for (const std::size_t a : {0, 1})
+    if (periodic[a] && p[a] == 0) count *= 2;
+  return count;
+}
+
 // Eight in the middle of a solid, fewer at its borders; four in a plane.
 int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
   // Loops in the order of zone numbers, so the result is ascending.
@@ -120,8 +141,12 @@ int Lattice::zones_at(Id node, std::array<Id, 8>& found) const {
   for (std::int64_t k = p[2] - 1; k <= p[2]; ++k)
     for (std::int64_t j = plane ? 0 : p[1] - 1; j <= p[1]; ++j)
       for (std::int64_t i = p[0] - 1; i <= p[0]; ++i) {
-        const bool in = i >= 0 && j >= 0 && k >= 0 && i < zones[0] && j < zones[1] && k < zones[2];
-        if (in) found[static_cast<std::size_t>(count++)] = zone({i, j, k});
+        Index3 at = {i, j, k};
+        for (const std::size_t a : {0, 1})
+          if (periodic[a] && at[a] < 0) at[a] += zones[a];
+        bool in = true;
+        for (std::size_t a = 0; a < 3; ++a) in = in && at[a] >= 0 && at[a] < zones[a];
+        if (in) found[static_cast<std::size_t>(count++)] = zone(at);
       }
   return count;
 }
@@ -138,6 +163,7 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
                     lattice.plane ? thickness : parameters.y[1] - parameters.y[0], depth);
   for (int a = 0; a < 3; ++a)
     lattice.size[a] = extent[a] / static_cast<double>(lattice.zones[static_cast<std::size_t>(a)]);
+  lattice.periodic = {parameters.periodic(0), !lattice.plane && parameters.periodic(1)};
   if (parameters.ratio_x != 1) lattice.edges[0] = parameters.edges(0);
   if (parameters.ratio_y != 1 && !lattice.plane) lattice.edges[1] = parameters.edges(1);
   if (parameters.layers_have_zones()) lattice.edges[2] = parameters.edges(2);

@@ -1,7 +1,9 @@
 // The regular block of zones the ground is meshed with: pure index arithmetic, no ranks.
 //
 // Zones and nodes are counted with x fastest, then y, then z from the bottom up. A plane model has
-// one zone and one line of nodes across y. These numbers name zones and nodes on every rank.
+// one zone and one line of nodes across y. These numbers name zones and nodes on every rank. Where
+// the ground is periodic the nodes of both ends keep their numbers; those at the high end are
+// images of those at the low end, their homes.
 #pragma once
 
 #include <array>
@@ -23,6 +25,7 @@ struct Lattice {
   Index3 zones{};                            // in x, y, z
   Vec3 low, size;                            // m: lower corner, size of a zone where all are alike
   std::array<std::vector<double>, 3> edges;  // m, along axes on which zones differ; empty: alike
+  std::array<bool, 2> periodic{};            // along x, y
 
   int components() const { return plane ? 2 : 3; }
   int corners() const { return plane ? 4 : 8; }
@@ -32,6 +35,9 @@ struct Lattice {
   Index3 points() const { return {zones[0] + 1, plane ? 1 : zones[1] + 1, zones[2] + 1}; }
   std::int64_t zone_count() const { return zones[0] * zones[1] * zones[2]; }
   std::int64_t node_count() const { return points()[0] * points()[1] * points()[2]; }
+  std::int64_t home_count() const;  // of nodes that are no images
+  Id home(Id node) const;           // of an image; otherwise the node itself
+  int shown(Id home) const;         // by how many nodes of the surface: faces of a plane and images
 
   Id node(const Index3& p) const { return p[0] + points()[0] * (p[1] + points()[1] * p[2]); }
   Index3 node_index(Id id) const {
@@ -54,7 +60,8 @@ struct Lattice {
   Vec3 size_of(Id zone) const;
   Vec3 centre(Id zone) const;
 
-  // Zones that touch a node, ascending (at most 8); returns how many.
+  // Zones that touch a node that is no image, at most 8: ascending, but what lies across a periodic
+  // end comes first. Returns how many.
   int zones_at(Id node, std::array<Id, 8>& found) const;
 };
 

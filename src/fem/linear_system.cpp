@@ -91,8 +91,9 @@ void LinearSystem::Handles::create() {
 void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& k,
                                      double factor) {
   const int corners = mesh.corners();
+  const auto at_home = [&](int k) { return mesh.home(mesh.corner(zone, k)); };
   for (int a = 0; a < corners; ++a) {
-    const std::int32_t node = mesh.corner(zone, a);
+    const std::int32_t node = at_home(a);
     if (mesh.owned[static_cast<std::size_t>(node)] == 0) continue;
     for (int c = 0; c < components; ++c) {
       // Rows and columns of held unknowns are left out: the matrix stays symmetric.
@@ -102,8 +103,8 @@ void LinearSystem::Handles::add_zone(Mat to, std::size_t zone, const Eigen::Matr
       PetscInt count = 0;
       for (int b = 0; b < corners; ++b)
         for (int d = 0; d < components; ++d) {
-          if (is_held(mesh.corner(zone, b), d)) continue;
-          columns[static_cast<std::size_t>(count)] = row(mesh.corner(zone, b), d);
+          if (is_held(at_home(b), d)) continue;
+          columns[static_cast<std::size_t>(count)] = row(at_home(b), d);
           values[static_cast<std::size_t>(count++)] =
               factor * k(a * components + c, b * components + d);
         }

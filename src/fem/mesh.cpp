@@ -36,10 +36,29 @@ std::vector<int> node_owners(const Lattice& lattice, int ranks) {
     int& mine = owner[static_cast<std::size_t>(corners[at])];
     mine = std::min(mine, part[at / static_cast<std::size_t>(lattice.corners())]);
   }
+  // An image and its home have one owner, which holds the zones around both.
+  const auto at_home = [&](Id id) -> int& {
+    return owner[static_cast<std::size_t>(lattice.home(id))];
+  };
+  for (Id id = 0; id < lattice.node_count(); ++id)
+    at_home(id) = std::min(at_home(id), owner[static_cast<std::size_t>(id)]);
+  for (Id id = 0; id < lattice.node_count(); ++id)
+    owner[static_cast<std::size_t>(id)] = at_home(id);
   return owner;
 }
 
 }  // namespace
+
+void fold(const std::vector<Image>& images, Nodal& force) {
+  for (std::vector<double>& numbers : force.of) {
+    if (numbers.empty()) continue;  // a plane has two
+    for (const Image& image : images) {
+      numbers[static_cast<std::size_t>(image.home)] +=
+          numbers[static_cast<std::size_t>(image.node)];
+      numbers[static_cast<std::size_t>(image.node)] = 0;
+    }
+  }
+}
 
 Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Dimension dimension,
            double thickness)
@@ -93,9 +112,19 @@ void Mesh::number(const std::vector<int>& owner) {
   node.erase(std::unique(node.begin(), node.end()), node.end());
   node.shrink_to_fit();
   for (std::size_t n = 0; n < node.size(); ++n) {
-    owned.push_back(owner[static_cast<std::size_t>(node[n])] == comm.rank());
+    const bool mine = owner[static_cast<std::size_t>(node[n])] == comm.rank();
+    const Id home = lattice.home(node[n]);
+    owned.push_back(mine && home == node[n]);
     if (owned.back() != 0) own.push_back(static_cast<std::int32_t>(n));
+    if (mine && home != node[n]) images.push_back({static_cast<std::int32_t>(n), local_node(home)});
   }
+}
+
+std::int32_t Mesh::home(std::int32_t n) const {
+  const auto found =
+      std::lower_bound(images.begin(), images.end(), n,
+                       [](const Image& image, std::int32_t node) { return image.node < node; });
+  return found == images.end() || found->node != n ? n : found->home;
 }
 
 // Each rank asks the owners for its ghosts; the answers fix what is sent in every step.
@@ -103,8 +132,8 @@ void Mesh::connect(const std::vector<int>& owner) {
   // Ascending by owner, then by number: the order in which the halo delivers.
   std::vector<std::vector<Id>> wanted(static_cast<std::size_t>(comm.size()));
   for (std::size_t n = 0; n < node.size(); ++n)
-    if (owned[n] == 0)
-      wanted[static_cast<std::size_t>(owner[static_cast<std::size_t>(node[n])])].push_back(node[n]);
+    if (const int rank = owner[static_cast<std::size_t>(node[n])]; rank != comm.rank())
+      wanted[static_cast<std::size_t>(rank)].push_back(node[n]);
   for (const auto& from : wanted)
     for (const Id id : from) ghost_.push_back(local_node(id));
   // What others want from here, in their order; the halo sends from a compact list of it.
@@ -113,7 +142,7 @@ void Mesh::connect(const std::vector<int>& owner) {
   for (std::size_t rank = 0; rank < asked.size(); ++rank)
     for (const Id id : asked[rank]) {
       send[rank].push_back(static_cast<std::int32_t>(shared_.size()));
-      shared_.push_back(local_node(id));
+      shared_.push_back(home(local_node(id)));
     }
   halo_.connect(comm, send);
   packed_.resize(3 * shared_.size());
@@ -145,6 +174,8 @@ void Mesh::exchange_packed(Nodal& values) {
   for (int c = 0; c < D; ++c)
     for (std::size_t g = 0; g < ghost_.size(); ++g)
       values[c][ghost_[g]] = received[g][static_cast<std::size_t>(c)];
+  for (int c = 0; c < D; ++c)
+    for (const Image& image : images) values[c][image.node] = values[c][image.home];
 }
 
 void Mesh::exchange(Nodal& values) {
@@ -159,6 +190,8 @@ std::vector<std::int64_t> Mesh::exchange(const std::vector<std::int64_t>& values
   halo_.forward(sent.data(), received.data());
   for (std::size_t g = 0; g < ghost_.size(); ++g)
     result[static_cast<std::size_t>(ghost_[g])] = received[g];
+  for (const Image& image : images)
+    result[static_cast<std::size_t>(image.node)] = result[static_cast<std::size_t>(image.home)];
   return result;
 }
 
@@ -168,8 +201,9 @@ std::size_t Mesh::bytes() const {
                                             imported->corner.capacity() * 40 +
                                             imported->top_place.capacity() * 56;
   return shape + node.capacity() * sizeof(Id) + owned.capacity() + own.capacity() * 4 +
-         zone.capacity() * sizeof(Id) + solid.capacity() * 4 + line.capacity() * 16 +
-         top_owner.capacity() * 4 + (packed_.capacity() + received_.capacity()) * 8;
+         images.capacity() * sizeof(Image) + zone.capacity() * sizeof(Id) + solid.capacity() * 4 +
+         line.capacity() * 16 + top_owner.capacity() * 4 +
+         (packed_.capacity() + received_.capacity()) * 8;
 }
 
 }  // namespace trackbed::fem

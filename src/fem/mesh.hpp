@@ -40,6 +40,13 @@ struct Nodal {
   }
 };
 
+// A node at the high end of a periodic ground and the own node at the low end it stands for.
+struct Image {
+  std::int32_t node, home;  // local
+};
+// Forces on images go to their homes, in ascending order of images, and leave nothing behind.
+void fold(const std::vector<Image>& images, Nodal& force);
+
 // What a rank holds beside it of a ground from a mesh file, whose zones are ten-node tetrahedra.
 struct Imported {
   Id zones = 0, nodes = 0;                           // of all ranks
@@ -72,7 +79,8 @@ struct Mesh {
   Solids solids;
   std::unique_ptr<const Imported> imported;       // if the ground is from a file
   std::vector<Id> node;                           // known here, ascending
-  std::vector<std::uint8_t> owned;                // of each node: 1 if this rank's
+  std::vector<std::uint8_t> owned;                // of each node: 1 if this rank's, and no image
+  std::vector<Image> images;                      // of own nodes, ascending
   std::vector<std::int32_t> own;                  // local numbers of own nodes, ascending
   std::vector<Id> zone;                           // held here, ascending
   std::vector<std::int32_t> solid;                // of each zone, index into solids
@@ -92,13 +100,15 @@ struct Mesh {
     return imported ? imported->place[n] : lattice.position(this->node[n]);
   }
   Id zone_count() const { return imported ? imported->zones : lattice.zone_count(); }
-  Id node_count() const { return imported ? imported->nodes : lattice.node_count(); }
+  Id node_count() const { return imported ? imported->nodes : lattice.home_count(); }
+  // The own node that an image stands for; any other node is its own home.
+  std::int32_t home(std::int32_t node) const;
   std::int32_t local_node(Id id) const;  // -1 if not held
   std::int64_t local_zone(Id id) const;  // -1 if not held
   // A zone is written out by the owner of its first corner, which holds it in any case.
   bool writes(std::size_t z) const { return owned[static_cast<std::size_t>(corner(z, 0))] != 0; }
 
-  // Ghost values from their owners. Collective.
+  // Values of ghosts from their owners, of images from their homes. Collective.
   void exchange(Nodal& values);
   std::vector<std::int64_t> exchange(const std::vector<std::int64_t>& values);
   std::size_t bytes() const;

@@ -96,7 +96,8 @@ Ground::TopMotion Ground::top_motion(std::int32_t number) const {
 double Ground::top_mass(std::int32_t number) const {
   const std::int32_t node = room_->node_of_top(number);
   if (room_->flat_top) return room_->flat_top->mass(node);
-  return room_->terms.mass[static_cast<std::size_t>(node)] / (room_->mesh.lattice.plane ? 2 : 1);
+  const auto at = static_cast<std::size_t>(node);
+  return room_->terms.mass[at] / room_->mesh.lattice.shown(room_->mesh.node[at]);
 }
 
 GroundTotals Ground::totals() const {

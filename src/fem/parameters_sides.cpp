@@ -2,7 +2,9 @@
 // them are for.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "trackbed/fem/ground.hpp"
 
@@ -41,6 +43,38 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) 
          {.reads = {key, "layer", "block"}});
 }
 
+// Whether the first and the last zone along an axis are of one size.
+bool alike_at_both_ends(const GroundParameters& p, int axis) {
+  constexpr double rounding = 1e-6;
+  const std::vector<double>& range = axis == 0 ? p.x : p.y;
+  const double ratio = axis == 0 ? p.ratio_x : p.ratio_y;
+  if (ratio == 1 || range.size() != 2 || range[1] <= range[0]) return true;
+  const std::vector<double> edges = p.edges(axis);
+  const double first = edges[1] - edges[0], last = edges.back() - edges[edges.size() - 2];
+  return std::abs(last - first) <= rounding * first;
+}
+
+// Both ends of an axis are one place: one word for both, and zones that go on as they end.
+void declare_periodic(const GroundParameters& p, int axis, Section& s) {
+  const auto sides = single_sides(p);
+  const NamedSide &low = sides[2 * static_cast<std::size_t>(axis)],
+                  &high = sides[2 * static_cast<std::size_t>(axis) + 1];
+  const About both{.reads = {low.key, high.key}};
+  const auto one_alone = [&](const NamedSide& one, const NamedSide& other) {
+    s.rule(one.key, one.holds != Sides::periodic || other.holds == Sides::periodic,
+           fmt::format("needs {} = \"periodic\": both ends of the ground become one", other.key),
+           both);
+  };
+  one_alone(low, high), one_alone(high, low);
+  const char* name = axis == 0 ? "x" : "y";
+  s.rule(low.key, !p.periodic(axis) || alike_at_both_ends(p, axis),
+         fmt::format("puts zones of two sizes beside each other; take ratio_{0} = 1 or fine_{0} "
+                     "amid the ground",
+                     name),
+         {.reads = {low.key, high.key, name, fmt::format("zones_{}", name),
+                    fmt::format("ratio_{}", name), fmt::format("fine_{}", name)}});
+}
+
 }  // namespace
 
 Sides GroundParameters::side(int axis, bool high) const {
@@ -57,9 +91,9 @@ void GroundParameters::declare_sides(Section& s) {
       "let waves out; free_field: the same, against columns of the ground beside that move with "
       "base_motion.");
   const auto one = [&](const char* key, Sides& side, const char* where) {
-    s.choice(key, side, {"free", "roller", "quiet", "free_field", "fixed", "as_sides"},
+    s.choice(key, side, {"free", "roller", "quiet", "free_field", "fixed", "as_sides", "periodic"},
              fmt::format("What holds the side {}; as_sides: what sides says; fixed: held in all "
-                         "directions.",
+                         "directions; periodic: one with the side opposite.",
                          where));
   };
   one("side_x_low", side_x_low, "at the begin along the track");
@@ -75,6 +109,7 @@ void GroundParameters::declare_sides(Section& s) {
          {.reads = {"base", "sides", "base_motion"}});
   declare_kind(*this, {"sides", sides}, s);
   for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, s);
+  for (const int axis : {0, 1}) declare_periodic(*this, axis, s);
 }
 
 }  // namespace trackbed::fem

@@ -226,6 +226,7 @@ void Plasticity::act_runs(Nodal& internal) const {
 
 void Plasticity::act_on(Nodal& internal) const {
   mesh_.lattice.plane ? act_runs<2>(internal) : act_runs<3>(internal);
+  fold(mesh_.images, internal);
 }
 
 std::size_t Plasticity::bytes() const {

@@ -31,7 +31,8 @@ RestSolver::RestSolver(Mesh& mesh, const Stiffness& stiffness, const Terms& term
     const Eigen::MatrixXd& k = stiffness.element(mesh.solid[z]).stiffness;
     for (int corner = 0; corner < mesh.lattice.corners(); ++corner)
       for (int c = 0; c < components; ++c)
-        inverse_[c][mesh.corner(z, corner)] += k(corner * components + c, corner * components + c);
+        inverse_[c][mesh.home(mesh.corner(z, corner))] +=
+            k(corner * components + c, corner * components + c);
   }
   for (const Spring& spring : terms.springs)
     for (int c = 0; c < components; ++c) inverse_[c][spring.node] += spring.stiffness;

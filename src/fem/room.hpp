@@ -29,9 +29,11 @@
 
 namespace trackbed::fem {
 
-// One top node of the door: where it lives here.
+// One top node of the door: where it lives here. Both faces of a plane model, and both ends of a
+// periodic one, live in one node.
 struct TopNode {
   std::int32_t number, node;  // in the surface, local
+  Vec3 place;                 // m, in the surface
 };
 
 // What goes through a checkpoint, listed once: nodal states at one time level.
@@ -104,7 +106,8 @@ struct Ground::Room {
   std::vector<TopNode> own_top;
   // Of a ground from a file: local node of the top and number of a face there, ascending.
   std::vector<std::pair<std::int32_t, std::int32_t>> faces_at;
-  double critical = 0;  // s, without safety
+  std::vector<std::int32_t> top_nodes;  // local ones of own_top, each once, ascending
+  double critical = 0;                  // s, without safety
   std::string limit, trouble;
   std::int64_t steps = 0, solves = 0, iterations = 0;
   // Newton's: rounds of all implicit steps, most of one, what the last one left round by round.
@@ -115,6 +118,7 @@ struct Ground::Room {
  private:
   void make_surface();
   void import_surface();
+  void finish_surface();
   // state.internal from what the zones see and what the base springs see.
   void internal_force(const Nodal& w, const Nodal& u);
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces

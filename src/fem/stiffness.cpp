@@ -118,7 +118,10 @@ Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
 }  // namespace
 
 Stiffness::Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping)
-    : elements_(std::move(elements)), nodes_(mesh.nodes()), components_(mesh.lattice.components()) {
+    : elements_(std::move(elements)),
+      images_(mesh.images),
+      nodes_(mesh.nodes()),
+      components_(mesh.lattice.components()) {
   if (mesh.imported) {
     tetrahedra_.emplace(mesh, common_damping);
     damps_ = tetrahedra_->damps();
@@ -179,6 +182,7 @@ void Stiffness::add_damping(const Nodal& v, Nodal& f) const {
     apply_runs<2>(damped_runs_, damping_, factor_, v, f);
   else
     apply_runs<3>(damped_runs_, damping_, factor_, v, f);
+  fold(images_, f);
 }
 
 // Forces of ghosts are sums over the zones held here alone, and not complete.
@@ -189,6 +193,7 @@ void Stiffness::apply(const Nodal& w, Nodal& f) const {
     apply_runs<2>(runs_, blocks_, factor_, w, f);
   else
     apply_runs<3>(runs_, blocks_, factor_, w, f);
+  fold(images_, f);
 }
 
 }  // namespace trackbed::fem

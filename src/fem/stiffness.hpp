@@ -68,6 +68,7 @@ class Stiffness {
   std::vector<Blocks> damping_;   // of each solid, blocks_ times what it damps more
   std::vector<Run> damped_runs_;  // of solids that damp more or less than the others
   std::optional<Tetrahedra> tetrahedra_;
+  std::vector<Image> images_;
   bool damps_ = false;
   std::size_t nodes_;
   int components_;

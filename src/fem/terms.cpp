@@ -49,7 +49,7 @@ struct Builder {
   // Where two sides meet, what one of them holds is held; dashpots of both add up.
   void side(std::size_t z, std::int32_t node, int normal, bool high) const {
     const Sides kind = parameters.side(normal, high);
-    if (kind == Sides::free) return;
+    if (kind == Sides::free || kind == Sides::periodic) return;
     const auto n = static_cast<std::size_t>(node);
     const int all = (1 << mesh.lattice.components()) - 1;
     const auto bits = static_cast<std::uint8_t>(kind == Sides::fixed ? all : 1 << normal);
@@ -67,8 +67,8 @@ struct Builder {
     const int up = lattice.components() - 1;
     for (int k = 0; k < lattice.corners(); ++k) {
       for (int c = 0; c < up; ++c)
-        if (border.on_side(at, k, c)) side(z, mesh.corner(z, k), c, (k >> c & 1) != 0);
-      if (border.on_base(at, k)) base(z, mesh.corner(z, k));
+        if (border.on_side(at, k, c)) side(z, mesh.home(mesh.corner(z, k)), c, (k >> c & 1) != 0);
+      if (border.on_base(at, k)) base(z, mesh.home(mesh.corner(z, k)));
     }
   }
 };
@@ -157,7 +157,7 @@ Terms::Terms(const Mesh& mesh, const GroundParameters& parameters, const Stiffne
     const double more = mesh.solids.solid[static_cast<std::size_t>(mesh.solid[z])].rayleigh_mass -
                         parameters.rayleigh_mass;
     for (int k = 0; k < mesh.lattice.corners(); ++k) {
-      const std::int32_t node = mesh.corner(z, k);
+      const std::int32_t node = mesh.home(mesh.corner(z, k));
       mass[static_cast<std::size_t>(node)] += share;
       for (int c = 0; c < mesh.lattice.components(); ++c) damping[c][node] += more * share;
     }

@@ -10,24 +10,51 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
-from program import Program  # noqa: E402
+from program import Program, summary  # noqa: E402
 
+PERIODIC = "ground.side_x_low=periodic ground.side_x_high=periodic"
 YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 # Changes of the tiny deck and the words of the refusal, or of the warning.
-REFUSED = {"ground.side_x_low=open": "fixed or as_sides",
-           f"{YIELDS} ground.side_x_high=free_field": "has elastic columns beside the model"}
+REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
+           f"{YIELDS} ground.side_x_high=free_field": "has elastic columns beside the model",
+           "ground.side_x_low=periodic": 'needs side_x_high = "periodic": both ends of the ground',
+           "ground.side_x_high=periodic": 'needs side_x_low = "periodic": both ends of the ground',
+           "ground.side_y_low=periodic": 'needs side_y_high = "periodic"',
+           f"{PERIODIC} ground.ratio_x=1.1": "take ratio_x = 1 or fine_x amid the ground",
+           f'{PERIODIC} periodic=["x"] ground.x=[-0.2,1.4]':
+               "repeats the ground every 1.6 m, but `periodic` the stones every 1.2 m"}
 WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": act as quiet ones",
           "ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":
               "side_x_low = \"quiet\": hold back the wave of base_motion",
           "ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
               "side_x_high = \"fixed\": hold back the wave of base_motion",
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
-TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet"]
+TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
+         f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
+         f"{YIELDS} {PERIODIC}"]
+
+
+# A run of a deck of its own: stones between walls on a ground whose ends are one.
+RUN = [*PERIODIC.split(), "ground.layer.soil.rayleigh_stiffness=1e-5"]
 
 
 def expect(holds, what, ran):
     if not holds:
         raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
+
+
+def check_runs(program, deck, folder):
+    """The whole model on periodic ground: the same bits on two ranks, and after a stop."""
+    for ranks in (1, 2):
+        program.done(ranks, "run", deck, *RUN, "-o", folder / f"on_{ranks}")
+    program.done(2, "run", deck, *RUN, "output.stop_after=150", "-o", folder / "stopped", code=3)
+    program.done(1, "resume", folder / "stopped", "output.stop_after=0")
+    whole = summary(folder / "on_1")
+    for other in ("on_2", "stopped"):
+        if summary(folder / other)["dem"]["state_hash"] != whole["dem"]["state_hash"]:
+            raise SystemExit(f"{other}: other bits than on one rank")
+    if summary(folder / "made")["dem"]["state_hash"] == whole["dem"]["state_hash"]:
+        raise SystemExit("periodic ends change nothing")
 
 
 def main(program, deck, folder):
@@ -58,6 +85,7 @@ def main(program, deck, folder):
     for change in ("ground.side_x_low=quiet", "ground.side_y_high=free"):
         ran = program(1, "check", deck, start, change)
         expect(ran.returncode == 2 and "was made with" in ran.stderr, f"{change}: refused", ran)
+    check_runs(program, deck, folder)
     print("ok")
 
 

@@ -77,8 +77,8 @@ enum class PlaneState { stress, strain };
 enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
 // Lateral borders. roller: held along the normal, which makes it a plane of symmetry; free_field:
 // dashpots against columns that feel only what comes from below; as_sides: of a single side, what
-// all have.
-enum class Sides { free, roller, quiet, free_field, fixed, as_sides };
+// all have; periodic: one with the side opposite.
+enum class Sides { free, roller, quiet, free_field, fixed, as_sides, periodic };
 
 struct GroundParameters {
   bool present = true;
@@ -102,6 +102,7 @@ struct GroundParameters {
   Sides side_x_low = Sides::as_sides, side_x_high = Sides::as_sides;
   Sides side_y_low = Sides::as_sides, side_y_high = Sides::as_sides;
   Sides side(int axis, bool high) const;  // normal to x (0) or y (1); never as_sides
+  bool periodic(int axis) const { return side(axis, false) == Sides::periodic; }
   std::string base_motion;  // file: velocity of a wave that comes up through a quiet base
   double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s; of solids without their own
   Integrator integrator = Integrator::explicit_;
@@ -197,7 +198,9 @@ class Ground {
     Vec3 displacement, velocity, acceleration;  // m, m/s, m/s^2
   };
   TopMotion top_motion(std::int32_t node) const;
-  double top_mass(std::int32_t node) const;  // kg, lumped; in a plane each face has half
+  // kg, lumped; shared evenly by the nodes of the surface that move as one, which are the faces of
+  // a plane model and the ends of a periodic one.
+  double top_mass(std::int32_t node) const;
   // Own elements with displacement, velocity, stress since settling and at rest; of both together
   // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
   io::Grid fields() const;

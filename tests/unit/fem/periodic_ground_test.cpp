@@ -1,0 +1,265 @@
+// Both ends of a ground are one: what happens there is what happens elsewhere, and a short periodic
+// ground is a long one of many copies.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "trackbed/io/file.hpp"
+#include "unit/fem/compared.hpp"
+#include "unit/fem/wave.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+void repeat(GroundParameters& p, int axis) {
+  if (axis == 0)
+    p.side_x_low = p.side_x_high = Sides::periodic;
+  else
+    p.side_y_low = p.side_y_high = Sides::periodic;
+}
+
+// 6 m long and 4 m wide from the origin, both periodic; two layers, springs, damping of all kinds.
+GroundParameters repeated(Integrator integrator) {
+  GroundParameters p = box({6, 4, 1}, {12, 6, 5}, {});
+  p.layers = {{"soft", 1, {60e6, 0.35, 1700}}, {"stiff", 1.5, {200e6, 0.3, 2000}}};
+  p.layers[1].solid.rayleigh_stiffness = 3e-5;
+  p.rayleigh_mass = 3, p.rayleigh_stiffness = 2e-5;
+  p.plane = PlaneState::strain;
+  p.sides = Sides::quiet;
+  repeat(p, 0), repeat(p, 1);
+  p.integrator = integrator;
+  p.tolerance = 1e-12;
+  return p;
+}
+
+// Back into one period.
+double home(double at, double length) { return at - length * std::floor(at / length + 1e-9); }
+Vec3 shifted(const Vec3& at, double x, double y) {
+  return {home(at.x() + x, 6), home(at.y() + y, 4), at.z()};
+}
+
+// Some traction without any symmetry, the same at both ends, Pa.
+Vec3 uneven(const Vec3& at) {
+  const double x = home(at.x(), 6), y = home(at.y(), 4);
+  return 1e3 * Vec3(std::sin(x + 2 * y), std::cos(1.3 * x), -30 * std::exp(-(x - 1) * (x - 1) - y));
+}
+
+class PeriodicIn : public ::testing::TestWithParam<Dimension> {};
+INSTANTIATE_TEST_SUITE_P(, PeriodicIn, ::testing::Values(Dimension::plane, Dimension::space),
+                         dimension_name);
+
+// Largest difference of a ground and of one whose load is moved, at places as far apart; and what
+// is lost by yielding.
+struct Moved {
+  double apart, plastic;  // -, J
+};
+Moved moved(const GroundParameters& p, Dimension dimension, double size) {
+  const Comm comm = Comm::world();
+  const bool plane = dimension == Dimension::plane;
+  Ground fixed(comm, p, dimension, 1.0), far(Comm::self(), p, dimension, 1.0);
+  const auto load = [&](Ground& ground, double x, double y) {
+    return drawn(ground, [&](const Vec3& at) -> Vec3 {
+      return size * uneven(plane ? Vec3(home(at.x() + x, 6), 0, 0) : shifted(at, x, y));
+    });
+  };
+  const auto here = load(fixed, 0, 0), there = load(far, 3, 2);
+  fixed.settle(load(fixed, 1, 1)), far.settle(load(far, 4, 3));
+  double worst = 0;
+  for (int w = 0; w < 40; ++w) {
+    fixed.advance(4e-4, w < 20 ? here : none(fixed));
+    far.advance(4e-4, w < 20 ? there : none(far));
+    if (w % 10 == 9)
+      worst = std::max(worst, apart(comm, fixed, far, [&](const Vec3& at) -> Vec3 {
+                         const Vec3 partner = shifted(at, -3, -2);
+                         return plane ? Vec3(partner.x(), at.y(), at.z()) : partner;
+                       }));
+  }
+  return {worst, far.totals().plastic};
+}
+
+TEST_P(PeriodicIn, MovedLoadGivesTheMovedAnswer) {
+  EXPECT_LT(moved(repeated(Integrator::explicit_), GetParam(), 1).apart, 1e-10);
+  EXPECT_LT(moved(repeated(Integrator::newmark), GetParam(), 1).apart, 1e-7);
+  EXPECT_LT(moved(repeated(Integrator::hht), GetParam(), 1).apart, 1e-7);
+}
+
+GroundParameters weak(Integrator integrator) {
+  GroundParameters p = repeated(integrator);
+  p.layers[0].strength = {Yield::mohr_coulomb, 4e3, 25, 5, 1e3};
+  return p;
+}
+
+// What flows at the seam flows as elsewhere.
+TEST_P(PeriodicIn, MovedLoadGivesTheMovedAnswerWhereTheGroundYields) {
+  const Moved steps = moved(weak(Integrator::explicit_), GetParam(), 1.5);
+  EXPECT_LT(steps.apart, 1e-8);
+  EXPECT_GT(steps.plastic, 1);
+  const Moved rounds = moved(weak(Integrator::newmark), GetParam(), 1.5);
+  EXPECT_LT(rounds.apart, 1e-4);  // Newton's
+  EXPECT_GT(rounds.plastic, 1);
+}
+
+// Steps reach one zone each: until those from the ends are there, the one amid seven copies is the
+// periodic ground.
+TEST_P(PeriodicIn, IsOneOfManyCopies) {
+  const Comm comm = Comm::world();
+  GroundParameters p = repeated(Integrator::explicit_);
+  repeat(p, 0);
+  p.side_y_low = p.side_y_high = Sides::as_sides;
+  GroundParameters many = p;
+  many.x = {-18, 24}, many.zones_x = 7 * 12;
+  many.side_x_low = many.side_x_high = Sides::as_sides;
+  Ground one(comm, p, GetParam(), 1.0), all(Comm::self(), many, GetParam(), 1.0);
+  const double dt = one.stable_step();
+  for (Ground* ground : {&one, &all}) {
+    const auto load = drawn(*ground, [](const Vec3& at) -> Vec3 {
+      return {0, 0, 1e3 * std::min(0.0, std::abs(home(at.x(), 6) - 5) - 1)};
+    });
+    for (int w = 0; w < 35; ++w) ground->advance(dt, load);
+  }
+  EXPECT_LT(apart(comm, one, all, [](const Vec3& at) { return at; }), 1e-11);
+  // By then what the load sends out has gone round: 35 steps of 0.6 zones.
+  EXPECT_GT(35 * dt * 183, 0.5 * 6);
+}
+
+// Without room to spread each zone bears what is above it, as between rollers.
+TEST_P(PeriodicIn, WeightRestsAsInAColumn) {
+  for (const std::int64_t zones : {1, 3}) {
+    GroundParameters p = box({2, 2, 5}, {zones, zones, 10}, {50e6, 0.3, 2000});
+    p.plane = PlaneState::strain;
+    p.base = Base::fixed;
+    p.tolerance = 1e-12;
+    repeat(p, 0), repeat(p, 1);
+    Ground ground(Comm::world(), p, GetParam(), 2.0);
+    ground.settle(pressure(ground, 50e3));
+    const io::Grid grid = ground.fields();
+    double worst = 0;
+    for (std::size_t c = 0; c < grid.cells.size() / 8; ++c) {
+      double z = 0;
+      for (std::size_t k = 0; k < 8; ++k)
+        z += grid.points[static_cast<std::size_t>(grid.cells[8 * c + k])].z() / 8;
+      const double exact = -50e3 + 2000 * gravity * z;
+      for (const auto& [component, share] : {std::pair{0, 0.3 / 0.7}, {1, 0.3 / 0.7}, {2, 1.0}})
+        worst =
+            std::max(worst, std::abs(grid.cell_data[1].values[6 * c + component] - share * exact));
+    }
+    EXPECT_LT(Comm::world().max(worst), 1e-6 * 150e3);
+    const std::int64_t nodes = GetParam() == Dimension::plane ? zones : zones * zones;
+    EXPECT_EQ(ground.totals().nodes, nodes * 11);
+    EXPECT_EQ(ground.totals().unknowns, nodes * 10 * (GetParam() == Dimension::plane ? 2 : 3));
+  }
+}
+
+// One zone across, periodic, is plane strain.
+TEST(PeriodicAcross, IsPlaneStrain) {
+  const Comm comm = Comm::world();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::bossak}) {
+    GroundParameters p = repeated(integrator);
+    p.y = {-0.5, 0.5}, p.zones_y = 1;
+    p.side_x_low = p.side_x_high = Sides::as_sides;
+    Ground plane(Comm::self(), p, Dimension::plane, 1.0), space(comm, p, Dimension::space, 1.0);
+    for (Ground* ground : {&plane, &space}) {
+      const auto load = drawn(
+          *ground, [](const Vec3& at) -> Vec3 { return 1e3 * Vec3(at.x(), 0, -10 - at.x()); });
+      for (int w = 0; w < 30; ++w) ground->advance(4e-4, load);
+    }
+    EXPECT_LT(apart(comm, space, plane, [](const Vec3& at) { return at; }),
+              integrator == Integrator::explicit_ ? 1e-10 : 1e-7);
+  }
+}
+
+// A level ground moves as one under a wave, whatever the other sides are.
+TEST_P(PeriodicIn, LevelGroundIsNotFeltByAWave) {
+  const Comm comm = Comm::world();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark})
+    for (const int axes : {1, 2, 3}) {
+      GroundParameters p = repeated(integrator);
+      p.sides = Sides::free_field;
+      if ((axes & 1) == 0) p.side_x_low = p.side_x_high = Sides::as_sides;
+      if ((axes & 2) == 0) p.side_y_low = p.side_y_high = Sides::as_sides;
+      p.base_motion = wave_table(comm, "periodic", {50, 0.03}, 1.0, 0.7, 5e-4);
+      Ground ground(comm, p, GetParam(), 1.0);
+      ground.settle(none(ground));
+      double off = 0, largest = 0;
+      for (int w = 0; w < 60; ++w) {
+        ground.advance(1e-3, none(ground));
+        Vec3 low = Vec3::Constant(1e300), high = -low;
+        for (const auto n : ground.own_top()) {
+          low = low.cwiseMin(ground.top_state(n).displacement);
+          high = high.cwiseMax(ground.top_state(n).displacement);
+        }
+        for (int c = 0; c < 3; ++c) {
+          off = std::max(off, comm.max(high[c]) + comm.max(-low[c]));
+          largest = std::max(largest, std::abs(comm.max(high[c])));
+        }
+      }
+      EXPECT_GT(largest, 1e-6);
+      EXPECT_LT(off / largest, integrator == Integrator::explicit_ ? 1e-11 : 1e-8) << axes;
+    }
+}
+
+TEST_P(PeriodicIn, SameBitsOnAnyRankCount) {
+  const Comm world = Comm::world();
+  for (const bool yields : {false, true}) {
+    GroundParameters p = yields ? weak(Integrator::explicit_) : repeated(Integrator::explicit_);
+    Ground alone(Comm::self(), p, GetParam(), 1.0), spread(world, p, GetParam(), 1.0);
+    for (Ground* ground : {&alone, &spread}) {
+      if (yields) ground->settle(drawn(*ground, uneven));  // exact sums
+      for (int w = 0; w < 25; ++w) ground->advance(5e-4, load_of(ground->top(), w));
+    }
+    EXPECT_EQ(bits(Comm::self(), alone), bits(world, spread));
+    EXPECT_GT(alone.totals().kinetic, 0);
+    for (const std::int32_t own : spread.own_top()) {
+      const auto n = static_cast<std::size_t>(own);
+      EXPECT_EQ(alone.top().position[n], spread.top().position[n]);
+      EXPECT_EQ(alone.top().motion[n], spread.top().motion[n]);
+    }
+  }
+}
+
+// Damping of mass acts through the mass of both ends; masses of the surface add up to those of the
+// uppermost half row of zones.
+TEST_P(PeriodicIn, MassIsShared) {
+  const Comm comm = Comm::world();
+  Ground ground(comm, repeated(Integrator::explicit_), GetParam(), 4.0);
+  double sum = 0, most = 0, least = 1e300;
+  for (const std::int32_t n : ground.own_top()) {
+    const double mass = ground.top_mass(n);
+    sum += mass, most = std::max(most, mass), least = std::min(least, mass);
+  }
+  EXPECT_NEAR(comm.sum(sum), 1700 * 6 * 4 * 0.25, 1e-8);
+  // A place shown four times has a quarter, in a plane (two faces each) a half of the others'.
+  EXPECT_NEAR(comm.max(most) / -comm.max(-least), GetParam() == Dimension::plane ? 2 : 4, 1e-9);
+}
+
+TEST_P(PeriodicIn, GoesOnWithTheSameBits) {
+  const Comm world = Comm::world(), self = Comm::self();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::hht})
+    for (const bool yields : {false, true}) {
+      const bool one = integrator != Integrator::explicit_;  // implicit bits hang on the ranks
+      const Comm& comm = one ? self : world;
+      const GroundParameters p = yields ? weak(integrator) : repeated(integrator);
+      const std::string path =
+          fmt::format("periodic_{}_{}.h5", world.size(), one ? world.rank() + 1 : 0);
+      Ground straight(comm, p, GetParam(), 1.0), resumed(comm, p, GetParam(), 1.0);
+      straight.settle(drawn(straight, uneven));
+      for (int w = 0; w < 8; ++w) straight.advance(4e-4, load_of(straight.top(), w));
+      {
+        io::File file(comm, path, io::Mode::create);
+        straight.save(file, "ground");
+      }
+      {
+        const io::File file(comm, path, io::Mode::read);
+        resumed.load(file, "ground");
+      }
+      for (Ground* ground : {&straight, &resumed})
+        for (int w = 0; w < 8; ++w) ground->advance(4e-4, load_of(ground->top(), w));
+      EXPECT_EQ(bits(comm, straight), bits(comm, resumed));
+    }
+}
+
+}  // namespace
+}  // namespace trackbed::fem
