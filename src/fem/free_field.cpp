@@ -2,8 +2,6 @@
 // level of a column and per border corner of the model.
 #include "free_field.hpp"
 
-#include "terms.hpp"
-
 namespace trackbed::fem {
 
 namespace {
@@ -101,6 +99,11 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
   const Lattice& lattice = mesh.lattice;
   const Border border(mesh, parameters);
   const int up = components_ - 1;
+  if (mesh.imported) {
+    for (const BasePart& part : quiet_base(mesh, parameters))
+      if (mesh.owned[static_cast<std::size_t>(part.node)] != 0) base_.push_back(part);
+    return;
+  }
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
     const Index3 at = lattice.zone_index(mesh.zone[z]);
     const std::int32_t solid = mesh.solid[z];
@@ -120,7 +123,7 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
         for (int c = 0; c <= up; ++c) side.dashpots[c] = border.dashpot(solid, n, c);
       }
       if (!border.on_base(at, k)) continue;
-      BaseCorner low{node, {}, border.spring(solid)};
+      BasePart low{node, {}, border.spring(solid)};
       for (int c = 0; c <= up; ++c) low.dashpots[c] = border.dashpot(solid, up, c);
       base_.push_back(low);
     }
@@ -264,7 +267,7 @@ void FreeField::act_on(Nodal& internal) const {
       internal[c][side.node] -= force;
     }
   }
-  for (const BaseCorner& base : base_)
+  for (const BasePart& base : base_)
     for (int c = 0; c < components_; ++c) {
       const int axis = components_ == 3 ? c : 2 * c;
       internal[c][base.node] -= 2 * base.dashpots[c] * seen_.wave.velocity[axis] +

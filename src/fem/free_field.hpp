@@ -13,7 +13,8 @@
 // the same bits on any number of ranks. Solids do not change across the track, so there is one
 // column for each zone along it (a plane model needs the two at its ends), and it serves both
 // lateral sides. Neighbouring columns of different solids do not feel each other. Rejected: plane
-// free fields beside the lateral sides, a second model each.
+// free fields beside the lateral sides, a second model each. A ground from a mesh file has no
+// columns, and the wave alone.
 #pragma once
 
 #include <functional>
@@ -23,6 +24,7 @@
 #include "base_motion.hpp"
 #include "mesh.hpp"
 #include "stiffness.hpp"
+#include "terms.hpp"
 
 namespace trackbed::fem {
 
@@ -55,10 +57,6 @@ class FreeField {
     std::size_t hold, chain;  // in hold_; of its column
     double dashpots[3];       // N s/m
   };
-  struct BaseCorner {
-    std::int32_t node;
-    double dashpots[3], spring;  // N s/m, N/m
-  };
   // What zones, dashpots and base see of the motion in the equation being solved.
   struct Seen {
     std::vector<double> displacement, damped, velocity;
@@ -85,7 +83,7 @@ class FreeField {
   // Of each solid, for each normal: forces on corners from the motion of two levels.
   std::vector<Eigen::MatrixXd> hold_;
   std::vector<SideCorner> sides_;
-  std::vector<BaseCorner> base_;
+  std::vector<BasePart> base_;
   std::vector<double> displacement_, velocity_, acceleration_;
   std::vector<double> force_;  // N, scratch
   Seen seen_;

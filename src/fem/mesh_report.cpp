@@ -102,6 +102,33 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
       parameters.mesh, fmt::join(ways, ", "))});
 }
 
+// A wave comes in through dashpots below. Dashpots at the sides hold it back, for there are no
+// columns of a free field beside a mesh.
+void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters,
+                  std::vector<std::string>& warnings) {
+  if (parameters.base_motion.empty()) return;
+  bool below = false;
+  std::vector<std::uint8_t> beside(parameters.borders.size(), 0);
+  for (const SolidMesh::Face& face : mesh.borders) {
+    const auto border = static_cast<std::size_t>(face.border);
+    if (parameters.borders[border].holds != BorderKind::quiet) continue;
+    const bool base = face.axis == 2 && face.low;
+    below = below || base;
+    if (!base) beside[border] = 1;
+  }
+  if (!below)
+    throw InputError({fmt::format(
+        "{}: no quiet border looks down: the wave of ground.base_motion comes in through the "
+        "dashpots of one",
+        parameters.mesh)});
+  for (std::size_t b = 0; b < beside.size(); ++b)
+    if (beside[b] != 0)
+      warnings.push_back(fmt::format(
+          "{}: the quiet border \"{}\" holds back the wave of ground.base_motion; a roller is a "
+          "plane of symmetry of the wave, free-field sides are for layers",
+          parameters.mesh, parameters.borders[b].name));
+}
+
 void warn_of_size(const GroundParameters& parameters, const Box& all,
                   std::vector<std::string>& warnings) {
   const Vec3 size = all.high - all.low;
@@ -152,6 +179,7 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
     report.volume += tetrahedron_volume(nodes);
     ratios.push_back(tetrahedron_mean_ratio(nodes));
   }
+  look_at_wave(mesh, parameters, report.warnings);
   warn_of_size(parameters, all, report.warnings);
   warn_of_open_faces(mesh, parameters, report.warnings);
   warn_of_shapes(parameters, ratios, report.warnings);

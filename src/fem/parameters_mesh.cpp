@@ -47,7 +47,6 @@ void refuse_layers(const GroundParameters& p, Section& s) {
   without("side_x_high", p.side_x_high == common.side_x_high, borders);
   without("side_y_low", p.side_y_low == common.side_y_low, borders);
   without("side_y_high", p.side_y_high == common.side_y_high, borders);
-  without("base_motion", p.base_motion.empty(), "waves from below are for layers");
   without("plane", p.plane == common.plane, "a mesh is for models in space");
   without("x", p.x == common.x, shape);
   without("y", p.y == common.y, shape);

@@ -131,6 +131,24 @@ void Terms::add_tetrahedra(const Mesh& mesh, const GroundParameters& parameters)
   merge(springs);
 }
 
+// Faces in ascending order, as above.
+std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& parameters) {
+  std::vector<BasePart> parts;
+  for (const Imported::Face& face : mesh.imported->borders) {
+    const BorderKind kind = parameters.borders[static_cast<std::size_t>(face.border)].holds;
+    if (kind != BorderKind::quiet || face.axis != 2 || !face.low) continue;
+    const FaceShare share = share_of(mesh, face);
+    const Impedance of = impedance(solid_of(mesh, face.zone), false);
+    for (int m = 0; m < 3; ++m) {
+      const double across = share.area[m] * of.tangential, along = share.area[m] * of.normal;
+      parts.push_back({share.node[static_cast<std::size_t>(3 + m)],
+                       {across, across, along},
+                       share.area[m] * spring_of(mesh, parameters, face)});
+    }
+  }
+  return parts;
+}
+
 // The bound of terms.hpp, element by element: some 50 us each, which only explicit steps need.
 // Collective; the same step on all ranks.
 double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& parameters,

@@ -28,6 +28,7 @@ KNOBS = {
     "ground.solid.[].rayleigh_stiffness": "ground.solid.0.rayleigh_stiffness=2e-4",
     "ground.border.[].name": "ground.border.0.name=base",
     "ground.border.[].holds": "ground.border.0.holds=fixed",
+    "ground.base_motion": "ground.base_motion={folder}/wave.csv",
 }
 # Change of the deck -> words of the refusal.
 REFUSED = {
@@ -43,6 +44,8 @@ REFUSED = {
         "do not hold the ground at rest: it can move along y, move along z, turn about x",
     # Quiet sides hold y and ends x; nothing holds z.
     "ground.border.0.holds=free": "at rest: it can move along z; let a border be",
+    "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
+        "no quiet border looks down",
     "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
     "ground.sides=quiet": "its surfaces are [[ground.border]]",
     "ground.zones_x=3": "the file has the shape",
@@ -57,6 +60,7 @@ TOLD = {
     "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
     "ground.border.0.holds=roller": ["-on springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
+    "ground.base_motion={folder}/wave.csv": ["holds back the wave of ground.base_motion"],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
     "ground.mesh={folder}/thin.msh": ["are nearly flat (mean ratio below 0.05"],
@@ -127,6 +131,7 @@ def main():
     for name, sizes in {"squashed": (1, 1, 1e-4), "mm": (1e3, 1e3, 1e3),
                         "thin": (1, 1, 3e-3)}.items():
         (folder / f"{name}.msh").write_text(scaled(text, sizes), encoding="utf-8")
+    (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n")
     (folder / "half.msh").write_text(without_bottom(text, 12), encoding="utf-8")
     place = {"folder": folder, "deck": deck}
     before = seen(program, deck, folder, [])

@@ -8,6 +8,7 @@
 #include "trackbed/core/hash.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/ground_scene.hpp"
+#include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/wave.hpp"
 
 namespace trackbed::fem {
@@ -116,6 +117,52 @@ TEST_P(FreeField, GoesOnWithTheSameBits) {
       for (int w = 0; w < 20; ++w) ground->advance(1e-3, none(*ground));
     EXPECT_EQ(bits(comm, straight), bits(comm, resumed));
   }
+}
+
+// Without columns beside it: the same bits on any number of ranks and after a restart.
+TEST(WaveBelowAMesh, HasTheSameBitsOnAnyRankCountAndGoesOn) {
+  const Comm world = Comm::world(), self = Comm::self();
+  GroundParameters p = of_mesh(TetBox({2, 2, 2}, {2, 2, 2}), "wave_below", {60e6, 0.3, 1900});
+  p.borders[4].holds = BorderKind::quiet;
+  p.base_motion = table_of(world);
+  p.integrator = Integrator::explicit_;
+  Ground alone(self, p, Dimension::space, 1.0), spread(world, p, Dimension::space, 1.0);
+  for (Ground* ground : {&alone, &spread}) {
+    ground->settle(none(*ground));
+    for (int w = 0; w < 25; ++w) ground->advance(1e-3, none(*ground));
+  }
+  EXPECT_EQ(bits(self, alone), bits(world, spread));
+  EXPECT_GT(alone.totals().kinetic, 0);
+  const std::string path = fmt::format("wave_below_{}.h5", world.size());
+  Ground resumed(world, p, Dimension::space, 1.0);
+  {
+    io::File file(world, path, io::Mode::create);
+    spread.save(file, "ground");
+  }
+  {
+    const io::File file(world, path, io::Mode::read);
+    resumed.load(file, "ground");
+  }
+  for (Ground* ground : {&spread, &resumed})
+    for (int w = 0; w < 15; ++w) ground->advance(1e-3, none(*ground));
+  EXPECT_EQ(bits(world, spread), bits(world, resumed));
+}
+
+// What the file cannot be: a wave needs a quiet border below, and no dashpots beside.
+TEST(WaveBelowAMesh, NeedsAQuietBase) {
+  GroundParameters p = of_mesh(TetBox({1, 1, 1}, {1, 1, 1}), "wave_refused", {60e6, 0.3, 1900});
+  p.base_motion = table_of(Comm::world());
+  try {
+    look_at_mesh(p);
+    FAIL() << "a fixed bottom must be refused";
+  } catch (const InputError& error) {
+    EXPECT_NE(error.problems().front().find("no quiet border looks down"), std::string::npos);
+  }
+  p.borders[4].holds = BorderKind::quiet;
+  EXPECT_TRUE(look_at_mesh(p).warnings.empty());
+  p.borders[1].holds = BorderKind::quiet;
+  ASSERT_EQ(look_at_mesh(p).warnings.size(), 1);
+  EXPECT_NE(look_at_mesh(p).warnings[0].find("\"x1\" holds back the wave"), std::string::npos);
 }
 
 // What no table may do.
