@@ -138,7 +138,7 @@ void declare_footing(const Model& model, input::Section& s) {
                   {.reads = {"footing", "model"}});
   }
   declare_kind(model, s);
-  declare_plane_sides(model.ground, model.dimension, s);
+  declare_idle_sides(model.ground, model.dimension, s);
   declare_track(model, s);
   declare_place(model, s);
 }

@@ -41,8 +41,8 @@ std::vector<std::string> doubts_of_young(const Model& model, const input::Deck& 
 
 }  // namespace
 
-void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimension,
-                         input::Section& s) {
+void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
+                        input::Section& s) {
   const auto across = [&](const char* key, fem::Sides side) {
     s.rule(key, dimension == Dimension::space || side == fem::Sides::as_sides,
            "has no effect in a plane model: it has no sides across the track",
@@ -50,6 +50,13 @@ void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimensio
   };
   across("ground.side_y_low", ground.side_y_low);
   across("ground.side_y_high", ground.side_y_high);
+  constexpr fem::Sides none = fem::Sides::as_sides;
+  const bool taken =
+      ground.side_x_low == none || ground.side_x_high == none ||
+      (dimension == Dimension::space && (ground.side_y_low == none || ground.side_y_high == none));
+  s.rule("ground.sides", taken || ground.sides == fem::GroundParameters().sides,
+         "has no effect: each side has a kind of its own",
+         {.weight = input::Weight::warning, .reads = {"dimension", "ground"}});
 }
 
 // Stones that leave at one end and a wave that does must come back over the same length. Walls of
@@ -57,7 +64,7 @@ void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimensio
 void declare_ground_sides(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
   if (!ground.present) return;
-  declare_plane_sides(ground, model.dimension, s);
+  declare_idle_sides(ground, model.dimension, s);
   const auto both = [&](const std::string& axis, int a, const auto& over, const auto& stones) {
     constexpr double rounding = 1e-9;
     if (!ground.periodic(a) || !model.periodic_in(axis) || over.size() != 2 || stones.size() != 2)

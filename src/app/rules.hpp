@@ -12,9 +12,9 @@ void declare_train(const Model& model, input::Section& s);  // once the track is
 // Parts of declare_rules.
 void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_ground_sides(const Model& model, input::Section& s);
-// Of a model with or without stones.
-void declare_plane_sides(const fem::GroundParameters& ground, Dimension dimension,
-                         input::Section& s);
+// What has no effect: sides that a plane model does not have, `sides` where each has its own.
+void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
+                        input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches

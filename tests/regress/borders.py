@@ -28,6 +28,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": act as q
               "side_x_low = \"quiet\": hold back the wave of base_motion",
           "ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
               "side_x_high = \"fixed\": hold back the wave of base_motion",
+          "ground.sides=free ground.side_x_low=quiet ground.side_x_high=roller":
+              "sides = \"free\": has no effect: each side has a kind of its own",
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
          f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
