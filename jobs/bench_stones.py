@@ -23,6 +23,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from launch import on_ranks
+
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
 NAMES = ("stones12", "stones24", "compound", "clumps")
 RANKS = (1, 2)
@@ -62,7 +64,7 @@ class Case:
         self.deck = DECKS / f"{name}.toml"
         self.folder = folder / f"{name}_{ranks}"
         self.start = self.folder / "stage_settle.h5"
-        launch = ["mpirun", "-n", str(ranks), "--oversubscribe"] if ranks > 1 else []
+        launch = on_ranks(ranks) if ranks > 1 else []
         self.command = [*launch, program, "run", self.deck, length_for(self.deck, ranks)]
         self.runs = []
 

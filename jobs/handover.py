@@ -27,6 +27,7 @@ rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOL
 """
 import argparse
 import csv
+import hashlib
 import json
 import os
 import re
@@ -41,6 +42,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+from launch import on_ranks  # noqa: E402
+
 OF_THE_TRAIN = ("rail", "pad", "ballast", "seat", "track", "train", "wheel_rail", "irregularity",
                 "passage", "vehicle")
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
@@ -48,10 +51,6 @@ STOPPED = 3  # exit code of a run that can be resumed
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
 
-# As jobs/common.sh does.
-if os.geteuid() == 0:
-    os.environ |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
 RANKS = int(os.environ.get("RANKS", "2"))
 
 
@@ -143,8 +142,11 @@ class Loop:
                      f"{given.deck}: [handover] with `after`, the name of a stage, is needed")
         return done, names
 
-    def program(self, deck, text, folder, ranks):
-        """Runs what `text` says, or what is still to do of it; it becomes the file `deck`."""
+    def program(self, deck, text, folder, ranks, made_of=()):
+        """Runs what `text` says, or what is still to do of it; it becomes the file `deck`, with a
+        line on what the files it is made of hold."""
+        for path in made_of:
+            text += f"# {path.name}: {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
         summary, words = folder / "summary.json", ["run", deck, "-o", folder]
         if self.given.force:
             words.append("--force")
@@ -158,10 +160,9 @@ class Loop:
             else:  # it ended before its first checkpoint
                 words.append("--force")
         deck.write_text(text, encoding="utf-8")
-        command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none",
-                   str(self.given.program), *map(str, words)]
         with open(f"{folder}.log", "w", encoding="utf-8") as log:
-            ran = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)
+            ran = subprocess.run(on_ranks(ranks, self.given.program, *words), stdout=log,
+                                 stderr=subprocess.STDOUT, check=False)
         if ran.returncode == STOPPED:
             sys.exit(f"{folder} was stopped; the same command goes on with it")
         if ran.returncode:
@@ -179,8 +180,9 @@ class Loop:
         """One stage more of the bed; histories of it."""
         self.bed += "\n" + table("[[stage]]", stage)
         text = f"start = {toml(str(self.start))}\n" + self.bed
+        files = [self.start, *([Path(load["file"])] if load else [])]
         self.program(folder.with_suffix(".toml"), text + (table("[load]", load) if load else ""),
-                     folder, RANKS)
+                     folder, RANKS, files)
         self.start = (folder / f"stage_{stage['name']}.h5").resolve()
         with h5py.File(folder / "results.h5") as file:
             last = len(tomllib.loads(self.bed)["stage"]) - 1
@@ -203,29 +205,47 @@ class Loop:
         """Text of the track alone: the bed's stiffness, rail as the sleepers have settled."""
         parts = {name: dict(self.deck.get(name, {})) for name in OF_THE_TRAIN[:-1]}
         springs = parts["ballast"].get("stiffness", 60e6)
+        if parts["ballast"].get("mass", 0) > 0:  # the factor of a zone acts on both springs
+            springs = 1 / (1 / springs + 1 / parts["ballast"].get("below_stiffness", 80e6))
         spacing = self.deck["sleepers"]["spacing"]
         length = parts["track"].get("length", 60.0)
         z = folder / "geometry.csv"
-        points = [(0, 0), (self.on_track[0] - spacing, 0), *zip(self.on_track, -self.settled),
-                  (self.on_track[-1] + spacing, 0), (length, 0)]
-        z.write_text("x_m,z_m\n" + "".join(f"{x!r},{float(h)!r}\n" for x, h in map(
-            lambda p: (float(p[0]), p[1]), points)), encoding="utf-8")
+        points = {0.0: 0.0, length: 0.0, self.on_track[0] - spacing: 0.0,
+                  self.on_track[-1] + spacing: 0.0, **dict(zip(self.on_track, -self.settled))}
+        z.write_text("x_m,z_m\n" + "".join(
+            f"{float(x)!r},{float(points[x])!r}\n" for x in sorted(points) if 0 <= x <= length),
+            encoding="utf-8")
         parts["irregularity"] = {"kind": "file", "file": z.name, "fade": spacing}
         parts["passage"].pop("duration", None)
         parts["passage"] |= {"points": [float(x) for x in self.on_track], "history_interval": 5e-4}
         del parts["seat"]
         text = 'model = "track"\n\n' + "".join(
             table(f"[{name}]", values) for name, values in parts.items())
-        zones = [*self.deck.get("track", {}).get("zone", []),
+        zones = [*self.zones_of_deck(spacing),
                  *({"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),
                     "bed": float(k / springs)} for x, k in zip(self.on_track, stiffness))]
         text += "".join(table("[[track.zone]]", zone) for zone in zones)
         text += "".join(table("[[vehicle]]", one) for one in self.deck.get("vehicle", []))
         return text
 
+    def zones_of_deck(self, spacing):
+        """Over the bed only what they do to the rail: the bed itself is weighed."""
+        low, high = self.on_track[0] - 0.45 * spacing, self.on_track[-1] + 0.45 * spacing
+        zones = []
+        for zone in self.deck.get("track", {}).get("zone", []):
+            begin, end = zone.get("from", 0), zone.get("to", 0)
+            rail = {key: value for key, value in zone.items() if key not in ("bed", "gap")}
+            for start, stop, kept in ((begin, min(end, low), zone),
+                                      (max(begin, low), min(end, high), rail),
+                                      (max(begin, high), end, zone)):
+                if start < stop:
+                    zones.append({**kept, "from": float(start), "to": float(stop)})
+        return zones
+
     def pass_track(self, folder, stiffness):
         """Seat forces, N of one rail, [time, sleeper]; largest wheel force, N."""
-        self.program(folder / "track.toml", self.track_deck(folder, stiffness), folder / "track", 1)
+        text = self.track_deck(folder, stiffness)
+        self.program(folder / "track.toml", text, folder / "track", 1, [folder / "geometry.csv"])
         with h5py.File(folder / "track/results.h5") as file:
             time, force = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
             wheel = file["history/wheel/force"][()].max()

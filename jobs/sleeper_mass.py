@@ -34,6 +34,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+from launch import on_ranks  # noqa: E402
+
 DECK = Path(__file__).resolve().parent.parent / "inputs/track/netirail_plain.toml"
 EMBANKMENT, UGM, CBM, ABUTMENT = 80e6, 1030e6, 10e9, 30e9         # Pa
 ABOVE = ((0.3, 130e6), (0.3, 200e6), (0.3, 3020e6))  # m, Pa: ballast, sub-ballast, capping layer
@@ -98,7 +100,7 @@ def run_program(command, what):
 
 def run(program, folder, name, mass, text):
     place = folder / f"{name.replace(', ', '_').replace(' ', '_')}_{mass}"
-    deck = place.with_suffix(".toml")
+    deck = folder / f"{place.name}.toml"
     deck.write_text(text, encoding="utf-8")
     points = [round((BRIDGE_ENDS + point) / 0.15) * 0.15 for point in POINTS]  # nodes
     run_program([program, "run", deck, f"track.length={LENGTH}",
@@ -121,10 +123,10 @@ def run_on_ground(program, folder, name, mass):
     elif not tapered:
         words = [f"ground.block.{block}.outline={outline}" for block, outline in STRAIGHT.items()]
     place = folder / f"ground_{name.replace(', ', '_').replace(' ', '_')}_{mass}"
-    run_program(["mpirun", "-n", "2", "--oversubscribe", "--bind-to", "none", program, "run",
-                 DECK.parent / "netirail.toml", *words, f"track.sleeper_mass={mass * SLEEPER}",
-                 "passage.duration=1.1", 'train.vehicles=["alfa_pendular"]', "--force", "-o",
-                 place], f"{name}, {mass}")
+    run_program(on_ranks(2, program, "run", DECK.parent / "netirail.toml", *words,
+                         f"track.sleeper_mass={mass * SLEEPER}", "passage.duration=1.1",
+                         'train.vehicles=["alfa_pendular"]', "--force", "-o", place),
+                f"{name}, {mass}")
     return measured(place)
 
 

@@ -33,10 +33,16 @@ def history(run, name):
     return values.reshape(len(values), -1)
 
 
+def two_rails(run):
+    """Each place of the envelope, or of a program without one of the rail, stands twice."""
+    x = run["envelope/x" if "envelope/x" in run else "rail/x"].values.ravel()
+    return len(x) > 1 and len(x) % 2 == 0 and np.array_equal(x[::2], x[1::2])
+
+
 def places(run, name):
     """Words for places in x; on two rails each stands twice, left before right."""
-    x = run[name].values
-    twice = len(x) > 1 and len(x) % 2 == 0 and np.array_equal(x[::2], x[1::2])
+    x = run[name].values.ravel() if name in run else []
+    twice = two_rails(run)
     return [f"{at:g} m" + ((", left", ", right")[i % 2] if twice else "") for i, at in enumerate(x)]
 
 
@@ -45,7 +51,8 @@ def loaded(run):
     run = read.datasets(run)
     if "history/energy/kinetic" in run and "history/wheel/force" in run:
         raise read.Unreadable("this is a train over a bed: use train_figures.py")
-    if "history/wheel/force" not in run and "history/rail/force" not in run:
+    if not any(name in run for name in ("history/wheel/force", "history/rail/force",
+                                        "envelope/x")):
         raise read.Unreadable("this is no run of a track alone: it has no wheels; use figures.py")
     return run
 
@@ -88,10 +95,11 @@ def numbers(run, length, extremes=None):
     summary) holds is that of every step, all else of the rows."""
     extremes = extremes or {}
     found = wheel_numbers(run, length, extremes) if "history/wheel/force" in run else {}
-    time, rail = run["history/time"].values, history(run, "rail/displacement")
-    lowest = extremes.get("rail_lowest_m", rail.min(axis=0))
-    for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-        found[f"rail at {x}, down"] = (1e3 * down, "mm")
+    time = run["history/time"].values
+    if "history/rail/displacement" in run:
+        lowest = extremes.get("rail_lowest_m", history(run, "rail/displacement").min(axis=0))
+        for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
+            found[f"rail at {x}, down"] = (1e3 * down, "mm")
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
@@ -116,7 +124,10 @@ def draw_wheels(run, length, panel):
 def receptances(run):
     """(Hz, {name: m/N complex}) of the points under the only force of the run; None: there are
     wheels, or other forces."""
-    if "history/wheel/force" in run or history(run, "rail/force").shape[1] != 1:
+    if "history/wheel/force" in run or not {"history/rail/force",
+                                            "history/rail/displacement"} <= set(run):
+        return None
+    if history(run, "rail/force").shape[1] != 1:
         return None
     time, force = run["history/time"].values, history(run, "rail/force")[:, 0]
     if signals.step_of(time) is None or force[-1] or not np.any(force):
@@ -159,12 +170,13 @@ def draw(run, length):
     first, rail, *others = panels[:, 0]
     if "history/wheel/force" in run:
         draw_wheels(run, length, first)
-    else:
+    elif "history/rail/force" in run:
         for i, force in enumerate(history(run, "rail/force").T):
             first.plot(time, force / 1e3, lw=0.8, label=f"force {i + 1}")
         first.set(xlabel="time, s", ylabel="force on the rail, kN")
-    for place, values in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
-        rail.plot(time, 1e3 * values, lw=0.9, label=f"rail at {place}")
+    if "history/rail/displacement" in run:
+        for place, values in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
+            rail.plot(time, 1e3 * values, lw=0.9, label=f"rail at {place}")
     rail.set(ylabel="displacement, mm", xlabel="time, s")
     if others:
         acceleration = FILTER(time, history(run, "sleeper/acceleration"))
@@ -179,7 +191,8 @@ def draw(run, length):
         others[1].set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
     for panel in panels[:, 0]:
         panel.grid(alpha=0.3)
-        panel.legend(fontsize=7, ncols=2)
+        if panel.lines:
+            panel.legend(fontsize=7, ncols=2)
     return figure
 
 
@@ -193,9 +206,8 @@ def draw_envelope(run):
     """Extremes of all steps along the track; None of a run of a program without them."""
     if "envelope/x" not in run:
         return None
-    x = run["envelope/x"].values.ravel()
-    twice = len(x) > 1 and x[0] == x[1]
-    x = x[::2] if twice else x
+    twice = two_rails(run)
+    x = run["envelope/x"].values.ravel()[::1 + twice]
     seats = "envelope/sleeper/seat_force_max" in run
     figure, panels = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
                                   squeeze=False, layout="constrained")

@@ -172,6 +172,7 @@ void Simulation::save(io::File& file) {
   // The whole input with its defaults: `resume` needs no deck, and later versions with other
   // defaults go on as this one would have.
   file.attribute("/", "deck", effective_deck(model_));
+  if (!files_.empty()) file.attribute("/", "files", files_);
   file.attribute("/", "deck_name", name_);
   file.attribute("/", "stage", stage().name);
   file.attribute("/", "stage_finished", static_cast<std::int64_t>(!course_.begun));

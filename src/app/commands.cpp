@@ -118,7 +118,7 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   if (model.start.empty()) return "";
   const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
   const io::File file = io::open_checkpoint(comm, start);
-  require_same_model(file, start, effective_deck(model), deck);
+  require_same_model(comm, file, start, effective_deck(model), deck);
   for (const std::string& sentence : spent_changes(file, start, model, deck, GoesOn::in_another))
     print(comm, fmt::format("warning: {}\n", sentence));
   warn_of_springs(comm, file, start, model, deck);
@@ -174,7 +174,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
 // All problems in one list, as with decks. Collective.
 void require_can_go_on(const io::File& file, const std::string& checkpoint, const Model& model,
                        const input::Deck& deck) {
-  require_same_model(file, checkpoint, effective_deck(model), deck);
+  require_same_model(comm, file, checkpoint, effective_deck(model), deck);
   std::vector<std::string> problems =
       spent_changes(file, checkpoint, model, deck, GoesOn::within_the_run);
   const std::int64_t done = file.read_all<std::int64_t>("run/counts").at(4);

@@ -130,7 +130,27 @@ std::string worded(const Values& values, const std::string& key) {
 
 }  // namespace
 
-void require_same_model(const io::File& checkpoint, const std::string& path,
+std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
+                                                 const std::string& path,
+                                                 const std::string& effective,
+                                                 const input::Deck& deck) {
+  if (!checkpoint.has_attribute("/", "files")) return {};
+  const Values then = values_of(checkpoint.text_attribute("/", "files"));
+  const Values deck_then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values deck_now = values_of(effective);
+  std::map<std::string, std::string> sentences;
+  for (const auto& [key, hash] : values_of(contents_of_files(comm, effective))) {
+    const auto old = then.find(key), name = deck_then.find(key);
+    if (old == then.end() || old->second == hash || name == deck_then.end()) continue;
+    const std::string& now = deck_now.at(key);
+    if (name->second != now) continue;  // another file: told as such
+    sentences[key] = fmt::format("{} = {}: holds something else than when {} was written",
+                                 deck.where(key), now, path);
+  }
+  return sentences;
+}
+
+void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck) {
   const Values then = stored_values(checkpoint);
   const Values now = values_of(effective);
@@ -153,6 +173,8 @@ void require_same_model(const io::File& checkpoint, const std::string& path,
                                    new_one == now.end() ? "is not there" : "= " + new_one->second,
                                    path, worded(then, key)));
   }
+  for (const auto& [key, sentence] : changed_files(comm, checkpoint, path, effective, deck))
+    if (matters(key, holds)) problems.push_back(sentence);
   if (!problems.empty()) throw InputError(problems);
 }
 

@@ -1,19 +1,30 @@
 // Whether a deck may go on from the state that another deck made.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "app/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
 
 // What `deck` says, all defaults written out, against the deck stored in `checkpoint`, for the
 // parameters that the stored state depends on. Throws InputError with a sentence for each that
-// differs. `path`: of the checkpoint, for the sentences. Collective.
-void require_same_model(const io::File& checkpoint, const std::string& path,
+// differs, and for each of them that names a file which now holds something else. `path`: of the
+// checkpoint, for the sentences. Collective.
+void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck);
+
+// Of each parameter that names a file: a sentence if it holds something else than when the
+// checkpoint was made. One of a program that did not note that has none. Collective.
+std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
+                                                 const std::string& path,
+                                                 const std::string& effective,
+                                                 const input::Deck& deck);
 
 // Number of the stage of `model` that follows the one `checkpoint` was written after. Stages are
 // matched by name, so that the deck may have others before and after. Throws InputError if it was

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/deck_values.hpp"
 #include "app/doubts.hpp"
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
@@ -39,6 +40,7 @@ Simulation::Simulation(const par::Comm& comm, const Model& model, const input::D
       deck_(deck),
       name_(name),
       folder_(folder),
+      files_(contents_of_files(comm, effective_deck(model))),
       world_(comm, model),
       actions_(world_, model),
       results_(

@@ -70,6 +70,7 @@ class Simulation {
   const Model& model_;
   const input::Deck& deck_;
   std::string name_, folder_;
+  const std::string files_;  // what those of the deck hold
   World world_;
   StageActions actions_;
   Timers timers_;

@@ -53,7 +53,8 @@ bool SolidSleepers::overlaps(const Vec3& centre, double radius) const {
 
 // A wheel's force is shared 25, 50 and 25 % by points one element apart (as in "A DEM-FEM coupling
 // framework applied to railroad infrastructure simulations" by three nodes), and between nodes
-// linearly: it does not jump as the wheel rolls on.
+// linearly: it does not jump as the wheel rolls on. At the rail's ends it comes and goes by a share
+// at a time, what is beyond them being held by the symmetry.
 void SolidSleepers::add_wheels(std::vector<fem::Bodies::Push>& pushes) const {
   for (std::size_t r = 0; r < rails_.size(); ++r) {
     const fem::Body& rail = rails_[r];

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "app/track_rules.hpp"
+#include "trackbed/core/error.hpp"
 
 namespace trackbed::app {
 
@@ -95,11 +96,17 @@ Together::Together(const par::Comm& comm, const Model& model)
   track.passage.step = below->step();
 }
 
-void introduce(const par::Comm& comm, const Model& model, const Together& whole,
-               const Built& built) {
+std::vector<std::string> introduce(const par::Comm& comm, const Model& model, const Together& whole,
+                                   const Built& built) {
+  if (!(built.passage.duration() > 0))
+    throw InputError(
+        {fmt::format("passage.duration: seat loads would be there for {:.4g} s: they "
+                     "begin behind the track (load.start), or end before 0 s",
+                     built.passage.duration())});
   introduce_track(comm, whole.track, built);
-  for (const std::string& doubt : doubts_of_files(whole.track)) say(comm, "warning: " + doubt);
-  if (!whole.below) return;
+  const std::vector<std::string> doubts = doubts_of_files(whole.track);
+  for (const std::string& doubt : doubts) say(comm, "warning: " + doubt);
+  if (!whole.below) return doubts;
   const nlohmann::ordered_json of = whole.below->figures();
   say(comm, fmt::format("  ground: {} elements, {} unknowns, below sleepers at {:g} to {:g} m",
                         of["elements"].get<std::int64_t>(), of["unknowns"].get<std::int64_t>(),
@@ -108,6 +115,7 @@ void introduce(const par::Comm& comm, const Model& model, const Together& whole,
   if (whole.track.passage.step < model.track.passage.step)
     say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,
                           whole.below->limit()));
+  return doubts;
 }
 
 }  // namespace trackbed::app

@@ -45,8 +45,9 @@ struct Together {
 
 // A line on the screen. Rank 0.
 void say(const par::Comm& comm, const std::string& line);
-// What a user checks first: is this the model that was meant? Collective.
-void introduce(const par::Comm& comm, const Model& model, const Together& whole,
-               const Built& built);
+// What a user checks first: is this the model that was meant? Returns the warnings it says. Throws
+// InputError if nothing will happen. Collective.
+std::vector<std::string> introduce(const par::Comm& comm, const Model& model, const Together& whole,
+                                   const Built& built);
 
 }  // namespace trackbed::app

@@ -38,6 +38,16 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "must be pinned if seats are loaded: the rail lies on nothing then", about);
 }
 
+// So that a slip of the unit ends in a sentence, before memory does.
+void declare_size(const track::TrackParameters& track, input::Section& s) {
+  constexpr double most = 1e6;
+  const double elements = track.length / track.spacing * static_cast<double>(track.elements);
+  s.rule("track.spacing", elements <= most,
+         fmt::format("makes {:.3g} elements of {:g} m of rail, at most {:g}; is it in m?", elements,
+                     track.length, most),
+         {.reads = {"track"}});
+}
+
 // Every name once: a train is put together by them.
 void declare_vehicles(const TrackModel& model, input::Section& s) {
   const std::vector<std::string> known = track::vehicle_names(model.vehicles);
@@ -57,6 +67,21 @@ void declare_vehicles(const TrackModel& model, input::Section& s) {
            {.reads = {"vehicle"}});
 }
 
+// Steps must see a force rise and fall, or it is another one, or none.
+void declare_force_in_time(const track::RailForce& force, const std::string& name, double step,
+                           input::Section& s) {
+  const bool impact = force.kind == track::ForceKind::impact;
+  const std::string key = name + (impact ? ".length" : ".frequency");
+  const double time = impact ? force.length : 1 / force.frequency;  // s, of half or all of a sine
+  const std::string words = fmt::format("makes {} of {:.3g} s, in steps of {:g} s (passage.step)",
+                                        impact ? "an impact" : "periods", time, step);
+  const input::About about{.reads = {"force", "passage.step"}};
+  constexpr double needed = 2, enough = 8;  // steps
+  s.rule(key, time > needed * step, words + ": they do not see it", about);
+  s.rule(key, time <= needed * step || time >= enough * step, words + ": they hardly see it",
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
 // Without vehicles nobody knows when a run is over.
 void declare_forces(const TrackModel& model, input::Section& s) {
   const double length = model.line.track.length;
@@ -64,6 +89,9 @@ void declare_forces(const TrackModel& model, input::Section& s) {
     s.rule(fmt::format("force[{}].at", i), model.passage.forces[i].at <= length,
            fmt::format("lies beyond the track, which is {:g} m long", length),
            {.reads = {"force", "track.length"}});
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
+    declare_force_in_time(model.passage.forces[i], fmt::format("force[{}]", i), model.passage.step,
+                          s);
   s.rule("force", !model.on_bed || model.passage.forces.empty(),
          "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
   s.rule("passage.duration",
@@ -131,6 +159,11 @@ void declare_flat(const TrackModel& model, input::Section& s) {
   s.rule("wheel_rail.flat_axle", model.wheel_rail.flat_axle <= axles,
          fmt::format("is not there: the train has {} axles", axles),
          {.reads = {"wheel_rail", "train", "vehicle"}});
+  if (model.wheel_rail.flat_axle > axles) return;
+  const auto wheel = static_cast<std::size_t>(model.wheel_rail.flat_axle - 1);
+  s.rule("wheel_rail.flat_axle", train->wheels()[wheel].unknown >= 0,
+         "is one of constant force, which does not roll: its flat has no effect",
+         {.weight = input::Weight::warning, .reads = {"wheel_rail", "train", "vehicle"}});
 }
 
 }  // namespace
@@ -167,6 +200,7 @@ void TrackModel::declare(input::Section& s) {
           "The same of the right rail, if it is another one than of the left.");
   s.tables("force", passage.forces, "A force on the rail of a track alone, besides a train.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
+  declare_size(line.track, s);
   declare_vehicles(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);

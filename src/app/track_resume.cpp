@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "app/compatible.hpp"
 #include "app/deck_values.hpp"
 #include "app/track_run.hpp"
 #include "trackbed/core/error.hpp"
@@ -80,6 +81,8 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
                                    gone ? "is not there" : "= " + new_one->second, checkpoint,
                                    is_new ? "without it" : "with " + old_one->second));
   }
+  for (const auto& [key, sentence] : changed_files(comm, file, checkpoint, effective, deck))
+    problems.push_back(sentence);
   const std::int64_t done = file.read_all<std::int64_t>("train/counts").at(0);
   // The one that stopped the run stands in its deck and is no wish to stop again.
   const std::string stop = deck.where("passage.stop_after");

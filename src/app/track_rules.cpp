@@ -127,6 +127,19 @@ void declare_irregularity(const track::IrregularityParameters& p, const std::str
          {.reads = reads});
 }
 
+// One seed draws one profile: two rails of the same spectrum and seed are alike, and roll nothing.
+void declare_alike(const TrackModel& model, input::Section& s) {
+  const track::IrregularityParameters &left = model.irregularity, &right = model.irregularity_right;
+  const bool alike = left.kind == Kind::spectrum && right.kind == Kind::spectrum &&
+                     left.seed == right.seed && left.spectrum == right.spectrum &&
+                     left.shortest == right.shortest && left.longest == right.longest;
+  s.rule("irregularity_right.seed", !alike,
+         fmt::format("is that of the left rail ({}): both are alike; give another one, or kind = "
+                     "\"same\"",
+                     left.seed),
+         {.weight = input::Weight::warning, .reads = {"irregularity", "irregularity_right"}});
+}
+
 // Of a wheel at the largest speed: it must not jump over elements.
 void declare_step(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
@@ -166,6 +179,7 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   if (!model.on_bed) declare_support(track, s);
   declare_irregularity(model.irregularity, "irregularity", track.length, s);
   declare_irregularity(model.irregularity_right, "irregularity_right", track.length, s);
+  declare_alike(model, s);
   declare_step(model, s);
 }
 

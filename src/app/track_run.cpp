@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/deck_values.hpp"
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
 #include "app/track_built.hpp"
@@ -59,7 +60,7 @@ void conclude(const par::Comm& comm, const TrackModel& model, const Built& built
                           : i % 2 == 0 ? "left "
                                        : "right ",
                           model.passage.points[i / sides], -1e3 * lowest[i]));
-  if (!built.train.wheels().empty())
+  if (wheels.any)
     say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN", wheels.least / 1e3, wheels.most / 1e3));
 }
 
@@ -103,11 +104,10 @@ Json figures(const TrackModel& model, const Built& built, const WheelExtremes& w
             {"steps", passage.steps()},
             {"iterations_mean", static_cast<double>(passage.iterations()) / steps},
             {"wheel_rail_constant", built.law.constant()},
-            {"wheel_force_max_n", wheels.most},
-            {"wheel_force_min_n", wheels.least},
             {"wheel_steps_off_rail", passage.lost()},
             {"rail_lowest_m", lowest},
             {"state_hash", state_hash(passage)}};
+  if (wheels.any) json["wheel_force_max_n"] = wheels.most, json["wheel_force_min_n"] = wheels.least;
   if (model.irregularity.kind != track::IrregularityKind::none)
     put_d1(json, "irregularity", model.irregularity, built.irregularity);
   if (built.right) put_d1(json, "irregularity_right", model.irregularity_right, *built.right);
@@ -139,6 +139,7 @@ class Run {
   void write_histories();
   void see();
   bool stops_here() const;
+  void look_for_trouble() const;
   void progress(std::int64_t steps);
   void checkpoint();
   void save(io::File& file) const;
@@ -147,6 +148,7 @@ class Run {
   const TrackModel& model_;
   std::optional<GroundBelow>& below_;
   const TrackRunOf& of_;
+  const std::string files_ = contents_of_files(comm_, of_.effective);
   Watch::time_point begin_ = Watch::now();
   double said_ = 0;  // s of wall time
   std::int64_t resumed_at_ = 0;
@@ -200,6 +202,7 @@ bool Run::go() {
     const std::int64_t done = built.passage.steps();
     if (done % row == 0) histories.sample(built.passage);
     progress(steps);
+    if (done == steps) look_for_trouble();
     if (done < steps && stops_here()) {
       checkpoint();
       return false;
@@ -220,7 +223,7 @@ bool Run::stops_here() const {
   const std::int64_t done = built.passage.steps();
   if (model_.passage.stop_after > 0 && done == model_.passage.stop_after) return true;
   if (done % steps_between_looks != 0) return false;
-  if (below_) comm_.agree(below_->trouble());
+  look_for_trouble();
   const bool late = comm_.root() && model_.passage.wall_time > 0 &&
                     seconds_since(begin_) > model_.passage.wall_time;
   return comm_.max(std::int64_t{interrupted() || late}) != 0;
@@ -240,8 +243,14 @@ void Run::progress(std::int64_t steps) {
   say(comm_, line);
 }
 
+// Before a state is written down, or is the last.
+void Run::look_for_trouble() const {
+  if (below_) comm_.agree(below_->trouble());
+}
+
 // Two are kept, as of runs of a bed: a disk that fills up while writing must not cost both.
 void Run::checkpoint() {
+  look_for_trouble();
   const std::string name = fmt::format("checkpoint_{:010d}.h5", built.passage.steps());
   io::write_checkpoint(comm_, of_.folder, name, [&](io::File& file) { save(file); });
   periodic_.push_back(of_.folder + "/" + name);
@@ -255,6 +264,7 @@ void Run::checkpoint() {
 void Run::save(io::File& file) const {
   file.attribute("/", "version", version());
   file.attribute("/", "deck", of_.effective);
+  if (!files_.empty()) file.attribute("/", "files", files_);
   file.attribute("/", "deck_name", of_.deck);
   file.attribute("/", "stage", std::string("passage"));
   file.attribute("/", "stage_finished", std::int64_t{0});
@@ -282,6 +292,7 @@ struct Went {
   std::string deck;
   bool finished;
   double wall, stepping;  // s
+  std::vector<std::string> doubts;
 };
 
 Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, const Went& went) {
@@ -304,7 +315,7 @@ Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, co
     json["coupling"] = whole.below->balance();
     json["energy"] = whole.below->energies(run.built.passage);
   }
-  json["warnings"] = doubts_of_files(whole.track);
+  json["warnings"] = went.doubts;
   return json;
 }
 
@@ -329,14 +340,15 @@ bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& of) 
                         : alone          ? "s, each of which computes the whole track"
                                          : "s, which share the ground"));
   Run run(comm, whole, of);
-  introduce(comm, model, whole, run.built);
+  const std::vector<std::string> doubts = introduce(comm, model, whole, run.built);
   if (!of.checkpoint.empty()) run.resume();
   const Watch::time_point moving = Watch::now();
   const bool finished = run.run();
   const double stepping = seconds_since(moving);
   const double wall = comm.max(seconds_since(begin));
-  write_summary_file(comm, of.folder,
-                     summary_of(comm, whole, run, {of.deck, finished, wall, stepping}).dump(2));
+  write_summary_file(
+      comm, of.folder,
+      summary_of(comm, whole, run, {of.deck, finished, wall, stepping, doubts}).dump(2));
   const TrackModel& track = whole.track;
   if (finished) conclude(comm, track, run.built, run.wheels, run.histories.lowest());
   say(comm,

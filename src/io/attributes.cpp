@@ -100,6 +100,10 @@ void File::attribute(const std::string& path, const std::string& name,
   write_attribute(*this, path, name, type, space, value.data());
 }
 
+bool File::has_attribute(const std::string& path, const std::string& name) const {
+  return H5Aexists_by_name(handle_->file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
 // Of fixed length; text of other writers may be padded or closed with zeros, which both end here.
 std::string File::text_attribute(const std::string& path, const std::string& name) const {
   const Hid attribute = open_attribute(*this, path, name, H5T_STRING);

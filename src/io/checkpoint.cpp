@@ -54,7 +54,7 @@ std::string write_latest(const fs::path& folder, const std::string& name) {
 // Collective. Cost: each rank reads its share of the file once.
 void verify(const File& file, const std::string& path) {
   // Ranks must take the same way through collective calls: whether there is a kind is agreed first.
-  if (file.handle().comm.max(std::int64_t{has_attribute(file, "/", "kind") ? 0 : 1}) != 0 ||
+  if (file.handle().comm.max(std::int64_t{file.has_attribute("/", "kind") ? 0 : 1}) != 0 ||
       file.text_attribute("/", "kind") != kind)
     refuse(path + ": is not a trackbed checkpoint");
   const std::int64_t format = file.integer_attribute("/", "format");
@@ -64,7 +64,7 @@ void verify(const File& file, const std::string& path) {
                        checkpoint_format));
   // Every byte of numbers is read, each rank its share, before anything is made from it.
   for (const std::string& dataset : datasets_of(file))
-    if (!has_attribute(file, dataset, checksum_name) ||
+    if (!file.has_attribute(dataset, checksum_name) ||
         stored_hash(file.handle(), dataset) !=
             static_cast<std::uint64_t>(file.integer_attribute(dataset, checksum_name)))
       refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");

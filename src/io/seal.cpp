@@ -87,10 +87,6 @@ std::vector<std::string> datasets_of(const File& file) {
   return paths;
 }
 
-bool has_attribute(const File& file, const std::string& path, const std::string& name) {
-  return H5Aexists_by_name(file.handle().file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
-}
-
 // Needs contiguous datasets; see create_dataset.
 std::vector<Extent> extents_of(const File& file) {
   std::vector<Extent> extents;

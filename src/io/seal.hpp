@@ -19,9 +19,8 @@ struct Extent {
   std::uint64_t offset, bytes;  // in the file
 };
 
-std::vector<std::string> datasets_of(const File& file);  // full paths, sorted
-bool has_attribute(const File& file, const std::string& path, const std::string& name);
-// Where the numbers of all datasets lie, by offset. Collective.
+std::vector<std::string> datasets_of(
+    const File& file);  // Where the numbers of all datasets lie, by offset. Collective.
 std::vector<Extent> extents_of(const File& file);
 
 // Appends the seal to a closed file. Not collective. Returns what went wrong, or nothing.

@@ -172,7 +172,7 @@ void TrackParameters::declare(input::Section& s) {
       "run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
       "Length at both ends over which rail, pads and bed become stiffer towards the rigid rails "
       "beyond.");
-  s.number("run_in_factor", run_in_factor, {.at_least = 1},
+  s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
            "Stiffness and damping at the very ends over that of the track.");
   s.tables("zone", zones, "Where the track differs; factors of zones that overlap multiply.");
   s.table("sleeper", sleeper, "Sleepers across the track.");

@@ -263,6 +263,8 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
            "has no effect on a vehicle of this kind", about);
   const bool forces = whole.kind == VehicleKind::forces;
   s.rule("axles", given.axles.empty() || forces, "is for constant forces (kind)", about);
+  s.rule("axles", std::is_sorted(given.axles.begin(), given.axles.end()),
+         "must rise: the first axle is the foremost one");
   s.rule("loads", given.loads.empty() || forces, "is for constant forces (kind)", about);
   const double reach = whole.kind == VehicleKind::coach   ? whole.bogie_distance + whole.wheelbase
                        : whole.kind == VehicleKind::bogie ? whole.wheelbase

@@ -54,6 +54,22 @@ def test_panels(sleepers, panels):
     plt.close(figure)
 
 
+def test_two_points_at_one_place_are_not_two_rails():
+    run = made() | {"rail/x": read.Quantity(np.array([5.0, 5.0]), "m", "made for a test")}
+    assert track_figures.places(run, "rail/x") == ["5 m, left", "5 m, right"]
+    run["envelope/x"] = read.Quantity(np.array([4.8, 5.4]), "m", "made for a test")
+    assert track_figures.places(run, "rail/x") == ["5 m", "5 m"]
+
+
+def test_run_without_points_of_the_rail():
+    run = made()
+    del run["history/rail/displacement"], run["history/wheel/force"], run["history/wheel/x"]
+    run["rail/x"] = read.Quantity(np.array([]), "m", "made for a test")
+    assert not any(name.startswith("rail") for name in track_figures.numbers(run, 20))
+    plt.close(track_figures.draw(run, 20))
+    assert track_figures.receptances(run) is None
+
+
 def test_envelope():
     assert track_figures.draw_envelope(made()) is None  # of an older program
     x = np.repeat([0.0, 0.6, 1.2], 2)

@@ -118,6 +118,10 @@ def check_loop_again(source, program, folder, place):
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
     if ran.returncode != 1 or "weigh holds a run of another deck" not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
+    # What one train stands for changes the geometry alone: the second round is another one.
+    ran = again(deck_of_loop(source, folder), "--each", "10")
+    if ran.returncode != 1 or "round_1/track holds a run of another deck" not in ran.stderr:
+        raise SystemExit(f"another geometry must be refused: {ran.stdout}{ran.stderr}")
     deck = folder / "misspelt.toml"
     deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(
         "rounds = 2", "round = 2"), encoding="utf-8")
