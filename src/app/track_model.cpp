@@ -125,6 +125,22 @@ void declare_bending(const TrackModel& model, input::Section& s) {
          "must be rigid on a bed, whose sleepers are those of [sleepers]", {.reads = {"track"}});
 }
 
+// On a bed the stones' contact with the sleeper would have to be another one.
+void declare_under_sleeper(const TrackModel& model, input::Section& s) {
+  if (model.line.under_sleeper.stiffness == 0) return;
+  const input::About about{.reads = {"under_sleeper_pad", "track", "model"}};
+  s.rule("under_sleeper_pad.stiffness", !model.on_bed,
+         "must be 0 on a bed: stones press its sleepers, by the law of their contact ([[contact]])",
+         about);
+  s.rule("under_sleeper_pad.stiffness", model.line.track.support == track::Support::sleepers,
+         "needs sleepers: there are none (track.support)", about);
+  s.rule("under_sleeper_pad.stiffness",
+         model.line.track.sleeper.model == track::SleeperModel::rigid,
+         "must be 0 below sleepers that bend (track.sleeper.model), whose ballast is spread along "
+         "them",
+         about);
+}
+
 // Elsewhere something else moves the sleepers' side of a pad, or there are no pads.
 void declare_uplift(const TrackModel& model, input::Section& s) {
   if (!model.line.pad.uplift) return;
@@ -191,6 +207,8 @@ void TrackModel::declare(input::Section& s) {
   s.table("pad", line.pad, "Rail pads.");
   s.table("ballast", line.ballast,
           "Ballast as springs: of a track alone, and before and behind a bed.");
+  s.table("under_sleeper_pad", line.under_sleeper,
+          "Pads below the sleepers of a track alone, or on a ground.");
   s.table("track", line.track, "The track as a whole.");
   s.tables("vehicle", vehicles, "A vehicle beside those of the library.");
   s.table("train", train, "Vehicles and their motion.");
@@ -205,6 +223,7 @@ void TrackModel::declare(input::Section& s) {
   declare_forces(*this, s);
   declare_sides(*this, s);
   declare_bending(*this, s);
+  declare_under_sleeper(*this, s);
   declare_uplift(*this, s);
   if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
   declare_seats(*this, s);

@@ -80,6 +80,18 @@ void declare_support(const track::TrackParameters& track, input::Section& s) {
            {.weight = input::Weight::warning, .reads = {"track"}});
 }
 
+void declare_under_sleeper(const track::LineParameters& line, input::Section& s) {
+  const track::UnderSleeperPadParameters& pad = line.under_sleeper;
+  const track::TrackParameters& track = line.track;
+  if (pad.stiffness == 0 || track.support != track::Support::sleepers) return;
+  bool any = false;
+  for (double x = 0; x < track.length + track.spacing / 2; x += track.spacing)
+    any = any || pad.lie_at(x, track.length);
+  s.rule("under_sleeper_pad.from", any,
+         fmt::format("leaves no sleeper with a pad on {:g} m of track", track.length),
+         {.weight = input::Weight::warning, .reads = {"under_sleeper_pad", "track"}});
+}
+
 // Of one rail: values that its kind does not look at.
 void declare_unused(const track::IrregularityParameters& p, const std::string& section,
                     input::Section& s) {
@@ -177,6 +189,7 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
   if (!model.on_bed) declare_support(track, s);
+  declare_under_sleeper(model.line, s);
   declare_irregularity(model.irregularity, "irregularity", track.length, s);
   declare_irregularity(model.irregularity_right, "irregularity_right", track.length, s);
   declare_alike(model, s);

@@ -57,6 +57,7 @@ Line::Room::Room(const LineParameters& given)
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
           "sleepers that bend are whole ones, or halves of them, right on ballast springs");
+  require(!mesh || given.under_sleeper.stiffness == 0, "pads lie below rigid sleepers");
   require(given.pads || given.moved == 0 || given.moves == MovedPart::ground,
           "seat loads are those of sleepers on springs");
   require(given.moved_pads.empty() || given.pad.knee == 0,
@@ -76,8 +77,8 @@ bool Line::Room::bears(std::size_t node) const {
          node % static_cast<std::size_t>(parameters.track.elements) == 0;
 }
 
-// Pinned ends have no unknown for their height; they still turn. Left before right; a ballast mass
-// stands as many numbers behind its end of the sleeper as there are sides.
+// Pinned ends have no unknown for their height; they still turn. Left before right, from above to
+// below.
 void Line::Room::number() {
   for (std::size_t n = 0; n <= elements; ++n) {
     const bool held = parameters.track.ends == RailEnds::pinned && (n == 0 || n == elements);
@@ -90,8 +91,13 @@ void Line::Room::number() {
     if (mesh)
       number_across(sleeper);
     else if (!is_moved(sleepers.size())) {
-      for (std::size_t side = 0; side < sides; ++side) sleeper.unknown[side] = unknowns++;
-      if (parameters.ballast.mass > 0) unknowns += static_cast<std::int32_t>(sides);
+      const bool pads = parameters.under_sleeper.lie_at(sleeper.x, parameters.track.length);
+      const auto count = [&](std::array<std::int32_t, 2>& of) {
+        for (std::size_t side = 0; side < sides; ++side) of[side] = unknowns++;
+      };
+      count(sleeper.unknown);
+      if (pads) count(sleeper.pad_below);
+      if (parameters.ballast.mass > 0) count(sleeper.ballast);
     }
     sleepers.push_back(sleeper);
   }
@@ -228,19 +234,41 @@ void Line::Room::add_sleeper_mass(const Sleeper& sleeper) {
 // springs at y = sqrt((a^2 + a b + b^2)/3) from it: both resist bounce and roll alike, k and k y^2;
 // y = L/sqrt(12) all along a sleeper of length L. With gaps they are what
 // its two ends strike. A point at y has the height z_l (1/2 + y/g) + z_r (1/2 - y/g).
-Kelvin Line::Room::bed_below(const Sleeper& sleeper, std::size_t side) const {
-  const BallastParameters& ballast = parameters.ballast;
-  const double factor = bed_factor(sleeper.x, side);
-  const std::int32_t own = sleeper.unknown[side];
-  const std::int32_t below = ballast.mass > 0 ? own + static_cast<std::int32_t>(sides) : -1;
-  const double stiffness = ballast.stiffness * factor, damping = ballast.damping * factor;
-  if (sides == 1) return between(own, below, stiffness, damping);
+// `one` stands below the left side's unknown alone.
+Kelvin Line::Room::under(const Sleeper& sleeper, std::size_t side, const Kelvin& one) const {
+  if (sides == 1) return one;
   const double half = parameters.track.sleeper_length / 2;
   const double none = parameters.track.sleeper.unsupported / 2;
   const double aside =
       std::sqrt((half * half + half * none + none * none) / 3) / parameters.track.gauge;
-  return {
-      {own, sleeper.unknown[1 - side], below}, {0.5 + aside, 0.5 - aside, -1}, stiffness, damping};
+  return {{one.unknown[0], sleeper.unknown[1 - side], one.unknown[1]},
+          {0.5 + aside, 0.5 - aside, -1},
+          one.stiffness,
+          one.damping};
+}
+
+// Below a pad, if there is one, whose lower face has no other place than that of its end.
+Kelvin Line::Room::bed_below(const Sleeper& sleeper, std::size_t side) const {
+  const double factor = bed_factor(sleeper.x, side);
+  const double stiffness = parameters.ballast.stiffness * factor;
+  const double damping = parameters.ballast.damping * factor;
+  const std::int32_t pad = sleeper.pad_below[side], below = sleeper.ballast[side];
+  if (pad >= 0) return between(pad, below, stiffness, damping);
+  return under(sleeper, side, between(sleeper.unknown[side], below, stiffness, damping));
+}
+
+// Two Kelvin springs in series answer with three derivatives, which the height between them, an
+// unknown without mass, carries exactly: of the pad's lower face. Spread along a sleeper they are
+// in series at each place, so ends that stand for ballast stand for both. Factors of zones are the
+// ballast's alone. Where the sleeper hangs the pad hangs below it, at its own length.
+void Line::Room::add_pad_below(std::size_t index, std::size_t side) {
+  const Sleeper& sleeper = sleepers[index];
+  if (sleeper.pad_below[side] < 0) return;
+  const UnderSleeperPadParameters& pad = parameters.under_sleeper;
+  const double stiffer = run_in(sleeper.x);
+  connect(under(sleeper, side,
+                between(sleeper.unknown[side], sleeper.pad_below[side], pad.stiffness * stiffer,
+                        pad.damping * stiffer)));
 }
 
 // A sleeper that hangs over ground that moves meets it where it is.
@@ -252,10 +280,11 @@ void Line::Room::hang(std::size_t index, const Kelvin& bed, double gap) {
     stops.back().seat = static_cast<std::int32_t>(index - parameters.first_moved);
 }
 
-// Sleeper - ballast spring (- ballast mass - spring) - ground.
+// Sleeper (- pad) - ballast spring (- ballast mass - spring) - ground.
 void Line::Room::add_ballast(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
   const BallastParameters& ballast = parameters.ballast;
+  add_pad_below(index, side);
   const Kelvin bed = bed_below(sleeper, side);
   if (const double gap = gap_below(sleeper.x, side); gap > 0)
     hang(index, bed, gap);
@@ -265,7 +294,7 @@ void Line::Room::add_ballast(std::size_t index, std::size_t side) {
     if (sleeper.lowest.unknown[0] >= 0) sleeper.on = {{sleeper.lowest.unknown[0], 1}};
     return;
   }
-  const std::int32_t below = sleeper.unknown[side] + static_cast<std::int32_t>(sides);
+  const std::int32_t below = sleeper.ballast[side];
   const double factor = bed_factor(sleeper.x, side);
   add(mass, below, below, ballast.mass);
   sleeper.lowest =

@@ -34,6 +34,11 @@ bool TrackZone::covers(double x, std::size_t of_side, double length) const {
          (side == ZoneSide::both || (side == ZoneSide::left) == (of_side == 0));
 }
 
+// Borders as those of zones.
+bool UnderSleeperPadParameters::lie_at(double x, double length) const {
+  return stiffness > 0 && TrackZone{.from = from, .to = to > 0 ? to : length}.covers(x, 0, length);
+}
+
 double RailPoint::deflection(const Vector& u) const {
   double sum = 0;
   for (std::size_t k = 0; k < 4; ++k)

@@ -25,6 +25,8 @@ using RailNode = std::array<std::int32_t, 2>;  // unknowns of w and theta
 struct Sleeper {
   double x;
   std::array<std::int32_t, 2> unknown{-1, -1};  // heights below the rails
+  // Of the lower face of a pad below it, of the ballast mass; -1: none.
+  std::array<std::int32_t, 2> pad_below{-1, -1}, ballast{-1, -1};
   std::array<Kelvin, 2> pad;
   std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
   Kelvin lowest = {};              // on the ground; plane
@@ -47,9 +49,11 @@ struct Line::Room {
   void add_sleeper(std::size_t index);
   void add_pad(std::size_t index, std::size_t side);
   void add_sleeper_mass(const Sleeper& sleeper);
+  void add_pad_below(std::size_t index, std::size_t side);
   void add_ballast(std::size_t index, std::size_t side);
   void hang(std::size_t index, const Kelvin& bed, double gap);
   Kelvin bed_below(const Sleeper& sleeper, std::size_t side) const;
+  Kelvin under(const Sleeper& sleeper, std::size_t side, const Kelvin& one) const;
   // Of sleepers that bend.
   void number_across(Sleeper& sleeper);
   void add_across(std::size_t index);

@@ -65,6 +65,30 @@ void BallastParameters::declare(input::Section& s) {
          "has no effect without a mass of the ballast", about);
 }
 
+// Measured by their bedding modulus (N/mm^3, EN 16730): times the face of half a sleeper, about
+// 0.35 m^2, 0.1 to 0.4 N/mm^3 are 35 to 140 MN/m.
+void UnderSleeperPadParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .at_least = 0, .usually_from = 5e6, .usually_to = 1e10},
+           "Of the pad below a sleeper, for one rail seat, in series with the ballast; 0: none.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
+           "Of the same, beside its spring.");
+  s.number("from", from, {.unit = "m", .at_least = 0},
+           "x from which sleepers have pads below them.");
+  s.number("to", to, {.unit = "m", .at_least = 0},
+           "x up to which; what stands right there has none. 0: all the others.");
+  s.rule("to", to == 0 || to > from, "must lie beyond from, or be 0");
+  const UnderSleeperPadParameters none;
+  const input::About about{.weight = input::Weight::warning,
+                           .reads = {"stiffness", "damping", "from", "to"}};
+  const auto unused = [&](const char* name, double value, double unset) {
+    s.rule(name, stiffness > 0 || value == unset, "has no effect without a stiffness of the pad",
+           about);
+  };
+  unused("damping", damping, none.damping);
+  unused("from", from, none.from), unused("to", to, none.to);
+}
+
 // A gap is worth more than a factor where ballast has been lost: the sleeper then strikes.
 void TrackZone::declare(input::Section& s) {
   s.number("from", from, {.unit = "m", .required = true}, "x where the zone begins.");

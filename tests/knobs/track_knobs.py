@@ -18,6 +18,7 @@ from program import Program, summary  # noqa: E402
 # Surroundings in which some parameters count.
 EVEN = ["track.support=continuous"]
 MASS = ["ballast.mass=500"]
+UNDER = ["under_sleeper_pad.stiffness=80e6"]
 CUSTOM = ["train.vehicles=[\"own\"]"]
 COACH = [*CUSTOM, "vehicle.own.like=manchester_1", "vehicle.own.kind=coach"]
 AXLES = [*CUSTOM, "vehicle.own.kind=forces", "vehicle.own.axles=[1, 3]",
@@ -51,6 +52,10 @@ KNOBS = {
     "ballast.mass": ("ballast.mass=500", []),
     "ballast.below_stiffness": ("ballast.below_stiffness=60e6", MASS),
     "ballast.below_damping": ("ballast.below_damping=10e3", MASS),
+    "under_sleeper_pad.stiffness": ("under_sleeper_pad.stiffness=80e6", []),
+    "under_sleeper_pad.damping": ("under_sleeper_pad.damping=30e3", UNDER),
+    "under_sleeper_pad.from": ("under_sleeper_pad.from=6.5", UNDER),
+    "under_sleeper_pad.to": ("under_sleeper_pad.to=6.5", UNDER),
     "track.support": ("track.support=continuous", []),
     "track.ends": ("track.ends=free", []),
     "track.rails": ("track.rails=1", []),

@@ -121,6 +121,8 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{TRAIN} handover.after=load irregularity.kind=vee": "must be none in a deck with",
            f"{TRAIN} track.dimension=space": "must be plane on a bed",
            f"{TRAIN} pad.uplift=true": "pad.uplift = true: must be false on a bed",
+           f"{TRAIN} under_sleeper_pad.stiffness=8e7":
+               "under_sleeper_pad.stiffness = 80000000.0: must be 0 on a bed: stones press its",
            f"{TRAIN} passage.loaded_by=seats": "must be train on a bed, whose stages say it",
            f"{TRAIN} track.sleeper.model=beam": "must be rigid on a bed, whose sleepers are",
            f"{TRAIN} stage.passage.cycles=2": "the next one is sent when the last axle has left",

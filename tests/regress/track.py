@@ -46,6 +46,9 @@ REFUSED = {
     "track.dimension=space track.sleeper.unsupported=2.6": "must be shorter than the sleeper",
     "passage.loaded_by=seats": "must be [] with passage.loaded_by",
     "pad.uplift=true track.support=continuous": "pad.uplift = true: needs pads: there are none",
+    "under_sleeper_pad.stiffness=8e7 track.support=none": "needs sleepers: there are none",
+    "under_sleeper_pad.stiffness=8e7 track.sleeper.model=beam": "must be 0 below sleepers that",
+    "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must lie beyond from, or be 0",
     f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail: seat loads stand for it",
     f"{SEATS} track.ends=free": "must be pinned if seats are loaded",
     f"{SEATS} track.support=continuous": "must be sleepers if seats are loaded",
@@ -243,7 +246,9 @@ def check_two_rails(program, decks, folder):
     """Stopped and resumed on another number of ranks: the same bits. The body leans towards the
     rail that has no support."""
     words = [*SHORT, "track.dimension=space", "irregularity_right.kind=spectrum",
-             "irregularity_right.seed=2", "track.zone.0.side=left"]
+             "irregularity_right.seed=2", "track.zone.0.side=left",
+             "under_sleeper_pad.stiffness=80e6", "under_sleeper_pad.damping=20e3",
+             "under_sleeper_pad.to=28"]
     deck = folder / "hanging.toml"
     program.done(2, "run", deck, *words, "-o", folder / "space")
     place = folder / "space_stopped"

@@ -80,6 +80,10 @@ WARNED = [
     (["ballast.below_stiffness=70e6"], "", "has no effect without a mass of the ballast"),
     (["ballast.below_damping=7e3"], "", "has no effect without a mass of the ballast"),
     (["pad.beyond=3e8"], "", "has no effect without a knee"),
+    (["under_sleeper_pad.damping=1e4"], "", "has no effect without a stiffness of the pad"),
+    (["under_sleeper_pad.to=9"], "", "has no effect without a stiffness of the pad"),
+    (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=60.1"], "",
+     "leaves no sleeper with a pad on 60 m of track"),
     (['train.vehicles=["own"]', "vehicle.own.length=15"], VEHICLE.format(COACH),
      "is less than the 20.5 m that its axles need"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
@@ -89,6 +93,7 @@ WARNED = [
 SOUND = [
     ([], ""), (["track.ends=free"], ZONE.format(1, 59, "bed = 0")),
     (["track.ends=free", "track.support=continuous"], ZONE.format(0.3, 60, "bed = 0")),
+    (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=30"], ""),
     ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
     ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
     ([], VEHICLE.format('like = "x2_bogie"\nbogie_mass = 3e3\nsecondary_damping = 30e3\n'

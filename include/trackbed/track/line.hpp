@@ -45,6 +45,15 @@ struct BallastParameters {
   void declare(input::Section& s);
 };
 
+// Below sleepers, in series with the spring of the ballast under them.
+struct UnderSleeperPadParameters {
+  double stiffness = 0, damping = 0;  // N/m, N s/m, below one rail seat; stiffness 0: none
+  double from = 0, to = 0;            // m, where sleepers have them; to 0: up to the track's end
+  // A sleeper at x of a track of `length` m.
+  bool lie_at(double x, double length) const;
+  void declare(input::Section& s);
+};
+
 // Where the track differs from the rest.
 struct TrackZone {
   double from = 0, to = 0;         // m
@@ -104,6 +113,7 @@ struct LineParameters {
   RailParameters rail;
   PadParameters pad;
   BallastParameters ballast;
+  UnderSleeperPadParameters under_sleeper;
   TrackParameters track;
   // So many sleepers, from this number on, are moved by somebody else, or the ground below their
   // ballast is; no parameters of a deck. What moves and what is below it is not in the line: of

@@ -77,21 +77,25 @@ Model at_rest(Model m) {
 }
 
 // A sleeper whose footprint is all of the ground: a column, H/(M A) with M = E (1-nu)/((1+nu)
-// (1-2nu)), which zones give exactly; above it the ballast spring.
-TEST(TrackOnGround, SpringAndColumnInSeries) {
-  const fem::Elastic soil{60e6, 0.3, 2000};
-  Pair pair(at_rest(model_of(1, soil)));
+// (1-2nu)), which zones give exactly; above it the ballast spring, and a pad of `under` m/N.
+void check_column(double under) {
+  Model m = at_rest(model_of(1, {60e6, 0.3, 2000}));
+  if (under > 0) m.track.line.under_sleeper = {.stiffness = 1 / under, .damping = 10e3};
+  Pair pair(m);
   pair.run(1.0);
   const double modulus = 60e6 * 0.7 / (1.3 * 0.4), area = 0.6 * 1.2, height = 1.2;
   const track::Passage& passage = pair.built.passage;
   const double force = pair.built.line.seat_force(before, passage.line_motion().displacement,
                                                   passage.line_motion().velocity);
-  const double give = 1 / 100e6 + height / (modulus * area);
+  const double give = under + 1 / 100e6 + height / (modulus * area);
   verified::near("sleeper per seat force", "m/N", -sleeper(pair, before) / force, give,
                  2e-4 * give);
   verified::near("force on the ground over seat force", "-", passage.ground_force(before) / force,
                  1, 2e-4);
 }
+
+TEST(TrackOnGround, SpringAndColumnInSeries) { check_column(0); }
+TEST(TrackOnGround, PadSpringAndColumnInSeries) { check_column(1 / 80e6); }
 
 // In space, a footprint that is a part of the top and cuts its zones. The ground's share comes from
 // one implicit solve of another ground under the weights alone.
