@@ -49,7 +49,8 @@ def under_axles(wheel_x, sleepers_x, displacement, reach):
 
 
 class Passing:
-    """The last train of a run: time, s; x, m, and force, N, of wheels; sleepers' motion, m."""
+    """The last train of a run: time, s; x, m, of axles; force, N, of their wheels [time, axle,
+    rail], left before right; sleepers' motion, m."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
@@ -60,7 +61,11 @@ class Passing:
             return values.reshape(len(values), -1)
         rows = train_rows(rows_of("wheel/x"))
         self.time = run.time[rows]
-        self.x, self.force = rows_of("wheel/x")[rows], rows_of("wheel/force")[rows]
+        rails = 2 if "history/seat/force" in every else 1
+        self.x = rows_of("wheel/x")[rows][:, ::rails]
+        self.force = rows_of("wheel/force")[rows].reshape(len(rows), -1, rails)
+        self.seats = rows_of("seat/displacement")[rows].reshape(len(rows), -1, 2) \
+            if rails == 2 else None
         self.rail = rows_of("rail/displacement")[rows]
         self.sleepers_x = run.sleepers_x
         self.displacement = rows_of("sleeper/displacement")[rows]
@@ -69,7 +74,7 @@ class Passing:
         self.left = self.displacement[-1] - self.displacement[0]
 
     def on_bed(self):
-        """Whether each wheel is over the bed's sleepers, [time, wheel]."""
+        """Whether each axle is over the bed's sleepers, [time, axle]."""
         return (self.x >= self.sleepers_x[0]) & (self.x <= self.sleepers_x[-1])
 
     def sunk_since_first(self):
@@ -79,7 +84,7 @@ class Passing:
 
 def numbers(passing):
     """Name -> (value, unit)."""
-    force = np.where(passing.on_bed(), passing.force, np.nan)
+    force = np.where(passing.on_bed()[..., None], passing.force, np.nan)
     if not np.isfinite(force).any():
         raise read.Unreadable("no wheel was over the bed while histories were written")
     found = {"largest wheel force over the bed": (np.nanmax(force) / 1e3, "kN"),
@@ -88,12 +93,19 @@ def numbers(passing):
         if not np.isfinite(passing.lowest[axle]).any():
             continue
         found[f"axle {axle + 1}, largest force"] = (np.nanmax(force[:, axle]) / 1e3, "kN")
+        if force.shape[2] == 2:
+            found[f"axle {axle + 1}, left and right wheel, largest difference"] = (
+                np.nanmax(np.abs(force[:, axle, 0] - force[:, axle, 1])) / 1e3, "kN")
         found[f"axle {axle + 1}, sleepers down, mean"] = (
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, sleepers down, most"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, lower than under the first, mean"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
+    if passing.seats is not None:
+        lean = passing.seats[..., 0] - passing.seats[..., 1]
+        found["left over right seat of a sleeper, most"] = (1e3 * lean.max(), "mm")
+        found["left over right seat of a sleeper, least"] = (1e3 * lean.min(), "mm")
     found["rail above a sleeper, down, most"] = (-1e3 * passing.rail.min(), "mm")
     found["left by the train, mean of sleepers"] = (-1e3 * passing.left.mean(), "mm")
     found["left by the train, worst sleeper"] = (-1e3 * passing.left.min(), "mm")
@@ -106,7 +118,10 @@ def draw(passing, blocks):
                                                 layout="constrained")
     for axle in range(min(SHOWN_WHEELS, passing.x.shape[1])):
         words = f"axle {axle + 1}"
-        wheels.plot(passing.x[:, axle], passing.force[:, axle] / 1e3, lw=0.8, label=words)
+        for rail, force in enumerate(passing.force[:, axle].T):
+            side = ", right" if rail else ", left" if passing.force.shape[2] == 2 else ""
+            wheels.plot(passing.x[:, axle], force / 1e3, "--" if rail else "-", lw=0.8,
+                        color=f"C{axle}", label=words + side)
         down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], "o-", ms=3, lw=0.9, label=words)
         if axle:
             left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], "o-", ms=3,

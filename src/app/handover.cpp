@@ -36,6 +36,9 @@ void declare_handover(const Model& model, input::Section& s) {
   s.rule("irregularity.kind", model.track.irregularity.kind == track::IrregularityKind::none,
          "must be none in a deck with [handover]: the settlement is the geometry of its rail",
          {.reads = {"handover", "irregularity"}});
+  s.rule("track.dimension", model.track.line.track.dimension == Dimension::plane,
+         "must be plane in a deck with [handover], whose loop computes one rail",
+         {.reads = {"handover", "track"}});
 }
 
 }  // namespace trackbed::app

@@ -168,6 +168,19 @@ CouplingLimit coupling_limit(const Model& model, bool ground_moves) {
   return sleeper.window < limit.window ? sleeper : limit;
 }
 
+// kg, of a rigid sleeper that the pad of one rail moves. In roll two pads g apart act on the
+// inertia I as on 2 I/g^2 each, which is the lesser for sleepers shorter than sqrt(3) g.
+double mass_on_pad(const Model& model) {
+  const auto& s = model.sleepers;
+  const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
+  const double mass = s.density * s.width * s.height * length;
+  const double bounce = positive(mass / model.seat.rails, 1);
+  if (!(s.gauge > 0) || std::find(s.free.begin(), s.free.end(), "rx") == s.free.end())
+    return bounce;
+  const double inertia = mass * (length * length + s.height * s.height) / 12;
+  return std::min(bounce, positive(2 * inertia / (s.gauge * s.gauge), 1));
+}
+
 // Explicit sleepers on springs are stable up to 2/w, w = sqrt(k/m), on dashpots up to m/c; both
 // rates, 1/s, add up. k and c: of the pads of all rails that a sleeper carries. Solid ones take one
 // implicit step with pads and rail, which is stable for any window.
@@ -178,10 +191,8 @@ CouplingLimit coupling_limit(const Model& model, const Stage& stage) {
     return limit.window <= model.track.passage.step
                ? limit
                : CouplingLimit{.window = model.track.passage.step, .instead = "passage.step"};
-  const auto& s = model.sleepers;
   const auto& pad = model.track.line.pad;
-  const double length = model.dimension == Dimension::plane ? model.thickness : s.length;
-  const double mass = positive(s.density * s.width * s.height * length / model.seat.rails, 1);
+  const double mass = mass_on_pad(model);
   const double stiffness = pad.knee > 0 ? std::max(pad.stiffness, pad.beyond) : pad.stiffness;
   const double pads = 0.5 / (std::sqrt(stiffness / mass) + pad.damping / mass);
   const double step = model.track.passage.step;

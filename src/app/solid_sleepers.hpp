@@ -32,6 +32,7 @@ class SolidSleepers final : public track::Sleepers {
   void carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force) override;
   track::SleeperState state(std::size_t i) const override;
   Vec3 velocity_now(std::size_t i) const override { return bodies_.motion(i).velocity; }
+  Vec3 spin_now(std::size_t i) const override { return bodies_.motion(i).spin; }
   Vec3 reaction(std::size_t i) const override { return reaction_.at(i); }
   double kinetic() const override { return bodies_.totals().kinetic; }
   std::string trouble() const override { return bodies_.trouble(); }

@@ -9,6 +9,15 @@ namespace {
 
 constexpr const char* group = "train";  // of checkpoints
 
+track::Train train_of(const TrackModel& t) {
+  return {t.train, t.vehicles, t.line.track.rails, t.line.track.wheel_gauge()};
+}
+
+std::optional<track::IrregularityParameters> right_of(const TrackModel& t) {
+  if (t.irregularity_right.kind == track::IrregularityKind::same) return {};
+  return t.irregularity_right;
+}
+
 }  // namespace
 
 // Numbers of wheels and bodies are columns of the histories, known before the train is.
@@ -16,7 +25,8 @@ StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_
   if (!model.has_train()) return;
   const TrackModel& t = model.track;
   track::Irregularity(t.irregularity, t.line.track.length);
-  const track::Train train(t.train, t.vehicles, t.line.track.rails);
+  if (const auto right = right_of(t)) track::Irregularity(*right, t.line.track.length);
+  const track::Train train = train_of(t);
   wheels_ = train.wheels().size();
   bodies_ = train.vehicles().size();
 }
@@ -24,24 +34,47 @@ StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_
 // As for a track alone.
 double StageTrain::duration() const {
   const TrackModel& t = model_.track;
-  const track::Train train(t.train, t.vehicles, t.line.track.rails);
+  const track::Train train = train_of(t);
   return track::Motion(t.train).time_at(t.line.track.length + train.axle_distance());
+}
+
+std::size_t StageTrain::rails() const {
+  return model_.track.line.track.dimension == Dimension::space ? 2 : 1;
+}
+
+// Of one rail the centre's.
+std::vector<track::Seat> StageTrain::seats() const {
+  const double aside = model_.sleepers.gauge / 2;
+  std::vector<track::Seat> all;
+  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
+    for (std::size_t side = 0; side < rails(); ++side)
+      all.push_back(track::seat_of(*world_.sleepers, i, side == 0 ? aside : -aside));
+  return all;
 }
 
 // Of solid sleepers those of the seats, which pads of other sleepers do not tell from the centre.
 std::vector<double> StageTrain::levels() const {
   if (world_.solids) return world_.solids->seat_levels(step_);
   std::vector<double> all;
-  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
-    all.push_back(world_.sleepers->state(i).displacement.z());
+  for (const track::Seat& seat : seats()) all.push_back(seat.height);
   return all;
 }
 
 std::vector<double> StageTrain::rates() const {
   if (world_.solids) return world_.solids->seat_rates();
   std::vector<double> all;
-  for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
-    all.push_back(world_.sleepers->velocity_now(i).z());
+  for (const track::Seat& seat : seats()) all.push_back(seat.rate);
+  return all;
+}
+
+// What is not of the train both seats share.
+std::vector<double> StageTrain::on_seats(const std::vector<double>& sums) const {
+  if (!train_ || rails() == 1) return sums;
+  std::vector<double> all;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double more = (train_->seat_force(i, 0) - train_->seat_force(i, 1)) / 2;
+    all.insert(all.end(), {sums[i] / 2 + more, sums[i] / 2 - more});
+  }
   return all;
 }
 
@@ -67,6 +100,7 @@ void StageTrain::send(double step) {
                                          .first = model_.sleepers.first,
                                          .step = step,
                                          .tolerance = t.passage.tolerance};
+  parameters.irregularity_right = right_of(t);
   if (world_.solids) parameters.mobility = world_.solids->seat_mobility(step);
   train_.emplace(parameters, levels());
 }
@@ -92,7 +126,10 @@ void StageTrain::move(std::int64_t trains, const Clock& clock) {
 }
 
 observe::TrainInstant StageTrain::instant() const {
-  return {.wheels = wheels_, .bodies = bodies_, .running = train_ ? &*train_ : nullptr};
+  return {.wheels = wheels_,
+          .bodies = bodies_,
+          .rails = rails(),
+          .running = train_ ? &*train_ : nullptr};
 }
 
 void StageTrain::save(io::File& file) const {

@@ -24,6 +24,8 @@ class StageTrain {
   bool there() const { return train_.has_value(); }
   // N downwards, that moves the i-th sleeper from now on; on solid ones `move` presses.
   double seat_force(std::size_t i) const { return world_.solids ? 0 : train_->seat_force(i); }
+  // `sums`, N downwards on each sleeper, as its seats get them: on two rails left before right.
+  std::vector<double> on_seats(const std::vector<double>& sums) const;
   // After the sleepers have moved through the window that `clock` is in, of `trains` in the stage.
   void move(std::int64_t trains, const Clock& clock);
   void take_away() { train_.reset(); }
@@ -40,8 +42,10 @@ class StageTrain {
   void load_wheel_forces(const io::File& file) { forces_.load(file); }
 
  private:
-  std::vector<double> levels() const;  // m, of the sleepers
-  std::vector<double> rates() const;   // m/s
+  std::size_t rails() const;
+  std::vector<track::Seat> seats() const;  // of rigid sleepers
+  std::vector<double> levels() const;      // m, of the seats
+  std::vector<double> rates() const;       // m/s
   void press();
   void see_wheels();
 

@@ -100,7 +100,7 @@ void declare_forces(const TrackModel& model, input::Section& s) {
          {.reads = {"train.vehicles", "passage.duration", "force"}});
 }
 
-// What only a track with two rails has, and a bed has not.
+// What only a track with two rails has.
 void declare_sides(const TrackModel& model, input::Section& s) {
   const bool space = model.line.track.dimension == Dimension::space;
   const input::About about{.reads = {"track", "irregularity", "irregularity_right", "force"}};
@@ -112,8 +112,6 @@ void declare_sides(const TrackModel& model, input::Section& s) {
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
     s.rule(fmt::format("force[{}].side", i), space || model.passage.forces[i].number() == 0,
            "needs two rails (track.dimension = \"space\")", about);
-  s.rule("track.dimension", !space || !model.on_bed,
-         "must be plane on a bed: its sleepers carry one rail, or both alike", about);
 }
 
 void declare_bending(const TrackModel& model, input::Section& s) {

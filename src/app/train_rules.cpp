@@ -82,6 +82,26 @@ void declare_place(const Model& model, input::Section& s) {
          {.reads = {"train", "stage"}});
 }
 
+// Two rails lie on two seats of each sleeper, which rolls below them.
+void declare_sides(const Model& model, input::Section& s) {
+  if (model.track.line.track.dimension == Dimension::plane) return;
+  const input::About about{.reads = {"track", "sleepers", "seat", "stage", "dimension"}};
+  s.rule("track.dimension", model.dimension == Dimension::space,
+         "must be plane in a plane model, whose sleepers do not roll (dimension)", about);
+  s.rule("track.dimension", model.sleepers.model == track::SleeperBody::rigid,
+         "must be plane on solid sleepers (sleepers.model), whose seats share one rail", about);
+  s.rule("seat.rails", model.seat.rails == 2,
+         "must be 2 below two rails (track.dimension = \"space\")", about);
+  const double gauge = model.track.line.track.gauge, length = model.sleepers.length;
+  s.rule("track.gauge", gauge < length,
+         fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
+         about);
+  const auto& free = model.sleepers.free;
+  s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
+         "lacks rx: sleepers of the bed do not roll below two rails, those on springs do",
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
 // The bed's sleeper of each rail is about as heavy as that on springs, or a mass was meant whole.
 void declare_doubts(const Model& model, input::Section& s) {
   const track::SleeperParameters& bed = model.sleepers;
@@ -119,6 +139,7 @@ void declare_train(const Model& model, input::Section& s) {
   declare_presence(model, s);
   if (!model.has_train()) return;
   declare_place(model, s);
+  declare_sides(model, s);
   declare_doubts(model, s);
 }
 

@@ -19,7 +19,7 @@ namespace {
 // With one level of names below; regions and walls have two.
 constexpr std::array plain_histories = {"history/energy", "history/sleeper", "history/ground",
                                         "history/platen", "history/wheel",   "history/rail",
-                                        "history/body",   "history/solid"};
+                                        "history/body",   "history/seat",    "history/solid"};
 
 // Unit and meaning go along: the copy is as readable as the file.
 io::Label label_of(const io::File& file, const std::string& path) {

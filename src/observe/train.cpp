@@ -14,19 +14,46 @@ enum Which : std::size_t {
   wheel_x,
   rail_displacement,
   body_displacement,
-  body_motion
+  body_motion,
+  body_roll,
+  seat_displacement,
+  seat_force
 };
 
+// The last ones of two rails alone.
 std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleepers) {
-  return {{"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},
-          {"history/wheel/x", {"m", "where it is, in the frame of the bed"}, train.wheels},
-          {"history/rail/displacement",
-           {"m", "vertical, above each sleeper of the bed, since the rail was laid"},
-           sleepers},
-          {"history/body/displacement",
-           {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
-           train.bodies},
-          {"history/body/acceleration", {"m/s2", "vertical, no filter"}, train.bodies}};
+  const std::size_t seats = sleepers * train.rails;
+  std::vector<Column> columns{
+      {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},
+      {"history/wheel/x", {"m", "where it is, in the frame of the bed"}, train.wheels},
+      {"history/rail/displacement",
+       {"m", "vertical, above each seat of the bed, since the rail was laid"},
+       seats},
+      {"history/body/displacement",
+       {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
+       train.bodies},
+      {"history/body/acceleration", {"m/s2", "vertical, no filter"}, train.bodies}};
+  if (train.rails == 1) return columns;
+  columns.insert(
+      columns.end(),
+      {{"history/body/roll", {"rad", "left side up positive; constant forces: 0"}, train.bodies},
+       {"history/seat/displacement",
+        {"m", "vertical, of each sleeper below the left and the right rail, since it was laid"},
+        seats},
+       {"history/seat/force", {"N", "of the pad on each of them, down positive"}, seats}});
+  return columns;
+}
+
+// Left before right of each sleeper; without `running` there is nothing to tell.
+void add_seats(const TrainInstant& instant, std::size_t sleepers, std::vector<Column>& to) {
+  const track::TrainOnBed& on_bed = *instant.running;
+  for (std::size_t i = 0; i < sleepers; ++i)
+    for (std::size_t side = 0; side < instant.rails; ++side) {
+      to[rail_displacement].values.push_back(on_bed.rail_displacement(i, side));
+      if (instant.rails == 1) continue;
+      to[seat_displacement].values.push_back(on_bed.passage().seat(i, side).height);
+      to[seat_force].values.push_back(on_bed.seat_force(i, side));
+    }
 }
 
 }  // namespace
@@ -45,14 +72,16 @@ void Results::Room::sample_train(const TrainInstant& instant, std::size_t sleepe
     train[wheel_force].values.push_back(on_bed.passage().wheel_force(i));
     train[wheel_x].values.push_back(on_bed.wheel_x(i));
   }
-  for (std::size_t i = 0; i < sleepers; ++i)
-    train[rail_displacement].values.push_back(on_bed.rail_displacement(i));
+  add_seats(instant, sleepers, train);
   const track::Newmark& motion = on_bed.passage().train_motion();
   for (std::size_t i = 0; i < instant.bodies; ++i) {
     const bool forces = on_bed.train().vehicles()[i].kind == track::VehicleKind::forces;
     const std::int32_t body = on_bed.train().first_unknown()[i];
     train[body_displacement].values.push_back(forces ? 0 : motion.displacement[body]);
     train[body_motion].values.push_back(forces ? 0 : motion.acceleration[body]);
+    if (instant.rails == 1) continue;
+    const std::int32_t roll = on_bed.train().roll_unknown()[i];
+    train[body_roll].values.push_back(roll < 0 ? 0 : motion.displacement[roll]);
   }
 }
 

@@ -53,7 +53,8 @@ Line::Room::Room(const LineParameters& given)
   require(bays >= 1 && track.elements >= 1, "a track has at least one element");
   require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
           "sleepers that are moved are sleepers of the track");
-  require(sides == 1 || given.moved == 0, "what is moved carries one rail of a plane track");
+  require(sides == 1 || given.moved == 0 || given.moves == MovedPart::sleepers,
+          "ground that is moved is below a plane track");
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
           "sleepers that bend are whole ones, or halves of them, right on ballast springs");
@@ -210,7 +211,7 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   sleeper.beyond[side] = (pad.beyond - pad.stiffness) * stiffer;
   stops.push_back(stop_of(between(rail, below, sleeper.beyond[side], 0), pad.knee / stiffer));
   if (is_moved(index))
-    stops.back().seat = static_cast<std::int32_t>(index - parameters.first_moved);
+    stops.back().seat = static_cast<std::int32_t>((index - parameters.first_moved) * sides + side);
 }
 
 // Half a sleeper for one rail. Of a whole one, with heights z_l, z_r below its rails,

@@ -68,6 +68,7 @@ std::size_t Line::sides() const { return room_->sides; }
 std::size_t Line::first_moved() const { return room_->parameters.first_moved; }
 std::size_t Line::moved() const { return room_->parameters.moved; }
 MovedPart Line::moves() const { return room_->parameters.moves; }
+std::size_t Line::seats() const { return moved() * sides(); }
 
 // The last element also holds the end itself.
 RailPoint Line::at(double x, std::size_t side) const {
@@ -129,11 +130,11 @@ std::array<double, 2> Line::ground_spring(std::size_t i) const {
 
 // The linear part: that beyond a knee, or of a sleeper that hangs, is a stop.
 void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
-  require(seats.size() == moved(), "one seat for each sleeper that is moved");
+  require(seats.size() == this->seats(), "one seat for each rail on a sleeper that is moved");
   const bool ground = room_->parameters.moves == MovedPart::ground;
   for (std::size_t k = 0; k < seats.size(); ++k) {
-    const Sleeper& sleeper = room_->sleepers[first_moved() + k];
-    const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[0];
+    const Sleeper& sleeper = room_->sleepers[first_moved() + k / sides()];
+    const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[k % sides()];
     const double force = held.stiffness * seats[k].height + held.damping * seats[k].rate;
     if (!ground && held.unknown[0] >= 0) to[held.unknown[0]] += force;
     if (!ground) continue;

@@ -13,7 +13,10 @@
 //   w' = w'* - Y r F,  w = w* - h/2 Y r F,   F = f [k (w* - u) + c (w'* - u')],
 //   f = 1/(1 + r Y (c + k h/2)),   r rails of a sleeper,
 // which is a softer pad on w*, w'*. Rail, pads and sleepers thus take one implicit step together,
-// in which no force is late.
+// in which no force is late. Of one rail: the seats of two give way to each other's forces.
+//
+// Two rails have a seat each on every sleeper; w is then that of the seat, and what a sleeper's
+// roll does to it is the caller's.
 #include "trackbed/track/on_bed.hpp"
 
 #include "trackbed/core/error.hpp"
@@ -24,6 +27,8 @@ namespace {
 
 LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   LineParameters line = p.line;
+  require(p.mobility.empty() || line.track.dimension == Dimension::plane,
+          "sleepers in implicit steps carry one rail");
   line.first_moved = static_cast<std::size_t>(p.seat.before);
   line.moved = p.sleepers;
   const PadParameters& pad = p.line.pad;
@@ -38,22 +43,27 @@ LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
 // Members stand in the order they need each other: the passage keeps references to line and train.
 struct TrainOnBed::Room {
   Room(const TrainOnBedParameters& p, const std::vector<double>& at)
-      : rails(p.seat.rails),
-        begin(p.first - static_cast<double>(p.seat.before) * p.line.track.spacing),
+      : begin(p.first - static_cast<double>(p.seat.before) * p.line.track.spacing),
         levels(at),
         line(on_moved_sleepers(p)),
-        train(p.train, p.vehicles, p.line.track.rails),
+        rails(p.seat.rails / static_cast<double>(line.sides())),
+        train(p.train, p.vehicles, p.line.track.rails, p.line.track.wheel_gauge()),
         passage(line, train, WheelRail(p.wheel_rail),
                 Irregularity(p.irregularity, p.line.track.length), p.train,
-                {.step = p.step, .duration = 0, .tolerance = p.tolerance}) {
-    require(at.size() == p.sleepers && (p.mobility.empty() || p.mobility.size() == p.sleepers),
-            "one level for each sleeper of the bed");
+                {.step = p.step, .duration = 0, .tolerance = p.tolerance}, right_of(p)) {
+    require(at.size() == line.seats() && (p.mobility.empty() || p.mobility.size() == p.sleepers),
+            "one level for each seat of the bed");
   }
 
-  double rails;                // the sleepers of the bed carry
+  static std::optional<Irregularity> right_of(const TrainOnBedParameters& p) {
+    if (!p.irregularity_right) return {};
+    return Irregularity(*p.irregularity_right, p.line.track.length);
+  }
+
   double begin;                // m, x of the bed where the track begins
-  std::vector<double> levels;  // m, of the sleepers when the rail was laid: state
+  std::vector<double> levels;  // m, of the seats when the rail was laid: state
   Line line;
+  double rails;  // whose load a seat carries
   Train train;
   Passage passage;
 };
@@ -65,7 +75,8 @@ void SeatParameters::declare(input::Section& s) {
             "track.length leaves is behind the last one.");
   s.number("rails", rails, {.above = 0, .at_most = 2},
            "Rails whose load the sleepers of the model carry: 1 for half a track, 2 for a whole "
-           "one, for a slice of a bed the share of a rail that its width carries.");
+           "one, for a slice of a bed the share of a rail that its width carries; 2 on two rails "
+           "(track.dimension = \"space\").");
 }
 
 TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)
@@ -79,13 +90,19 @@ const Passage& TrainOnBed::passage() const { return room_->passage; }
 void TrainOnBed::send_again() { room_->passage.send_again(); }
 
 double TrainOnBed::seat_force(std::size_t i) const {
-  return room_->rails * room_->passage.seat_force(i);
+  double sum = 0;
+  for (std::size_t side = 0; side < room_->line.sides(); ++side) sum += seat_force(i, side);
+  return sum;
+}
+
+double TrainOnBed::seat_force(std::size_t i, std::size_t side) const {
+  return room_->rails * room_->passage.seat_force(i, side);
 }
 
 void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<double>& rates) {
   Room& room = *room_;
   require(levels.size() == room.levels.size() && rates.size() == levels.size(),
-          "level and rate of each sleeper of the bed");
+          "level and rate of each seat of the bed");
   std::vector<Seat> seats(levels.size());
   for (std::size_t i = 0; i < seats.size(); ++i)
     seats[i] = {.height = levels[i] - room.levels[i], .rate = rates[i]};
@@ -95,21 +112,23 @@ void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<do
 
 double TrainOnBed::wheel_x(std::size_t i) const { return room_->begin + room_->passage.wheel_x(i); }
 
-double TrainOnBed::rail_displacement(std::size_t i) const {
-  return room_->passage.rail_displacement(room_->line.sleeper_x(room_->line.first_moved() + i));
+double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {
+  return room_->passage.rail_displacement(room_->line.sleeper_x(room_->line.first_moved() + i),
+                                          side);
 }
 
 void TrainOnBed::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   room_->passage.save(file, group, comm);
   const std::vector<double>& levels = room_->levels;
-  file.write<double>(group + "/levels", std::span(levels).first(comm.root() ? levels.size() : 0), 1,
-                     {"m", "of the sleepers since they were placed, when the rail was laid"});
+  file.write<double>(
+      group + "/levels", std::span(levels).first(comm.root() ? levels.size() : 0), 1,
+      {"m", "of the sleepers' seats since they were placed, when the rail was laid"});
 }
 
 void TrainOnBed::load(const io::File& file, const std::string& group) {
   room_->passage.load(file, group);
   room_->levels = file.read_all<double>(group + "/levels");
-  if (room_->levels.size() != room_->line.moved())
+  if (room_->levels.size() != room_->line.seats())
     throw RunError(group + "/levels belongs to another number of sleepers");
 }
 

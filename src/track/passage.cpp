@@ -48,7 +48,7 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
       vehicles(t.system(), p.step) {
   for (std::size_t k = 0; k < train.wheels().size(); ++k)
     if (train.wheels()[k].unknown >= 0) rolling.push_back(k);
-  seats.resize(line.moved());
+  seats.resize(line.seats());
   const auto stops = static_cast<Eigen::Index>(line.stops().size());
   const Eigen::Index n = wheels_rolling() + stops;
   approach = Vector::Zero(n);
@@ -282,14 +282,18 @@ void Passage::advance() { room_->step(); }
 void Passage::send_again() { room_->rest_train(); }
 
 void Passage::place_seats(const std::vector<Seat>& seats) {
-  require(seats.size() == room_->seats.size(), "one seat for each sleeper that is moved");
+  require(seats.size() == room_->seats.size(), "one seat for each rail on what is moved");
   room_->seats = seats;
 }
 
-double Passage::seat_force(std::size_t i) const {
+double Passage::seat_force(std::size_t i, std::size_t side) const {
   const Room& room = *room_;
   return room.line.seat_force(room.line.first_moved() + i, room.track.displacement,
-                              room.track.velocity, room.seats.at(i));
+                              room.track.velocity, seat(i, side), side);
+}
+
+const Seat& Passage::seat(std::size_t i, std::size_t side) const {
+  return room_->seats.at(i * room_->line.sides() + side);
 }
 
 double Passage::on_sleeper(std::size_t i, std::size_t side) const {

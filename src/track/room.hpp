@@ -11,12 +11,12 @@
 namespace trackbed::track {
 
 // State of one sleeper; sleepers_file.cpp lists it for the checkpoint. m, m/s, m/s^2 of the centre
-// from where it was placed; spin in rad/s and reaction in N in space axes. velocity and spin are
-// those of mid-window, as leapfrog has them.
+// from where it was placed; spin in rad/s, turning in rad/s^2 and reaction in N in space axes.
+// velocity and spin are those of mid-window, as leapfrog has them.
 struct Body {
   Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero(), acceleration = Vec3::Zero();
   Quat attitude = Quat::Identity();
-  Vec3 spin = Vec3::Zero(), reaction = Vec3::Zero();
+  Vec3 spin = Vec3::Zero(), turning = Vec3::Zero(), reaction = Vec3::Zero();
 };
 
 // The same on every rank to the last bit.
@@ -34,7 +34,9 @@ struct RigidSleepers::Room {
   Vec3 node(std::size_t i, std::size_t n) const {
     return centre(i) + bodies[i].attitude * shape.position[n];
   }
-  void kick(std::size_t i, double seat_force, std::span<const Vec3> node_force, const Kick& by);
+  Vec3 seat_torque(const Body& body, std::span<const double> seat_force) const;
+  void kick(std::size_t i, std::span<const double> seat_force, std::span<const Vec3> node_force,
+            const Kick& by);
   void drift(std::size_t i, double dt);
   void show_at_rest();
 

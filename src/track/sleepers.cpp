@@ -9,6 +9,7 @@
 
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/track/line.hpp"
 
 namespace trackbed::track {
 
@@ -93,21 +94,32 @@ Vec3 RigidSleepers::Room::angular_acceleration(const Body& body, const Vec3& tor
   return matrix.inverse() * right;
 }
 
+// About the centre, of two seats that turn with the sleeper, where it stands now: with r from the
+// centre to the left one
+//   T = r x (Q_r - Q_l) e_z,   N m.
+Vec3 RigidSleepers::Room::seat_torque(const Body& body, std::span<const double> seat_force) const {
+  if (seat_force.size() < 2) return Vec3::Zero();
+  const Vec3 left = body.attitude * Vec3(0, parameters.gauge / 2, 0);
+  return left.cross(Vec3(0, 0, seat_force[1] - seat_force[0]));
+}
+
 // v += a (dt + last dt)/2: from mid-window to mid-window, also if windows change their length.
-// `reaction` is kept as an observable; the seat force acts at the centre and gives no moment, for
-// the rail's two feet are not modelled apart.
+// `reaction` is kept as an observable; of one rail the seat force acts at the centre and gives no
+// moment, for the rail's two feet are not modelled apart.
 //   a = free (R - m g e_z - Q e_z)/m,  v += a t
 // R the stones' reaction, N, mean of the last window; Q the seat force, N, downwards; t s.
-void RigidSleepers::Room::kick(std::size_t i, double seat_force, std::span<const Vec3> node_force,
-                               const Kick& by) {
+void RigidSleepers::Room::kick(std::size_t i, std::span<const double> seat_force,
+                               std::span<const Vec3> node_force, const Kick& by) {
   Body& body = bodies[i];
   body.reaction.setZero();
   for (const Vec3& force : node_force) body.reaction += force;
-  const Vec3 weight(0, 0, -mass * by.gravity - seat_force);
+  double seats = 0;
+  for (const double one : seat_force) seats += one;
+  const Vec3 weight(0, 0, -mass * by.gravity - seats);
   body.acceleration = ((body.reaction + weight) / mass).cwiseProduct(free_shift);
-  const Vec3 turning = angular_acceleration(body, torque(i, node_force));
+  body.turning = angular_acceleration(body, torque(i, node_force) + seat_torque(body, seat_force));
   body.velocity += body.acceleration * by.time;
-  body.spin += turning * by.time;
+  body.spin += body.turning * by.time;
 }
 
 // Both ends of the motion are computed from the pose: nothing accumulates in the surface.
@@ -185,11 +197,15 @@ bool RigidSleepers::overlaps(const Vec3& centre, double radius) const {
 void RigidSleepers::advance(double dt, std::span<const double> seat_force,
                             const std::vector<std::span<const Vec3>>& node_force, double gravity) {
   Room& room = *room_;
-  require(seat_force.size() == count(), "one seat force per sleeper");
+  const std::size_t seats = count() > 0 ? seat_force.size() / count() : 1;
+  require(seat_force.size() == seats * count() && (seats == 1 || seats == 2),
+          "a force on the seat of each sleeper, or on both");
+  require(seats == 1 || room.parameters.gauge > 0, "two seats stand apart");
   require(node_force.empty() || node_force.size() == count(),
           "one list of node forces per sleeper");
   for (std::size_t i = 0; i < count(); ++i)
-    room.kick(i, seat_force[i], node_force.empty() ? std::span<const Vec3>{} : node_force[i],
+    room.kick(i, seat_force.subspan(i * seats, seats),
+              node_force.empty() ? std::span<const Vec3>{} : node_force[i],
               {.time = (room.last_step + dt) / 2, .gravity = gravity});
   for (std::size_t i = 0; i < count(); ++i) room.drift(i, dt);
   room.last_step = dt;
@@ -203,7 +219,8 @@ void RigidSleepers::carry(double dt, double up,
   for (std::size_t i = 0; i < count(); ++i) {
     Body& body = room.bodies[i];
     body.velocity = Vec3(0, 0, up / dt);
-    body.acceleration.setZero(), body.spin.setZero(), body.reaction.setZero();
+    body.acceleration.setZero(), body.spin.setZero(), body.turning.setZero();
+    body.reaction.setZero();
     for (const Vec3& force : node_force.at(i)) body.reaction += force;
     room.drift(i, dt);
   }
@@ -222,6 +239,20 @@ SleeperState RigidSleepers::state(std::size_t i) const {
 Vec3 RigidSleepers::velocity_now(std::size_t i) const {
   const Body& body = room_->bodies.at(i);
   return body.velocity + room_->last_step / 2 * body.acceleration;
+}
+
+Vec3 RigidSleepers::spin_now(std::size_t i) const {
+  const Body& body = room_->bodies.at(i);
+  return body.spin + room_->last_step / 2 * body.turning;
+}
+
+// With r from the centre to the seat, which turns with the sleeper: u = z + r_z, u' = (v + w x
+// r)_z.
+Seat seat_of(const Sleepers& sleepers, std::size_t i, double aside) {
+  const SleeperState now = sleepers.state(i);
+  const Vec3 arm = rotation_by(now.rotation) * Vec3(0, aside, 0);
+  return {.height = now.displacement.z() + arm.z(),
+          .rate = sleepers.velocity_now(i).z() + sleepers.spin_now(i).cross(arm).z()};
 }
 
 // m v^2/2 + w . I w/2, J, with the velocities of mid-window.

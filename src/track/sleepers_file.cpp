@@ -27,6 +27,8 @@ constexpr std::array state_items{
     Item{"attitude", "-", "quaternion x y z w", 4,
          [](Body& b) { return b.attitude.coeffs().data(); }},
     Item{"spin", "rad/s", "in space axes, at mid-window", 3, [](Body& b) { return b.spin.data(); }},
+    Item{"turning", "rad/s^2", "in space axes, at the start of the last window", 3,
+         [](Body& b) { return b.turning.data(); }},
     Item{"reaction", "N", "from stones in the last window", 3,
          [](Body& b) { return b.reaction.data(); }},
 };

@@ -42,6 +42,29 @@ def test_settlement_of_each_axle():
     assert found["left by the train, worst sleeper"][0] == pytest.approx(0.2)
 
 
+def test_two_rails_are_told_apart():
+    run, every = made()
+    for name in ("wheel/x", "wheel/force"):
+        values = every[f"history/{name}"].values.repeat(2, axis=1)
+        every[f"history/{name}"] = read.Quantity(values, "-", "left and right")
+    every["history/wheel/force"].values[:, 1] -= 4e3
+    seats = np.zeros((len(values), 3, 2))
+    seats[5:9, 1] = [1e-3, -2e-3]
+    for name in ("displacement", "force"):
+        every[f"history/seat/{name}"] = read.Quantity(seats.reshape(-1, 6), "m", "made")
+    passing = train_figures.Passing(run, every)
+    found = train_figures.numbers(passing)
+    assert found["axle 1, left and right wheel, largest difference"][0] == pytest.approx(4)
+    assert found["axle 2, left and right wheel, largest difference"][0] == pytest.approx(0)
+    assert found["least wheel force over the bed"][0] == pytest.approx(46)
+    assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
+    assert found["left over right seat of a sleeper, most"][0] == pytest.approx(3)
+    figure = train_figures.draw(passing, {})
+    labels = [line.get_label() for line in figure.axes[0].lines]
+    assert labels == ["axle 1, left", "axle 1, right", "axle 2, left", "axle 2, right"]
+    plt.close(figure)
+
+
 def test_of_several_trains_the_last_counts():
     passing = train_figures.Passing(*made(trains=2))
     assert len(passing.time) == 3001

@@ -119,7 +119,7 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            f"{TRAIN} handover.after=lode": "there is no stage \"lode\"",
            "handover.after=load": "needs a stage with train = true",
            f"{TRAIN} handover.after=load irregularity.kind=vee": "must be none in a deck with",
-           f"{TRAIN} track.dimension=space": "must be plane on a bed",
+           f"{TRAIN} track.dimension=space": "must be plane in a plane model, whose sleepers",
            f"{TRAIN} pad.uplift=true": "pad.uplift = true: must be false on a bed",
            f"{TRAIN} under_sleeper_pad.stiffness=8e7":
                "under_sleeper_pad.stiffness = 80000000.0: must be 0 on a bed: stones press its",

@@ -39,9 +39,9 @@ struct PlatenState {
   Vec3 force = Vec3::Zero();   // N, from stones, mean of the last window
 };
 
-// A run with trains: numbers of wheels and vehicles, and the one that is there now, if one is.
+// A run with trains: numbers of wheels, vehicles and rails, and the one that is there now, if any.
 struct TrainInstant {
-  std::size_t wheels = 0, bodies = 0;
+  std::size_t wheels = 0, bodies = 0, rails = 1;
   const track::TrainOnBed* running = nullptr;
 };
 

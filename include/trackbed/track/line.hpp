@@ -147,7 +147,7 @@ struct RailPoint {
 struct Stop {
   RailPoint point;
   double gap, stiffness, damping;  // m, N/m, N s/m
-  std::int32_t seat = -1;          // of those moved by somebody else: its height adds
+  std::int32_t seat = -1;          // number of one moved by somebody else: its height adds
   bool in_matrix = false;
   double force(double approach, double rate) const;
   // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
@@ -179,6 +179,7 @@ class Line {
   std::size_t first_moved() const;  // see LineParameters
   std::size_t moved() const;
   MovedPart moves() const;
+  std::size_t seats() const;  // of all that are moved: on two rails left before right of each
   std::size_t nearest_sleeper(double x) const;
   // N, of the pad on sleeper i, compression positive. `seat`: of a sleeper that is moved.
   double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {},

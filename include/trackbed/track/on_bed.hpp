@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace trackbed::track {
 // How the rail rests on the sleepers of a bed.
 struct SeatParameters {
   std::int64_t before = 20;  // sleepers on springs before the first of the bed
-  double rails = 1;          // whose load the sleepers of the model carry
+  double rails = 1;          // whose load the sleepers of the model carry; on two rails 2
   void declare(input::Section& s);
 };
 
@@ -38,11 +39,14 @@ struct TrainOnBedParameters {
   // gives way by half a step of that. Of sleepers in implicit steps; none: explicit ones, for which
   // forces of the end of a step come too late.
   std::vector<double> mobility = {};
+  // Of the right rail, if it is another one; its kind is not `same`.
+  std::optional<IrregularityParameters> irregularity_right = {};
 };
 
+// On two rails each sleeper of the bed has two seats, left before right wherever they are listed.
 class TrainOnBed {
  public:
-  // The rail is laid on the sleepers as they stand: at `levels`, m, one for each of the bed. Throws
+  // The rail is laid on the sleepers as they stand: at `levels`, m, one for each seat. Throws
   // InputError for unknown vehicles and bad files.
   TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
   ~TrainOnBed();
@@ -50,7 +54,9 @@ class TrainOnBed {
 
   // N, downwards, on the i-th sleeper of the bed at the present time; of all rails it carries.
   double seat_force(std::size_t i) const;
-  // One step: to `levels` (m) and `rates` (m/s, up) of the bed's sleepers; with `mobility` to those
+  // The same of one seat: on one rail all of it.
+  double seat_force(std::size_t i, std::size_t side) const;
+  // One step: to `levels` (m) and `rates` (m/s, up) of the bed's seats; with `mobility` to those
   // without pads, whose forces `seat_force` then is. RunError: contacts of wheels are not solved.
   void advance(const std::vector<double>& levels, const std::vector<double>& rates);
   // The same train once more, on the rail as it is.
@@ -60,8 +66,8 @@ class TrainOnBed {
   const Line& line() const;
   const Passage& passage() const;
   double wheel_x(std::size_t i) const;  // m, x of the bed
-  double rail_displacement(
-      std::size_t i) const;  // m, above the i-th sleeper of the bed, since laid
+  // m, above the i-th sleeper of the bed, since laid.
+  double rail_displacement(std::size_t i, std::size_t side = 0) const;
 
   // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
   void save(io::File& file, const std::string& group, const par::Comm& comm) const;

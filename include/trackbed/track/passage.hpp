@@ -47,11 +47,13 @@ class Passage {
 
   // One step. Throws RunError if the contact cannot be solved or something is no number.
   void advance();
-  // How the sleepers, or the ground, that somebody else moves stand at the end of the next step.
-  // Until it is called: where they were when the rail was laid.
+  // How the sleepers, or the ground, that somebody else moves stand at the end of the next step; on
+  // two rails left before right of each. Until it is called: where they were when the rail was
+  // laid.
   void place_seats(const std::vector<Seat>& seats);
-  double seat_force(
-      std::size_t i) const;  // N, of the pad on the i-th of them; compression positive
+  // N, of the pad on the i-th of them; compression positive.
+  double seat_force(std::size_t i, std::size_t side = 0) const;
+  const Seat& seat(std::size_t i, std::size_t side = 0) const;  // as it was placed last
   // N, on sleeper i of those on springs, by its pad or as a seat load; downwards positive.
   double on_sleeper(std::size_t i, std::size_t side = 0) const;
   // Of sleeper i of a plane track: N, downwards, on the ground below its ballast, and how that

@@ -29,6 +29,8 @@ struct SleeperParameters {
   double density = 2441;  // kg/m^3, of the material: who knows it sets it, decks do not
   std::vector<std::string> free = {"x", "z", "ry"};  // degrees of freedom: x y z rx ry rz
   double bevel = 0;                                  // m, cut of the lower edges; 0: sharp
+  // m, between the seats of two rails; as the density of who knows it. 0: one rail.
+  double gauge = 0;
   // m, x of the last centre.
   double last() const { return first + static_cast<double>(count - 1) * spacing; }
   void declare(input::Section& s);
@@ -38,6 +40,8 @@ struct SleeperState {
   Vec3 displacement, velocity, acceleration;  // of the centre, from where it was placed
   Vec3 rotation, spin;                        // rad (vector), rad/s
 };
+
+struct Seat;  // line.hpp
 
 // A row of sleepers, whatever they are made of. All ranks hold the same state and move it alike.
 class Sleepers {
@@ -57,8 +61,9 @@ class Sleepers {
   virtual std::vector<Surface>& surfaces() = 0;  // one per sleeper, closed, normals outwards
   // Surfaces where the sleepers stand now, without motion, until the next `advance`.
   virtual void show_at_rest() = 0;
-  // One window: seat_force N downwards on each; node_force: mean node forces per sleeper
-  // (surfaces()[i].nodes() each; empty: none). Fills position and motion of the surfaces.
+  // One window: seat_force N downwards on each, or on both seats of each, left before right;
+  // node_force: mean node forces per sleeper (surfaces()[i].nodes() each; empty: none). Fills
+  // position and motion of the surfaces.
   virtual void advance(double dt, std::span<const double> seat_force,
                        const std::vector<std::span<const Vec3>>& node_force, double gravity) = 0;
   // One window in which they are held and go up by `up`, m, whatever presses on them.
@@ -67,6 +72,7 @@ class Sleepers {
   virtual SleeperState state(std::size_t i) const = 0;
   // m/s, of the centre at the end of the last window, to second order in the window.
   virtual Vec3 velocity_now(std::size_t i) const = 0;
+  virtual Vec3 spin_now(std::size_t i) const = 0;  // rad/s, likewise
   virtual Vec3 reaction(std::size_t i) const = 0;  // N, from stones in the last window
   virtual double kinetic() const = 0;              // J
 
@@ -77,9 +83,13 @@ class Sleepers {
   virtual void load(const io::File& file, const std::string& group) = 0;
 };
 
-// Rigid ones, the seat force through the centre. Leapfrog: v += a (dt + last dt)/2, x += v dt,
-// where the last dt is 0 after `place`, so that the order is two from rest. The velocity of `state`
-// is that of mid-window.
+// How the seat of a rail `aside` m to the left of a sleeper's centre stands: since the sleeper was
+// placed, at the end of the last window, to second order in it.
+Seat seat_of(const Sleepers& sleepers, std::size_t i, double aside);
+
+// Rigid ones, the seat force through the centre, those of two seats at its height. Leapfrog: v += a
+// (dt + last dt)/2, x += v dt, where the last dt is 0 after `place`, so that the order is two from
+// rest. The velocity of `state` is that of mid-window.
 class RigidSleepers final : public Sleepers {
  public:
   RigidSleepers(const SleeperParameters& parameters, Dimension dimension, double thickness,
@@ -102,6 +112,7 @@ class RigidSleepers final : public Sleepers {
   void carry(double dt, double up, const std::vector<std::span<const Vec3>>& node_force) override;
   SleeperState state(std::size_t i) const override;
   Vec3 velocity_now(std::size_t i) const override;
+  Vec3 spin_now(std::size_t i) const override;
   Vec3 reaction(std::size_t i) const override;
   double kinetic() const override;
   std::string trouble() const override;

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Two rails over sleepers on stones, one of them with a dip: the same bits on any number of ranks
+and after a stop, both rails in histories and figures.
+
+    two_rails_on_bed.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+STATIC = 550 * 9.80665 / 2  # N, of a wheel
+GRAVITY = 9.81
+BALANCE = 1e-10  # promise of the coupling
+
+
+REFUSED = {
+    "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
+    "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
+    "sleepers.model=solid": "must be plane on solid sleepers (sleepers.model)",
+    "handover.after=sleepers": "must be plane in a deck with [handover], whose loop computes one",
+    "track.dimension=plane":
+        "irregularity_right.kind = \"none\": needs two rails (track.dimension",
+}
+# Words of check: a pad on a seat turns 12 kg where the gauge is 0.45 m, and bears half a sleeper.
+SAID = {"sleepers.free=[\"z\"]": "lacks rx: sleepers of the bed do not roll below two rails",
+        "track.gauge=0.45 pad.stiffness=120e6": "sleeper of 12.3 kg per rail on its pad",
+        "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
+            "sleeper of 27.5 kg per rail on its pad"}
+
+
+def check_sentences(program, deck):
+    for changes, words in REFUSED.items():
+        ran = program(1, "check", deck, *changes.split(" "))
+        if ran.returncode != 2 or words not in ran.stderr:
+            raise SystemExit(f"{changes} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+    for changes, words in SAID.items():
+        ran = program.done(1, "check", deck, *changes.split(" "))
+        if words not in ran.stdout:
+            raise SystemExit(f"{changes}: check does not say {words}:\n{ran.stdout}")
+
+
+def datasets(place):
+    found = {}
+    with h5py.File(place / "results.h5") as file:
+        file.visititems(lambda name, item: found.update({name: item[()]})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def same_bits(one, other, what):
+    first, second = datasets(one), datasets(other)
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
+    for name, values in first.items():
+        if name.startswith("history/") and not np.array_equal(values, second[name], equal_nan=True):
+            raise SystemExit(f"{what}: {name} differs")
+    found = [(summary(place)["dem"]["state_hash"], summary(place)["track"])
+             for place in (one, other)]
+    if found[0] != found[1]:
+        raise SystemExit(f"{what}: {found}")
+
+
+def check_runs(program, deck, folder):
+    for ranks in (1, 2, 3, 4):
+        place = folder / f"ranks_{ranks}"
+        program.done(ranks, "run", deck, "-o", place)
+        for name, value in summary(place)["coupling"].items():
+            if not 0 <= value <= BALANCE:
+                raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
+        same_bits(folder / "ranks_1", place, f"{ranks} ranks")
+    stages = summary(folder / "ranks_1")["stages"]
+    done = [round(stage["duration_s"] / stage["window_s"]) for stage in stages]
+    for part in (0.5, 0.9):
+        place = folder / f"stopped_{part}"
+        windows = sum(done[:-1]) + round(part * done[-1])
+        program.done(2, "run", deck, f"output.stop_after={windows}", "-o", place, code=3)
+        program.done(3, "resume", place)
+        same_bits(folder / "ranks_1", place, f"stopped after {windows} windows")
+
+
+def check_histories(folder, deck):
+    with h5py.File(folder / "results.h5") as file:
+        train = file["history/stage"][()].ravel() == len(deck["stage"]) - 1
+        of = {name: file[f"history/{name}"][()][train]
+              for name in ("wheel/force", "wheel/x", "rail/displacement", "seat/displacement",
+                           "seat/force", "body/roll", "sleeper/displacement", "sleeper/reaction",
+                           "sleeper/seat_force", "sleeper/acceleration")}
+    shapes = {name: of[name].shape[1:] for name in ("wheel/force", "rail/displacement",
+                                                    "seat/displacement", "seat/force")}
+    if list(shapes.values()) != [(2,), (4,), (4,), (4,)]:
+        raise SystemExit(f"histories of two rails: {shapes}")
+    wheel, x = of["wheel/force"], of["wheel/x"][:, 0]
+    if not np.allclose(wheel[0], STATIC, rtol=2e-3):
+        raise SystemExit(f"the axle begins with {wheel[0]} N, not {STATIC} N")
+    apart = np.abs(wheel[:, 0] - wheel[:, 1])
+    if apart[x < -0.5].max() > 0.05 * STATIC or apart.max() < 0.1 * STATIC:
+        raise SystemExit(f"left and right wheel: {apart[x < -0.5].max()} N before the dip, "
+                         f"{apart.max()} N over it")
+    # Newton's law of each sleeper in each row: the rails' force is what it was moved by.
+    mass = 2441 * 0.3 * 0.15 * 0.5
+    off = (of["sleeper/reaction"] + of["sleeper/seat_force"]
+           - mass * (GRAVITY + of["sleeper/acceleration"]))
+    if np.abs(off).max() > 1e-6 * STATIC:
+        raise SystemExit(f"forces on sleepers do not balance: {np.abs(off).max()} N")
+    # The centre is amid the seats, but for a way before the rail was laid.
+    centre = of["sleeper/displacement"].reshape(len(x), 2)
+    seats = of["seat/displacement"].reshape(len(x), 2, 2)
+    lower = seats.mean(axis=2) - centre
+    if np.ptp(lower, axis=0).max() > 1e-8 or np.ptp(seats[..., 0] - seats[..., 1]) < 1e-6:
+        raise SystemExit(f"seats: {np.ptp(lower, axis=0)} m off their sleepers, "
+                         f"{np.ptp(seats[..., 0] - seats[..., 1])} m apart")
+    # What a row's seats do moves the sleepers in the window behind it, with what lies on them. The
+    # rail is laid on sleepers that move: its first rows are a jolt.
+    force = -of["sleeper/seat_force"].reshape(len(x), 2) - deck["stage"][-1]["seat_force"]
+    late = np.abs(of["seat/force"].reshape(len(x), 2, 2).sum(axis=2) - force)[5:].max()
+    if late > 0.05 * np.ptp(force[5:]) or np.ptp(force[5:]) < 0.2 * STATIC:
+        raise SystemExit(f"seats get {np.ptp(force[5:])} N more or less, {late} N of it not from "
+                         "their pads")
+    if np.abs(of["body/roll"]).max() < 1e-5:
+        raise SystemExit("the body does not roll")
+
+
+def check_figures(source, folder):
+    ran = subprocess.run([sys.executable, source / "postproc/train_figures.py", folder, "-o",
+                          folder / "figures"], capture_output=True, text=True, check=False)
+    if ran.returncode or "axle 1, left and right wheel, largest difference" not in ran.stdout:
+        raise SystemExit(f"train_figures.py: {ran.stdout}{ran.stderr}")
+    print(ran.stdout)
+
+
+def main():
+    program, source, folder = Program(sys.argv[1]), *map(pathlib.Path, sys.argv[2:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    deck = source / "tests/restart/tiny_two_rails.toml"
+    check_sentences(program, deck)
+    check_runs(program, deck, folder)
+    check_histories(folder / "ranks_1", tomllib.loads(deck.read_text(encoding="utf-8")))
+    check_figures(source, folder / "ranks_1")
+
+
+if __name__ == "__main__":
+    main()
