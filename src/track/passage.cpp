@@ -7,8 +7,8 @@
 // with d, but no faster than its spring and damper in the matrices rise: their sum rises.
 // Cost per step: one band solve of the track with a right side for each wheel on it, which is
 // nearly all of it; linear in length of track and number of wheels. Stops stand still: their
-// columns are solved once. Many of them (a knee in every pad) make Newton's equations the larger
-// part, with the third power of their number.
+// columns are solved once. Those that give no force and are not about to (pads short of their knee
+// or pressed, sleepers that hang free) stay out of Newton's equations, whose cost is n^3.
 //
 // The rail moves as its shape functions say plus the local flexibility of its element (beam.hpp),
 // whose inertia is left out; of two wheels in one element each feels its own alone.
@@ -53,20 +53,20 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
   const Eigen::Index n = wheels_rolling() + stops;
   approach = Vector::Zero(n);
   stop_before = stop_rate = Vector::Zero(stops);
-  wheel_columns = Columns::Zero(train.weight().size(), n);
+  wheel_columns = Columns::Zero(train.weight().size(), wheels_rolling());
   for (std::size_t k = 0; k < rolling.size(); ++k) {
     const Train::Wheel& wheel = train.wheels()[rolling[k]];
     wheel_columns(wheel.unknown, static_cast<Eigen::Index>(k)) = 1;
     if (wheel.roll >= 0) wheel_columns(wheel.roll, static_cast<Eigen::Index>(k)) = wheel.aside;
   }
   wheel_change = vehicles.flexibility(wheel_columns);
-  track_columns = Columns::Zero(line.system().mass.rows(), n);
-  for (Eigen::Index k = 0; k < stops; ++k) {
-    const RailPoint& p = line.stops()[static_cast<std::size_t>(k)].point;
-    for (std::size_t i = 0; i < p.unknown.size(); ++i)
-      if (p.unknown[i] >= 0) track_columns(p.unknown[i], wheels_rolling() + k) = p.value[i];
-  }
-  track_change = track.flexibility(track_columns);
+  touching.resize(rolling.size());
+  for (const Stop& stop : line.stops()) touching.push_back(stop.point);
+  flexibility = Matrix::Zero(n, n);
+  if (stops == 0) return;
+  const Columns change = track.flexibility(columns_of(rolling.size(), line.stops().size()));
+  flexibility.bottomRightCorner(stops, stops) = rail_matrix(rolling.size(), change);
+  stop_change = change;
 }
 
 // Where the wheels are now, and what constant forces do there; other forces as they are now.
@@ -81,10 +81,7 @@ void Passage::Room::place_wheels() {
   for (const RailForce& one : parameters.forces)
     line.at(one.at, one.number()).add(-one.force(time()), constant_load);
   load_seats();
-  touching.clear();
-  for (const std::size_t k : rolling) touching.push_back(point[k]);
-  for (const Stop& stop : line.stops()) touching.push_back(stop.point);
-  put_wheels(track_columns);
+  for (std::size_t k = 0; k < rolling.size(); ++k) touching[k] = point[rolling[k]];
 }
 
 // The same below both rails.
@@ -94,27 +91,39 @@ void Passage::Room::load_seats() {
       constant_load[line.sleeper_unknown(i, side)] -= seat_load->at(line.sleeper_x(i), time(), i);
 }
 
-// Unit forces upwards at the rolling wheels, in the first columns.
-void Passage::Room::put_wheels(Columns& into) const {
-  into.leftCols(wheels_rolling()).setZero();
-  for (std::size_t k = 0; k < rolling.size(); ++k) {
-    const RailPoint& p = point[rolling[k]];
+// Unit forces upwards at so many contacts.
+Columns Passage::Room::columns_of(std::size_t first, std::size_t count) const {
+  Columns columns = Columns::Zero(line.system().mass.rows(), static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const RailPoint& p = touching[first + k];
     for (std::size_t n = 0; n < 4; ++n)
-      if (p.unknown[n] >= 0) into(p.unknown[n], static_cast<Eigen::Index>(k)) = p.value[n];
+      if (p.unknown[n] >= 0) columns(p.unknown[n], static_cast<Eigen::Index>(k)) = p.value[n];
   }
+  return columns;
 }
 
-// m/N, deflection at contact i per force of contact j, from the displacements `columns` of the
-// track.
-Matrix Passage::Room::rail_matrix(const Columns& columns) const {
-  Matrix matrix = Matrix::Zero(contacts(), contacts());
-  for (Eigen::Index i = 0; i < contacts(); ++i) {
-    const RailPoint& p = touching[static_cast<std::size_t>(i)];
+// m/N, deflections at all contacts from `first` on under forces that displace the track by
+// `columns`; a force at a contact, from that number on too, also moves its own point.
+Matrix Passage::Room::rail_matrix(std::size_t first, const Columns& columns) const {
+  const Eigen::Index count = contacts() - static_cast<Eigen::Index>(first);
+  Matrix matrix = Matrix::Zero(count, columns.cols());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const RailPoint& p = touching[first + static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < 4; ++k)
       if (p.unknown[k] >= 0) matrix.row(i) += p.value[k] * columns.row(p.unknown[k]);
-    matrix(i, i) += p.local;
+    if (i < columns.cols()) matrix(i, i) += p.local;
   }
   return matrix;
+}
+
+// Columns and, as it is symmetric, rows of the wheels, where they stand now.
+void Passage::Room::renew_flexibility() {
+  const Eigen::Index wheels = wheels_rolling(), stops = contacts() - wheels;
+  track_change = track.flexibility(columns_of(0, rolling.size()));
+  flexibility.leftCols(wheels) = rail_matrix(0, track_change);
+  flexibility.topRightCorner(wheels, stops) =
+      flexibility.bottomLeftCorner(stops, wheels).transpose();
+  flexibility.topLeftCorner(wheels, wheels) += wheel_columns.transpose() * wheel_change;
 }
 
 // m/s, of a stop's approach at the end of the step, as Newmark's formula has velocities.
@@ -172,7 +181,9 @@ Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train)
 // Returns the largest change of an approach.
 double Passage::Room::improve_rest(Vector& u, const Matrix& g, const Vector& without) {
   const Eigen::Index m = u.size(), n = contacts(), wheels = wheels_rolling();
-  const Matrix e = wheel_columns, k = train.system().stiffness;
+  const Matrix k = train.system().stiffness;
+  Matrix e = Matrix::Zero(m, n);
+  e.leftCols(wheels) = wheel_columns;
   const Matrix slope = slopes().asDiagonal();
   Matrix jacobian(m + n, m + n);
   jacobian << k, -e * slope, e.transpose(), Matrix::Identity(n, n) + g * slope;
@@ -194,12 +205,12 @@ void Passage::Room::start() {
   const Statics statics(line.system());
   track.displacement = statics.flexibility(constant_load);
   if (contacts() == 0) return;
-  const Columns columns = statics.flexibility(track_columns);
+  const Columns columns = statics.flexibility(columns_of(0, touching.size()));
   Vector u = Vector::Zero(train.weight().size());
   const Vector without = approaches(track.displacement, u);
   for (Eigen::Index i = 0; i < wheels_rolling(); ++i)
     approach[i] = law.approach(train.wheels()[rolling[static_cast<std::size_t>(i)]].share);
-  const Matrix g = rail_matrix(columns);
+  const Matrix g = rail_matrix(0, columns);
   // Pads begin pressed: what is lifted follows from the rail.
   for (Eigen::Index k = 0; k < stop_before.size(); ++k)
     if (line.stops()[static_cast<std::size_t>(k)].in_matrix)
@@ -225,14 +236,34 @@ void Passage::Room::rest_train() {
   approach.head(wheels_rolling()) = wheels_at_rest;
 }
 
+// Of (1 + A S) x = approach + A F - without, S the slopes. Columns of contacts without force and
+// slope are those of the identity: the others (a) are solved by themselves,
+//   (1 + A_aa S_a) x_a = w_a,   then x = w - A_.a S_a x_a of the rest.
+Vector Passage::Room::newton_step(const Vector& without) const {
+  const Vector force = forces(), slope = slopes();
+  std::vector<Eigen::Index> acting;
+  for (Eigen::Index i = 0; i < contacts(); ++i)
+    if (force[i] != 0 || slope[i] != 0) acting.push_back(i);
+  Vector wrong = approach - without;
+  if (acting.empty()) return wrong;
+  for (const Eigen::Index i : acting) wrong += force[i] * flexibility.col(i);
+  const auto n = static_cast<Eigen::Index>(acting.size());
+  const Matrix jacobian = Matrix::Identity(n, n) +
+                          Matrix(flexibility(acting, acting)) * Vector(slope(acting)).asDiagonal();
+  const Vector solved = jacobian.partialPivLu().solve(Vector(wrong(acting)));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index i = acting[static_cast<std::size_t>(k)];
+    wrong -= slope[i] * solved[k] * flexibility.col(i);
+  }
+  wrong(acting) = solved;
+  return wrong;
+}
+
 // Newton's method from the approaches of the last step; where they part the slope is zero and the
 // equation is linear. Ends when no approach changes by more than the tolerance.
-void Passage::Room::solve_contacts(const Vector& without, const Matrix& flexibility) {
+void Passage::Room::solve_contacts(const Vector& without) {
   for (int round = 0; round < most_iterations; ++round) {
-    const Vector wrong = approach + flexibility * forces() - without;
-    const Matrix jacobian =
-        Matrix::Identity(contacts(), contacts()) + flexibility * Matrix(slopes().asDiagonal());
-    const Vector change = jacobian.partialPivLu().solve(wrong);
+    const Vector change = newton_step(without);
     approach -= change;
     ++iterations;
     const double largest = change.cwiseAbs().maxCoeff();
@@ -244,6 +275,14 @@ void Passage::Room::solve_contacts(const Vector& without, const Matrix& flexibil
       parameters.tolerance));
 }
 
+// Change of the track's displacements by forces of the contacts, downwards on the rail.
+Vector Passage::Room::of_contacts(const Vector& force) const {
+  Vector change = track_change * force.head(wheels_rolling());
+  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
+    if (force[i] != 0) change += force[i] * stop_change.col(k);
+  return change;
+}
+
 // Free motion of track and train, contact forces, and what these add.
 void Passage::Room::step() {
   ++steps;
@@ -252,16 +291,15 @@ void Passage::Room::step() {
   if (contacts() == 0) return track.accept(of_track);
   const Eigen::Index wheels = wheels_rolling();
   const Vector of_train = vehicles.free_change(train.weight());
-  track_change.leftCols(wheels) = track.flexibility(track_columns.leftCols(wheels));
-  solve_contacts(approaches(track.displacement + of_track, vehicles.displacement + of_train),
-                 rail_matrix(track_change) + wheel_columns.transpose() * wheel_change);
+  renew_flexibility();
+  solve_contacts(approaches(track.displacement + of_track, vehicles.displacement + of_train));
   const Vector force = forces();
   for (Eigen::Index k = 0; k < stop_rate.size(); ++k) {
     stop_rate[k] = rate(k);
     stop_before[k] = approach[wheels + k];
   }
-  track.accept(of_track - track_change * force);
-  vehicles.accept(of_train + wheel_change * force);
+  track.accept(of_track - of_contacts(force));
+  vehicles.accept(of_train + wheel_change * force.head(wheels));
   lost += (approach.head(wheels).array() <= 0).count();
 }
 

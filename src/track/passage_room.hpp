@@ -23,11 +23,14 @@ struct Passage::Room {
   void place_wheels();
   void rest_train();
   void load_seats();
-  Matrix rail_matrix(const Columns& columns) const;
+  Columns columns_of(std::size_t first, std::size_t count) const;
+  Matrix rail_matrix(std::size_t first, const Columns& columns) const;
+  void renew_flexibility();
   void start();
   void step();
-  void solve_contacts(const Vector& without, const Matrix& flexibility);
-  void put_wheels(Columns& into) const;
+  void solve_contacts(const Vector& without);
+  Vector newton_step(const Vector& without) const;
+  Vector of_contacts(const Vector& force) const;
   Vector approaches(const Vector& of_track, const Vector& of_train) const;
   double wheel_height(const Train::Wheel& wheel, const Vector& of_train) const;
   double improve_rest(Vector& u, const Matrix& g, const Vector& without);
@@ -46,10 +49,13 @@ struct Passage::Room {
   std::optional<SeatLoad> seat_load;
   Newmark track, vehicles;
   std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
-  // Contacts are wheels that roll, then stops. Of each a column: the train's unknowns per unit of
-  // its force, and their change in a step; the same for the track.
+  // Contacts are wheels that roll, then stops. Of each wheel a column: the train's unknowns per
+  // unit of its force, and their change in a step. Changes of the track by wheels, anew in each
+  // step, and by stops, which stay where they are.
   Columns wheel_columns, wheel_change;
-  Columns track_columns, track_change;
+  Columns track_change;
+  Matrix stop_change;
+  Matrix flexibility;               // m/N, approach of each contact per force of each, in a step
   std::vector<RailPoint> point;     // below each wheel, at the end of the step
   std::vector<RailPoint> touching;  // of each contact
   Vector approach;                  // m, of each contact
