@@ -59,6 +59,8 @@ void RigidSleepers::load(const io::File& file, const std::string& group) {
   room_->placed = common[0] != 0;
   room_->last_step = common[2];
   for (const Item& item : state_items) {
+    // Files of before there were two rails lack it; nothing else looks at it, so it begins as none.
+    if (item.name == std::string("turning") && !file.has(group + "/turning")) continue;
     const auto rows = file.read_all<double>(group + "/" + item.name);
     if (rows.size() != item.columns * count())
       throw RunError(group + "/" + item.name + " belongs to another number of sleepers");

@@ -58,5 +58,32 @@ TEST(SleepersFile, ResumedRunGivesTheSameBits) {
   }
 }
 
+// Without the angular acceleration, as files of before two rails are: it counts as none.
+TEST(SleepersFile, OfBeforeTwoRailsIsRead) {
+  const par::Comm world = par::Comm::world();
+  const std::string path = "sleepers_older_" + std::to_string(world.size()) + ".h5";
+  RigidSleepers first({}, Dimension::plane, 1.3, 0), second({}, Dimension::plane, 1.3, 0);
+  first.place(0.4);
+  push(first, 13);
+  {
+    io::File file(world, path, io::Mode::create);
+    first.save(file, "sleepers", world);
+    for (const std::string& name : file.names("sleepers")) {
+      const std::string from = "sleepers/" + name;
+      if (name == "turning") continue;
+      const auto rows = file.read_all<double>(from);
+      file.write<double>("older/" + name, std::span(rows).first(world.root() ? rows.size() : 0),
+                         file.extent(from).at(1), {"-", "copied"});
+    }
+    file.close();
+  }
+  second.load(io::File(world, path, io::Mode::read), "older");
+  for (std::size_t i = 0; i < first.count(); ++i) {
+    EXPECT_EQ(second.state(i).spin, first.state(i).spin);
+    EXPECT_EQ(second.spin_now(i), first.state(i).spin);
+    EXPECT_NE(first.spin_now(i), first.state(i).spin);
+  }
+}
+
 }  // namespace
 }  // namespace trackbed::track
