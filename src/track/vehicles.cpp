@@ -166,6 +166,7 @@ VehicleParameters complete(const VehicleParameters& given) {
     if (v.axles.empty()) v.axles = model.axles;
     if (v.loads.empty()) v.loads = model.loads;
   }
+  if (v.kind == VehicleKind::of_like) v.kind = VehicleKind::coach;
   if (v.body_inertia == 0) v.body_inertia = v.body_mass * v.length * v.length / 12;
   if (v.bogie_inertia == 0) v.bogie_inertia = v.bogie_mass * v.wheelbase * v.wheelbase / 12;
   const auto roll = [](double& inertia, double mass, double gyration) {
@@ -255,7 +256,7 @@ constexpr Looked looked_at[] = {{"body_mass", &V::body_mass, by_bodies},
 void declare_unused(const V& given, const V& whole, input::Section& s) {
   const bool own = given.like.empty();
   const input::About about{.weight = own ? input::Weight::warning : input::Weight::problem};
-  s.rule("kind", own || given.kind == VehicleKind::coach || given.kind == whole.kind,
+  s.rule("kind", own || given.kind == VehicleKind::of_like || given.kind == whole.kind,
          fmt::format("is that of {}, which it is like: leave it out", given.like));
   const auto kind = static_cast<std::size_t>(whole.kind);
   for (const Looked& one : looked_at)
@@ -303,10 +304,10 @@ void VehicleParameters::declare(input::Section& s) {
   s.text("name", name, "Name by which the train refers to it.", {}, true);
   s.text("like", like, "Vehicle of the library that gives the kind and all numbers that are 0.",
          library);
-  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie"},
+  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie", ""},
            "coach: body, two bogies, four wheelsets; sprung: a mass on one wheelset; wheel: one "
            "wheelset; forces: constant forces of axles; bogie: the mass it carries, one bogie, two "
-           "wheelsets.");
+           "wheelsets. Empty: that of `like`, or coach.");
   s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
            "Between couplings: axles stand symmetrically within it.");
   const auto mass = [&](const char* of, double& value, const char* words) {

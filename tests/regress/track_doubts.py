@@ -56,6 +56,7 @@ REFUSED = [
     ([], VEHICLE.format('like = "hxd1_unit"\nbody_mass = 30e3'),
      "vehicle[0].body_mass = 30000.0: has no effect on a vehicle of this kind"),
     ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "is that of manchester_1"),
+    ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "is that of hxd1_unit"),
     ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
      "is for constant forces"),
 ]
@@ -96,6 +97,8 @@ SOUND = [
     (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=30"], ""),
     ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
     ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
+    ([], VEHICLE.format('like = "manchester_1"\nkind = "coach"')),
+    ([], VEHICLE.format(COACH.replace('kind = "coach"\n', "").replace("20", "21"))),
     ([], VEHICLE.format('like = "x2_bogie"\nbogie_mass = 3e3\nsecondary_damping = 30e3\n'
                         'wheelbase = 2.5')),
     (["irregularity.kind=waves", "irregularity.at=20", "irregularity.fade=10"], ""),

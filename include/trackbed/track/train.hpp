@@ -15,13 +15,14 @@ namespace trackbed::track {
 // coach: body and two bogies (bounce and pitch), four wheelsets. sprung: a mass on a spring on one
 // wheelset. wheel: one wheelset alone. forces: axles of constant force. bogie: one bogie (bounce
 // and pitch) on two wheelsets, below the mass that it carries (bounce).
-enum class VehicleKind { coach, sprung, wheel, forces, bogie };
+// of_like: not said, that of `like`, or a coach; never of a vehicle that is complete.
+enum class VehicleKind { coach, sprung, wheel, forces, bogie, of_like };
 
 // A whole vehicle, both sides together; numbers of 0 are those of `like`.
 struct VehicleParameters {
   std::string name = {};
   std::string like = {};  // a vehicle of the library
-  VehicleKind kind = VehicleKind::coach;
+  VehicleKind kind = VehicleKind::of_like;
   double length = 0;                                        // m, between couplings
   double body_mass = 0, bogie_mass = 0, wheelset_mass = 0;  // kg
   double body_inertia = 0, bogie_inertia = 0;  // kg m^2, pitch; 0: of a uniform bar, see `complete`
