@@ -111,6 +111,7 @@ bool matters(std::string_view key, const Holds& holds) {
   if (key.starts_with("ground.layer[") &&
       (key.ends_with("].thickness") || key.ends_with("].zones")))
     return true;
+  if (key.starts_with("ground.section[") || key == "ground.embankment_layers") return true;
   if (holds.train && matters_to_train(key)) return true;
   return holds.moved_ground && matters_to_moved_ground(key, holds);
 }

@@ -83,6 +83,8 @@ void declare_place(const Model& model, input::Section& s) {
          fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
                      to, ground.x[0], ground.x[1]),
          about);
+  s.rule("dimension", !is_plane(model) || !ground.of_tetrahedra(),
+         "must be space on a ground of tetrahedra (ground.mesh, ground.section)", about);
   if (is_plane(model)) {
     const FootingParameters none;
     s.rule("footing.length", footing.length == none.length && footing.y == none.y,
@@ -94,6 +96,13 @@ void declare_place(const Model& model, input::Section& s) {
          fmt::format("puts footprints from y = {:g} to {:g} m, beyond the ground (ground.y: {:g} "
                      "to {:g} m)",
                      low, high, ground.y[0], ground.y[1]),
+         about);
+  if (ground.sections.empty()) return;
+  const double half = ground.narrowest_crest(from, to);
+  s.rule("footing.length", std::max(-low, high) <= half + rounding,
+         fmt::format("puts footprints from y = {:g} to {:g} m, beyond the crest of ground.section "
+                     "({:g} m on either side)",
+                     low, high, half),
          about);
 }
 

@@ -39,6 +39,19 @@ std::vector<std::string> doubts_of_young(const Model& model, const input::Deck& 
   return doubts;
 }
 
+// Slopes bear no stones.
+void declare_crest(const Model& model, input::Section& s) {
+  constexpr double rounding = 1e-9;  // m
+  const std::vector<double>&x = model.bed.x, &y = model.bed.y;
+  if (!model.has_stages() || x.size() != 2 || y.size() != 2) return;
+  const double half = model.ground.narrowest_crest(x[0], x[1]);
+  s.rule("bed.y", std::max(-y[0], y[1]) <= half + rounding,
+         fmt::format("reaches beyond the crest of ground.section ({:g} m on either side): stones "
+                     "would fall beside the ground",
+                     half),
+         {.reads = {"bed", "ground"}});
+}
+
 }  // namespace
 
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
@@ -84,19 +97,22 @@ void declare_ground_sides(const Model& model, input::Section& s) {
 // after the steps in time.
 void declare_ground_mesh(const Model& model, input::Section& s) {
   const fem::GroundParameters& ground = model.ground;
-  if (!ground.present || ground.mesh.empty()) return;
-  s.rule("ground.mesh", model.dimension == Dimension::space, "needs dimension = \"space\"",
-         {.reads = {"dimension", "ground.mesh"}});
+  if (!ground.present || !ground.of_tetrahedra()) return;
+  const std::string what = ground.mesh.empty() ? "ground.section" : "ground.mesh";
+  s.rule(what, model.dimension == Dimension::space, "needs dimension = \"space\"",
+         {.reads = {"dimension", what}});
   s.rule("time.window", model.time.window > 0,
-         "must be given with ground.mesh: what its top's nodes weigh is not in the deck",
-         {.reads = {"time.window", "ground.mesh"}});
+         fmt::format("must be given with {}: what its top's nodes weigh is not in the deck", what),
+         {.reads = {"time.window", what}});
+  if (ground.mesh.empty()) declare_crest(model, s);
 }
 
 // The box around the top: whether it has holes within is for the eye.
 GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
   if (!model.ground.present) return {};
-  if (model.ground.mesh.empty()) return {"", doubts_of_young(model, deck)};
+  std::vector<std::string> doubts = doubts_of_young(model, deck);
+  if (!model.ground.of_tetrahedra()) return {"", doubts};
   const fem::MeshReport mesh = fem::look_at_mesh(model.ground);
   std::vector<std::string> problems;
   const auto below = [&](const char* axis, const std::vector<double>& bed, int a) {
@@ -113,9 +129,10 @@ GroundFile require_ground(const Model& model, const input::Deck& deck) {
   const auto from_to = [&](int a) {
     return fmt::format("{:g} to {:g}", mesh.low[a], mesh.high[a]);
   };
+  doubts.insert(doubts.end(), mesh.warnings.begin(), mesh.warnings.end());
   return {fmt::format("  mesh: x = {}, y = {}, z = {} m, {:.6g} m^3", from_to(0), from_to(1),
                       from_to(2), mesh.volume),
-          mesh.warnings};
+          doubts};
 }
 
 }  // namespace trackbed::app

@@ -340,7 +340,7 @@ namespace {
 // What a mesh from a file weighs at its top is not in the deck: asked of the ground itself.
 CouplingLimit coupling_limit(const World& world, const Stage& stage) {
   const CouplingLimit limit = coupling_limit(world.model, stage);
-  if (!stage.ground_moves || !world.ground || world.model.ground.mesh.empty()) return limit;
+  if (!stage.ground_moves || !world.ground || !world.model.ground.of_tetrahedra()) return limit;
   double lightest = infinite;
   for (const std::int32_t node : world.ground->own_top())
     lightest = std::min(lightest, world.ground->top_mass(node));

@@ -170,15 +170,20 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
   return lattice;
 }
 
-// Layers in turn, then blocks in turn. Linear in blocks and layers: a handful each, asked once per
-// held zone.
-int region_at(const GroundParameters& parameters, const Vec3& point) {
+int block_at(const GroundParameters& parameters, const Vec3& point) {
   for (std::size_t b = parameters.blocks.size(); b-- > 0;) {
     // From the last block backwards: later ones win.
     const Block& block = parameters.blocks[b];
     if (block.present && inside(block.outline, point.x(), point.z()))
       return static_cast<int>(parameters.layers.size() + b);
   }
+  return -1;
+}
+
+// Layers in turn, then blocks in turn. Linear in blocks and layers: a handful each, asked once per
+// held zone.
+int region_at(const GroundParameters& parameters, const Vec3& point) {
+  if (const int block = block_at(parameters, point); block >= 0) return block;
   double bottom = 0;
   for (std::size_t l = 0; l < parameters.layers.size(); ++l) {
     bottom -= parameters.layers[l].thickness;
@@ -225,7 +230,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
   size.assign(solid.size(), lattice.size);
   kind.resize(solid.size());
   std::iota(kind.begin(), kind.end(), 0);
-  if (lattice.graded()) tell_sizes_apart(parameters, lattice);
+  if (lattice.graded() && !parameters.of_tetrahedra()) tell_sizes_apart(parameters, lattice);
   find_alike();
 }
 
@@ -264,10 +269,12 @@ int Solids::of(const GroundParameters& parameters, const Lattice& lattice, Id zo
 }
 
 int Solids::kind_of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const {
-  const auto& columns =
-      columns_[static_cast<std::size_t>(region_at(parameters, lattice.centre(zone)))];
-  if (columns.size() == 1) return columns.front();
-  return columns[static_cast<std::size_t>(lattice.zone_index(zone)[0])];
+  return in(region_at(parameters, lattice.centre(zone)), lattice.zone_index(zone)[0]);
+}
+
+int Solids::in(int region, std::int64_t column) const {
+  const auto& columns = columns_[static_cast<std::size_t>(region)];
+  return columns.size() == 1 ? columns.front() : columns[static_cast<std::size_t>(column)];
 }
 
 }  // namespace trackbed::fem

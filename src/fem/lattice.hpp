@@ -69,6 +69,7 @@ Lattice make_lattice(const GroundParameters& parameters, Dimension dimension, do
 
 // Number of the layer or, after all layers, block that a point lies in.
 int region_at(const GroundParameters& parameters, const Vec3& point);
+int block_at(const GroundParameters& parameters, const Vec3& point);  // -1: in none
 
 // Solids of the ground: those of a mesh file in the order of the deck, or layers in turn, then
 // blocks in turn, and which one a zone has. A layer whose modulus changes along x has one for each
@@ -79,6 +80,9 @@ struct Solids {
   Solids(const GroundParameters& parameters, const Lattice& lattice);
   // Local: any rank may ask for any zone.
   int of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const;
+  // Of a layer or, after all layers, block in a column of zones; of tetrahedra, which no size tells
+  // apart.
+  int in(int region, std::int64_t column) const;
 
   std::vector<Elastic> solid;
   std::vector<Strength> strength;  // of each solid

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "solid_mesh.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/par/partition.hpp"
 
@@ -65,8 +66,8 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
     : comm(communicator),
       lattice(parameters.mesh.empty() ? make_lattice(parameters, dimension, thickness) : Lattice{}),
       solids(parameters, lattice) {
-  if (!parameters.mesh.empty()) {
-    read_file(parameters);
+  if (parameters.of_tetrahedra()) {
+    import(make_solid_mesh(parameters));
     return;
   }
   const std::vector<int> owner = node_owners(lattice, comm.size());

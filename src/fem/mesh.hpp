@@ -47,7 +47,7 @@ struct Image {
 // Forces on images go to their homes, in ascending order of images, and leave nothing behind.
 void fold(const std::vector<Image>& images, Nodal& force);
 
-// What a rank holds beside it of a ground from a mesh file, whose zones are ten-node tetrahedra.
+// What a rank holds beside it of a ground whose zones are ten-node tetrahedra.
 struct Imported {
   Id zones = 0, nodes = 0;                           // of all ranks
   double depth = 0;                                  // m, of the lowest node
@@ -56,7 +56,7 @@ struct Imported {
   // Outer faces of zones held here, ascending by zone.
   struct Face {
     std::int32_t zone, side;  // local; of tetrahedron_faces
-    std::int32_t border;      // index into GroundParameters::borders; -1: top
+    BorderKind holds;         // of the top: free
     int axis;                 // along which the normal points, -1: none
     bool low;                 // against it
   };
@@ -69,15 +69,17 @@ struct Imported {
   double area_around(Id corner) const;  // of these, m^2
 };
 
+struct SolidMesh;
+
 // Building is collective; afterwards only `exchange` is.
 struct Mesh {
   Mesh(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
        double thickness);
 
   par::Comm comm;
-  Lattice lattice;  // of a mesh from a file only its number of components means something
+  Lattice lattice;  // of tetrahedra only its number of components means something
   Solids solids;
-  std::unique_ptr<const Imported> imported;       // if the ground is from a file
+  std::unique_ptr<const Imported> imported;       // if the ground is of tetrahedra
   std::vector<Id> node;                           // known here, ascending
   std::vector<std::uint8_t> owned;                // of each node: 1 if this rank's, and no image
   std::vector<Image> images;                      // of own nodes, ascending
@@ -116,7 +118,7 @@ struct Mesh {
  private:
   void hold(const std::vector<int>& owner_of_node, const GroundParameters& parameters);
   void number(const std::vector<int>& owner_of_node);
-  void read_file(const GroundParameters& parameters);
+  void import(const SolidMesh& whole);
   void connect(const std::vector<int>& owner_of_node);
   template <int D>
   void exchange_packed(Nodal& values);

@@ -1,7 +1,7 @@
-// A ground from a mesh file: which rank holds what of it. Nodes and elements have the numbers of
-// their order in the file.
+// A ground of tetrahedra: which rank holds what of it. Nodes and elements have the numbers of their
+// order in the file, or in which an embankment is cut.
 //
-// Every rank reads the whole file and keeps its share, as every rank visits the whole lattice: no
+// Every rank makes the whole and keeps its share, as every rank visits the whole lattice: no
 // message, and nothing of the whole is left but the top.
 #include <algorithm>
 
@@ -74,8 +74,7 @@ double Imported::area_around(Id corner) const {
   return top_around[static_cast<std::size_t>(found - top_node.begin())];
 }
 
-void Mesh::read_file(const GroundParameters& parameters) {
-  const SolidMesh whole = read_solid_mesh(parameters);
+void Mesh::import(const SolidMesh& whole) {
   const std::vector<int> owner = node_owners(whole, comm.size());
   auto shape = std::make_unique<Imported>();
   shape->zones = static_cast<Id>(whole.element.size());
@@ -101,7 +100,7 @@ void Mesh::read_file(const GroundParameters& parameters) {
   const auto keep = [&](const std::vector<SolidMesh::Face>& from, auto& to) {
     for (const SolidMesh::Face& face : from)
       if (const std::int64_t at = local_zone(face.element); at >= 0)
-        to.push_back({static_cast<std::int32_t>(at), face.side, face.border, face.axis, face.low});
+        to.push_back({static_cast<std::int32_t>(at), face.side, face.holds, face.axis, face.low});
   };
   keep(whole.borders, shape->borders), keep(whole.top, shape->top);
   make_top(whole, *shape);

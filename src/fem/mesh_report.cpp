@@ -1,4 +1,4 @@
-// What a mesh file is as a ground, and what in it may not be meant.
+// What tetrahedra are as a ground, and what in a mesh file may not be meant.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -64,15 +64,13 @@ int held_at_rest(BorderKind kind, const SolidMesh::Face& face) {
 
 // Rigid motions t + w x r that the borders leave, as columns (t, w), of lengths over the size. A
 // held component c at r sees t_c + w . (r x e_c).
-Eigen::MatrixXd free_motions(const SolidMesh& mesh, const GroundParameters& parameters,
-                             const Box& all) {
+Eigen::MatrixXd free_motions(const SolidMesh& mesh, const Box& all) {
   constexpr double rounding = 1e-10;  // of squares
   const Vec3 centre = (all.low + all.high) / 2;
   const double size = (all.high - all.low).norm();
   Eigen::Matrix<double, 6, 6> seen = Eigen::Matrix<double, 6, 6>::Zero();
   for (const SolidMesh::Face& face : mesh.borders) {
-    const MeshBorder& border = parameters.borders[static_cast<std::size_t>(face.border)];
-    const int bits = held_at_rest(border.holds, face);
+    const int bits = held_at_rest(face.holds, face);
     for (const std::int32_t n : mesh.nodes_of(face))
       for (int c = 0; c < 3; ++c) {
         if ((bits >> c & 1) == 0) continue;
@@ -89,7 +87,7 @@ Eigen::MatrixXd free_motions(const SolidMesh& mesh, const GroundParameters& para
 
 // In words: along and about which axes a free motion goes, if only together with others.
 void require_held(const SolidMesh& mesh, const GroundParameters& parameters, const Box& all) {
-  const Eigen::MatrixXd free = free_motions(mesh, parameters, all);
+  const Eigen::MatrixXd free = free_motions(mesh, all);
   if (free.cols() == 0) return;
   std::vector<std::string> ways;
   for (int k = 0; k < 6; ++k)
@@ -132,6 +130,7 @@ void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters,
 void warn_of_size(const GroundParameters& parameters, const Box& all,
                   std::vector<std::string>& warnings) {
   const Vec3 size = all.high - all.low;
+  if (parameters.mesh.empty()) return;
   if (size.maxCoeff() > large || size.minCoeff() < small)
     warnings.push_back(
         fmt::format("{}: the mesh measures {:g} x {:g} x {:g} m: is the file in metres?",
@@ -158,15 +157,17 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
     warnings.push_back(fmt::format(
-        "{}: {} of {} tetrahedra are nearly flat (mean ratio below {:g}; {:.2g} of tetrahedron {} "
-        "of the file): steps are short and stresses poor there",
-        parameters.mesh, poor, ratios.size(), poor_mean_ratio, *worst, worst - ratios.begin() + 1));
+        "{}: {} of {} tetrahedra are nearly flat (mean ratio below {:g}; {:.2g} of tetrahedron {}"
+        "{}): steps are short and stresses poor there",
+        parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
+        poor_mean_ratio, *worst, worst - ratios.begin() + 1,
+        parameters.mesh.empty() ? "" : " of the file"));
 }
 
 }  // namespace
 
 MeshReport look_at_mesh(const GroundParameters& parameters) {
-  const SolidMesh mesh = read_solid_mesh(parameters);
+  const SolidMesh mesh = make_solid_mesh(parameters);
   const Box top = box_of(mesh, mesh.top);
   Box all;
   for (const Vec3& at : mesh.position) all.take(at);

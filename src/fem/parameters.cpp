@@ -322,6 +322,7 @@ void GroundParameters::declare(Section& s) {
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
   declare_mesh(s);
+  declare_embankment(s);
   s.rule("layer", !present || !layers.empty() || !mesh.empty(),
          "must be given at least once: the ground is empty");
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},

@@ -40,6 +40,7 @@ void refuse_layers(const GroundParameters& p, Section& s) {
   const char* borders = "its surfaces are [[ground.border]]";
   const char* shape = "the file has the shape";
   without("layer", p.layers.empty(), solids);
+  without("section", p.sections.empty(), shape);
   without("block", p.blocks.empty(), solids);
   without("base", p.base == common.base, borders);
   without("sides", p.sides == common.sides, borders);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "embankment.hpp"
 #include "mesh_problems.hpp"
 #include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
@@ -55,7 +56,7 @@ class Builder {
   void take_face(const GmshFile::Element& triangle, const Side& side);
   bool fits(const GmshFile::Element& triangle, const SolidMesh::Face& face) const;
   void turn_of(SolidMesh::Face& face) const;
-  void check_direction(const GmshFile::Element& triangle, const SolidMesh::Face& face);
+  void check_direction(const GmshFile::Element& triangle, const SolidMesh::Face& face, int border);
   void flatten_top();
   TenNodes places(std::size_t element) const;
   double extent() const { return (high_ - low_).norm(); }
@@ -243,14 +244,15 @@ void Builder::turn_of(SolidMesh::Face& face) const {
   face.low = normal[axis] < 0;
 }
 
-void Builder::check_direction(const GmshFile::Element& triangle, const SolidMesh::Face& face) {
-  if (face.border < 0) {
+void Builder::check_direction(const GmshFile::Element& triangle, const SolidMesh::Face& face,
+                              int number) {
+  if (number < 0) {
     if (face.axis != 2 || face.low)
       problems_.add("top", triangle,
                     "of the top is not level, with its outside above: stones need a top at z = 0");
     return;
   }
-  const MeshBorder& border = parameters_.borders[static_cast<std::size_t>(face.border)];
+  const MeshBorder& border = parameters_.borders[static_cast<std::size_t>(number)];
   const bool even = border.holds == BorderKind::roller || border.holds == BorderKind::quiet;
   if (even && face.axis < 0)
     problems_.add("turn " + border.name, triangle,
@@ -262,12 +264,13 @@ void Builder::check_direction(const GmshFile::Element& triangle, const SolidMesh
 void Builder::take_face(const GmshFile::Element& triangle, const Side& side) {
   const int border = problems_.border_of(triangle, parameters_);
   if (border == MeshProblems::nowhere) return;
-  SolidMesh::Face face{side.element, side.side, border, -1, false};
+  SolidMesh::Face face{side.element, side.side, BorderKind::free, -1, false};
+  if (border >= 0) face.holds = parameters_.borders[static_cast<std::size_t>(border)].holds;
   if (!fits(triangle, face))
     return problems_.add("middle", triangle,
                          "does not have the nodes amid the edges of the element behind it");
   turn_of(face);
-  check_direction(triangle, face);
+  check_direction(triangle, face, border);
   (border < 0 ? mesh_.top : mesh_.borders).push_back(face);
 }
 
@@ -278,7 +281,7 @@ void Builder::take_open(const std::vector<char>& taken) {
       return other < sides_.size() && sides_[other].corners == sides_[k].corners;
     };
     if (taken[k] == 0 && !same(k + 1) && !same(k - 1))
-      mesh_.open.push_back({sides_[k].element, sides_[k].side, MeshProblems::nowhere, -1, false});
+      mesh_.open.push_back({sides_[k].element, sides_[k].side, BorderKind::free, -1, false});
   }
 }
 
@@ -360,6 +363,10 @@ double SolidMesh::depth() const {
 
 SolidMesh solid_mesh_of(const GroundParameters& parameters, GmshFile file) {
   return Builder(parameters, std::move(file)).build();
+}
+
+SolidMesh make_solid_mesh(const GroundParameters& parameters) {
+  return parameters.sections.empty() ? read_solid_mesh(parameters) : embankment_mesh(parameters);
 }
 
 SolidMesh read_solid_mesh(const GroundParameters& parameters) {

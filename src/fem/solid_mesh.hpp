@@ -1,5 +1,5 @@
-// The ground of a mesh file, whole and checked: ten-node tetrahedra, what each is made of, and the
-// faces of its borders and top.
+// A ground of ten-node tetrahedra, whole and checked: what each is made of, and the faces of its
+// borders and top. From a mesh file, or made of the sections of an embankment.
 #pragma once
 
 #include <array>
@@ -12,23 +12,26 @@
 
 namespace trackbed::fem {
 
-// The same on every rank that reads the file.
+// The same on every rank.
 struct SolidMesh {
   // An outer face.
   struct Face {
     std::int32_t element, side;  // which of tetrahedron_faces
-    std::int32_t border;         // index into GroundParameters::borders; -1: the top
+    BorderKind holds;            // of the top and of open faces: free
     int axis;                    // along which its normal points, 0 to 2; -1: none
     bool low;                    // against the axis
   };
   std::vector<Vec3> position;                         // m, in the order of the file
   std::vector<std::array<std::int32_t, 10>> element;  // nodes (tetrahedron.hpp)
-  std::vector<std::int32_t> solid;                    // of each, index into parameters.solids
-  std::vector<Face> borders, top, open;               // open: in no physical surface
+  std::vector<std::int32_t> solid;                    // of each, index into Solids (lattice.hpp)
+  std::vector<Face> borders, top, open;               // open: in no physical surface; ascending
 
   std::array<std::int32_t, 6> nodes_of(const Face& face) const;
   double depth() const;  // m, from the top down to the lowest node
 };
+
+// Of a mesh file or of the sections of an embankment, whichever the parameters have. Local.
+SolidMesh make_solid_mesh(const GroundParameters& parameters);
 
 // Reads parameters.mesh. Throws InputError with everything that is wrong with it, each with the
 // line of the file: besides what cannot be read, elements that are turned inside out, stand in no

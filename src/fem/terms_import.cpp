@@ -1,4 +1,4 @@
-// Masses, borders and the critical step of a ground from a mesh file.
+// Masses, borders and the critical step of a ground of tetrahedra.
 //
 // Masses are lumped as tetrahedron_mass_share says: above 0 everywhere, so that explicit steps are
 // possible, and the same in implicit ones. Weight and border terms are what the shape functions
@@ -23,6 +23,8 @@ TenNodes places(const Mesh& mesh, std::size_t zone) {
     nodes[static_cast<std::size_t>(k)] = mesh.position(mesh.corner(zone, k));
   return nodes;
 }
+
+Vec3 middle(const TenNodes& nodes) { return (nodes[0] + nodes[1] + nodes[2] + nodes[3]) / 4; }
 
 // Shares, m^2, of the nodes 3, 4 and 5 of a face.
 //   dx/d(xi, eta) there with N_0 = l_0 (2 l_0 - 1), ..., N_3 = 4 l_0 l_1, ...; weights 1/6.
@@ -96,11 +98,10 @@ struct Builder {
     }
   }
   void border(const Imported::Face& face) const {
-    const BorderKind kind = parameters.borders[static_cast<std::size_t>(face.border)].holds;
     const FaceShare share = share_of(mesh, face);
-    if (kind == BorderKind::quiet) return quiet(face, share);
-    if (kind == BorderKind::free) return;
-    const int bits = kind == BorderKind::fixed ? 7 : 1 << face.axis;
+    if (face.holds == BorderKind::quiet) return quiet(face, share);
+    if (face.holds == BorderKind::free) return;
+    const int bits = face.holds == BorderKind::fixed ? 7 : 1 << face.axis;
     hold(share, terms.held, bits), hold(share, terms.held_at_rest, bits);
   }
 };
@@ -158,9 +159,8 @@ double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& par
   // Springs on nodes of an element, from its faces on a quiet base.
   std::map<std::size_t, Eigen::VectorXd> springs;
   for (const Imported::Face& face : mesh.imported->borders) {
-    const MeshBorder& border = parameters.borders[static_cast<std::size_t>(face.border)];
     const double spring = spring_of(mesh, parameters, face);
-    if (border.holds != BorderKind::quiet || spring == 0) continue;
+    if (face.holds != BorderKind::quiet || spring == 0) continue;
     const auto zone = static_cast<std::size_t>(face.zone);
     auto& on = springs.try_emplace(zone, Eigen::VectorXd::Zero(30)).first->second;
     const FaceShare share = share_of(mesh, face);
@@ -190,7 +190,16 @@ double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& par
   // Each rank may hold it; the lowest number is said.
   const Id found = shortest == least ? which : mesh.zone_count();
   const Id lowest = -mesh.comm.max(-found);
-  limit = fmt::format("tetrahedron {} of the file", lowest + 1);
+  if (!parameters.mesh.empty()) {
+    limit = fmt::format("tetrahedron {} of the file", lowest + 1);
+    return least;
+  }
+  Vec3 place = Vec3::Constant(-none);
+  if (found == lowest)
+    place = middle(places(mesh, static_cast<std::size_t>(mesh.local_zone(lowest))));
+  mesh.comm.max(std::span<double>(place.data(), 3));
+  limit = fmt::format("a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m", place.x(), place.y(),
+                      place.z());
   return least;
 }
 

@@ -1,5 +1,5 @@
-// The continuum below the bed, spread over ranks: layers of 8-node hexahedra, or a body of any
-// shape of 10-node tetrahedra from a mesh file.
+// The continuum below the bed, spread over ranks: layers of 8-node hexahedra, or 10-node tetrahedra
+// that make an embankment of these layers or come from a mesh file.
 #pragma once
 
 #include <array>
@@ -56,6 +56,16 @@ struct Block {
   void declare(input::Section& s);
 };
 
+// The outline of an embankment across the track at one place along it, symmetric about y = 0.
+struct CrossSection {
+  double x = 0;        // m
+  double crest = 3;    // m, half of its width
+  double height = 0;   // m, from the crest down to the natural ground; 0: that of its layers
+  double slope = 1.5;  // of its sides: so many across, one up
+  void declare(input::Section& s);
+  double foot() const { return crest + slope * height; }  // m, half of its width below
+};
+
 // What the elements of a physical volume of a mesh file are made of.
 struct MeshSolid {
   std::string name;  // of the physical volume
@@ -93,6 +103,8 @@ struct GroundParameters {
   double ratio_x = 1, ratio_y = 1, fine_x = 0, fine_y = 0;
   std::vector<Layer> layers;
   std::vector<Block> blocks;
+  std::vector<CrossSection> sections;  // of an embankment, linear between; its top is the crest
+  std::int64_t embankment_layers = 0;  // of these layers, from the top down; natural ground below
   PlaneState plane = PlaneState::stress;
   Base base = Base::quiet;
   // Pa/m springs beside the dashpots of a quiet base: the ground below; 0: none; below 0: chosen,
@@ -113,6 +125,10 @@ struct GroundParameters {
   double tolerance = 1e-8;  // relative residual of linear solves
   bool yields() const;      // whether any layer or block that is there does
   bool layers_have_zones() const;
+  bool of_tetrahedra() const { return !mesh.empty() || !sections.empty(); }
+  // Of an embankment at x, with its height; sections must be ascending and at least one.
+  CrossSection section_at(double x) const;
+  double narrowest_crest(double from, double to) const;  // m, half of its width, between two x
   std::int64_t zones_over_depth() const;
   // Borders of zones along an axis (0: x, 1: y of a model in space, 2: z), m, ascending. Not for a
   // mesh from a file.
@@ -123,6 +139,7 @@ struct GroundParameters {
   void declare_mesh(input::Section& s);
   void declare_sides(input::Section& s);
   void declare_grading(input::Section& s);
+  void declare_embankment(input::Section& s);
 };
 
 // Pa/m of the springs below a quiet base under this solid, `depth` m below the top.
@@ -132,7 +149,7 @@ struct GroundParameters {
 // directions, since loads of a track act downwards.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth);
 
-// What a mesh file is as a ground. Reads and checks the file: throws InputError with everything
+// What tetrahedra are as a ground. Reads and checks a mesh file: throws InputError with everything
 // that is wrong with it, and if its borders leave it a rigid motion at rest. Local.
 struct MeshReport {
   Vec3 low, high;          // m, of all nodes

@@ -1,0 +1,175 @@
+// The part of [ground] that makes an embankment of layers.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "embankment.hpp"
+
+namespace trackbed::fem {
+
+using input::About;
+using input::Section;
+using input::Weight;
+
+namespace {
+
+constexpr double same_place = 1e-6;  // m
+// Every rank makes all of them alone, five tetrahedra each, with some 5 kB for that moment.
+constexpr double most_cells = 2e6;
+
+const About of_shape{
+    .reads = {"section", "layer", "embankment_layers", "x", "y", "zones_x", "zones_y"}};
+
+// What a model of layers has and tetrahedra do not.
+void refuse_others(const GroundParameters& p, Section& s) {
+  const GroundParameters common;
+  const auto without = [&](const char* key, bool holds, const char* why) {
+    s.rule(key, holds, why, {.reads = {"section", key}});
+  };
+  without("base_motion", p.base_motion.empty(),
+          "has no effect with ground.section: waves from below are for level layers");
+  without("sides", p.sides != Sides::free_field,
+          "cannot be free_field with ground.section: the ground beside is not level; take quiet or "
+          "roller");
+  without("plane", p.plane == common.plane,
+          "has no effect with ground.section: an embankment is for models in space");
+  without("layer", !p.yields(),
+          "or a block yields, which tetrahedra do not: an embankment of ground.section is elastic");
+}
+
+// Which layers are raised, and that each has rows of its own. Nothing else can be judged without.
+bool declare_layers(const GroundParameters& p, Section& s) {
+  const auto layers = static_cast<std::int64_t>(p.layers.size());
+  const bool some = p.embankment_layers >= 1 && p.embankment_layers < layers;
+  s.rule(
+      "embankment_layers", some,
+      fmt::format("must be 1 to {}: the embankment of ground.section is made of the uppermost of "
+                  "the {} layers, and one at least is the natural ground",
+                  std::max<std::int64_t>(layers - 1, 1), layers),
+      of_shape);
+  const bool rows = std::all_of(p.layers.begin(), p.layers.end(),
+                                [](const Layer& layer) { return layer.zones > 0; });
+  s.rule("layer", rows, "need `zones` each with ground.section: slopes end where layers do",
+         of_shape);
+  const double cells = static_cast<double>(p.zones_x) * static_cast<double>(p.zones_y) *
+                       static_cast<double>(p.zones_over_depth());
+  s.rule("zones_x", cells <= most_cells,
+         fmt::format("makes {:.3g} cells of five tetrahedra with zones_y and zones_z: at most {:g} "
+                     "with ground.section",
+                     cells, most_cells),
+         of_shape);
+  return some && rows && cells <= most_cells;
+}
+
+bool declare_order(const GroundParameters& p, Section& s) {
+  bool rises = true;
+  for (std::size_t i = 1; i < p.sections.size(); ++i) {
+    const bool next = p.sections[i].x > p.sections[i - 1].x;
+    s.rule(fmt::format("section[{}].x", i), next,
+           fmt::format("must be beyond that of the section before ({:g} m)", p.sections[i - 1].x),
+           of_shape);
+    rises = rises && next;
+  }
+  return rises;
+}
+
+void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
+  const CrossSection section = p.section_at(p.sections[number].x);
+  const std::vector<double> thick = thicknesses(p, section);
+  const auto thin = std::min_element(thick.begin(), thick.end());
+  const auto layer = static_cast<std::size_t>(thin - thick.begin());
+  s.rule(
+      fmt::format("section[{}].height", number), *thin > same_place,
+      fmt::format("leaves {:g} m to layer[{}] (\"{}\"): the lowest layer of the embankment takes "
+                  "up what the height is more or less than its layers, and the lowest of all "
+                  "the rest",
+                  *thin, layer, p.layers[layer].name),
+      of_shape);
+}
+
+// What a side of the ground is to all sections: beyond their feet, or where they end.
+enum class Beside { ground, nothing, mixed, too_near };
+Beside beside(const GroundParameters& p, double side) {
+  bool ground = true, nothing = true;
+  for (const CrossSection& one : p.sections) {
+    const double left = side - p.section_at(one.x).foot();
+    if (left < -same_place) return Beside::too_near;
+    ground = ground && left > same_place;
+    nothing = nothing && left <= same_place;
+  }
+  return ground ? Beside::ground : nothing ? Beside::nothing : Beside::mixed;
+}
+
+void declare_widths(const GroundParameters& p, Section& s) {
+  std::int64_t columns = 1;
+  for (const double side : {-p.y[0], p.y[1]}) {
+    if (side == 0 && p.y[0] == 0) continue;  // half an embankment
+    const Beside found = beside(p, side);
+    double foot = 0;
+    for (const CrossSection& one : p.sections) foot = std::max(foot, p.section_at(one.x).foot());
+    s.rule("y", found != Beside::too_near,
+           fmt::format("ends before the embankment does: its foot reaches {:g} m from the axis; "
+                       "make the ground wider, or the crest narrower (y may begin at 0: half an "
+                       "embankment)",
+                       foot),
+           of_shape);
+    s.rule("y", found != Beside::mixed,
+           "ends at the foot of some sections and beyond that of others: leave ground beside all "
+           "of them, or none",
+           of_shape);
+    columns += found == Beside::ground ? 1 : 0;
+  }
+  s.rule("zones_y", p.zones_y >= columns,
+         fmt::format("must be at least {}: one below the crest, and one beside each foot", columns),
+         of_shape);
+}
+
+// Cells bend where sections are if they end there.
+void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
+  const double x = p.sections[number].x;
+  if (number == 0 || number + 1 == p.sections.size()) return;
+  const std::vector<double> edges = p.edges(0);
+  const bool on_edge = std::any_of(edges.begin(), edges.end(),
+                                   [&](double edge) { return std::abs(edge - x) < same_place; });
+  s.rule(fmt::format("section[{}].x", number), on_edge || x < edges.front() || x > edges.back(),
+         "lies within a row of zones: the shape bends at their borders, and this section is cut "
+         "off; take other zones_x",
+         {.weight = Weight::warning, .reads = of_shape.reads});
+}
+
+}  // namespace
+
+void CrossSection::declare(Section& s) {
+  s.number("x", x, {.unit = "m"}, "Where along the track; the next section lies beyond.");
+  s.number("crest", crest, {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 50},
+           "Half the width of the crest, from y = 0 to either side.");
+  s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 50},
+           "From the crest down to the natural ground; 0: that of the embankment's layers. What it "
+           "is more or less, their lowest one takes up.");
+  s.number("slope", slope, {.at_least = 0, .usually_to = 10},
+           "Of the sides: metres across for each one up; 0: upright.");
+}
+
+void GroundParameters::declare_embankment(Section& s) {
+  s.tables(
+      "section", sections,
+      "An embankment: its outline across the track at places along it, linear between them and "
+      "held beyond; none: layers as wide as y.");
+  s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
+            "Layers, from the top down, that are the embankment (section); those below are the "
+            "natural ground on both sides.");
+  if (sections.empty()) {
+    s.rule("embankment_layers", embankment_layers == 0, "has no effect without ground.section",
+           of_shape);
+    return;
+  }
+  refuse_others(*this, s);
+  const bool whole = x.size() == 2 && y.size() == 2 && x[1] > x[0] && y[1] > y[0];
+  if (!mesh.empty() || !whole || !declare_layers(*this, s) || !declare_order(*this, s)) return;
+  for (std::size_t i = 0; i < sections.size(); ++i) declare_height(*this, i, s);
+  for (std::size_t i = 0; i < sections.size(); ++i) declare_places(*this, i, s);
+  declare_widths(*this, s);
+}
+
+}  // namespace trackbed::fem

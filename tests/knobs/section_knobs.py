@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""As knobs.py, for the sections of an embankment, with a short form of inputs/ground/sections.toml.
+And refusals and reports of such decks.
+
+    section_knobs.py PROGRAM DECK FOLDER
+"""
+import hashlib
+import pathlib
+import shutil
+import sys
+
+import h5py
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+
+SHORT = ["ground.zones_x=9", "ground.layer.1.zones=1", "ground.layer.2.zones=1",
+         "passage.duration=0.05"]
+# Parameter of the schema -> change of the deck.
+KNOBS = {
+    "ground.embankment_layers": "ground.embankment_layers=1 ground.section.2.height=0.5",
+    "ground.section.[].x": "ground.section.1.x=6",
+    "ground.section.[].crest": "ground.section.1.crest=3",
+    "ground.section.[].height": "ground.section.0.height=3.5",
+    "ground.section.[].slope": "ground.section.1.slope=2",
+}
+# Change of the deck -> words of the refusal.
+REFUSED = {
+    "ground.section.1.x=-1": "must be beyond that of the section before (0 m)",
+    "ground.section.1.x=0": "must be beyond that of the section before",
+    "ground.section.1.crest=-1": "crest",
+    "ground.y=[0,9]": "its foot reaches 9.5 m from the axis",
+    "ground.y=[-9,16]": "ends before the embankment does",
+    "ground.y=[0,9.5] ground.section.2.height=2.5":
+        "ends at the foot of some sections and beyond that of others",
+    "ground.y=[0,16] ground.zones_y=1": "must be at least 2",
+    "ground.section.2.height=0.6": "leaves 0 m to layer[1] (\"fill\")",
+    "ground.section.2.height=9.5": "to layer[2] (\"soil\")",
+    "ground.embankment_layers=0": "must be 1 to 2",
+    "ground.embankment_layers=3": "must be 1 to 2",
+    "ground.layer.1.zones=0": "need `zones` each",
+    "ground.zones_x=100000": "at most 2e+06",
+    "ground.zones_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
+    "ground.sides=free_field": "the ground beside is not level",
+    "ground.plane=strain": "an embankment is for models in space",
+    "ground.layer.1.yield=mohr_coulomb": "an embankment of ground.section is elastic",
+    "ground.block.0.yield=mohr_coulomb": "an embankment of ground.section is elastic",
+    "dimension=plane": "must be space on a ground of tetrahedra",
+    "footing.length=8 footing.y=4": "beyond the crest of ground.section (3.5 m on either side)",
+    "ground.mesh={mesh}": "has no effect with ground.mesh; the file has the shape",
+}
+# Change of the deck -> words that `check` prints, or (after "-") does not.
+TOLD = {
+    "title=same": ["x = 0 to 18, y = 0 to 16, z = -9 to 0 m, {volume:.6g} m^3", "-warning"],
+    "ground.section.1.x=8.7": ["section[1].x", "lies within a row of zones"],
+    "ground.y=[0,9.5]": ["y = 0 to 9.5, z", "-warning"],  # ends at the foot of all
+}
+
+
+# m^3 of half the deck's embankment: level to x = 9 m, then lower and wider.
+def volume():
+    def area(crest, height):
+        return height * (crest + 0.75 * height) + 16 * (9 - height)
+    level, middle, end = area(3.5, 4), area(4.25, 3.5), area(5, 3)
+    return 9 * level + 9 / 6 * (level + 4 * middle + end)
+
+
+def split(changes):
+    """At blanks before a key."""
+    return changes.split(" ")
+
+
+def seen(program, deck, folder, changes):
+    """State after the run, or the refusal."""
+    place = folder / "run"
+    ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
+    if ran.returncode != 0:
+        return {"code": ran.returncode, "said": ran.stderr}
+    digest = hashlib.sha256()
+    with h5py.File(place / "results.h5") as file:
+        file.visititems(lambda name, item: digest.update(item[()].tobytes())
+                        if isinstance(item, h5py.Dataset) else None)
+    return {"code": 0, "data": digest.hexdigest(), "ground": summary(place)["ground"]["elements"]}
+
+
+def untold(program, deck):
+    """What `check` should say of changes and does not."""
+    problems = []
+    for changes, words in TOLD.items():
+        ran = program(1, "check", deck, *split(changes))
+        for word in words:
+            word = word.format(volume=volume())
+            if ran.returncode != 0 or (word.lstrip("-") in ran.stdout) == word.startswith("-"):
+                problems.append(f"check {changes}: {word}? code {ran.returncode}, {ran.stdout} "
+                                f"{ran.stderr}")
+    return problems
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    place = {"mesh": pathlib.Path(deck).parent / "embankment.msh"}
+    before = seen(program, deck, folder, [])
+    problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
+    if before != seen(program, deck, folder, []):
+        problems.append("the same run twice differs: this test would prove nothing")
+    for name, change in KNOBS.items():
+        after = seen(program, deck, folder, split(change))
+        if after["code"] != 0 or after == before:
+            problems.append(f"{name}: {change} changes nothing, or: {after}")
+    for changes, words in REFUSED.items():
+        for command in ("check", "run"):
+            ran = program(1, command, deck, *split(changes.format(**place)),
+                          *(["-o", folder / "none"] if command == "run" else []))
+            if ran.returncode != 2 or words not in ran.stderr:
+                problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
+    problems += untold(program, deck)
+    if (folder / "none").exists():
+        problems.append("a refused run must leave nothing behind")
+    print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")
+    if problems:
+        raise SystemExit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+// An embankment of sections: a column's exact sinking, layers of hexahedra, refinement.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "fem/tetrahedron.hpp"
+#include "support/verified.hpp"
+#include "unit/fem/embankment_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+// Lowest frequency, Hz, whose motion begins along y: by inverse iteration.
+double frequency(const GroundParameters& p) {
+  Mesh mesh(Comm::world(), p, Dimension::space, 1);
+  const Stiffness stiffness(mesh, elements_of_zones(mesh));
+  const Terms terms(mesh, p, stiffness);
+  LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
+                          Nodal(3, mesh.nodes()), terms.held_at_rest, p.tolerance};
+  LinearSystem system(mesh, stiffness, spec);
+  Nodal u(3, mesh.nodes()), force(3, mesh.nodes());
+  for (const std::int32_t n : mesh.own) u[1][n] = 1;
+  double squared = 0;
+  for (int round = 0; round < 12; ++round) {
+    double work = 0, mass = 0, size = 0;  // of force = M u and the u that it makes
+    for (int c = 0; c < 3; ++c)
+      for (const std::int32_t n : mesh.own)
+        force[c][n] = terms.mass[static_cast<std::size_t>(n)] * u[c][n];
+    system.solve(force, u);
+    for (int c = 0; c < 3; ++c)
+      for (const std::int32_t n : mesh.own) {
+        work += force[c][n] * u[c][n];
+        mass += terms.mass[static_cast<std::size_t>(n)] * u[c][n] * u[c][n];
+        size = std::max(size, std::abs(u[c][n]));
+      }
+    squared = mesh.comm.sum(work) / mesh.comm.sum(mass);
+    size = mesh.comm.max(size);
+    for (int c = 0; c < 3; ++c)
+      for (const std::int32_t n : mesh.own) u[c][n] /= size;
+  }
+  return std::sqrt(squared) / (2 * std::numbers::pi);
+}
+
+GroundParameters finer(GroundParameters p, std::int64_t times) {
+  p.zones_x *= times, p.zones_y *= times;
+  for (Layer& layer : p.layers) layer.zones *= times;
+  return p;
+}
+
+GroundParameters in_hexahedra(GroundParameters p) {
+  p.sections.clear(), p.embankment_layers = 0;
+  return p;
+}
+
+// Upright sides on rollers: w = rho g H^2 (1 + nu) (1 - 2 nu) / (2 E (1 - nu)).
+TEST(UprightEmbankment, SinksAsAColumn) {
+  GroundParameters p = upright({-3, 3});
+  for (Layer& layer : p.layers) layer.solid = {50e6, 0.3, 2000};
+  const double exact = 2000 * gravity * 16 * 1.3 * 0.4 / (2 * 50e6 * 0.7);
+  verified::near("sinking under its weight over the exact one", "-",
+                 -Rest(p).at({3, 0, 0}).z() / exact, 1, 1e-8);
+}
+
+// Layers on a fixed base, free sides: it bends and shears.
+TEST(UprightEmbankment, SwingsAsLayersOfHexahedra) {
+  GroundParameters p = upright({-2, 2});
+  p.sides = Sides::free, p.zones_y = 4;
+  const double hexahedra = frequency(finer(in_hexahedra(p), 4));
+  verified::near("first frequency over that of finer hexahedra", "-",
+                 frequency(finer(p, 2)) / hexahedra, 1, 0.01);
+}
+
+// 10 kN on the middle 2 x 2 m of the top: quarters of zones to their corners, thirds of six-node
+// faces to the middles of their edges.
+void press(const Mesh& mesh, Nodal& force) {
+  const double pressure = 10e3 / 4;
+  const auto take = [&](const std::vector<std::int32_t>& nodes, const Vec3& centre, double area) {
+    if (std::abs(centre.x() - 3) > 1 || std::abs(centre.y()) > 1) return;
+    for (const std::int32_t n : nodes)
+      if (mesh.owned[static_cast<std::size_t>(n)] != 0)
+        force[2][n] -= pressure * area / static_cast<double>(nodes.size());
+  };
+  if (mesh.imported) {
+    for (const Imported::Face& face : mesh.imported->top) {
+      std::vector<std::int32_t> nodes;
+      for (const int k : tetrahedron_faces[static_cast<std::size_t>(face.side)])
+        nodes.push_back(mesh.corner(static_cast<std::size_t>(face.zone), k));
+      const auto at = [&](std::size_t k) { return mesh.position(nodes[k]); };
+      take({nodes[3], nodes[4], nodes[5]}, (at(0) + at(1) + at(2)) / 3,
+           0.5 * (at(1) - at(0)).cross(at(2) - at(0)).z());
+    }
+    return;
+  }
+  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    if (mesh.lattice.zone_index(mesh.zone[z])[2] + 1 != mesh.lattice.zones[2]) continue;
+    const Vec3 size = mesh.lattice.size_of(mesh.zone[z]);
+    take({mesh.corner(z, 4), mesh.corner(z, 5), mesh.corner(z, 6), mesh.corner(z, 7)},
+         mesh.lattice.centre(mesh.zone[z]), size.x() * size.y());
+  }
+}
+
+TEST(UprightEmbankment, GivesWayAsLayersOfHexahedra) {
+  const auto sinks = [](const GroundParameters& p) {
+    const Vec3 middle(3, 0, 0);
+    return Rest(p, press).at(middle).z() - Rest(p).at(middle).z();
+  };
+  GroundParameters p = upright({-3, 3});
+  p.zones_x = p.zones_y = 6;
+  verified::near("sinking below a load over that of finer hexahedra", "-",
+                 sinks(finer(p, 2)) / sinks(finer(in_hexahedra(p), 4)), 1, 0.01);
+}
+
+// A slice between rollers of half an embankment with sides 1:1.5, under its weight. Strains are
+// without bound at the foot, so the order is below that of smooth motions.
+TEST(SlopedEmbankment, SinksTheSameInFinerElements) {
+  GroundParameters p = embankment();
+  p.x = {0, 1}, p.y = {0, 10}, p.zones_x = 1, p.zones_y = 5;
+  std::array<double, 4> sinks{};
+  for (std::size_t level = 0; level < 4; ++level) {
+    GroundParameters fine = finer(p, std::int64_t{1} << level);
+    fine.x[1] = 1.0 / static_cast<double>(fine.zones_x);
+    fine.zones_x = 1;
+    sinks[level] = -Rest(fine).at({0, 0, 0}).z();
+  }
+  const double first = std::abs(sinks[1] - sinks[0]), second = std::abs(sinks[2] - sinks[1]);
+  const double third = std::abs(sinks[3] - sinks[2]);
+  verified::below("change from zones of 1 m to those of half, over the whole", "-",
+                  first / sinks[3], 0.01);
+  verified::above("changes halving after halving, least ratio", "-",
+                  std::min(first / second, second / third), 2);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
