@@ -202,7 +202,7 @@ ZonePoints zone_points(const Vec3& size, const Elastic& solid, Dimension dimensi
   const Hexahedron zone(corners_of(size), elasticity(solid));
   ZonePoints points;
   points.components = flat ? 4 : 6;
-  points.volume = size.prod() / (flat ? 4 : 8);
+  points.volume = Eigen::VectorXd::Constant(flat ? 4 : 8, size.prod() / (flat ? 4 : 8));
   const int count = flat ? 4 : 8, rows = points.components * count;
   const Eigen::MatrixXd relief = zone.relief(), motion = motion_of(flat);
   points.recovery.setZero(rows, motion.cols());

@@ -60,12 +60,16 @@ ZoneElement zone_element(const Vec3& size, const Elastic& solid, Dimension dimen
                          PlaneState plane);
 
 // The Gauss points of a zone, for strain that stays: 8 in space, 4 in a plane (of plane strain),
-// where front and back see the same. Points are numbered as the corners.
+// where front and back see the same, numbered as the corners; 4 of a tetrahedron.
 struct ZonePoints {
   int components = 6;        // of stress and strain: in a plane xx yy zz zx
-  double volume = 0;         // m^3 of each
+  Eigen::VectorXd volume;    // m^3 of each
   Eigen::MatrixXd recovery;  // Pa/m: row components * point + component, columns of ZoneElement
   Eigen::MatrixXd relief;    // Pa: stress by plastic strain of all points, corners held
+  // N by Pa at the points, row components * point + component.
+  Eigen::MatrixXd weighted(const Eigen::MatrixXd& rows) const {
+    return volume.replicate(1, components).transpose().reshaped().asDiagonal() * rows;
+  }
   // Which of xx yy zz xy yz zx a component is.
   int voigt(int component) const { return components == 4 && component == 3 ? 5 : component; }
 };

@@ -43,7 +43,9 @@ Ground::Room::Room(const par::Comm& comm, const GroundParameters& given, Dimensi
       terms(mesh, given, stiffness),
       state(components(), mesh.nodes(), given.integrator != Integrator::explicit_) {
   critical = critical_step(mesh, parameters, stiffness, limit);
-  if (parameters.yields()) plasticity = std::make_unique<Plasticity>(mesh);
+  if (parameters.yields())
+    plasticity =
+        std::make_unique<Plasticity>(mesh, mesh.imported ? &stiffness.tetrahedra() : nullptr);
   if (!parameters.base_motion.empty())
     free_field = std::make_unique<FreeField>(mesh, parameters, stiffness);
   make_surface();

@@ -28,7 +28,11 @@ Vec6 stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recove
 // xx yy zz xy yz zx.
 Vec6 Ground::Room::stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const {
   const Nodal& u = when == Plasticity::When::rest ? state.rest : state.displacement;
-  if (mesh.imported) return stiffness.tetrahedra().stress(zone, tetrahedron_centre(), u);
+  if (mesh.imported) {
+    Vec6 at_centre = stiffness.tetrahedra().stress(zone, tetrahedron_centre(), u);
+    if (plasticity) at_centre += plasticity->stress(zone, where, when);
+    return at_centre;
+  }
   const ZoneElement& element = stiffness.element(mesh.solid[zone]);
   const bool top = where == Plasticity::Where::top;
   Vec6 found = stress_of(mesh, zone, top ? element.top_stress : element.centre_stress, u);
@@ -57,8 +61,10 @@ double Ground::Room::imported_surface_stress(std::int32_t node) const {
   auto at = std::lower_bound(faces_at.begin(), faces_at.end(), std::pair(node, 0));
   for (; at != faces_at.end() && at->first == node; ++at, ++count) {
     const Imported::Face& face = mesh.imported->top[static_cast<std::size_t>(at->second)];
-    sum += stiffness.tetrahedra().stress(static_cast<std::size_t>(face.zone),
-                                         tetrahedron_face_centre(face.side), state.displacement)(2);
+    const auto zone = static_cast<std::size_t>(face.zone);
+    const Vec3 xi = tetrahedron_face_centre(face.side);
+    sum += stiffness.tetrahedra().stress(zone, xi, state.displacement)(2);
+    if (plasticity) sum += plasticity->stress_at(zone, xi, Plasticity::When::since)(2);
   }
   return sum / count;
 }

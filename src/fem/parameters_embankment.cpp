@@ -34,8 +34,6 @@ void refuse_others(const GroundParameters& p, Section& s) {
           "roller");
   without("plane", p.plane == common.plane,
           "has no effect with ground.section: an embankment is for models in space");
-  without("layer", !p.yields(),
-          "or a block yields, which tetrahedra do not: an embankment of ground.section is elastic");
 }
 
 // Which layers are raised, and that each has rows of its own. Nothing else can be judged without.

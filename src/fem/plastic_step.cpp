@@ -5,6 +5,8 @@
 // enhanced strains, E^T sigma = 0, is x = Z^T d.
 #include "plastic_step.hpp"
 
+#include "tetrahedron.hpp"
+
 namespace trackbed::fem {
 
 namespace {
@@ -56,8 +58,7 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
   const Elastic& elastic = mesh.solids.solid[solid];
   Law law{{elastic, mesh.solids.strength[solid]},
-          zone_points(mesh.solids.size[solid], elastic, dimension),
-          {},
+          mesh.imported ? ZonePoints{} : zone_points(mesh.solids.size[solid], elastic, dimension),
           {},
           {},
           {},
@@ -70,6 +71,10 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   for (int c = 0; c < parts; ++c)
     for (int d = 0; d < parts; ++d) law.elasticity(c, d) = all(points.voigt(c), points.voigt(d));
   law.compliance = law.elasticity.inverse();
+  if (mesh.imported) {  // no enhanced strains
+    law.modes = law.strains = Matrix(parts * tetrahedron_points, 0);
+    return law;
+  }
   // R + D, symmetric as all points have one volume.
   Matrix square = points.relief;
   for (Eigen::Index g = 0; g < square.rows() / parts; ++g)
@@ -80,7 +85,6 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   const Eigen::Index rank = (size.array() > least).count();
   law.modes = solver.eigenvectors().rightCols(rank) * size.tail(rank).cwiseSqrt().asDiagonal();
   law.strains = by_points(law.compliance, law.modes);
-  law.force = points.volume * by_points(law.compliance, points.recovery).transpose();
   return law;
 }
 
@@ -100,6 +104,10 @@ bool PlasticStep::seek(Flow& flow) const {
   constexpr double enough = 1e-12, rounding = 1e-15;
   constexpr std::array damping = {1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0};
   const Law& l = law(flow);
+  if (l.modes.cols() == 0) {
+    flow.gained = bring_back(l.surface, l.points, flow.elastic, false).gained;
+    return true;
+  }
   const double scale = l.modes.cwiseAbs().maxCoeff();
   const double least = rounding * flow.elastic.norm() / l.elasticity(0, 0);
   const auto evaluate = [&](const Vector& modes) {
@@ -159,14 +167,18 @@ void PlasticStep::tangent(const Visit& visit) const {
   for (const Flow& flow : flows_) {
     const Law& l = law(flow);
     const Returned at = bring_back(l.surface, l.points, flow.elastic + l.modes * flow.modes, true);
-    Matrix stress = by_points(at.slope, l.points.recovery);
-    const Matrix of_modes = by_points(at.slope, l.modes);
-    const Matrix slope = l.strains.transpose() * of_modes;
-    // At an apex nothing resists some of the enhanced strains: least norm.
-    const Matrix follow =
-        slope.completeOrthogonalDecomposition().solve(l.strains.transpose() * stress);
-    stress.noalias() -= of_modes * follow;
-    visit(plasticity_.zones()[flow.number], l.force * (stress - l.points.recovery));
+    const ZonePoints of = points(flow);
+    Matrix stress = by_points(at.slope, of.recovery);
+    if (l.modes.cols() > 0) {
+      const Matrix of_modes = by_points(at.slope, l.modes);
+      const Matrix slope = l.strains.transpose() * of_modes;
+      // At an apex nothing resists some of the enhanced strains: least norm.
+      const Matrix follow =
+          slope.completeOrthogonalDecomposition().solve(l.strains.transpose() * stress);
+      stress.noalias() -= of_modes * follow;
+    }
+    const Matrix force = of.weighted(by_points(l.compliance, of.recovery)).transpose();
+    visit(plasticity_.zones()[flow.number], force * (stress - of.recovery));
   }
 }
 
@@ -175,7 +187,7 @@ void PlasticStep::keep() {
     const Law& l = law(flow);
     const Vector trial = flow.elastic + l.modes * flow.modes;
     const Vector stress = trial - by_points(l.elasticity, flow.gained);
-    *plasticity_.zone(flow.number).work += l.points.volume * stress.dot(flow.gained);
+    *plasticity_.zone(flow.number).work += points(flow).weighted(stress).col(0).dot(flow.gained);
   }
   flows_.clear();
 }

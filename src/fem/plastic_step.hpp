@@ -45,10 +45,9 @@ class PlasticStep {
  private:
   struct Law {
     MohrCoulomb surface;
-    ZonePoints points;
+    ZonePoints points;                       // of tetrahedra only the number of components
     Eigen::MatrixXd elasticity, compliance;  // Pa, 1/Pa: of one point, its components
     Eigen::MatrixXd modes, strains;          // Z and D^-1 Z; rows components * point + component
-    Eigen::MatrixXd force;                   // N by Pa of the points: V S^T D^-1
   };
   struct Flow {
     std::size_t number;             // in Plasticity::zones()
@@ -59,6 +58,9 @@ class PlasticStep {
   static Law law_of(const Mesh& mesh, std::size_t solid);
   const Law& law(const Flow& flow) const {
     return laws_[static_cast<std::size_t>(plasticity_.zone(flow.number).solid)];
+  }
+  ZonePoints points(const Flow& flow) const {
+    return plasticity_.points_of(plasticity_.zones()[flow.number]);
   }
   bool seek(Flow& flow) const;
 

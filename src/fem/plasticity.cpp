@@ -12,6 +12,8 @@
 
 #include <algorithm>
 
+#include "room_within.hpp"
+
 namespace trackbed::fem {
 
 namespace {
@@ -48,58 +50,50 @@ struct Plasticity::Batch {
         value[c][g] = lane;
       }
   }
-  // Least over the points of what is left to the cones, per lane; below 0: perhaps beyond the
-  // surface. Units are mixed, the sign counts.
-  Lane room(const std::array<MohrCoulomb::Cone, 2>& cones) const {
-    Lane least = Lane{} + 1.0;
-    for (int g = 0; g < points; ++g) {
-      const Lane x = value[0][g], y = value[1][g], z = value[2][g];
-      const Lane mean = (x + y + z) * (1.0 / 3);
-      const Lane xy = x - y, yz = y - z, zx = z - x;
-      Lane second = (xy * xy + yz * yz + zx * zx) * (1.0 / 6);
-      for (int c = 3; c < components; ++c) second += value[c][g] * value[c][g];
-      for (const MohrCoulomb::Cone& cone : cones) {
-        const Lane left = cone.limit - cone.slope * mean;
-        const Lane square = left * left - cone.factor * second;
-        least = left < least ? left : least;
-        least = square < least ? square : least;
-      }
-    }
-    return least;
-  }
 };
 
 // Zones are ascending with x fastest: as Stiffness, runs end where rows, solids or the partition
 // do.
-Plasticity::Plasticity(const Mesh& mesh) : mesh_(mesh), number_(mesh.zone.size(), -1) {
+void Plasticity::make_runs() {
+  for (std::size_t z = 0; z < mesh_.zone.size(); ++z) {
+    if (!laws_[static_cast<std::size_t>(mesh_.solid[z])]) continue;
+    const bool row_begins = mesh_.lattice.zone_index(mesh_.zone[z])[0] == 0;
+    const bool goes_on = z > 0 && !row_begins && mesh_.zone[z] == mesh_.zone[z - 1] + 1 &&
+                         mesh_.solid[z] == mesh_.solid[z - 1];
+    if (goes_on)
+      ++runs_.back().zones;
+    else
+      runs_.push_back({1, mesh_.solid[z], mesh_.line[z], zone_.size()});
+    number_[z] = static_cast<std::int64_t>(zone_.size());
+    zone_.push_back(z);
+  }
+}
+
+Plasticity::Plasticity(const Mesh& mesh, const Tetrahedra* tetrahedra)
+    : mesh_(mesh), tetrahedra_(tetrahedra), number_(mesh.zone.size(), -1) {
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
   const int corners = mesh.lattice.corners(), components = mesh.lattice.components();
   for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s) {
     auto& law = laws_.emplace_back();
     if (mesh.solids.strength[s].yield == Yield::none) continue;
+    if (tetrahedra != nullptr) {
+      law = std::make_unique<Law>(
+          Law{{mesh.solids.solid[s], mesh.solids.strength[s]}, {}, {}, {}, {}});
+      continue;
+    }
     const ZonePoints points = zone_points(mesh.solids.size[s], mesh.solids.solid[s], dimension);
     const int parts = points.components;
     // Forces of strain are the transpose of stress by displacement: work is the same both ways.
-    const Eigen::MatrixXd force = points.volume * points.recovery.transpose();
+    const Eigen::MatrixXd force = points.weighted(points.recovery).transpose();
     law = std::make_unique<Law>(Law{{mesh.solids.solid[s], mesh.solids.strength[s]},
                                     points,
                                     {points.recovery, parts, components, corners},
                                     {points.relief, parts, parts, corners},
                                     {force, components, parts, corners}});
   }
-  for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    if (!laws_[static_cast<std::size_t>(mesh.solid[z])]) continue;
-    const bool row_begins = mesh.lattice.zone_index(mesh.zone[z])[0] == 0;
-    const bool goes_on = z > 0 && !row_begins && mesh.zone[z] == mesh.zone[z - 1] + 1 &&
-                         mesh.solid[z] == mesh.solid[z - 1];
-    if (goes_on)
-      ++runs_.back().zones;
-    else
-      runs_.push_back({1, mesh.solid[z], mesh.line[z], zone_.size()});
-    number_[z] = static_cast<std::int64_t>(zone_.size());
-    zone_.push_back(z);
-  }
-  width_ = static_cast<std::size_t>(corners) * (mesh.lattice.plane ? 4 : 6);
+  tetrahedra != nullptr ? make_groups() : make_runs();
+  width_ = static_cast<std::size_t>(tetrahedra != nullptr ? tetrahedron_points : corners) *
+           (mesh.lattice.plane ? 4 : 6);
   strain_.assign(width_ * zone_.size(), 0.0);
   rest_ = strain_;
   work_.assign(zone_.size(), 0.0);
@@ -131,7 +125,7 @@ void Plasticity::bring_back(const Law& law, std::size_t zone, int lane, const Ba
     for (int c = 0; c < B::components; ++c)
       strain_[zone * width_ + static_cast<std::size_t>(c * B::points + g)] +=
           plastic(law.points.voigt(c));
-    work_[zone] += stress.dot(plastic) * law.points.volume;
+    work_[zone] += stress.dot(plastic) * law.points.volume[g];
     flowed_[zone] = 1;
   }
 }
@@ -165,7 +159,7 @@ void Plasticity::test_runs(const Nodal& rest, const Nodal& u, const Beyond& beyo
           for (int g = 0; g < corners; ++g) stress.value[c][g] += relief.value[c][g];
       }
       stress.to_corners();
-      const Lane room = stress.room(law.surface.cones());
+      const Lane room = room_within(stress.value, law.surface.cones());
       for (int l = 0; l < count; ++l)
         if (room[l] < 0) beyond(law, first + static_cast<std::size_t>(l), l, stress);
     }
@@ -173,6 +167,7 @@ void Plasticity::test_runs(const Nodal& rest, const Nodal& u, const Beyond& beyo
 }
 
 void Plasticity::flow(const Nodal& rest, const Nodal& u) {
+  if (tetrahedra_ != nullptr) return flow_groups(rest, u);
   const auto run = [&]<int D>(std::integral_constant<int, D>) {
     test_runs<D>(rest, u, [this](const Law& law, std::size_t zone, int lane, const Batch<D>& b) {
       bring_back<D>(law, zone, lane, b);
@@ -183,6 +178,7 @@ void Plasticity::flow(const Nodal& rest, const Nodal& u) {
 }
 
 void Plasticity::beyond(const Nodal& rest, const Nodal& u, const Take& take) {
+  if (tetrahedra_ != nullptr) return beyond_groups(rest, u, take);
   const auto run = [&]<int D>(std::integral_constant<int, D>) {
     test_runs<D>(rest, u, [&](const Law&, std::size_t zone, int lane, const Batch<D>& b) {
       double stress[Batch<D>::components * Batch<D>::points];
@@ -225,6 +221,7 @@ void Plasticity::act_runs(Nodal& internal) const {
 }
 
 void Plasticity::act_on(Nodal& internal) const {
+  if (tetrahedra_ != nullptr) return act_groups(internal);
   mesh_.lattice.plane ? act_runs<2>(internal) : act_runs<3>(internal);
   fold(mesh_.images, internal);
 }
@@ -235,7 +232,7 @@ std::size_t Plasticity::bytes() const {
     if (law) laws += law->stress.bytes() + law->relief.bytes() + law->force.bytes();
   return laws + (strain_.capacity() + rest_.capacity() + work_.capacity()) * sizeof(double) +
          number_.capacity() * 8 + zone_.capacity() * 8 + flowed_.capacity() +
-         runs_.capacity() * sizeof(Run);
+         runs_.capacity() * sizeof(Run) + groups_.capacity() * sizeof(Group);
 }
 
 }  // namespace trackbed::fem

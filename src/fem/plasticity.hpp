@@ -4,6 +4,9 @@
 // yielding solids alone (docs/decisions/plasticity.md). A zone at a rank border is held on each
 // rank that needs it and flows there alike, so nothing of it is ever sent.
 //
+// Tetrahedra have the same law and state, but forces and stresses of their own, without enhanced
+// strains (plasticity_tetrahedra.cpp).
+//
 // Cost per step and zone that does not yield: stress of eight zones at once, some 300 flops each in
 // space; one that has yielded costs twice that and its returns.
 #pragma once
@@ -15,12 +18,14 @@
 #include "mesh.hpp"
 #include "mohr_coulomb.hpp"
 #include "pattern_map.hpp"
+#include "tetrahedra.hpp"
 
 namespace trackbed::fem {
 
 class Plasticity {
  public:
-  explicit Plasticity(const Mesh& mesh);
+  // Of tetrahedra theirs, which must outlive it.
+  explicit Plasticity(const Mesh& mesh, const Tetrahedra* tetrahedra = nullptr);
 
   // Returns the stress of the motion rest + u to the surface, once, and keeps the plastic strain.
   // Ghosts of both must be current. Local.
@@ -52,8 +57,10 @@ class Plasticity {
   enum class Where { centre, top };
   enum class When { rest, since };
   Vec6 stress(std::size_t zone, Where where, When when) const;
-  double sheared(std::size_t zone) const;  // sqrt(2/3 e : e) of the mean plastic strain
-  double lost(std::size_t zone) const;     // J
+  Vec6 stress_at(std::size_t zone, const Vec3& xi, When when) const;  // within a tetrahedron
+  double sheared(std::size_t zone) const;        // sqrt(2/3 e : e) of the mean plastic strain
+  double lost(std::size_t zone) const;           // J
+  ZonePoints points_of(std::size_t zone) const;  // of a zone that yields
   // J of the deviation from rest beyond 1/2 u K u, over zones written here.
   double stored(const Nodal& rest, const Nodal& u) const;
   double lost() const;  // J over zones written here
@@ -78,6 +85,13 @@ class Plasticity {
     std::array<std::int32_t, 4> line;
     std::size_t first;  // in zone_
   };
+  struct Cone {
+    Lane limit, slope, factor;  // as MohrCoulomb::Cone
+  };
+  struct Group {  // of tetrahedra, eight of a rank's in turn
+    std::size_t number;
+    std::array<Cone, 2> cones;
+  };
   template <int D>
   struct Batch;
   template <int D, class Beyond>
@@ -90,10 +104,31 @@ class Plasticity {
     return *laws_[static_cast<std::size_t>(mesh_.solid[zone])];
   }
   Eigen::VectorXd strain(std::size_t number, When when) const;
+  void make_runs();
+  void make_groups();
+  // Calls take(number in zones(), lane) for each of a group that yields. Ascending.
+  template <class Take>
+  void for_lanes(const Group& group, const Take& take) const {
+    const std::size_t first = group.number * lanes;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const std::size_t zone = first + static_cast<std::size_t>(lane);
+      if (zone < number_.size() && number_[zone] >= 0)
+        take(static_cast<std::size_t>(number_[zone]), lane);
+    }
+  }
+  enum class Part { all, since_rest };
+  bool gather(const Group& group, Part part, Tetrahedra::Points& strain) const;
+  template <class Beyond>
+  void test_groups(const Nodal& rest, const Nodal& u, const Beyond& beyond);
+  void flow_groups(const Nodal& rest, const Nodal& u);
+  void beyond_groups(const Nodal& rest, const Nodal& u, const Take& take);
+  void act_groups(Nodal& internal) const;
 
   const Mesh& mesh_;
+  const Tetrahedra* tetrahedra_;
   std::vector<std::unique_ptr<Law>> laws_;  // of each solid; none if it does not yield
   std::vector<Run> runs_;
+  std::vector<Group> groups_;
   std::vector<std::size_t> zone_;
   std::vector<std::int64_t> number_;   // of each local zone
   std::size_t width_ = 0;              // numbers of strain per zone: component * points + point

@@ -25,6 +25,7 @@ Eigen::VectorXd Plasticity::strain(std::size_t number, When when) const {
 Vec6 Plasticity::stress(std::size_t zone, Where where, When when) const {
   Vec6 sum = Vec6::Zero();
   if (number_[zone] < 0) return sum;
+  if (tetrahedra_ != nullptr) return stress_at(zone, tetrahedron_centre(), when);
   const ZonePoints& points = law_of(zone).points;
   const Eigen::VectorXd relief =
       points.relief * strain(static_cast<std::size_t>(number_[zone]), when);
@@ -67,11 +68,11 @@ double Plasticity::lost() const {
 //   1/2 u K u - V e (S u + S rest + R e0) - 1/2 V e R e;
 // e S rest is the work of the stress at rest on what flows.
 double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
-  const int components = mesh_.lattice.components(), corners = mesh_.lattice.corners();
+  const int components = mesh_.lattice.components(), corners = mesh_.corners();
   double sum = 0;
   for (std::size_t n = 0; n < zone_.size(); ++n) {
     if (flowed_[n] == 0 || !mesh_.writes(zone_[n])) continue;
-    const ZonePoints& points = law_of(zone_[n]).points;
+    const ZonePoints points = points_of(zone_[n]);
     Eigen::VectorXd motion(components * corners);
     for (int k = 0; k < corners; ++k)
       for (int c = 0; c < components; ++c) {
@@ -81,7 +82,7 @@ double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
     const Eigen::VectorXd since = strain(n, When::since);
     const Eigen::VectorXd stress =
         points.recovery * motion + points.relief * (strain(n, When::rest) + 0.5 * since);
-    sum -= points.volume * since.dot(stress);
+    sum -= points.weighted(stress).col(0).dot(since);
   }
   return sum;
 }

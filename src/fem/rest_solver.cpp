@@ -28,8 +28,8 @@ RestSolver::RestSolver(Mesh& mesh, const Stiffness& stiffness, const Terms& term
       inverse_(mesh.lattice.components(), mesh.nodes()) {
   const int components = mesh.lattice.components();
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    const Eigen::MatrixXd& k = stiffness.element(mesh.solid[z]).stiffness;
-    for (int corner = 0; corner < mesh.lattice.corners(); ++corner)
+    const Eigen::MatrixXd k = stiffness.matrix(mesh, z);
+    for (int corner = 0; corner < mesh.corners(); ++corner)
       for (int c = 0; c < components; ++c)
         inverse_[c][mesh.home(mesh.corner(z, corner))] +=
             k(corner * components + c, corner * components + c);

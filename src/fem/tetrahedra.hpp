@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "element.hpp"
 #include "lanes.hpp"
 #include "mesh.hpp"
 #include "mohr_coulomb.hpp"
@@ -31,6 +32,17 @@ class Tetrahedra {
   Eigen::MatrixXd matrix(std::size_t element) const;
   // Pa, xx yy zz xy yz zx at xi (tetrahedron.hpp).
   Vec6 stress(std::size_t element, const Vec3& xi, const Nodal& u) const;
+  // What flows at the Gauss points (plasticity_tetrahedra.cpp): groups of eight elements, from
+  // 8 * group on. Pa, of the motion rest + u; of a strain; f -= their forces, of marked lanes.
+  using Points = Lane[6][tetrahedron_points];
+  void stress(std::size_t group, const Nodal& rest, const Nodal& u, Points& stress) const;
+  void hooke(std::size_t group, const Points& strain, Points& stress) const;
+  void take_off(std::size_t group, const Points& stress, const std::uint8_t (&marked)[lanes],
+                Nodal& f) const;
+  double volume(std::size_t element, int point) const {  // m^3
+    return groups_[element / lanes].volume[point][static_cast<int>(element % lanes)];
+  }
+  ZonePoints points(std::size_t element) const;
   std::size_t bytes() const { return groups_.capacity() * sizeof(Group); }
 
  private:

@@ -11,6 +11,8 @@ namespace {
 constexpr std::array<std::array<int, 2>, 6> edges = {
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
+constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
+
 Eigen::Vector4d shares(const Vec3& xi) { return {1 - xi.sum(), xi.x(), xi.y(), xi.z()}; }
 
 // Row k: d l_k / d xi.
@@ -25,7 +27,6 @@ Eigen::Matrix<double, 4, 3> share_gradients() {
 // (5 + 3 sqrt 5)/20 of one corner, (5 - sqrt 5)/20 of the others: exact for polynomials of
 // degree 2.
 Vec3 tetrahedron_point(int gauss) {
-  constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
   Vec3 xi = Vec3::Constant(far);
   if (gauss > 0) xi[gauss - 1] = near;
   return xi;
@@ -71,6 +72,11 @@ Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi) {
   Mat3 j = Mat3::Zero();
   for (int k = 0; k < 10; ++k) j += nodes[static_cast<std::size_t>(k)] * g.row(k);
   return j;
+}
+
+// A point's value is near of its corner's and far of each other's.
+Eigen::Vector4d tetrahedron_weights(const Vec3& xi) {
+  return (shares(xi).array() - far) / (near - far);
 }
 
 double tetrahedron_volume(const TenNodes& nodes) { return tetrahedron_load(nodes).sum(); }

@@ -34,6 +34,9 @@ TenNumbers tetrahedron_shape(const Vec3& xi);
 Eigen::Matrix<double, 10, 3> tetrahedron_gradients(const Vec3& xi);  // by xi
 Mat3 tetrahedron_jacobian(const TenNodes& nodes, const Vec3& xi);    // m, d x_i / d xi_a
 
+// Shares of the Gauss points in what lies at xi on the line through their four values.
+Eigen::Vector4d tetrahedron_weights(const Vec3& xi);
+
 double tetrahedron_volume(const TenNodes& nodes);  // m^3
 // 12 (3 V)^(2/3) over the sum of the squared edges, of the corners: 1 of an equilateral one, 0 of a
 // flat one (Liu, Joe 1994, doi:10.1007/BF01955874).

@@ -43,8 +43,7 @@ REFUSED = {
     "ground.zones_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
     "ground.sides=free_field": "the ground beside is not level",
     "ground.plane=strain": "an embankment is for models in space",
-    "ground.layer.1.yield=mohr_coulomb": "an embankment of ground.section is elastic",
-    "ground.block.0.yield=mohr_coulomb": "an embankment of ground.section is elastic",
+    "ground.layer.1.yield=mohr_coulomb": "must not yield below a track without stones",
     "dimension=plane": "must be space on a ground of tetrahedra",
     "footing.length=8 footing.y=4": "beyond the crest of ground.section (3.5 m on either side)",
     "ground.mesh={mesh}": "has no effect with ground.mesh; the file has the shape",
@@ -63,6 +62,62 @@ def volume():
         return height * (crest + 0.75 * height) + 16 * (9 - height)
     level, middle, end = area(3.5, 4), area(4.25, 3.5), area(5, 3)
     return 9 * level + 9 / 6 * (level + 4 * middle + end)
+
+
+# Stones on an embankment of sections whose fill may yield, in place of the mesh of a deck.
+GROUND = """[ground]
+x = [0, 1.8]
+y = [-2, 2]
+zones_x = 3
+zones_y = 8
+embankment_layers = 1
+base_stiffness = 40e6
+[[ground.layer]]
+name = "fill"
+thickness = 0.6
+zones = 2
+young = 20e6
+density = 1900
+[[ground.layer]]
+name = "soil"
+thickness = 1.2
+zones = 2
+young = 30e6
+[[ground.section]]
+crest = 0.8
+slope = 0.6667
+"""
+WEAK = ["ground.layer.0.yield=mohr_coulomb", "ground.layer.0.cohesion=2e3",
+        "ground.layer.0.friction_angle=15"]
+BED_SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06",
+             "stage.fill.duration=0.02", "stage.compact.duration=0.01", "output.fields=false"]
+BED_REFUSED = {"bed.y=[-0.9,0.9]": "reaches beyond the crest of ground.section (0.8 m",
+               "time.window=0": "must be given with ground.section",
+               "dimension=plane": "needs dimension = \"space\""}
+
+
+def stones(program, deck, folder):
+    """What stones on an embankment do and should not, or not do and should."""
+    text = pathlib.Path(deck).with_name("embankment.toml").read_text(encoding="utf-8")
+    begin, end = text.index("[ground]"), text.index("[time]")
+    own = folder / "stones.toml"
+    own.write_text(text[:begin] + GROUND + text[end:], encoding="utf-8")
+    problems, found = [], []
+    for changes in ([], WEAK, [*WEAK, "ground.integrator=newmark"]):
+        ran = program(1, "run", own, *BED_SHORT, *changes, "--force", "-o", folder / "stones")
+        if ran.returncode != 0:
+            return [f"stones {changes}: code {ran.returncode}, {ran.stderr}"]
+        found.append(summary(folder / "stones"))
+    if [run["ground"]["elements"] for run in found] != [found[0]["ground"]["elements"]] * 3:
+        problems.append("another ground if it yields")
+    lost = [run["ground"]["plastic_j"] for run in found]
+    if lost[0] != 0 or min(lost[1:]) <= 0:
+        problems.append(f"plastic_j, elastic and twice yielding: {lost}")
+    for change, words in BED_REFUSED.items():
+        ran = program(1, "check", own, change)
+        if ran.returncode != 2 or words not in ran.stderr:
+            problems.append(f"check stones {change}: code {ran.returncode}, {ran.stderr}")
+    return problems
 
 
 def split(changes):
@@ -115,7 +170,7 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
-    problems += untold(program, deck)
+    problems += untold(program, deck) + stones(program, deck, folder)
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
     print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")

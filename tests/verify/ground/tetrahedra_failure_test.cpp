@@ -1,0 +1,100 @@
+// Tetrahedra that yield: triaxial strength, a vertical cut in clay.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "fem/plasticity.hpp"
+#include "support/verified.hpp"
+#include "trackbed/core/error.hpp"
+#include "unit/fem/embankment_scene.hpp"
+
+namespace trackbed::fem {
+namespace {
+
+using par::Comm;
+
+GroundParameters sample(const Elastic& solid, const Strength& strength) {
+  GroundParameters p = upright({-1, 1});
+  p.x = {0, 2}, p.zones_x = 2, p.zones_y = 2;
+  for (Layer& layer : p.layers) layer.solid = solid, layer.strength = strength;
+  return p;
+}
+
+// Strained evenly along z while the lateral pressure is followed elastically; Pa, at the end.
+double strength_of(const Elastic& solid, const Strength& limit, double pressure) {
+  const Mesh mesh(Comm::self(), sample(solid, limit), Dimension::space, 1);
+  const Stiffness stiffness(mesh, {});
+  Plasticity plasticity(mesh, &stiffness.tetrahedra());
+  const Nodal none(3, mesh.nodes());
+  Nodal u(none);
+  Vec3 strain = Vec3::Zero();
+  const auto stress = [&] {
+    return Vec6(stiffness.tetrahedra().stress(0, tetrahedron_centre(), u) +
+                plasticity.stress(0, Plasticity::Where::centre, Plasticity::When::since));
+  };
+  const auto go = [&](double axial, int steps) {
+    const double from = strain.z();
+    for (int k = 1; k <= steps; ++k) {
+      const Vec6 now = stress();
+      strain.z() = from + (axial - from) * k / steps;
+      for (int c = 0; c < 2; ++c) strain[c] -= (now(c) + pressure) / (1.5 * solid.young);
+      for (std::size_t n = 0; n < mesh.nodes(); ++n)
+        for (int c = 0; c < 3; ++c)
+          u[c][n] = strain[c] * mesh.position(static_cast<std::int32_t>(n))[c];
+      plasticity.flow(none, u);
+    }
+  };
+  const double begin = -(1 - 2 * solid.poisson) * pressure / solid.young;
+  go(begin, 200), go(-0.02, 1500), go(-0.02002, 600);
+  return -stress()(2);
+}
+
+TEST(TetrahedraThatYield, TriaxialStrength) {
+  for (const auto& [cohesion, friction] : std::array{std::array{20e3, 30.0}, std::array{50e3, 0.0}})
+    for (const double pressure : {0.0, 100e3}) {
+      const double sine = std::sin(friction * std::numbers::pi / 180);
+      const double n = (1 + sine) / (1 - sine);
+      const double exact = n * pressure + 2 * cohesion * std::sqrt(n);
+      verified::near(fmt::format("strength, c {:g} kPa, phi {:g}, at {:g} kPa", cohesion / 1e3,
+                                 friction, pressure / 1e3),
+                     "Pa",
+                     strength_of({50e6, 0.3, 2000},
+                                 {Yield::mohr_coulomb, cohesion, friction, 0, 10e3}, pressure),
+                     exact, 1e-4 * exact);
+    }
+}
+
+// A bank of clay of 2 m, upright sides, a slice between rollers. It falls where gamma H / c is
+// above 3.83 at the latest, by a circle through its foot (Taylor 1937): an upper bound.
+bool stands(double number) {
+  GroundParameters p = embankment();
+  p.x = {0, 0.25}, p.y = {0, 5}, p.zones_x = 1, p.zones_y = 20;
+  const double height = 2, density = 2000;
+  const Strength clay{Yield::mohr_coulomb, gravity * density * height / number, 0, 0, 1e6};
+  p.layers = {{.name = "bank", .thickness = height, .solid = {50e6, 0.3, density}, .zones = 8},
+              {.name = "below", .thickness = 1, .solid = {50e6, 0.3, density}, .zones = 4}};
+  for (Layer& layer : p.layers) layer.strength = clay;
+  p.sections = {{.x = 0, .crest = 3, .slope = 0}};
+  p.embankment_layers = 1;
+  p.tolerance = 1e-8;
+  Ground ground(Comm::world(), p, Dimension::space, 1);
+  try {
+    ground.settle(std::vector<Vec3>(ground.top().nodes(), Vec3::Zero()));
+  } catch (const RunError&) {
+    return false;
+  }
+  return true;
+}
+
+TEST(TetrahedraThatYield, CutOfClayStandsAndFalls) {
+  double low = 3.4, high = 4.2;
+  EXPECT_TRUE(stands(low));
+  EXPECT_FALSE(stands(high));
+  while (high - low > 0.15) (stands((low + high) / 2) ? low : high) = (low + high) / 2;
+  verified::near("stability number of a vertical cut", "-", (low + high) / 2, 3.83, 0.2);
+}
+
+}  // namespace
+}  // namespace trackbed::fem
