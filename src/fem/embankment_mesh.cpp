@@ -30,8 +30,9 @@ BorderKind held_by(Base base) {
 }
 
 BorderKind held_by(Sides sides) {
-  require(sides != Sides::free_field, "an embankment has no free-field sides");
+  require(sides != Sides::free_field && sides != Sides::periodic, "no sides of an embankment");
   if (sides == Sides::free) return BorderKind::free;
+  if (sides == Sides::fixed) return BorderKind::fixed;
   return sides == Sides::quiet ? BorderKind::quiet : BorderKind::roller;
 }
 
@@ -140,7 +141,8 @@ void Builder::take_face(const Index3& cell, SolidMesh::Face face,
                         return !embankment_.ends_at(place(at).y());
                       });
   if (slopes) return;
-  face.holds = face.axis == 2 ? held_by(parameters_.base) : held_by(parameters_.sides);
+  face.holds =
+      face.axis == 2 ? held_by(parameters_.base) : held_by(parameters_.side(face.axis, !face.low));
   mesh_.borders.push_back(face);
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "embankment.hpp"
@@ -29,9 +30,17 @@ void refuse_others(const GroundParameters& p, Section& s) {
   };
   without("base_motion", p.base_motion.empty(),
           "has no effect with ground.section: waves from below are for level layers");
-  without("sides", p.sides != Sides::free_field,
-          "cannot be free_field with ground.section: the ground beside is not level; take quiet or "
-          "roller");
+  constexpr std::array keys = {"side_x_low", "side_x_high", "side_y_low", "side_y_high"};
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const Sides side = p.side(static_cast<int>(i / 2), i % 2 == 1);
+    without(side == p.sides ? "sides" : keys[i],
+            side != Sides::free_field && side != Sides::periodic,
+            "cannot be free_field or periodic with ground.section: the ground beside is not level, "
+            "nor alike at both ends");
+  }
+  const bool half = p.y.size() == 2 && p.y[0] == 0;
+  without("side_y_low", !half || p.side(1, false) == Sides::roller,
+          "must be roller where y begins at 0: the axis of the embankment is a plane of symmetry");
   without("plane", p.plane == common.plane,
           "has no effect with ground.section: an embankment is for models in space");
 }

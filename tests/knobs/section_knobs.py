@@ -42,6 +42,8 @@ REFUSED = {
     "ground.zones_x=100000": "at most 2e+06",
     "ground.zones_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
     "ground.sides=free_field": "the ground beside is not level",
+    "ground.side_x_low=periodic ground.side_x_high=periodic": "nor alike at both ends",
+    "ground.side_y_low=quiet": "the axis of the embankment is a plane of symmetry",
     "ground.plane=strain": "an embankment is for models in space",
     "ground.layer.1.yield=mohr_coulomb": "must not yield below a track without stones",
     "dimension=plane": "must be space on a ground of tetrahedra",
