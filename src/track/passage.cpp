@@ -28,8 +28,8 @@ namespace trackbed::track {
 namespace {
 
 constexpr int most_iterations = 100;
-constexpr double first_pressed = 1e-6;  // m, any above 0: its force is none
-constexpr double most_change = 1e300;   // m, of what is no number
+constexpr int plain_rounds = 10;      // of Newton's method, with whole steps
+constexpr double least_share = 1e-3;  // of a step
 
 }  // namespace
 
@@ -174,68 +174,6 @@ Vector Passage::Room::approaches(const Vector& of_track, const Vector& of_train)
   return result;
 }
 
-// One step of Newton's method towards
-//   K u - E F(d) = weight,   E' u + d + G F(d) = approaches without train and forces
-// for the train's unknowns u (m) and the approaches d (m); E puts forces on unknowns, G is the
-// track's static flexibility, m/N. The train alone is not held, but with its wheels it is.
-// Returns the largest change of an approach.
-double Passage::Room::improve_rest(Vector& u, const Matrix& g, const Vector& without) {
-  const Eigen::Index m = u.size(), n = contacts(), wheels = wheels_rolling();
-  const Matrix k = train.system().stiffness;
-  Matrix e = Matrix::Zero(m, n);
-  e.leftCols(wheels) = wheel_columns;
-  const Matrix slope = slopes().asDiagonal();
-  Matrix jacobian(m + n, m + n);
-  jacobian << k, -e * slope, e.transpose(), Matrix::Identity(n, n) + g * slope;
-  Vector wrong(m + n);
-  wrong << k * u - e * forces() - train.weight(),
-      e.transpose() * u + approach + g * forces() - without;
-  const Vector change = jacobian.partialPivLu().solve(wrong);
-  u -= change.head(m);
-  // Wheels never out of contact on the way: the train would be held by nothing.
-  const Vector least = approach.head(wheels) / 10;
-  approach -= change.tail(n);
-  approach.head(wheels) = approach.head(wheels).cwiseMax(least);
-  return change.allFinite() ? change.tail(n).cwiseAbs().maxCoeff() : most_change;
-}
-
-// Equilibrium of train and track with the wheels where they are.
-void Passage::Room::start() {
-  place_wheels();
-  const Statics statics(line.system());
-  track.displacement = statics.flexibility(constant_load);
-  if (contacts() == 0) return;
-  const Columns columns = statics.flexibility(columns_of(0, touching.size()));
-  Vector u = Vector::Zero(train.weight().size());
-  const Vector without = approaches(track.displacement, u);
-  for (Eigen::Index i = 0; i < wheels_rolling(); ++i)
-    approach[i] = law.approach(train.wheels()[rolling[static_cast<std::size_t>(i)]].share);
-  const Matrix g = rail_matrix(0, columns);
-  // Pads begin pressed: what is lifted follows from the rail.
-  for (Eigen::Index k = 0; k < stop_before.size(); ++k)
-    if (line.stops()[static_cast<std::size_t>(k)].in_matrix)
-      approach[wheels_rolling() + k] = first_pressed;
-  int round = 0;
-  while (improve_rest(u, g, without) > parameters.tolerance)
-    if (++round == most_iterations)
-      throw RunError("the train finds no static equilibrium on the track: is every wheel loaded?");
-  vehicles.displacement = u;
-  track.displacement -= columns * forces();
-  stop_before = approach.tail(contacts() - wheels_rolling());
-  rate_slope = 2 / parameters.step;
-  train_at_rest = u;
-  wheels_at_rest = approach.head(wheels_rolling());
-}
-
-// Only for a train that starts on rigid rails: its equilibrium there knows no track.
-void Passage::Room::rest_train() {
-  steps = 0;
-  vehicles.displacement = train_at_rest;
-  vehicles.velocity.setZero();
-  vehicles.acceleration.setZero();
-  approach.head(wheels_rolling()) = wheels_at_rest;
-}
-
 // Of (1 + A S) x = approach + A F - without, S the slopes. Columns of contacts without force and
 // slope are those of the identity: the others (a) are solved by themselves,
 //   (1 + A_aa S_a) x_a = w_a,   then x = w - A_.a S_a x_a of the rest.
@@ -260,11 +198,18 @@ Vector Passage::Room::newton_step(const Vector& without) const {
 }
 
 // Newton's method from the approaches of the last step; where they part the slope is zero and the
-// equation is linear. Ends when no approach changes by more than the tolerance.
+// equation is linear. Ends when no approach changes by more than the tolerance. Forces are of three
+// slopes, the middle one the steepest: Newton's method may go to and fro between the others for
+// ever. After some rounds steps are halved until the equations are better met than before.
 void Passage::Room::solve_contacts(const Vector& without) {
+  const auto wrong = [&] { return (approach + flexibility * forces() - without).norm(); };
   for (int round = 0; round < most_iterations; ++round) {
-    const Vector change = newton_step(without);
+    const Vector change = newton_step(without), from = approach;
+    const double before = round < plain_rounds ? 0 : wrong();
     approach -= change;
+    for (double share = 0.5; round >= plain_rounds && wrong() >= before && share > least_share;
+         share /= 2)
+      approach = from - share * change;
     ++iterations;
     const double largest = change.cwiseAbs().maxCoeff();
     if (!change.allFinite()) break;
