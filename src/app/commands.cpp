@@ -172,8 +172,8 @@ int run(const par::Comm& comm, const Arguments& arguments) {
 
 // Nothing is resumed with a parameter that means nothing to it.
 // All problems in one list, as with decks. Collective.
-void require_can_go_on(const io::File& file, const std::string& checkpoint, const Model& model,
-                       const input::Deck& deck) {
+void require_can_go_on(const par::Comm& comm, const io::File& file, const std::string& checkpoint,
+                       const Model& model, const input::Deck& deck) {
   require_same_model(comm, file, checkpoint, effective_deck(model), deck);
   std::vector<std::string> problems =
       spent_changes(file, checkpoint, model, deck, GoesOn::within_the_run);
@@ -236,7 +236,7 @@ void look_for_histories(const par::Comm& comm, const io::File& file,
 bool stages_left(const par::Comm& comm, const std::string& checkpoint, const Model& model,
                  const input::Deck& deck, const Arguments& arguments) {
   const io::File file = io::open_checkpoint(comm, checkpoint);
-  require_can_go_on(file, checkpoint, model, deck);
+  require_can_go_on(comm, file, checkpoint, model, deck);
   const std::string own = folder_of_checkpoint(checkpoint);
   if (!is_finished(comm, file, model, own)) {
     look_for_histories(comm, file, checkpoint);

@@ -105,26 +105,23 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
 void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters,
                   std::vector<std::string>& warnings) {
   if (parameters.base_motion.empty()) return;
-  bool below = false;
-  std::vector<std::uint8_t> beside(parameters.borders.size(), 0);
+  bool below = false, beside = false;
   for (const SolidMesh::Face& face : mesh.borders) {
-    const auto border = static_cast<std::size_t>(face.border);
-    if (parameters.borders[border].holds != BorderKind::quiet) continue;
+    if (face.holds != BorderKind::quiet) continue;
     const bool base = face.axis == 2 && face.low;
     below = below || base;
-    if (!base) beside[border] = 1;
+    beside = beside || !base;
   }
   if (!below)
     throw InputError({fmt::format(
         "{}: no quiet border looks down: the wave of ground.base_motion comes in through the "
         "dashpots of one",
         parameters.mesh)});
-  for (std::size_t b = 0; b < beside.size(); ++b)
-    if (beside[b] != 0)
-      warnings.push_back(fmt::format(
-          "{}: the quiet border \"{}\" holds back the wave of ground.base_motion; a roller is a "
-          "plane of symmetry of the wave, free-field sides are for layers",
-          parameters.mesh, parameters.borders[b].name));
+  if (beside)
+    warnings.push_back(fmt::format(
+        "{}: quiet sides hold back the wave of ground.base_motion; a roller is a plane of symmetry "
+        "of the wave, free-field sides are for layers",
+        parameters.mesh));
 }
 
 void warn_of_size(const GroundParameters& parameters, const Box& all,

@@ -136,8 +136,7 @@ void Terms::add_tetrahedra(const Mesh& mesh, const GroundParameters& parameters)
 std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& parameters) {
   std::vector<BasePart> parts;
   for (const Imported::Face& face : mesh.imported->borders) {
-    const BorderKind kind = parameters.borders[static_cast<std::size_t>(face.border)].holds;
-    if (kind != BorderKind::quiet || face.axis != 2 || !face.low) continue;
+    if (face.holds != BorderKind::quiet || face.axis != 2 || !face.low) continue;
     const FaceShare share = share_of(mesh, face);
     const Impedance of = impedance(solid_of(mesh, face.zone), false);
     for (int m = 0; m < 3; ++m) {

@@ -60,7 +60,7 @@ TOLD = {
     "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
     "ground.border.0.holds=roller": ["-on springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
-    "ground.base_motion={folder}/wave.csv": ["holds back the wave of ground.base_motion"],
+    "ground.base_motion={folder}/wave.csv": ["hold back the wave of ground.base_motion"],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
     "ground.mesh={folder}/thin.msh": ["are nearly flat (mean ratio below 0.05"],

@@ -162,7 +162,7 @@ TEST(WaveBelowAMesh, NeedsAQuietBase) {
   EXPECT_TRUE(look_at_mesh(p).warnings.empty());
   p.borders[1].holds = BorderKind::quiet;
   ASSERT_EQ(look_at_mesh(p).warnings.size(), 1);
-  EXPECT_NE(look_at_mesh(p).warnings[0].find("\"x1\" holds back the wave"), std::string::npos);
+  EXPECT_NE(look_at_mesh(p).warnings[0].find("quiet sides hold back the wave"), std::string::npos);
 }
 
 // What no table may do.
