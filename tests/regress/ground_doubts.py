@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""A ground whose numbers can hardly be meant: said by `check`, or refused.
+"""A ground whose numbers can hardly be meant: said by `check`, or refused. Its files: changed since
+a checkpoint, or for one rank not there.
 
     ground_doubts.py PROGRAM DECK FOLDER
 """
 import pathlib
 import shutil
+import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
@@ -28,6 +30,40 @@ def want(ran, words, what):
         raise SystemExit(f"{what}: wanted {words}: {ran.stdout}{ran.stderr}")
 
 
+def check_changed_table(program, deck, table, folder):
+    """A ground that has moved was strained by the moduli it had."""
+    table.write_text("x_m,young_Pa\n0,8e7\n0.3,9e7\n", encoding="utf-8")
+    words = [f"ground.layer.0.young_file={table}"]
+    program.done(1, "run", deck, *words, "-o", folder / "moved")
+    start = f"start={folder / 'moved/stage_load.h5'}"
+    program.done(1, "check", deck, *words, start)
+    table.write_text("x_m,young_Pa\n0,8e7\n0.3,1e8\n", encoding="utf-8")
+    want(program.done(1, "check", deck, *words, start, code=2),
+         "young.csv\": holds something else than when", "a table that has changed")
+    program.done(1, "check", deck, *words, f"start={folder / 'moved/stage_cribs.h5'}")
+
+
+def check_one_rank_alone(path, deck, folder):
+    """A table that the second rank does not see, in a folder of its own: refused at once. A file
+    that is read without agreement: the rank that is alone with its error ends the run."""
+    for place in ("first", "second"):
+        (folder / place).mkdir()
+    (folder / "first/young.csv").write_text("x_m,young_Pa\n0,8e7\n1,9e7\n", encoding="utf-8")
+    (folder / "first/profile.csv").write_text("x_m,z_m\n0,0\n60,0\n", encoding="utf-8")
+    plain = deck.parents[2] / "inputs/track/plain.toml"
+    for words, sentence in ((["check", deck, "ground.layer.0.young_file=young.csv"],
+                             "young.csv"),
+                            (["run", plain, "irregularity.kind=file",
+                              "irregularity.file=profile.csv", "-o", "out"], "rank 1 alone: ")):
+        ran = subprocess.run(
+            ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "1", "--wdir",
+             folder / "first", path, *words, ":", "-n", "1", "--wdir", folder / "second", path,
+             *words], capture_output=True, text=True, timeout=100, check=False)
+        if ran.returncode != 2:
+            raise SystemExit(f"{words}: ended with {ran.returncode}: {ran.stdout}{ran.stderr}")
+        want(ran, sentence, words)
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -46,6 +82,8 @@ def main():
             want(ran, sentence, rows)
         elif "young_file" in ran.stdout:
             raise SystemExit(f"a sound table is warned of: {ran.stdout}")
+    check_changed_table(program, deck, table, folder.resolve())
+    check_one_rank_alone(sys.argv[1], deck.resolve(), folder.resolve())
 
 
 if __name__ == "__main__":

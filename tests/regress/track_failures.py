@@ -57,6 +57,28 @@ def check_error(program, deck, folder):
             raise SystemExit(f"rows before the error must be kept: {file['history/time'][()]}")
 
 
+def check_changed_file(program, deck, folder):
+    """Half a passage over one profile and half over another is none of either."""
+    profile, place = folder / "profile.csv", folder / "half"
+    words = ["irregularity.kind=file", f"irregularity.file={profile.resolve()}"]
+    profile.write_text("x_m,z_m\n0,0\n30,-3e-3\n60,0\n", encoding="utf-8")
+    program.done(1, "run", deck, *words, "passage.stop_after=50", "-o", place, code=3)
+    profile.write_text("x_m,z_m\n0,0\n30,-30e-3\n60,0\n", encoding="utf-8")
+    want(program.done(1, "resume", place, code=2).stderr, "holds something else than when")
+    profile.write_text("x_m,z_m\n0,0\n30,-3e-3\n60,0\n", encoding="utf-8")
+    program.done(1, "resume", place, "passage.stop_after=60", code=3)
+
+
+def check_no_loads(program, decks, folder):
+    """Seat loads that begin behind the track, wheels that never come to it."""
+    want(program.done(1, "run", decks / "seats.toml", "load.start=1000", "-o", folder / "none",
+                      code=2).stderr, "seat loads would be there for -")
+    ran = program.done(1, "run", decks / "plain.toml", "train.start=-30", "passage.duration=0.1",
+                       "-o", folder / "before")
+    if "wheels: " in ran.stdout or "wheel_force_max_n" in summary(folder / "before")["track"]:
+        raise SystemExit(f"no wheel was on the track: {ran.stdout}")
+
+
 def check_uplift(program, decks, folder):
     """Forces of three slopes: whole steps of Newton's method went to and fro for ever, in crossing
     after 13 ms, in hammer after 10, in netirail_plain after 33."""
@@ -74,6 +96,8 @@ def main():
     folder.mkdir(parents=True)
     check_full_disk(path, deck, folder)
     check_error(Program(path), deck, folder)
+    check_changed_file(Program(path), deck, folder)
+    check_no_loads(Program(path), decks, folder)
     check_uplift(Program(path), decks, folder)
 
 

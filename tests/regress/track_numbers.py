@@ -87,6 +87,20 @@ def check_d1(program, decks, folder):
         raise SystemExit(f"two profiles have the same D1: {drawn}")
 
 
+def check_crossing(program, decks, folder):
+    """A deeper dip strikes harder, and the sleeper below it tells so."""
+    forces, accelerations = [], []
+    for depth in (0.75e-3, 1.5e-3):
+        place = folder / f"dip_{depth}"
+        program.done(1, "run", decks / "crossing.toml", f"irregularity.depth={depth}",
+                     "train.start=15", "passage.duration=0.1", "-o", place)
+        forces.append(summary(place)["track"]["wheel_force_max_n"])
+        with h5py.File(place / "results.h5") as file:
+            accelerations.append(np.abs(file["history/sleeper/acceleration"][()]).max())
+    if forces[1] < 1.2 * forces[0] or accelerations[1] < 1.2 * accelerations[0]:
+        raise SystemExit(f"dips of 0.75 and 1.5 mm: {forces} N, {accelerations} m/s2")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -94,6 +108,7 @@ def main():
     folder.mkdir(parents=True)
     check_extremes(program, decks, folder)
     check_d1(program, decks, folder)
+    check_crossing(program, decks, folder)
 
 
 if __name__ == "__main__":
