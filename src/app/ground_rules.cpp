@@ -6,6 +6,7 @@
 
 #include "app/rules.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/fem/wave_report.hpp"
 #include "trackbed/input/table.hpp"
 
 namespace trackbed::app {
@@ -50,6 +51,25 @@ void declare_crest(const Model& model, input::Section& s) {
                      "would fall beside the ground",
                      half),
          {.reads = {"bed", "ground"}});
+}
+
+// Whether a side is at odds with the wave from below, its table tells.
+std::vector<std::string> doubts_of_wave(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> problems, doubts;
+  for (const fem::WaveAtSide& side : fem::look_at_wave(model.ground, model.dimension))
+    (side.refused ? problems : doubts)
+        .push_back(fmt::format("{} = \"{}\": {}", deck.where("ground." + side.key), side.kind,
+                               side.words));
+  if (!problems.empty()) throw InputError(problems);
+  return doubts;
+}
+
+// What the tables of a ground of layers tell.
+GroundFile look_at_tables(const Model& model, const input::Deck& deck) {
+  GroundFile file{"", doubts_of_wave(model, deck)};
+  const std::vector<std::string> young = doubts_of_young(model, deck);
+  file.warnings.insert(file.warnings.end(), young.begin(), young.end());
+  return file;
 }
 
 }  // namespace
@@ -111,8 +131,7 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
 GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
   if (!model.ground.present) return {};
-  std::vector<std::string> doubts = doubts_of_young(model, deck);
-  if (!model.ground.of_tetrahedra()) return {"", doubts};
+  if (!model.ground.of_tetrahedra()) return look_at_tables(model, deck);
   const fem::MeshReport mesh = fem::look_at_mesh(model.ground);
   std::vector<std::string> problems;
   const auto below = [&](const char* axis, const std::vector<double>& bed, int a) {
@@ -129,6 +148,7 @@ GroundFile require_ground(const Model& model, const input::Deck& deck) {
   const auto from_to = [&](int a) {
     return fmt::format("{:g} to {:g}", mesh.low[a], mesh.high[a]);
   };
+  std::vector<std::string> doubts = doubts_of_young(model, deck);
   doubts.insert(doubts.end(), mesh.warnings.begin(), mesh.warnings.end());
   return {fmt::format("  mesh: x = {}, y = {}, z = {} m, {:.6g} m^3", from_to(0), from_to(1),
                       from_to(2), mesh.volume),

@@ -18,8 +18,8 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches
-// beyond its top; odd moduli along a layer. Throws InputError. Reads the files, if there are any;
-// else all is empty.
+// beyond its top; odd moduli along a layer; sides that hold the wave from below. Throws InputError.
+// Reads the files, if there are any; else all is empty.
 struct GroundFile {
   std::string size;  // a line about extent and volume of a mesh
   std::vector<std::string> warnings;

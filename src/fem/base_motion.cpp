@@ -29,6 +29,11 @@ BaseMotion::BaseMotion(const std::string& path) {
                      path)});
 }
 
+bool BaseMotion::moves(int axis) const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [&](const Motion& row) { return row.velocity[axis] != 0; });
+}
+
 // Local and without state: any time may be asked in any order.
 BaseMotion::Motion BaseMotion::at(double time) const {
   if (time <= times_.front()) return rows_.front();

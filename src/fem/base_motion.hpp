@@ -22,6 +22,7 @@ class BaseMotion {
   };
   // `time` (s) since the ground began to move. Before the table rest, after it the last place.
   Motion at(double time) const;
+  bool moves(int axis) const;  // whether ever along x (0) or z (2)
 
  private:
   std::vector<double> times_;

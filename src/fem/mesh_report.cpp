@@ -4,8 +4,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 
+#include "base_motion.hpp"
 #include "solid_mesh.hpp"
 #include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
@@ -100,28 +103,68 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
       parameters.mesh, fmt::join(ways, ", "))});
 }
 
-// A wave comes in through dashpots below. Dashpots at the sides hold it back, for there are no
-// columns of a free field beside a mesh.
-void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters,
+// What a face of a border does to a wave along these axes. A free one at an end of the mesh stands
+// for ground that goes on; others are slopes.
+enum class WaveMeets { nothing, base, dashpots, holder, gap };
+WaveMeets met_at(const SolidMesh& mesh, const SolidMesh::Face& face, const BaseMotion& wave,
+                 const Box& all) {
+  constexpr double rounding = 1e-9;  // of the size
+  const bool side = face.axis == 0 || face.axis == 1;
+  switch (face.holds) {
+    case BorderKind::quiet:
+      return face.axis == 2 && face.low ? WaveMeets::base : WaveMeets::dashpots;
+    case BorderKind::fixed:
+      return face.axis == 0 && wave.moves(0) ? WaveMeets::holder : WaveMeets::dashpots;
+    case BorderKind::roller:
+      return face.axis != 1 && wave.moves(face.axis) ? WaveMeets::holder : WaveMeets::nothing;
+    case BorderKind::free:
+      break;
+  }
+  if (!side || (face.axis == 1 && !wave.moves(2))) return WaveMeets::nothing;
+  const double at = place(mesh, mesh.nodes_of(face)[0])[face.axis],
+               end = (face.low ? all.low : all.high)[face.axis];
+  return std::abs(at - end) <= rounding * (all.high - all.low).norm() ? WaveMeets::gap
+                                                                      : WaveMeets::nothing;
+}
+
+// A wave comes in through dashpots below. At the sides they hold it back, for there are no columns
+// of a free field beside a mesh; what holds along its motion makes another wave of it.
+void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters, const Box& all,
                   std::vector<std::string>& warnings) {
   if (parameters.base_motion.empty()) return;
-  bool below = false, beside = false;
+  const BaseMotion wave(parameters.base_motion);
+  bool below = false;
+  std::map<std::pair<std::int32_t, WaveMeets>, int> met;  // by border: an axis of its faces
   for (const SolidMesh::Face& face : mesh.borders) {
-    if (face.holds != BorderKind::quiet) continue;
-    const bool base = face.axis == 2 && face.low;
-    below = below || base;
-    beside = beside || !base;
+    const WaveMeets what = met_at(mesh, face, wave, all);
+    below = below || what == WaveMeets::base;
+    met[{face.border, what}] = face.axis;
   }
+  std::vector<std::string> problems;
   if (!below)
-    throw InputError({fmt::format(
+    problems.push_back(fmt::format(
         "{}: no quiet border looks down: the wave of ground.base_motion comes in through the "
         "dashpots of one",
-        parameters.mesh)});
-  if (beside)
-    warnings.push_back(fmt::format(
-        "{}: quiet sides hold back the wave of ground.base_motion; a roller is a plane of symmetry "
-        "of the wave, free-field sides are for layers",
         parameters.mesh));
+  for (const auto& [at, axis] : met) {
+    const auto say = [&, border = at.first](std::vector<std::string>& to, const std::string& what) {
+      const MeshBorder& named = parameters.borders[static_cast<std::size_t>(border)];
+      to.push_back(fmt::format("{}: the border \"{}\" {}", parameters.mesh, named.name, what));
+    };
+    if (at.second == WaveMeets::dashpots)
+      say(warnings,
+          "holds back the wave of ground.base_motion; a roller is a plane of symmetry "
+          "of the wave, free-field sides are for layers");
+    if (at.second == WaveMeets::gap)
+      say(warnings,
+          "is free and ends the mesh: no ground beside it moves with the wave of "
+          "ground.base_motion");
+    if (at.second == WaveMeets::holder)
+      say(problems, fmt::format("holds the ground along {0}, and the wave of ground.base_motion "
+                                "moves it so (v{0}_m_s is not 0)",
+                                axes[static_cast<std::size_t>(axis)]));
+  }
+  if (!problems.empty()) throw InputError(problems);
 }
 
 void warn_of_size(const GroundParameters& parameters, const Box& all,
@@ -177,7 +220,7 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
     report.volume += tetrahedron_volume(nodes);
     ratios.push_back(tetrahedron_mean_ratio(nodes));
   }
-  look_at_wave(mesh, parameters, report.warnings);
+  look_at_wave(mesh, parameters, all, report.warnings);
   warn_of_size(parameters, all, report.warnings);
   warn_of_open_faces(mesh, parameters, report.warnings);
   warn_of_shapes(parameters, ratios, report.warnings);

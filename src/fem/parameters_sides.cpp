@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "base_motion.hpp"
 #include "trackbed/fem/ground.hpp"
+#include "trackbed/fem/wave_report.hpp"
 
 namespace trackbed::fem {
 
@@ -75,7 +77,41 @@ void declare_periodic(const GroundParameters& p, int axis, Section& s) {
                     fmt::format("ratio_{}", name), fmt::format("fine_{}", name)}});
 }
 
+// What a kind of side normal to `axis` does to a wave, beyond what declare_kind says; or nothing.
+// Motion along x is at odds with a side that holds x. A free side carries no stress: that of a wave
+// along x lies on sides across the track, that of one along z on all.
+WaveAtSide wave_at(const NamedSide& side, int axis, const BaseMotion& wave) {
+  const bool holds = side.holds == Sides::fixed || side.holds == Sides::roller;
+  if (holds && axis == 0 && wave.moves(0))
+    return {side.key, side.holds == Sides::fixed ? "fixed" : "roller",
+            "holds the ends of the ground, which base_motion moves along the track (vx_m_s is not "
+            "0); take free_field or periodic",
+            true};
+  if (side.holds == Sides::free && (axis == 0 || wave.moves(2)))
+    return {side.key, "free",
+            "has no ground beside it that moves with base_motion; take free_field or periodic"};
+  return {};
+}
+
 }  // namespace
+
+std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimension dimension) {
+  std::vector<WaveAtSide> found;
+  if (!parameters.present || parameters.base_motion.empty()) return found;
+  const BaseMotion wave(parameters.base_motion);
+  const auto sides = single_sides(parameters);
+  const std::size_t count = dimension == Dimension::space ? 4 : 2;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int axis = k < 2 ? 0 : 1;
+    const bool own = sides[k].holds != Sides::as_sides;
+    const WaveAtSide at =
+        wave_at({own ? sides[k].key : "sides", parameters.side(axis, k % 2 != 0)}, axis, wave);
+    const bool said = std::any_of(found.begin(), found.end(),
+                                  [&](const WaveAtSide& one) { return one.key == at.key; });
+    if (!at.key.empty() && !said) found.push_back(at);
+  }
+  return found;
+}
 
 Sides GroundParameters::side(int axis, bool high) const {
   const Sides own = axis == 0 ? (high ? side_x_high : side_x_low) : high ? side_y_high : side_y_low;

@@ -265,6 +265,7 @@ void Builder::take_face(const GmshFile::Element& triangle, const Side& side) {
   const int border = problems_.border_of(triangle, parameters_);
   if (border == MeshProblems::nowhere) return;
   SolidMesh::Face face{side.element, side.side, BorderKind::free, -1, false};
+  face.border = border;
   if (border >= 0) face.holds = parameters_.borders[static_cast<std::size_t>(border)].holds;
   if (!fits(triangle, face))
     return problems_.add("middle", triangle,

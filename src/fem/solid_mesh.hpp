@@ -20,6 +20,7 @@ struct SolidMesh {
     BorderKind holds;            // of the top and of open faces: free
     int axis;                    // along which its normal points, 0 to 2; -1: none
     bool low;                    // against the axis
+    std::int32_t border = -1;    // number of that of the deck; -1: made of sections
   };
   std::vector<Vec3> position;                         // m, in the order of the file
   std::vector<std::array<std::int32_t, 10>> element;  // nodes (tetrahedron.hpp)

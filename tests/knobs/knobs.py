@@ -347,7 +347,7 @@ def main():
     folder.mkdir(parents=True)
     for name, force in (("weak", 2000), ("strong", 4000)):
         (folder / f"{name}.csv").write_text(f"time_s,force_N\n0,{force}\n1,{force}\n")
-    (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0.01,0.01\n0.02,0,0\n")
+    (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n")
     (folder / "young.csv").write_text("x_m,young_Pa\n0,50e6\n0.5,90e6\n")
     for name, flatness in (("round", 0.9), ("flat", 0.6)):
         program.done(1, "shapes", "--stones", 4, "--flatness", flatness, "--library",

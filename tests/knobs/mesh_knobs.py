@@ -46,6 +46,9 @@ REFUSED = {
     "ground.border.0.holds=free": "at rest: it can move along z; let a border be",
     "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
         "no quiet border looks down",
+    "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",
+    "ground.border.2.holds=fixed ground.base_motion={folder}/along.csv":
+        "the border \"ends\" holds the ground along x",
     "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
     "ground.sides=quiet": "its surfaces are [[ground.border]]",
     "ground.zones_x=3": "the file has the shape",
@@ -60,7 +63,12 @@ TOLD = {
     "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
     "ground.border.0.holds=roller": ["-on springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
-    "ground.base_motion={folder}/wave.csv": ["hold back the wave of ground.base_motion"],
+    "ground.base_motion={folder}/wave.csv":
+        ["\"sides\" holds back the wave of ground.base_motion", "-\"ends\"", "-\"slopes\""],
+    "ground.border.2.holds=fixed ground.base_motion={folder}/wave.csv":
+        ["\"ends\" holds back the wave of ground.base_motion"],
+    "ground.border.2.holds=free ground.base_motion={folder}/along.csv":
+        ["\"ends\" is free and ends the mesh", "-\"slopes\""],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
     "ground.mesh={folder}/thin.msh": ["are nearly flat (mean ratio below 0.05"],
@@ -132,6 +140,7 @@ def main():
                         "thin": (1, 1, 3e-3)}.items():
         (folder / f"{name}.msh").write_text(scaled(text, sizes), encoding="utf-8")
     (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n")
+    (folder / "along.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0.01,0\n0.02,0,0\n")
     (folder / "half.msh").write_text(without_bottom(text, 12), encoding="utf-8")
     place = {"folder": folder, "deck": deck}
     before = seen(program, deck, folder, [])

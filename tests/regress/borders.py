@@ -22,18 +22,27 @@ REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
            "ground.side_y_low=periodic": 'needs side_y_high = "periodic"',
            f"{PERIODIC} ground.ratio_x=1.1": "take ratio_x = 1 or fine_x amid the ground",
            f'{PERIODIC} periodic=["x"] ground.x=[-0.2,1.4]':
-               "repeats the ground every 1.6 m, but `periodic` the stones every 1.2 m"}
+               "repeats the ground every 1.6 m, but `periodic` the stones every 1.2 m",
+           "ground.base_motion={folder}/wave.csv":
+               'ground.sides = "roller": holds the ends of the ground, which base_motion moves',
+           "ground.sides=free_field ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
+               'ground.side_x_high = "fixed": holds the ends of the ground',
+           "ground.base_motion={folder}/bare.csv": "vz_m_s"}
 WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": act as quiet ones",
-          "ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":
+          "ground.side_x_low=quiet ground.base_motion={folder}/upwards.csv":
               "side_x_low = \"quiet\": hold back the wave of base_motion",
-          "ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
+          "ground.side_x_high=fixed ground.base_motion={folder}/upwards.csv":
               "side_x_high = \"fixed\": hold back the wave of base_motion",
+          "ground.sides=free ground.base_motion={folder}/wave.csv":
+              "sides = \"free\": has no ground beside it that moves with base_motion",
           "ground.sides=free ground.side_x_low=quiet ground.side_x_high=roller":
               "sides = \"free\": has no effect: each side has a kind of its own",
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
          f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
-         f"{YIELDS} {PERIODIC}"]
+         f"{YIELDS} {PERIODIC}", "ground.base_motion={folder}/upwards.csv",
+         "ground.sides=free_field ground.base_motion={folder}/wave.csv",
+         PERIODIC + " ground.base_motion={folder}/wave.csv"]
 
 
 # A run of a deck of its own: stones between walls on a ground whose ends are one.
@@ -64,6 +73,8 @@ def main(program, deck, folder):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0.01,0.01\n0.02,0,0\n")
+    (folder / "upwards.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n")
+    (folder / "bare.csv").write_text("time_s,vx_m_s\n0,0\n0.01,0.01\n0.02,0\n")
 
     def check(changes):
         return program(1, "check", deck,

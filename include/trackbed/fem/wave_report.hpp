@@ -1,0 +1,21 @@
+// What the wave of ground.base_motion and the sides of a ground of layers make of each other.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+struct WaveAtSide {
+  std::string key, kind;  // in [ground]: of the side or of all, and what it is
+  std::string words;      // go on after them
+  bool refused = false;   // otherwise odd, but legitimate
+};
+
+// Sides at which the ground would not move as the wave does, each key once; none without a wave.
+// Reads the table: throws InputError about it. Not for a mesh (look_at_mesh). Local.
+std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimension dimension);
+
+}  // namespace trackbed::fem
