@@ -115,7 +115,7 @@ io::Grid Ground::fields() const {
     put(rest, then);
     put(principals, values);
     shear.values.push_back(0.5 * (values.x() - values.z()));
-    solid.values.push_back(mesh.solids.kind[static_cast<std::size_t>(mesh.solid[z])]);
+    solid.values.push_back(mesh.solids.region[static_cast<std::size_t>(mesh.solid[z])]);
   }
   grid.cell_data = {stress, rest, solid, principals, shear};
   if (room_->plasticity) add_plastic(*room_, grid);

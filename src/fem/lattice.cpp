@@ -195,20 +195,22 @@ int region_at(const GroundParameters& parameters, const Vec3& point) {
 
 // Damping that a solid does not name is the ground's.
 Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
-  const auto add = [&](Elastic one, const Strength& limit, const std::string& called) {
+  const auto add = [&](int of, Elastic one, const Strength& limit, const std::string& called) {
     if (one.rayleigh_mass < 0) one.rayleigh_mass = parameters.rayleigh_mass;
     if (one.rayleigh_stiffness < 0) one.rayleigh_stiffness = parameters.rayleigh_stiffness;
     solid.push_back(one);
     strength.push_back(limit);
     name.push_back(called);
-    table_.push_back(-1);
+    region.push_back(of);
     return static_cast<int>(solid.size()) - 1;
   };
+  int number = 0;
   for (const Layer& layer : parameters.layers) {
+    const int of = number++;
     std::vector<int>& columns = columns_.emplace_back();
     const std::string called = "layer " + layer.name;
     if (layer.young_file.empty()) {
-      columns.push_back(add(layer.solid, layer.strength, called));
+      columns.push_back(add(of, layer.solid, layer.strength, called));
       continue;
     }
     // Plateaus share a solid, so that the force kernel keeps its long runs there.
@@ -220,18 +222,16 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
       const bool same = i > 0 && solid.back().young == one.young;
       columns.push_back(
           same ? columns.back()
-               : add(one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
-      table_.back() = static_cast<std::int32_t>(columns_.size());
+               : add(of, one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
     }
   }
-  for (const MeshSolid& one : parameters.solids) add(one.solid, Strength{}, "solid " + one.name);
+  for (const MeshSolid& one : parameters.solids)
+    add(number++, one.solid, Strength{}, "solid " + one.name);
   for (const Block& block : parameters.blocks)
-    columns_.push_back({add(block.solid, block.strength, "block " + block.name)});
+    columns_.push_back({add(number++, block.solid, block.strength, "block " + block.name)});
   size.assign(solid.size(), lattice.size);
-  kind.resize(solid.size());
-  std::iota(kind.begin(), kind.end(), 0);
   if (lattice.graded() && !parameters.of_tetrahedra()) tell_sizes_apart(parameters, lattice);
-  find_alike();
+  find_alike(parameters);
 }
 
 Solids::KindAndSize Solids::key_of(int kind, const Vec3& size) {
@@ -241,7 +241,7 @@ Solids::KindAndSize Solids::key_of(int kind, const Vec3& size) {
 // Every rank looks at all zones in turn: the same numbers on each without a message.
 void Solids::tell_sizes_apart(const GroundParameters& parameters, const Lattice& lattice) {
   const Solids plain = *this;
-  solid.clear(), strength.clear(), name.clear(), size.clear(), kind.clear(), table_.clear();
+  solid.clear(), strength.clear(), name.clear(), size.clear(), region.clear();
   for (Id zone = 0; zone < lattice.zone_count(); ++zone) {
     const int of = plain.kind_of(parameters, lattice, zone);
     const Vec3 extent = lattice.size_of(zone);
@@ -249,16 +249,19 @@ void Solids::tell_sizes_apart(const GroundParameters& parameters, const Lattice&
     if (!sized_.emplace(key_of(of, extent), next).second) continue;
     const auto at = static_cast<std::size_t>(of);
     solid.push_back(plain.solid[at]), strength.push_back(plain.strength[at]);
-    name.push_back(plain.name[at]), size.push_back(extent), kind.push_back(of);
-    table_.push_back(plain.table_[at]);
+    name.push_back(plain.name[at]), size.push_back(extent);
+    region.push_back(plain.region[at]);
   }
 }
 
-void Solids::find_alike() {
+void Solids::find_alike(const GroundParameters& parameters) {
   std::map<KindAndSize, std::int32_t> first;
-  for (std::int32_t s = 0; const std::int32_t table : table_) {
+  for (std::int32_t s = 0; const std::int32_t of : region) {
+    const auto layer = static_cast<std::size_t>(of);
+    const bool changes =
+        layer < parameters.layers.size() && !parameters.layers[layer].young_file.empty();
     const Vec3& extent = size[static_cast<std::size_t>(s)];
-    alike.push_back(table < 0 ? s : first.emplace(key_of(table, extent), s).first->second);
+    alike.push_back(changes ? first.emplace(key_of(of, extent), s).first->second : s);
     ++s;
   }
 }

@@ -87,8 +87,8 @@ struct Solids {
   std::vector<Elastic> solid;
   std::vector<Strength> strength;  // of each solid
   std::vector<std::string> name;
-  std::vector<Vec3> size;          // m, of its zones
-  std::vector<std::int32_t> kind;  // its number if sizes did not count
+  std::vector<Vec3> size;            // m, of its zones
+  std::vector<std::int32_t> region;  // layer or, after all layers, block; of a mesh its solid
   // Of each solid the first one that differs from it by a factor of Young's modulus alone, as the
   // columns of one layer and size do; mostly itself.
   std::vector<std::int32_t> alike;
@@ -96,11 +96,10 @@ struct Solids {
  private:
   int kind_of(const GroundParameters& parameters, const Lattice& lattice, Id zone) const;
   void tell_sizes_apart(const GroundParameters& parameters, const Lattice& lattice);
-  void find_alike();
+  void find_alike(const GroundParameters& parameters);
   using KindAndSize = std::array<double, 4>;
   static KindAndSize key_of(int kind, const Vec3& size);
 
-  std::vector<std::int32_t> table_;        // of each solid: layer whose modulus changes, or -1
   std::map<KindAndSize, int> sized_;       // of zones that are not all alike
   std::vector<std::vector<int>> columns_;  // of each layer or block: one solid, or one per column
 };

@@ -113,7 +113,8 @@ std::string step_table() {
   return path;
 }
 
-// The same bits as a ground of one block per column of zones.
+// As a ground of one block per column of zones, but for the rounding of the factors by which the
+// kernel tells columns apart; the same bits on any number of ranks (explicit).
 TEST_P(Materials, ModulusAlongTheTrack) {
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
     GroundParameters table = layered(integrator), blocks = table;
@@ -129,6 +130,25 @@ TEST_P(Materials, ModulusAlongTheTrack) {
     Ground spread(Comm::world(), table, GetParam(), 1.0);
     const auto c = run(Comm::world(), spread);
     EXPECT_LT(difference(a, c), integrator == Integrator::explicit_ ? 1e-300 : 1e-8);
+  }
+}
+
+// Its columns are solids of their own to the force kernel, not to who looks at the fields.
+TEST_P(Materials, FieldsNameTheLayerWhateverItsModulus) {
+  GroundParameters p = layered(Integrator::explicit_);
+  p.layers[0].young_file = step_table();
+  p.blocks = {{"corner", true, {0, 0, 0.5, 0, 0.5, -0.7, 0, -0.7}, p.layers[1].solid}};
+  for (const double ratio : {1.0, 1.1}) {
+    p.ratio_x = ratio;
+    const io::Grid grid = Ground(Comm::world(), p, GetParam(), 1.0).fields();
+    ASSERT_EQ(grid.cell_data[2].name, "solid");
+    for (std::size_t c = 0; c < grid.cells.size() / 8; ++c) {
+      Vec3 centre = Vec3::Zero();
+      for (std::size_t k = 0; k < 8; ++k)
+        centre += grid.points[static_cast<std::size_t>(grid.cells[8 * c + k])] / 8;
+      const int layer = centre.z() > -0.7 ? 0 : 1;
+      EXPECT_EQ(grid.cell_data[2].values[c], layer == 0 && centre.x() < 0.5 ? 2 : layer);
+    }
   }
 }
 
