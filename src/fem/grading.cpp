@@ -21,7 +21,8 @@ double sum_of(double ratio, std::int64_t zones) {
 }
 
 // Zones grow away from `fine` on both sides; of the shares of zones on each side the one is taken
-// with which the two that meet there differ least.
+// with which the two that meet there differ least. A side shorter than half of its neighbour would
+// be a sliver, which shortens all explicit steps: it gets none, and zones are finest at that end.
 std::vector<double> away_from(double fine, double ratio, double from, double to,
                               std::int64_t zones) {
   const double left = fine - from, right = to - fine;
@@ -41,9 +42,14 @@ std::vector<double> away_from(double fine, double ratio, double from, double to,
   std::int64_t before = 1;
   for (std::int64_t k = 2; k < zones; ++k)
     if (uneven(k) < uneven(before)) before = k;
+  const std::int64_t behind = zones - before;
+  if (before == 1 && 2 * left < right / sum_of(ratio, behind))
+    return away_from(from, ratio, from, to, zones);
+  if (behind == 1 && 2 * right < left / sum_of(ratio, before))
+    return away_from(to, ratio, from, to, zones);
   std::vector<double> edges = away_from(fine, ratio, from, fine, before);
-  const std::vector<double> behind = away_from(fine, ratio, fine, to, zones - before);
-  edges.insert(edges.end(), behind.begin() + 1, behind.end());
+  const std::vector<double> rest = away_from(fine, ratio, fine, to, behind);
+  edges.insert(edges.end(), rest.begin() + 1, rest.end());
   return edges;
 }
 

@@ -43,6 +43,27 @@ TEST(Grading, ZonesGrowAwayFromWhereTheyAreFinest) {
   }
 }
 
+// 1 mm from an end no zone has room: zones are as if they were finest at that end.
+TEST(Grading, NoSliverIsCutOffAtAnEnd) {
+  GroundParameters p;
+  p.x = {0, 30};
+  for (const std::int64_t zones : {2, 3, 40})
+    for (const double ratio : {1.02, 1.1, 1.2})
+      for (const bool high : {false, true}) {
+        p.zones_x = zones, p.ratio_x = ratio;
+        p.fine_x = high ? 30 : 0;
+        const std::vector<double> at_end = p.edges(0);
+        p.fine_x = high ? 30 - 1e-3 : 1e-3;
+        EXPECT_EQ(p.edges(0), at_end);
+        for (double fine = 0.01; fine < 30; fine += 0.01) {
+          p.fine_x = fine;
+          const std::vector<double> w = widths(p.edges(0));
+          for (std::size_t i = 0; i + 1 < w.size(); ++i)
+            EXPECT_LE(std::abs(std::log(w[i + 1] / w[i])), std::log(1 + ratio) + 1e-9) << fine;
+        }
+      }
+}
+
 TEST(Grading, LayersEndWhereTheirZonesDo) {
   GroundParameters p = column(7);
   p.layers = {{"thin", 0.1, {}}, {"deep", 6.0, {}}};
