@@ -34,7 +34,7 @@ struct BodyMesh {
   std::vector<std::int32_t> face(int axis, bool low) const;
 
   NodeWeights at(Side side, double x, double y) const;  // bilinear; beyond the face: its edge
-  // Middles of equal parts of a patch.
+  // Of a patch, of equal weight.
   static std::vector<std::array<double, 2>> points(const Patch& patch);
 
   struct Place {
