@@ -69,7 +69,11 @@ TEST(GroundDeck, IsRead) {
 TEST(GroundDeck, RefusesWhatCannotBe) {
   const std::string text = good;
   EXPECT_EQ(problems(text), "");
-  EXPECT_NE(problems(text + "young = -1\n"), "");
+  std::string softer_than_nothing = text;
+  softer_than_nothing.replace(text.find("young = 1e9"), 11, "young = -1");
+  EXPECT_NE(problems(softer_than_nothing).find("ground.block[0].young = -1 must be above 0"),
+            std::string::npos)
+      << problems(softer_than_nothing);
   const auto with = [&](const std::string& line) {
     return problems("[ground]\n" + line + "\n[[ground.layer]]\nthickness = 1\n");
   };

@@ -170,7 +170,8 @@ TEST_P(Plastic, EnergyIsBalanced) {
   };
   // Order one, as the return is: a fifth of the step, less than half of the error.
   const double coarse = error(0.1), fine = error(0.02);
-  EXPECT_LT(coarse, 0.02);
+  EXPECT_LT(coarse, 0.0135);
+  EXPECT_LT(fine, 0.004);
   EXPECT_LT(fine, 0.5 * coarse);
 }
 

@@ -69,9 +69,10 @@ TEST_P(ImplicitFailure, TriaxialStrength) {
     const Strength strength{Yield::mohr_coulomb, cohesion, friction, dilation, 10e3};
     const double sine = std::sin(friction * std::numbers::pi / 180), n = (1 + sine) / (1 - sine);
     const double exact = n * 50e3 + 2 * cohesion * std::sqrt(n);
+    // As near as the search for the lateral pressure stops.
     verified::near(
         fmt::format("strength, c {:g} kPa, phi {:g}, at 50 kPa", cohesion / 1e3, friction), "Pa",
-        triaxial({50e6, 0.3, 2000}, strength, GetParam(), 50e3), exact, 1e-6 * exact);
+        triaxial({50e6, 0.3, 2000}, strength, GetParam(), 50e3), exact, 1e-9 * exact);
   }
 }
 
@@ -136,8 +137,9 @@ TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
       }
   }
   ASSERT_GT(count, 12);
-  verified::below("largest residual of a round over the square of the one before", "-", ratio, 10);
-  verified::below("most rounds in a step", "-", most, 12);
+  verified::below("largest residual of a round over the square of the one before", "-", ratio,
+                  1.25);
+  verified::below("most rounds in a step", "-", most, 6);
 }
 
 }  // namespace
