@@ -20,7 +20,9 @@ void State::list(const Visit& visit) {
   visit("displacement", "m", "deviation from the state of rest", displacement);
   visit("velocity", "m/s", "at the time of the checkpoint", velocity);
   visit("acceleration", "m/s^2", "at the end of the last window", acceleration);
-  visit("internal", "N", "nodal force of the present deformation", internal);
+  visit("internal", "N",
+        "nodal force of the present deformation; implicit steps: of what the last one predicted",
+        internal);
   visit("load", "N", "top load of the last window less the settled one", load);
   visit("settled", "N", "top load of the state of rest", settled);
   visit("offset", "m", "displacement when last settled, part of the shape", offset);

@@ -19,8 +19,7 @@ namespace trackbed::fem {
 
 namespace {
 
-// Springs below the base as part of a diagonal.
-// Springs are diagonal: they cost the matrix nothing.
+// Springs below the base are diagonal: they cost the matrix nothing.
 void add_springs(const std::vector<Spring>& springs, double factor, int components, Nodal& to) {
   for (const Spring& spring : springs)
     for (int c = 0; c < components; ++c) to[c][spring.node] += factor * spring.stiffness;

@@ -53,11 +53,13 @@ struct State {
   Nodal displacement, velocity;  // m, m/s: deviation from rest
   Nodal acceleration;            // m/s^2 at the end of the last window; implicit steps carry it
   Nodal one_before, two_before;  // m/s^2, windows earlier, for the first guess; implicit steps only
-  Nodal internal;                // N, K (u + rayleigh_stiffness v) + springs at the present time
-  Nodal load;                    // N, F - F_0 of the last window
-  Nodal settled;                 // N, F_0
-  Nodal offset;                  // m, displacement at `settle`, added to the shape shown outside
-  Nodal rest;                    // m, static solution at `settle` under weight and F_0
+  // N, K (u + rayleigh_stiffness v) + springs at the present time; after implicit steps that of
+  // what their equation takes of begin and predicted end, which no later step reads.
+  Nodal internal;
+  Nodal load;     // N, F - F_0 of the last window
+  Nodal settled;  // N, F_0
+  Nodal offset;   // m, displacement at `settle`, added to the shape shown outside
+  Nodal rest;     // m, static solution at `settle` under weight and F_0
 
   // Calls visit(name, unit, meaning, values) for each of them.
   using Visit = std::function<void(const char*, const char*, const char*, Nodal&)>;

@@ -2,8 +2,9 @@
 //
 // The stiffness of a box-shaped isotropic zone keeps the symmetry of the box. Written in the sums
 // and differences of its corner displacements along x, y, z (one pattern of signs per corner), the
-// 24x24 matrix falls apart into eight blocks of 3x3 (in a plane 8x8 into four of 2x2): 288 flops
-// per zone instead of 1152. Component c with pattern p belongs to block p ^ (1 << c). Zones that
+// 24x24 matrix falls apart into eight blocks of 3x3 (in a plane 8x8 into four of 2x2): 264 flops
+// per zone instead of 1152 (312 with the forces' assembly; 24 more where moduli change along a
+// run). Component c with pattern p belongs to block p ^ (1 << c). Zones that
 // follow one another along x and share a solid, or differ by a factor of Young's modulus, form a
 // run; eight of them are worked on at once, one per vector lane, with unit-stride loads. See
 // docs/decisions/ground_elements.md.
@@ -18,8 +19,8 @@
 
 namespace trackbed::fem {
 
-// Constant once made; local. Cost: 288 flops per zone and the forces' assembly. A mesh from a file
-// has no use for `elements`: its forces are those of Tetrahedra, and `element` is not asked for.
+// Constant once made; local. Cost: 312 flops per zone, assembly included. A mesh from a file has no
+// use for `elements`: its forces are those of Tetrahedra, and `element` is not asked for.
 class Stiffness {
  public:
   Stiffness(const Mesh& mesh, std::vector<ZoneElement> elements, double common_damping = 0);
