@@ -226,7 +226,7 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
     }
   }
   for (const MeshSolid& one : parameters.solids)
-    add(number++, one.solid, Strength{}, "solid " + one.name);
+    add(number++, one.solid, one.strength, "solid " + one.name);
   for (const Block& block : parameters.blocks)
     columns_.push_back({add(number++, block.solid, block.strength, "block " + block.name)});
   size.assign(solid.size(), lattice.size);

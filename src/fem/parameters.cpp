@@ -246,11 +246,11 @@ void Block::declare(Section& s) {
 }
 
 bool GroundParameters::yields() const {
-  const auto gives_way = [](const Strength& strength) { return strength.yield != Yield::none; };
-  return present && (std::any_of(layers.begin(), layers.end(),
-                                 [&](const Layer& layer) { return gives_way(layer.strength); }) ||
+  const auto gives_way = [](const auto& of) { return of.strength.yield != Yield::none; };
+  return present && (std::any_of(layers.begin(), layers.end(), gives_way) ||
+                     std::any_of(solids.begin(), solids.end(), gives_way) ||
                      std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) {
-                       return block.present && gives_way(block.strength);
+                       return block.present && gives_way(block);
                      }));
 }
 

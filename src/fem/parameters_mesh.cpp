@@ -63,6 +63,7 @@ void refuse_layers(const GroundParameters& p, Section& s) {
 void MeshSolid::declare(Section& s) {
   s.text("name", name, "Physical volume of the mesh that is made of it.");
   solid.declare(s);
+  strength.declare(s);
 }
 
 void MeshBorder::declare(Section& s) {

@@ -16,7 +16,8 @@ from program import Program, summary  # noqa: E402
 
 SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
          "stage.compact.duration=0.01", "output.fields=false"]
-# Parameter of the schema -> change of the deck.
+YIELDS = "ground.solid.0.yield=mohr_coulomb ground.solid.0.cohesion=3e3"
+# Parameter of the schema -> change of the deck, or that and its surroundings.
 KNOBS = {
     "ground.mesh": "ground.mesh={folder}/other.msh",
     "ground.mesh_top": "ground.mesh_top=crest",
@@ -26,6 +27,11 @@ KNOBS = {
     "ground.solid.[].density": "ground.solid.0.density=1950",
     "ground.solid.[].rayleigh_mass": "ground.solid.0.rayleigh_mass=5",
     "ground.solid.[].rayleigh_stiffness": "ground.solid.0.rayleigh_stiffness=2e-4",
+    "ground.solid.[].yield": "ground.solid.0.yield=mohr_coulomb",
+    "ground.solid.[].cohesion": ("ground.solid.0.cohesion=4e3", YIELDS),
+    "ground.solid.[].friction_angle": ("ground.solid.0.friction_angle=35", YIELDS),
+    "ground.solid.[].dilation_angle": ("ground.solid.0.dilation_angle=10", YIELDS),
+    "ground.solid.[].tensile_strength": ("ground.solid.0.tensile_strength=1e3", YIELDS),
     "ground.border.[].name": "ground.border.0.name=base",
     "ground.border.[].holds": "ground.border.0.holds=fixed",
     "ground.base_motion": "ground.base_motion={folder}/wave.csv",
@@ -147,9 +153,13 @@ def main():
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
         problems.append("the same run twice differs: this test would prove nothing")
+    within = seen(program, deck, folder, split(YIELDS))
+    problems += [] if within["code"] == 0 else [f"what yields does not run: {within}"]
     for name, change in KNOBS.items():
-        after = seen(program, deck, folder, [change.format(**place)])
-        if after == before:
+        change, around = (change, "") if isinstance(change, str) else change
+        after = seen(program, deck, folder,
+                     [*(split(around) if around else []), change.format(**place)])
+        if after == (within if around else before):
             problems.append(f"{name}: {change} changes nothing")
     for changes, words in REFUSED.items():
         for command in ("check", "run"):

@@ -70,6 +70,7 @@ struct CrossSection {
 struct MeshSolid {
   std::string name;  // of the physical volume
   Elastic solid;
+  Strength strength = {};
   void declare(input::Section& s);
 };
 

@@ -9,6 +9,7 @@
 #include "support/verified.hpp"
 #include "trackbed/core/error.hpp"
 #include "unit/fem/embankment_scene.hpp"
+#include "unit/fem/mesh_scene.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -22,9 +23,16 @@ GroundParameters sample(const Elastic& solid, const Strength& strength) {
   return p;
 }
 
+// The same strength of a solid of a mesh file.
+GroundParameters sample_of_file(const Elastic& solid, const Strength& strength) {
+  GroundParameters p = of_mesh(TetBox({2, 2, 2}, {2, 2, 2}), "triaxial", solid);
+  p.solids[0].strength = strength;
+  return p;
+}
+
 // Strained evenly along z while the lateral pressure is followed elastically; Pa, at the end.
-double strength_of(const Elastic& solid, const Strength& limit, double pressure) {
-  const Mesh mesh(Comm::self(), sample(solid, limit), Dimension::space, 1);
+double strength_of(const GroundParameters& parameters, const Elastic& solid, double pressure) {
+  const Mesh mesh(Comm::self(), parameters, Dimension::space, 1);
   const Stiffness stiffness(mesh, {});
   Plasticity plasticity(mesh, &stiffness.tetrahedra());
   const Nodal none(3, mesh.nodes());
@@ -57,12 +65,15 @@ TEST(TetrahedraThatYield, TriaxialStrength) {
       const double sine = std::sin(friction * std::numbers::pi / 180);
       const double n = (1 + sine) / (1 - sine);
       const double exact = n * pressure + 2 * cohesion * std::sqrt(n);
-      verified::near(fmt::format("strength, c {:g} kPa, phi {:g}, at {:g} kPa", cohesion / 1e3,
-                                 friction, pressure / 1e3),
-                     "Pa",
-                     strength_of({50e6, 0.3, 2000},
-                                 {Yield::mohr_coulomb, cohesion, friction, 0, 10e3}, pressure),
-                     exact, 1e-4 * exact);
+      const Elastic solid{50e6, 0.3, 2000};
+      const Strength limit{Yield::mohr_coulomb, cohesion, friction, 0, 10e3};
+      const std::string name = fmt::format("strength, c {:g} kPa, phi {:g}, at {:g} kPa",
+                                           cohesion / 1e3, friction, pressure / 1e3);
+      verified::near(name, "Pa", strength_of(sample(solid, limit), solid, pressure), exact,
+                     1e-4 * exact);
+      verified::near(name + ", of a file", "Pa",
+                     strength_of(sample_of_file(solid, limit), solid, pressure), exact,
+                     1e-4 * exact);
     }
 }
 
