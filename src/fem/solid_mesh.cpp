@@ -96,9 +96,8 @@ void Builder::check_shapes() {
     std::array<Vec3, 10> xi;
     xi.fill(Vec3::Zero());
     for (int k = 1; k < 4; ++k) xi[static_cast<std::size_t>(k)][k - 1] = 1;
-    constexpr std::array<std::array<std::size_t, 2>, 6> ends = {
-        {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-    for (std::size_t e = 0; e < 6; ++e) xi[4 + e] = 0.5 * (xi[ends[e][0]] + xi[ends[e][1]]);
+    for (std::size_t middle = 4; const auto& [i, j] : tetrahedron_edges)
+      xi[middle++] = 0.5 * (xi[static_cast<std::size_t>(i)] + xi[static_cast<std::size_t>(j)]);
     return xi;
   }();
   for (std::size_t e = 0; e < mesh_.element.size(); ++e) {
@@ -160,13 +159,13 @@ void Builder::check_nodes() {
 
 // Elements that share an edge share its middle.
 void Builder::check_edges() {
-  constexpr std::array<std::array<std::size_t, 2>, 6> ends = {
-      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   std::vector<std::pair<std::array<std::int32_t, 2>, std::array<std::int32_t, 2>>> edges;
   for (std::size_t e = 0; e < mesh_.element.size(); ++e)
     for (std::size_t k = 0; k < 6; ++k) {
       const auto& nodes = mesh_.element[e];
-      const auto [low, high] = std::minmax({nodes[ends[k][0]], nodes[ends[k][1]]});
+      const auto& [i, j] = tetrahedron_edges[k];
+      const auto [low, high] =
+          std::minmax({nodes[static_cast<std::size_t>(i)], nodes[static_cast<std::size_t>(j)]});
       edges.push_back({{low, high}, {nodes[4 + k], static_cast<std::int32_t>(e)}});
     }
   std::sort(edges.begin(), edges.end());

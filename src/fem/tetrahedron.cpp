@@ -8,9 +8,6 @@ namespace trackbed::fem {
 
 namespace {
 
-constexpr std::array<std::array<int, 2>, 6> edges = {
-    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
 constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
 
 Eigen::Vector4d shares(const Vec3& xi) { return {1 - xi.sum(), xi.x(), xi.y(), xi.z()}; }
@@ -49,7 +46,7 @@ TenNumbers tetrahedron_shape(const Vec3& xi) {
   TenNumbers n;
   for (int k = 0; k < 4; ++k) n[k] = l[k] * (2 * l[k] - 1);
   for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = edges[static_cast<std::size_t>(e)];
+    const auto [i, j] = tetrahedron_edges[static_cast<std::size_t>(e)];
     n[4 + e] = 4 * l[i] * l[j];
   }
   return n;
@@ -61,7 +58,7 @@ Eigen::Matrix<double, 10, 3> tetrahedron_gradients(const Vec3& xi) {
   Eigen::Matrix<double, 10, 3> n;
   for (int k = 0; k < 4; ++k) n.row(k) = (4 * l[k] - 1) * g.row(k);
   for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = edges[static_cast<std::size_t>(e)];
+    const auto [i, j] = tetrahedron_edges[static_cast<std::size_t>(e)];
     n.row(4 + e) = 4 * (l[i] * g.row(j) + l[j] * g.row(i));
   }
   return n;
@@ -83,7 +80,7 @@ double tetrahedron_volume(const TenNodes& nodes) { return tetrahedron_load(nodes
 
 double tetrahedron_mean_ratio(const TenNodes& nodes) {
   double squares = 0;
-  for (const auto& [i, j] : edges)
+  for (const auto& [i, j] : tetrahedron_edges)
     squares +=
         (nodes[static_cast<std::size_t>(i)] - nodes[static_cast<std::size_t>(j)]).squaredNorm();
   const double volume =

@@ -17,6 +17,8 @@ namespace trackbed::fem {
 // Corners 0 to 3, then the middles of edges 01 12 02 03 13 23 (VTK's order). Corner 3 lies on the
 // side to which the normal of 0, 1, 2 points.
 using TenNodes = std::array<Vec3, 10>;
+constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges = {
+    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 // Faces as 6-node triangles, counter-clockwise seen from outside: corners, then middles of their
 // edges 01 12 20.
 constexpr std::array<std::array<int, 6>, 4> tetrahedron_faces = {
