@@ -135,7 +135,7 @@ void Bodies::advance(double dt, double gravity, std::span<const Push> pushes,
   Room& room = *room_;
   require(node_force.empty() || node_force.size() == room.surfaces.size(),
           "one list of node forces per surface");
-  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(room.system.displacement.size());
+  BodiesSystem::Vector& force = room.cleared_force();
   for (std::size_t b = 0; b < room.meshes.size(); ++b)
     for (std::int32_t n = 0; n < room.meshes[b].nodes(); ++n)
       room.system.add(
@@ -149,31 +149,31 @@ void Bodies::advance(double dt, double gravity, std::span<const Push> pushes,
     for (std::size_t n = 0; n < node_force[s].size(); ++n)
       room.system.add(room.node_of[s][n], node_force[s][n], force);
   show_at_rest();
-  const BodiesSystem::Vector before = room.system.displacement;
+  room.change = -room.system.displacement;
   room.system.step(dt, force);
-  const BodiesSystem::Vector change = room.system.displacement - before;
+  room.change += room.system.displacement;
   for (std::size_t s = 0; s < room.surfaces.size(); ++s)
     for (std::size_t n = 0; n < room.node_of[s].size(); ++n)
-      room.surfaces[s].motion[n] = room.system.of(change, room.node_of[s][n]);
+      room.surfaces[s].motion[n] = room.system.of(room.change, room.node_of[s][n]);
 }
 
 // Bodies are linear: what pushes add is added to the motion, also to that of the surfaces.
 void Bodies::push(std::span<const Push> pushes) {
   Room& room = *room_;
-  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(room.system.displacement.size());
+  BodiesSystem::Vector& force = room.cleared_force();
   for (const Push& push : pushes)
     for (const NodeWeight& one : push.at) room.system.add(one.node, one.weight * push.force, force);
-  const BodiesSystem::Vector before = room.system.displacement;
+  room.change = -room.system.displacement;
   room.system.add(force);
-  const BodiesSystem::Vector change = room.system.displacement - before;
+  room.change += room.system.displacement;
   for (std::size_t s = 0; s < room.surfaces.size(); ++s)
     for (std::size_t n = 0; n < room.node_of[s].size(); ++n)
-      room.surfaces[s].motion[n] += room.system.of(change, room.node_of[s][n]);
+      room.surfaces[s].motion[n] += room.system.of(room.change, room.node_of[s][n]);
 }
 
 double Bodies::mobility(double dt, const NodeWeights& at) {
   BodiesSystem& system = room_->system;
-  BodiesSystem::Vector force = BodiesSystem::Vector::Zero(system.displacement.size());
+  BodiesSystem::Vector& force = room_->cleared_force();
   for (const NodeWeight& one : at) system.add(one.node, {0, 0, one.weight}, force);
   return force.dot(system.mobility(dt, force));
 }

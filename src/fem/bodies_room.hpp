@@ -24,7 +24,12 @@ struct Bodies::Room {
   std::vector<BodyMesh> meshes;
   BodiesSystem system;
   std::vector<Whole> wholes;
-  Vec3 origin = Vec3::Zero();  // m
+  Vec3 origin = Vec3::Zero();          // m
+  BodiesSystem::Vector force, change;  // N, m: scratch of a step
+  BodiesSystem::Vector& cleared_force() {
+    force.setZero(system.displacement.size());
+    return force;
+  }
   std::vector<Surface> surfaces;
   std::vector<std::size_t> touched;                // body of each surface
   std::vector<std::vector<std::int32_t>> node_of;  // of each surface's nodes

@@ -197,12 +197,12 @@ void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
   const BaseMotion::Motion now = motion_.at(end), before = motion_.at(end - dt);
   seen_.wave = {f * now.velocity + g * before.velocity,
                 f * now.displacement + g * before.displacement};
-  const auto u_before = displacement_, v_before = velocity_;
+  displacement_before_ = displacement_, velocity_before_ = velocity_;
   for (std::size_t n = 0; n < mass_.size(); ++n) {
     displacement_[n] += dt * velocity_[n] + dt * dt * (0.5 - s.beta) * acceleration_[n];
     velocity_[n] += dt * (1 - s.gamma) * acceleration_[n];
-    seen_.displacement[n] = f * displacement_[n] + g * u_before[n];
-    seen_.velocity[n] = f * velocity_[n] + g * v_before[n];
+    seen_.displacement[n] = f * displacement_[n] + g * displacement_before_[n];
+    seen_.velocity[n] = f * velocity_[n] + g * velocity_before_[n];
   }
   // Predicted motion pulls; what is left is a tridiagonal system for the acceleration.
   seen_.damped = seen_.velocity;
@@ -214,8 +214,8 @@ void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
   for (std::size_t n = 0; n < mass_.size(); ++n) {
     displacement_[n] += s.beta * dt * dt * acceleration_[n];
     velocity_[n] += s.gamma * dt * acceleration_[n];
-    seen_.displacement[n] = f * displacement_[n] + g * u_before[n];
-    seen_.velocity[n] = f * velocity_[n] + g * v_before[n];
+    seen_.displacement[n] = f * displacement_[n] + g * displacement_before_[n];
+    seen_.velocity[n] = f * velocity_[n] + g * velocity_before_[n];
   }
   seen_.damped = seen_.velocity;
 }
@@ -223,7 +223,8 @@ void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
 // Acceleration of one column along one component: three diagonals, eliminated from the base up.
 void FreeField::solve(std::size_t column, int c, double dt, const AlphaScheme& s) {
   const double f = 1 - s.alpha_f;
-  std::vector<double> diagonal(zones_ + 1), above(zones_ + 1, 0.0);
+  std::vector<double>&diagonal = diagonal_, &above = above_;
+  diagonal.assign(zones_ + 1, 0.0), above.assign(zones_ + 1, 0.0);
   for (std::size_t level = 0; level <= zones_; ++level) {
     const std::size_t n = index(column, level, c);
     diagonal[level] = (1 - s.alpha_m) * mass_[n] + f * s.gamma * dt * damping_[n];

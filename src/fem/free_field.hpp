@@ -85,7 +85,8 @@ class FreeField {
   std::vector<SideCorner> sides_;
   std::vector<BasePart> base_;
   std::vector<double> displacement_, velocity_, acceleration_;
-  std::vector<double> force_;  // N, scratch
+  std::vector<double> force_;  // N, scratch; what follows too, of implicit steps
+  std::vector<double> displacement_before_, velocity_before_, diagonal_, above_;
   Seen seen_;
 };
 

@@ -87,15 +87,12 @@ int LinearSystem::solve_changed(const Changes& changes, const Nodal& right_side,
 
 double LinearSystem::residual(const Nodal& right_side, const Nodal& x, Nodal& r) {
   Handles& h = *handles_;
-  Vec product = nullptr;
   PetscReal norm = 0;
   h.give(x, h.solution);
   h.give(right_side, h.right);
-  check(VecDuplicate(h.right, &product), "create a vector");
-  check(MatMult(h.product, h.solution, product), "multiply by a matrix");
-  check(VecAXPY(h.right, -1, product), "add vectors");
+  check(MatMult(h.product, h.solution, h.open), "multiply by a matrix");
+  check(VecAXPY(h.right, -1, h.open), "add vectors");
   check(VecNorm(h.right, NORM_2, &norm), "measure a vector");
-  VecDestroy(&product);
   h.take(h.right, r);
   return norm;
 }

@@ -63,8 +63,8 @@ double Ground::Room::out_of_balance(double dt, const AlphaScheme& s, const Nodal
 void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   if (!plastic_step_) {
     plastic_step_ = std::make_unique<PlasticStep>(mesh, *plasticity);
-    for (Nodal* force : {&begin_force_, &end_force_, &residual_})
-      *force = Nodal(components(), mesh.nodes());
+    for (Nodal* scratch : {&begin_force_, &end_force_, &residual_, &newton_step_, &search_from_})
+      *scratch = Nodal(components(), mesh.nodes());
   }
   begin_force_.fill(0);
   plasticity->act_on(begin_force_);
@@ -72,8 +72,8 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   // elastic step.
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) mixed_[c][n] = right_[c][n] - begin_force_[c][n];
-  Nodal step(components(), mesh.nodes());
-  const double all = implicit_->residual(mixed_, step, residual_);
+  newton_step_.fill(0);
+  const double all = implicit_->residual(mixed_, newton_step_, residual_);
   const double enough = looser * parameters.tolerance * all + rounding;
   const double share = (1 - s.alpha_f) * s.beta * dt * dt;
   const auto add = [&](const LinearSystem::Add& to) {
@@ -100,10 +100,10 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
       continue;
     }
     const double exact = std::max(std::min(open / all, 1e-2), 0.1 * enough / open);
-    const int spent = implicit_->solve_changed(add, residual_, exact, step);
+    const int spent = implicit_->solve_changed(add, residual_, exact, newton_step_);
     if (spent < 0) throw RunError(no_end(round, left.back(), lost));
     iterations += spent;
-    open = line_search(dt, s, step, open);
+    open = line_search(dt, s, newton_step_, open);
   }
   plastic_step_->keep();
 }
@@ -112,11 +112,11 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
 // since a corner of the surface may have to be passed.
 double Ground::Room::line_search(double dt, const AlphaScheme& s, const Nodal& step, double open) {
   constexpr double shortest = 1.0 / 64;
-  const Nodal from = state.acceleration;
+  search_from_ = state.acceleration;
   for (double length = 1;; length *= 0.5) {
     for (int c = 0; c < components(); ++c)
       for (const std::int32_t n : mesh.own)
-        state.acceleration[c][n] = from[c][n] + length * step[c][n];
+        state.acceleration[c][n] = search_from_[c][n] + length * step[c][n];
     const double now = out_of_balance(dt, s, state.acceleration);
     if (now < open || length <= shortest) return now;
   }

@@ -149,6 +149,7 @@ struct Ground::Room {
   std::unique_ptr<LinearSystem> implicit_;
   std::unique_ptr<PlasticStep> plastic_step_;  // if a solid yields
   Nodal begin_force_, end_force_, residual_;   // N: of plastic strain at begin and end; of Newton
+  Nodal newton_step_, search_from_;            // m/s^2: of Newton; where a search along it begins
   Nodal stiff_;  // N/m, diagonal of K, with what damping by stiffness adds to it; held: 0
   double implicit_step_ = -1;
 };
