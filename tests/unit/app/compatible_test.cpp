@@ -22,9 +22,11 @@ TEST(Compatible, ParametersThatCameLaterHaveTheirDefaults) {
   io::File file(par::Comm::self(), scratch / "older.h5", io::Mode::create);
   file.attribute("/", "deck", without(effective_deck(model), "beside = 0.0\n"));
   const input::Deck deck = input::Deck::parse("", "deck.toml", {});
-  EXPECT_NO_THROW(require_same_model(file, "older.h5", effective_deck(model), deck));
+  EXPECT_NO_THROW(
+      require_same_model(par::Comm::self(), file, "older.h5", effective_deck(model), deck));
   model.bed.beside = 0.1;
-  EXPECT_THROW(require_same_model(file, "older.h5", effective_deck(model), deck), InputError);
+  EXPECT_THROW(require_same_model(par::Comm::self(), file, "older.h5", effective_deck(model), deck),
+               InputError);
 }
 
 }  // namespace
