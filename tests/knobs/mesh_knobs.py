@@ -6,6 +6,7 @@ a short form of inputs/ground/embankment.toml. And the refusals of such decks.
 """
 import hashlib
 import pathlib
+import re
 import shutil
 import sys
 
@@ -16,7 +17,7 @@ from program import Program, summary  # noqa: E402
 
 SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
          "stage.compact.duration=0.01", "output.fields=false"]
-YIELDS = "ground.solid.0.yield=mohr_coulomb ground.solid.0.cohesion=3e3"
+YIELDS = "ground.solid.0.yield=mohr_coulomb ground.solid.0.cohesion=1e3"
 # Parameter of the schema -> change of the deck, or that and its surroundings.
 KNOBS = {
     "ground.mesh": "ground.mesh={folder}/other.msh",
@@ -28,10 +29,10 @@ KNOBS = {
     "ground.solid.[].rayleigh_mass": "ground.solid.0.rayleigh_mass=5",
     "ground.solid.[].rayleigh_stiffness": "ground.solid.0.rayleigh_stiffness=2e-4",
     "ground.solid.[].yield": "ground.solid.0.yield=mohr_coulomb",
-    "ground.solid.[].cohesion": ("ground.solid.0.cohesion=4e3", YIELDS),
+    "ground.solid.[].cohesion": ("ground.solid.0.cohesion=1.5e3", YIELDS),
     "ground.solid.[].friction_angle": ("ground.solid.0.friction_angle=35", YIELDS),
     "ground.solid.[].dilation_angle": ("ground.solid.0.dilation_angle=10", YIELDS),
-    "ground.solid.[].tensile_strength": ("ground.solid.0.tensile_strength=1e3", YIELDS),
+    "ground.solid.[].tensile_strength": ("ground.solid.0.tensile_strength=500", YIELDS),
     "ground.border.[].name": "ground.border.0.name=base",
     "ground.border.[].holds": "ground.border.0.holds=fixed",
     "ground.base_motion": "ground.base_motion={folder}/wave.csv",
@@ -77,7 +78,7 @@ TOLD = {
         ["\"ends\" is free and ends the mesh", "-\"slopes\""],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
-    "ground.mesh={folder}/thin.msh": ["are nearly flat (mean ratio below 0.05"],
+    "ground.mesh={folder}/thin.msh time.window=1e-5": ["are nearly flat (mean ratio below 0.05"],
 }
 
 
@@ -131,7 +132,7 @@ def untold(program, deck, place):
 
 def split(changes):
     """At blanks before a key; lists have blanks too."""
-    return [("ground." if k else "") + part for k, part in enumerate(changes.split(" ground."))]
+    return re.split(r" (?=[a-z]+\.)", changes)
 
 
 def main():
