@@ -11,7 +11,7 @@ command line may replace. The bed is run up to that stage in FOLDER/bed; CHECKPO
 of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
-   load goes is the support stiffness of each sleeper.
+   load goes (the median of its parts) is the support stiffness of each sleeper.
 2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that
    lies as the sleepers have settled so far.
 3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats").
@@ -44,10 +44,11 @@ import numpy as np  # noqa: E402
 
 from launch import on_ranks  # noqa: E402
 
-OF_THE_TRAIN = ("rail", "pad", "ballast", "seat", "track", "train", "wheel_rail", "irregularity",
-                "passage", "vehicle")
+OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "seat", "track", "train",
+                "wheel_rail", "irregularity", "irregularity_right", "passage", "vehicle")
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
 STOPPED = 3  # exit code of a run that can be resumed
+PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
 
@@ -77,8 +78,9 @@ def table(name, values):
 
 
 def absolute(text, folder):
-    """The text of a deck of `folder`, with the files it names under their whole path."""
-    return re.sub(r'"([^"\n]+)"', lambda found: f'"{(folder / found[1]).resolve()}"'
+    """The text of a deck of `folder`, with the files it names, by a dot or slash, under their whole
+    path."""
+    return re.sub(r'"([^"\n]*[./][^"\n]*)"', lambda found: f'"{(folder / found[1]).resolve()}"'
                   if (folder / found[1]).is_file() else found[0], text)
 
 
@@ -100,6 +102,8 @@ class Loop:
             sys.exit(f"{given.deck} has no stage with train = true")
         if self.deck.get("irregularity", {}).get("kind", "none") != "none":
             sys.exit(f"{given.deck}: the loop has its own irregularity, leave out [irregularity]")
+        if self.deck.get("track", {}).get("dimension", "plane") != "plane":
+            sys.exit(f"{given.deck}: the loop has one rail: track.dimension must be \"plane\"")
         self.preload = trains[0].get("seat_force", 0)
         parts = chunks(absolute(text, given.deck.parent))
         parts[0] = ("", re.sub(r"(?m)^start\s*=.*\n", "", parts[0][1]))  # rounds have their own
@@ -146,7 +150,8 @@ class Loop:
         """Runs what `text` says, or what is still to do of it; it becomes the file `deck`, with a
         line on what the files it is made of hold."""
         for path in made_of:
-            text += f"# {path.name}: {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
+            with path.open("rb") as file:
+                text += f"# {path.name}: {hashlib.file_digest(file, 'sha256').hexdigest()}\n"
         summary, words = folder / "summary.json", ["run", deck, "-o", folder]
         if self.given.force:
             words.append("--force")
@@ -197,9 +202,10 @@ class Loop:
                  "load": self.given.load, "ramp": RAMP, "seat_force": self.preload,
                  "ground_moves": True, "local_damping": 0.2}
         time, sleeper = self.run_bed(stage, folder / "weigh")
-        going = time >= time[-1] - RAMP
-        return np.array([np.polyfit(z, force, 1)[0] for z, force in zip(
-            sleeper["displacement"][going].T, sleeper["seat_force"][going].T)]) / self.rails
+        parts = np.array_split(np.flatnonzero(time >= time[-1] - RAMP), PARTS)
+        return np.array([np.median([np.polyfit(z[part], force[part], 1)[0] for part in parts])
+                         for z, force in zip(sleeper["displacement"].T,
+                                             sleeper["seat_force"].T)]) / self.rails
 
     def track_deck(self, folder, stiffness):
         """Text of the track alone: the bed's stiffness, rail as the sleepers have settled."""
@@ -220,7 +226,7 @@ class Loop:
         parts["passage"] |= {"points": [float(x) for x in self.on_track], "history_interval": 5e-4}
         del parts["seat"]
         text = 'model = "track"\n\n' + "".join(
-            table(f"[{name}]", values) for name, values in parts.items())
+            table(f"[{name}]", values) for name, values in parts.items() if values)
         zones = [*self.zones_of_deck(spacing),
                  *({"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),
                     "bed": float(k / springs)} for x, k in zip(self.on_track, stiffness))]

@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "app/deck_values.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -116,20 +115,45 @@ bool matters(std::string_view key, const Holds& holds) {
   return holds.moved_ground && matters_to_moved_ground(key, holds);
 }
 
-// A parameter that came after the program which wrote the checkpoint leaves all as it was unless it
-// is given.
-Values stored_values(const io::File& checkpoint) {
-  Values values = values_of(checkpoint.text_attribute("/", "deck"));
-  values.merge(values_of(effective_deck(Model{})));
-  return values;
-}
-
 std::string worded(const Values& values, const std::string& key) {
   const auto found = values.find(key);
   return found == values.end() ? "without it" : "with " + found->second;
 }
 
+// All defaults, of each table those of one row.
+Values defaults_of(const std::string& kind) {
+  Model model;
+  if (kind == "\"track\"") model.kind = ModelKind::track;
+  if (kind == "\"track_on_ground\"") model.kind = ModelKind::track_on_ground;
+  model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);
+  model.ground.borders.resize(1), model.ground.sections.resize(1);
+  model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);
+  model.track.passage.forces.resize(1);
+  return values_of(effective_deck(model));
+}
+
 }  // namespace
+
+Values stored_values(const io::File& checkpoint, const Values& now) {
+  Values then = values_of(checkpoint.text_attribute("/", "deck"));
+  const auto model = now.find("model");
+  const Values defaults = defaults_of(model == now.end() ? "" : model->second);
+  const Values given = then;
+  for (const auto& [key, value] : now) {
+    if (given.contains(key)) continue;
+    std::string row_of_defaults = key;
+    if (const std::size_t open = key.find('['); open != key.npos) {
+      const std::size_t close = key.find(']', open);
+      const std::string row = key.substr(0, close + 2);  // with the dot
+      const auto of_row = given.lower_bound(row);
+      if (of_row == given.end() || !of_row->first.starts_with(row)) continue;  // a new row
+      row_of_defaults.replace(open + 1, close - open - 1, "0");
+    }
+    if (const auto found = defaults.find(row_of_defaults); found != defaults.end())
+      then[key] = found->second;
+  }
+  return then;
+}
 
 std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
                                                  const std::string& path,
@@ -153,8 +177,8 @@ std::map<std::string, std::string> changed_files(const par::Comm& comm, const io
 
 void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck) {
-  const Values then = stored_values(checkpoint);
   const Values now = values_of(effective);
+  const Values then = stored_values(checkpoint, now);
   const Holds holds = holds_of(checkpoint, then);
   // Keys of either deck: one that is gone differs as much as one that is new.
   Values all = now;
@@ -175,7 +199,10 @@ void require_same_model(const par::Comm& comm, const io::File& checkpoint, const
                                    path, worded(then, key)));
   }
   for (const auto& [key, sentence] : changed_files(comm, checkpoint, path, effective, deck))
-    if (matters(key, holds)) problems.push_back(sentence);
+    // The name of a profile may change under a train (its contact does); half a passage over each
+    // of two profiles of one name is a mistake.
+    if (matters(key, holds) || (holds.train && key.starts_with("irregularity")))
+      problems.push_back(sentence);
   if (!problems.empty()) throw InputError(problems);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/deck_values.hpp"
 #include "app/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
@@ -18,6 +19,10 @@ namespace trackbed::app {
 // checkpoint, for the sentences. Collective.
 void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck);
+
+// The deck stored in a checkpoint, as far as `now` has more parameters with their defaults: one
+// that came after the program which wrote it leaves all as it was unless it is given. Collective.
+Values stored_values(const io::File& checkpoint, const Values& now);
 
 // Of each parameter that names a file: a sentence if it holds something else than when the
 // checkpoint was made. One of a program that did not note that has none. Collective.

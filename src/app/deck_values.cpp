@@ -39,7 +39,7 @@ Values values_of(const std::string& effective) {
 std::string contents_of_files(const par::Comm& comm, const std::string& effective) {
   std::string text;
   for (const auto& [key, value] : comm.root() ? values_of(effective) : Values{}) {
-    if (value.size() < 3 || value.front() != '"') continue;
+    if (value.size() < 3 || value.front() != '"' || key == "start") continue;
     const std::string path = value.substr(1, value.size() - 2);
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) continue;

@@ -175,6 +175,12 @@ int run_command(const par::Comm& comm, par::Meeting& meeting,
   } catch (const RunError& error) {
     leave_if_alone(comm, meeting, error, ExitCode::run_failed);
     throw;
+  } catch (const std::exception& error) {
+    if (comm.size() == 1) throw;
+    // Not agreed on: the others may wait for this one.
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    std::fflush(stderr);
+    std::_Exit(static_cast<int>(ExitCode::run_failed));
   }
 }
 
@@ -217,11 +223,7 @@ int program(const par::Comm& comm, int argc, char** argv) {
     return complain(comm, std::string("trackbed: ") + error.what(), ExitCode::run_failed);
   } catch (const std::exception& error) {
     fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
-    const int code = static_cast<int>(ExitCode::run_failed);
-    if (comm.size() == 1) return code;
-    // Not agreed on: other ranks may wait for this one. mpirun ends them when it leaves unfinished.
-    std::fflush(stderr);
-    std::_Exit(code);
+    return static_cast<int>(ExitCode::run_failed);
   }
 }
 

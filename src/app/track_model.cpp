@@ -38,14 +38,16 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "must be pinned if seats are loaded: the rail lies on nothing then", about);
 }
 
-// So that a slip of the unit ends in a sentence, before memory does.
-void declare_size(const track::TrackParameters& track, input::Section& s) {
+// So that a slip of the unit ends in a sentence, before memory or patience does. Whether it is
+// none.
+bool declare_size(const track::TrackParameters& track, input::Section& s) {
   constexpr double most = 1e6;
   const double elements = track.length / track.spacing * static_cast<double>(track.elements);
   s.rule("track.spacing", elements <= most,
          fmt::format("makes {:.3g} elements of {:g} m of rail, at most {:g}; is it in m?", elements,
                      track.length, most),
          {.reads = {"track"}});
+  return elements <= most;
 }
 
 // Every name once: a train is put together by them.
@@ -216,7 +218,7 @@ void TrackModel::declare(input::Section& s) {
           "The same of the right rail, if it is another one than of the left.");
   s.tables("force", passage.forces, "A force on the rail of a track alone, besides a train.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
-  declare_size(line.track, s);
+  const bool countable = declare_size(line.track, s);
   declare_vehicles(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
@@ -226,7 +228,7 @@ void TrackModel::declare(input::Section& s) {
   if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
   declare_seats(*this, s);
   declare_flat(*this, s);
-  declare_track_rules(*this, s);
+  if (countable) declare_track_rules(*this, s);
   const double length = line.track.length;
   if (on_bed) return;
   for (const double x : passage.points)

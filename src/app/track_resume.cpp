@@ -66,7 +66,7 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
 bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
                    const std::string& effective, const input::Deck& deck) {
   const io::File file = io::open_checkpoint(comm, checkpoint);
-  const Values then = values_of(file.text_attribute("/", "deck")), now = values_of(effective);
+  const Values now = values_of(effective), then = stored_values(file, now);
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;

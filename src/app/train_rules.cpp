@@ -28,8 +28,8 @@ void declare_presence(const Model& model, input::Section& s) {
   s.rule(
       "model", model.has_train() || untouched(model),
       "must be \"track\", or a stage must have train = true: a section of rail and train is given "
-      "(rail, pad, ballast, track, vehicle, train, wheel_rail, irregularity, passage), and these "
-      "have no effect otherwise",
+      "(rail, pad, under_sleeper_pad, ballast, track, vehicle, train, wheel_rail, irregularity, "
+      "irregularity_right, passage), and these have no effect otherwise",
       {.reads = {"model"}});
   const track::SeatParameters none;
   s.rule("seat",

@@ -39,7 +39,10 @@ CrossSection GroundParameters::section_at(double at) const {
   const CrossSection a = resolved(sections[next - 1]), b = resolved(sections[next]);
   const double share = (at - a.x) / (b.x - a.x);
   const auto mixed = [&](double from, double to) { return from + share * (to - from); };
-  return {at, mixed(a.crest, b.crest), mixed(a.height, b.height), mixed(a.slope, b.slope)};
+  // Crest and foot go straight from one to the other; slopes would bend the foot where heights
+  // differ.
+  const double crest = mixed(a.crest, b.crest), height = mixed(a.height, b.height);
+  return {at, crest, height, (mixed(a.foot(), b.foot()) - crest) / height};
 }
 
 // Linear between sections: the least is at one of them or at an end.
@@ -78,9 +81,11 @@ Embankment::Embankment(const GroundParameters& p)
   for (const Slice& slice : slices_) foot += slice.section.foot();
   foot /= static_cast<double>(slices_.size());
   feet_ = {0, cells_[1]};
+  const bool beyond = side_[1] > foot + same_place;
   if (side_[0] < -foot - same_place)
-    feet_[0] = std::clamp<std::int64_t>(nearest(across_, -foot), 1, cells_[1] - 1);
-  if (side_[1] > foot + same_place)
+    feet_[0] =
+        std::clamp<std::int64_t>(nearest(across_, -foot), 1, cells_[1] - 1 - (beyond ? 1 : 0));
+  if (beyond)
     feet_[1] = std::clamp<std::int64_t>(nearest(across_, foot), feet_[0] + 1, cells_[1] - 1);
 }
 

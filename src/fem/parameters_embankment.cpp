@@ -95,12 +95,21 @@ void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
       of_shape);
 }
 
-// What a side of the ground is to all sections: beyond their feet, or where they end.
+// m, from the axis, of the feet at both ends and at the sections between, which are straight from
+// one to the next.
+std::vector<double> feet(const GroundParameters& p) {
+  std::vector<double> found = {p.section_at(p.x[0]).foot(), p.section_at(p.x[1]).foot()};
+  for (const CrossSection& one : p.sections)
+    if (one.x > p.x[0] && one.x < p.x[1]) found.push_back(p.section_at(one.x).foot());
+  return found;
+}
+
+// What a side of the ground is to all of them: beyond, or where they end.
 enum class Beside { ground, nothing, mixed, too_near };
-Beside beside(const GroundParameters& p, double side) {
+Beside beside(const std::vector<double>& feet, double side) {
   bool ground = true, nothing = true;
-  for (const CrossSection& one : p.sections) {
-    const double left = side - p.section_at(one.x).foot();
+  for (const double foot : feet) {
+    const double left = side - foot;
     if (left < -same_place) return Beside::too_near;
     ground = ground && left > same_place;
     nothing = nothing && left <= same_place;
@@ -112,9 +121,9 @@ void declare_widths(const GroundParameters& p, Section& s) {
   std::int64_t columns = 1;
   for (const double side : {-p.y[0], p.y[1]}) {
     if (side == 0 && p.y[0] == 0) continue;  // half an embankment
-    const Beside found = beside(p, side);
-    double foot = 0;
-    for (const CrossSection& one : p.sections) foot = std::max(foot, p.section_at(one.x).foot());
+    const std::vector<double> all = feet(p);
+    const Beside found = beside(all, side);
+    const double foot = *std::max_element(all.begin(), all.end());
     s.rule("y", found != Beside::too_near,
            fmt::format("ends before the embankment does: its foot reaches {:g} m from the axis; "
                        "make the ground wider, or the crest narrower (y may begin at 0: half an "

@@ -45,6 +45,7 @@ REFUSED = [
     (["track.ends=free", "track.support=continuous"], ZONE.format(0, 60, "bed = 0"),
      "leaves 0 places to carry the rail"),
     (["track.spacing=1e-5"], "", "makes 2.4e+07 elements of 60 m of rail"),
+    (["track.spacing=1e-17"], ZONE.format(0, 60, "bed = 2"), "elements of 60 m of rail"),
     (["track.run_in_factor=1e7"], "", "must be at least 1 and at most 1000000"),
     ([], VEHICLE.format('kind = "forces"\nlength = 20\naxles = [15, 3]\nloads = [1e5, 1e5]'),
      "must rise: the first axle is the foremost one"),

@@ -29,5 +29,20 @@ TEST(Compatible, ParametersThatCameLaterHaveTheirDefaults) {
                InputError);
 }
 
+// Of a row that was there; a new row is another deck.
+TEST(Compatible, ParametersOfRowsThatCameLaterHaveTheirDefaults) {
+  const io::Scratch scratch("rows");
+  Model model;
+  model.ground.solids = {{"soil", {}}};
+  io::File file(par::Comm::self(), scratch / "older.h5", io::Mode::create);
+  file.attribute("/", "deck", without(effective_deck(model), "yield = \"none\"\n"));
+  const Values now = values_of(effective_deck(model));
+  ASSERT_TRUE(now.contains("ground.solid[0].yield"));
+  EXPECT_EQ(stored_values(file, now).at("ground.solid[0].yield"), "\"none\"");
+  model.ground.solids.push_back({"sand", {}});
+  EXPECT_FALSE(
+      stored_values(file, values_of(effective_deck(model))).contains("ground.solid[1].yield"));
+}
+
 }  // namespace
 }  // namespace trackbed::app

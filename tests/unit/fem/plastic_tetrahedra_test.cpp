@@ -1,4 +1,4 @@
-// Tetrahedra that yield: forces, bits on any number of ranks, restart, implicit steps, energy.
+// Tetrahedra that yield: forces, bits on any number of ranks, restart, implicit steps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
