@@ -63,6 +63,31 @@ TEST(Embankment, HasTheVolumeOfItsSections) {
 
 // As a mesh file it would pass all checks: elements hang together, none is turned inside out, and
 // its borders lie outside.
+// Also where height and slope change together: slopes between would bend it outwards.
+TEST(Embankment, HasAFootThatGoesStraight) {
+  GroundParameters p = embankment();
+  p.y = {-7.5, 7.5};
+  p.sections = {{.x = 0, .crest = 2, .height = 2.5, .slope = 2},
+                {.x = 6, .crest = 4, .height = 1.5, .slope = 2}};
+  for (const double x : {0.0, 1.0, 3.0, 6.0}) EXPECT_NEAR(p.section_at(x).foot(), 7, 1e-12) << x;
+  const MeshReport report = look_at_mesh(p);
+  EXPECT_EQ(report.high.y(), 7.5);
+  // Widths and heights are both linear, so the embankment goes with x^2.
+  const auto area = [&](double x) {
+    const CrossSection s = p.section_at(x);
+    return s.height * (s.crest + s.foot()) + 15 * (4 - s.height);
+  };
+  EXPECT_NEAR(report.volume, 6.0 / 6 * (area(0) + 4 * area(3) + area(6)), 0.01 * report.volume);
+}
+
+TEST(Embankment, HasACrestAmidFewColumns) {
+  GroundParameters p = embankment();
+  p.y = {-100, 10}, p.zones_y = 3;
+  const MeshReport report = look_at_mesh(p);
+  EXPECT_NEAR(report.top_high.y() - report.top_low.y(), 6, 1e-12);
+  EXPECT_NEAR(report.volume, volume_of(p, 4), 1e-10 * report.volume);
+}
+
 TEST(Embankment, IsAMeshThatAFileMayHold) {
   for (const GroundParameters& p : {embankment(), changing(), upright({-3, 3})}) {
     const SolidMesh mesh = embankment_mesh(p);
