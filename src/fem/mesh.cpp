@@ -10,33 +10,34 @@
 #include <limits>
 
 #include "solid_mesh.hpp"
+#include "split.hpp"
 #include "trackbed/core/error.hpp"
-#include "trackbed/par/partition.hpp"
 
 namespace trackbed::fem {
 
 namespace {
 
-// METIS splits the zones; a node goes to the lowest rank among its zones. Every rank computes the
-// whole answer, which costs 40 bytes per zone for a moment and no message.
-std::vector<int> node_owners(const Lattice& lattice, int ranks) {
-  std::vector<int> owner(static_cast<std::size_t>(lattice.node_count()), 0);
-  if (ranks == 1) return owner;
+// Every rank computes the whole answer, which costs 56 bytes per zone for a moment and no message.
+std::vector<int> node_owners(const Lattice& lattice, const Solids& solids,
+                             const GroundParameters& parameters, int ranks) {
+  const auto nodes = static_cast<std::size_t>(lattice.node_count());
+  if (ranks == 1) return std::vector<int>(nodes, 0);
   require(lattice.node_count() < std::numeric_limits<std::int32_t>::max(),
           "the ground has more than 2^31 nodes");
   std::vector<std::int32_t> corners;
+  std::vector<double> cost;
   corners.reserve(static_cast<std::size_t>(lattice.zone_count() * lattice.corners()));
-  for (Id z = 0; z < lattice.zone_count(); ++z)
+  cost.reserve(static_cast<std::size_t>(lattice.zone_count()));
+  for (Id z = 0; z < lattice.zone_count(); ++z) {
+    const Index3 at = lattice.zone_index(z);
     for (int k = 0; k < lattice.corners(); ++k)
-      corners.push_back(static_cast<std::int32_t>(lattice.corner(lattice.zone_index(z), k)));
-  // Zones are neighbours if they share a face: 4 nodes in space, 2 in a plane.
-  const auto part = par::partition_mesh(corners, lattice.corners(), lattice.corners() / 2, ranks);
-  std::fill(owner.begin(), owner.end(), ranks);
-  // The lowest rank around a node: a rule every rank can apply alone.
-  for (std::size_t at = 0; at < corners.size(); ++at) {
-    int& mine = owner[static_cast<std::size_t>(corners[at])];
-    mine = std::min(mine, part[at / static_cast<std::size_t>(lattice.corners())]);
+      corners.push_back(static_cast<std::int32_t>(lattice.corner(at, k)));
+    const auto solid = static_cast<std::size_t>(solids.of(parameters, lattice, z));
+    cost.push_back(zone_cost.of(solids.strength[solid], at[2] + 1 == lattice.zones[2]));
   }
+  // Zones are neighbours if they share a face: 4 nodes in space, 2 in a plane.
+  std::vector<int> owner =
+      split_nodes({corners, lattice.corners(), lattice.corners() / 2}, cost, corners, nodes, ranks);
   // An image and its home have one owner, which holds the zones around both.
   const auto at_home = [&](Id id) -> int& {
     return owner[static_cast<std::size_t>(lattice.home(id))];
@@ -70,7 +71,7 @@ Mesh::Mesh(const par::Comm& communicator, const GroundParameters& parameters, Di
     import(make_solid_mesh(parameters));
     return;
   }
-  const std::vector<int> owner = node_owners(lattice, comm.size());
+  const std::vector<int> owner = node_owners(lattice, solids, parameters, comm.size());
   hold(owner, parameters);
   connect(owner);
   // Who moves which top node is asked by the coupler on every rank; both faces of a plane model

@@ -7,29 +7,30 @@
 
 #include "mesh.hpp"
 #include "solid_mesh.hpp"
+#include "split.hpp"
 #include "tetrahedron.hpp"
-#include "trackbed/par/partition.hpp"
 
 namespace trackbed::fem {
 
 namespace {
 
-// Elements are neighbours if they share a face, three corners; nodes go to the lowest rank of the
-// elements around.
-std::vector<int> node_owners(const SolidMesh& whole, int ranks) {
-  std::vector<int> owner(whole.position.size(), 0);
-  if (ranks == 1) return owner;
-  std::vector<std::int32_t> corners;
-  corners.reserve(4 * whole.element.size());
-  for (const auto& nodes : whole.element) corners.insert(corners.end(), &nodes[0], &nodes[4]);
-  const auto part = par::partition_mesh(corners, 4, 3, ranks);
-  std::fill(owner.begin(), owner.end(), ranks);
-  for (std::size_t e = 0; e < whole.element.size(); ++e)
-    for (const std::int32_t n : whole.element[e]) {
-      int& mine = owner[static_cast<std::size_t>(n)];
-      mine = std::min(mine, part[e]);
-    }
-  return owner;
+// Elements are neighbours if they share a face, three corners.
+std::vector<int> node_owners(const SolidMesh& whole, const Solids& solids, int ranks) {
+  if (ranks == 1) return std::vector<int>(whole.position.size(), 0);
+  std::vector<std::int32_t> corners, nodes;
+  std::vector<std::uint8_t> at_interface(whole.element.size(), 0);
+  for (const SolidMesh::Face& face : whole.top)
+    at_interface[static_cast<std::size_t>(face.element)] = 1;
+  std::vector<double> cost;
+  corners.reserve(4 * whole.element.size()), nodes.reserve(10 * whole.element.size());
+  for (std::size_t e = 0; e < whole.element.size(); ++e) {
+    const auto& of = whole.element[e];
+    corners.insert(corners.end(), &of[0], &of[4]);
+    nodes.insert(nodes.end(), of.begin(), of.end());
+    const auto& strength = solids.strength[static_cast<std::size_t>(whole.solid[e])];
+    cost.push_back(tetrahedron_cost.of(strength, at_interface[e] != 0));
+  }
+  return split_nodes({corners, 4, 3}, cost, nodes, whole.position.size(), ranks);
 }
 
 // A six-node face as four triangles, turned as it is.
@@ -75,7 +76,7 @@ double Imported::area_around(Id corner) const {
 }
 
 void Mesh::import(const SolidMesh& whole) {
-  const std::vector<int> owner = node_owners(whole, comm.size());
+  const std::vector<int> owner = node_owners(whole, solids, comm.size());
   auto shape = std::make_unique<Imported>();
   shape->zones = static_cast<Id>(whole.element.size());
   shape->nodes = static_cast<Id>(whole.position.size());

@@ -14,7 +14,7 @@ using input::Section;
 
 namespace {
 
-// Every rank splits all of them alone, with 40 bytes for each.
+// Every rank splits all of them alone, with 56 bytes for each.
 constexpr double most_zones = 1e8;
 
 // Lowest accepted corner count of an outline; two numbers per corner.

@@ -128,21 +128,22 @@ double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
 // By the dual graph: elements are neighbours if they share `common` nodes. Fewer elements than
 // parts: all on part 0.
 std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int nodes_per_element,
-                                int common, int parts) {
+                                int common, std::span<const double> weights, int parts) {
   // Offsets of equal length: all elements have the same number of nodes.
   idx_t elements = static_cast<idx_t>(element_nodes.size()) / nodes_per_element;
   std::vector<int> part_of(static_cast<std::size_t>(elements), 0);
   if (parts == 1 || elements < parts) return part_of;
-  std::vector<idx_t> nodes(element_nodes.begin(), element_nodes.end());
+  require(weights.size() == part_of.size(), "partition_mesh: one weight per element");
+  std::vector<idx_t> nodes(element_nodes.begin(), element_nodes.end()), costs = whole(weights);
   std::vector<idx_t> begin(static_cast<std::size_t>(elements) + 1);
   for (std::size_t e = 0; e < begin.size(); ++e)
     begin[e] = static_cast<idx_t>(e) * nodes_per_element;
   idx_t node_count = *std::max_element(nodes.begin(), nodes.end()) + 1;
   idx_t ncommon = common, nparts = parts, cut = 0;
   std::vector<idx_t> element_part(part_of.size()), node_part(static_cast<std::size_t>(node_count));
-  const int status = METIS_PartMeshDual(&elements, &node_count, begin.data(), nodes.data(), nullptr,
-                                        nullptr, &ncommon, &nparts, nullptr, nullptr, &cut,
-                                        element_part.data(), node_part.data());
+  const int status = METIS_PartMeshDual(&elements, &node_count, begin.data(), nodes.data(),
+                                        costs.data(), nullptr, &ncommon, &nparts, nullptr, nullptr,
+                                        &cut, element_part.data(), node_part.data());
   require(status == METIS_OK, "METIS could not partition the mesh");
   std::copy(element_part.begin(), element_part.end(), part_of.begin());
   return part_of;

@@ -31,10 +31,11 @@ std::vector<int> partition_graph(const Graph& graph, int parts);
 // the edges that it cuts. 1 is a perfect split without traffic.
 double worst_part(const Graph& graph, std::span<const int> part_of, int parts);
 
-// Dual-graph partition of a mesh by METIS.
+// Dual-graph partition of a mesh by METIS: even sums of weights, few faces cut.
 // `element_nodes`: nodes of all elements in turn, `nodes_per_element` each; neighbours share at
-// least `common` nodes. Returns the part of each element.
+// least `common` nodes. `weights`: of each element, any unit, > 0. Returns the part of each
+// element.
 std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int nodes_per_element,
-                                int common, int parts);
+                                int common, std::span<const double> weights, int parts);
 
 }  // namespace trackbed::par
