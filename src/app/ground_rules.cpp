@@ -64,12 +64,13 @@ std::vector<std::string> doubts_of_wave(const Model& model, const input::Deck& d
   return doubts;
 }
 
-// What the tables of a ground of layers tell.
-GroundFile look_at_tables(const Model& model, const input::Deck& deck) {
-  GroundFile file{"", doubts_of_wave(model, deck)};
+// What the tables of a ground of layers tell, an embankment's too.
+std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> doubts;
+  if (model.ground.mesh.empty()) doubts = doubts_of_wave(model, deck);
   const std::vector<std::string> young = doubts_of_young(model, deck);
-  file.warnings.insert(file.warnings.end(), young.begin(), young.end());
-  return file;
+  doubts.insert(doubts.end(), young.begin(), young.end());
+  return doubts;
 }
 
 }  // namespace
@@ -131,7 +132,7 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
 GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
   if (!model.ground.present) return {};
-  if (!model.ground.of_tetrahedra()) return look_at_tables(model, deck);
+  if (!model.ground.of_tetrahedra()) return {"", look_at_tables(model, deck)};
   const fem::MeshReport mesh = fem::look_at_mesh(model.ground);
   std::vector<std::string> problems;
   const auto below = [&](const char* axis, const std::vector<double>& bed, int a) {
@@ -148,7 +149,7 @@ GroundFile require_ground(const Model& model, const input::Deck& deck) {
   const auto from_to = [&](int a) {
     return fmt::format("{:g} to {:g}", mesh.low[a], mesh.high[a]);
   };
-  std::vector<std::string> doubts = doubts_of_young(model, deck);
+  std::vector<std::string> doubts = look_at_tables(model, deck);
   doubts.insert(doubts.end(), mesh.warnings.begin(), mesh.warnings.end());
   return {fmt::format("  mesh: x = {}, y = {}, z = {} m, {:.6g} m^3", from_to(0), from_to(1),
                       from_to(2), mesh.volume),

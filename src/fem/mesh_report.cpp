@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base_motion.hpp"
+#include "lattice.hpp"
 #include "solid_mesh.hpp"
 #include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
@@ -127,11 +128,12 @@ WaveMeets met_at(const SolidMesh& mesh, const SolidMesh::Face& face, const BaseM
                                                                       : WaveMeets::nothing;
 }
 
-// A wave comes in through dashpots below. At the sides they hold it back, for there are no columns
-// of a free field beside a mesh; what holds along its motion makes another wave of it.
+// Of a mesh file. A wave comes in through dashpots below. At the sides they hold it back, for there
+// are no columns of a free field beside a mesh; what holds along its motion makes another wave of
+// it.
 void look_at_wave(const SolidMesh& mesh, const GroundParameters& parameters, const Box& all,
                   std::vector<std::string>& warnings) {
-  if (parameters.base_motion.empty()) return;
+  if (parameters.mesh.empty() || parameters.base_motion.empty()) return;
   const BaseMotion wave(parameters.base_motion);
   bool below = false;
   std::map<std::pair<std::int32_t, WaveMeets>, int> met;  // by border: an axis of its faces
@@ -204,6 +206,24 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
         parameters.mesh.empty() ? "" : " of the file"));
 }
 
+// An embankment whose block changes nothing would be the bare layers, and nobody would know.
+void require_blocks(const SolidMesh& mesh, const GroundParameters& parameters) {
+  if (parameters.sections.empty()) return;
+  const Solids solids(parameters, make_lattice(parameters, Dimension::space, 1));
+  std::vector<bool> found(parameters.layers.size() + parameters.blocks.size(), false);
+  for (const std::int32_t solid : mesh.solid)
+    found[static_cast<std::size_t>(solids.region[static_cast<std::size_t>(solid)])] = true;
+  std::vector<std::string> problems;
+  for (std::size_t b = 0; b < parameters.blocks.size(); ++b)
+    if (parameters.blocks[b].present && !found[parameters.layers.size() + b])
+      problems.push_back(fmt::format(
+          "ground.block[{}] (\"{}\"): its outline holds the middle of no cell of the embankment, "
+          "or later blocks have them all; move or enlarge it, take smaller zones, or set present = "
+          "false",
+          b, parameters.blocks[b].name));
+  if (!problems.empty()) throw InputError(problems);
+}
+
 }  // namespace
 
 MeshReport look_at_mesh(const GroundParameters& parameters) {
@@ -212,6 +232,7 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
   Box all;
   for (const Vec3& at : mesh.position) all.take(at);
   require_held(mesh, parameters, all);
+  require_blocks(mesh, parameters);
   MeshReport report{all.low, all.high, top.low, top.high, 0, {}};
   std::vector<double> ratios;
   for (const auto& element : mesh.element) {

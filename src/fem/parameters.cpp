@@ -71,7 +71,9 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
                   fmt::format("has a corner at z = {:g} m, above {}; z is negative below the top",
                               high.high, place),
                   about);
-  if (width_in(wide, ground.edges(0)) < 0 || width_in(high, ground.edges(2)) < 0)
+  // Cells of an embankment bend: look_at_mesh counts those it has.
+  const bool level = ground.sections.empty();
+  if (level && (width_in(wide, ground.edges(0)) < 0 || width_in(high, ground.edges(2)) < 0))
     return s.rule(key, false,
                   fmt::format("holds the centre of no zone of {}; move or enlarge it, take smaller "
                               "zones, or set present = false",
@@ -277,8 +279,7 @@ void GroundParameters::declare_grading(Section& s) {
   inside("fine_y", ratio_y, fine_y, y, {.reads = {"y", "ratio_y", "fine_y"}});
 }
 
-void GroundParameters::declare(Section& s) {
-  s.flag("present", present, "Without it the stones stand on a rigid floor at z = 0.");
+void GroundParameters::declare_shape(Section& s) {
   s.numbers("x", x, {.unit = "m"}, "Where the ground begins and ends along the track.", 2);
   s.rule("x", rises(x), "must end beyond its begin");
   s.numbers("y", y, {.unit = "m"},
@@ -293,19 +294,18 @@ void GroundParameters::declare(Section& s) {
   s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
   declare_zones(*this, s);
   s.tables("block", blocks, "Regions cut out of the layers; later ones win.");
+  s.tables(
+      "section", sections,
+      "An embankment: its outline across the track at places along it, linear between them and "
+      "held beyond; none: layers as wide as y.");
+  s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
+            "Layers, from the top down, that are the embankment (section); those below are the "
+            "natural ground on both sides.");
   for (std::size_t l = 0; l < layers.size(); ++l) declare_height(*this, l, s);
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
-  s.choice("plane", plane, {"stress", "strain"},
-           "Plane stress or plane strain across a plane model.");
-  s.choice("base", base, {"fixed", "quiet"},
-           "Lower border; fixed: held; quiet: Lysmer-Kuhlemeyer dashpots that let waves out.");
-  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
-           "Springs beside the dashpots of a quiet base: the ground below; below 0: shear modulus "
-           "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
-  s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
-         "is next to nothing below a track: is it in Pa/m?",
-         {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
-  declare_sides(s);
+}
+
+void GroundParameters::declare_steps(Section& s) {
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
@@ -321,13 +321,31 @@ void GroundParameters::declare(Section& s) {
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
-  declare_mesh(s);
-  declare_embankment(s);
-  s.rule("layer", !present || !layers.empty() || !mesh.empty(),
-         "must be given at least once: the ground is empty");
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
            "Newton's rounds of layers that yield stop at 100 times it.");
+}
+
+// What a mesh file or sections do not go with is judged last.
+void GroundParameters::declare(Section& s) {
+  s.flag("present", present, "Without it the stones stand on a rigid floor at z = 0.");
+  declare_shape(s);
+  s.choice("plane", plane, {"stress", "strain"},
+           "Plane stress or plane strain across a plane model.");
+  s.choice("base", base, {"fixed", "quiet"},
+           "Lower border; fixed: held; quiet: Lysmer-Kuhlemeyer dashpots that let waves out.");
+  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
+           "Springs beside the dashpots of a quiet base: the ground below; below 0: shear modulus "
+           "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
+  s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
+         "is next to nothing below a track: is it in Pa/m?",
+         {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
+  declare_sides(s);
+  declare_steps(s);
+  declare_mesh(s);
+  judge_embankment(s);
+  s.rule("layer", !present || !layers.empty() || !mesh.empty(),
+         "must be given at least once: the ground is empty");
 }
 
 }  // namespace trackbed::fem

@@ -28,8 +28,6 @@ void refuse_others(const GroundParameters& p, Section& s) {
   const auto without = [&](const char* key, bool holds, const char* why) {
     s.rule(key, holds, why, {.reads = {"section", key}});
   };
-  without("base_motion", p.base_motion.empty(),
-          "has no effect with ground.section: waves from below are for level layers");
   constexpr std::array keys = {"side_x_low", "side_x_high", "side_y_low", "side_y_high"};
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const Sides side = p.side(static_cast<int>(i / 2), i % 2 == 1);
@@ -167,14 +165,7 @@ void CrossSection::declare(Section& s) {
            "Of the sides: metres across for each one up; 0: upright.");
 }
 
-void GroundParameters::declare_embankment(Section& s) {
-  s.tables(
-      "section", sections,
-      "An embankment: its outline across the track at places along it, linear between them and "
-      "held beyond; none: layers as wide as y.");
-  s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
-            "Layers, from the top down, that are the embankment (section); those below are the "
-            "natural ground on both sides.");
+void GroundParameters::judge_embankment(Section& s) const {
   if (sections.empty()) {
     s.rule("embankment_layers", embankment_layers == 0, "has no effect without ground.section",
            of_shape);

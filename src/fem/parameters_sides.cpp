@@ -30,6 +30,11 @@ std::array<NamedSide, 4> single_sides(const GroundParameters& p) {
            {"side_y_high", p.side_y_high}}};
 }
 
+// What lets a wave pass a side, where a ground can have it.
+std::string better(const GroundParameters& p, const char* kinds) {
+  return p.of_tetrahedra() ? "" : fmt::format("; take {}", kinds);
+}
+
 // What a side of this kind asks of the rest, and what it leaves without effect.
 void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) {
   const std::string key = side.key;
@@ -38,7 +43,7 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) 
          "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
   const bool holds_back = side.holds == Sides::quiet || side.holds == Sides::fixed;
   s.rule(key, p.base_motion.empty() || !holds_back,
-         "hold back the wave of base_motion; take free_field", odd);
+         "hold back the wave of base_motion" + better(p, "free_field"), odd);
   s.rule(key, !p.yields() || side.holds != Sides::free_field,
          "has elastic columns beside the model, which layers that yield would tear off; take quiet "
          "or roller",
@@ -80,16 +85,19 @@ void declare_periodic(const GroundParameters& p, int axis, Section& s) {
 // What a kind of side normal to `axis` does to a wave, beyond what declare_kind says; or nothing.
 // Motion along x is at odds with a side that holds x. A free side carries no stress: that of a wave
 // along x lies on sides across the track, that of one along z on all.
-WaveAtSide wave_at(const NamedSide& side, int axis, const BaseMotion& wave) {
+WaveAtSide wave_at(const GroundParameters& p, const NamedSide& side, int axis,
+                   const BaseMotion& wave) {
   const bool holds = side.holds == Sides::fixed || side.holds == Sides::roller;
   if (holds && axis == 0 && wave.moves(0))
     return {side.key, side.holds == Sides::fixed ? "fixed" : "roller",
             "holds the ends of the ground, which base_motion moves along the track (vx_m_s is not "
-            "0); take free_field or periodic",
+            "0)" +
+                better(p, "free_field or periodic"),
             true};
   if (side.holds == Sides::free && (axis == 0 || wave.moves(2)))
     return {side.key, "free",
-            "has no ground beside it that moves with base_motion; take free_field or periodic"};
+            "has no ground beside it that moves with base_motion" +
+                better(p, "free_field or periodic")};
   return {};
 }
 
@@ -104,8 +112,8 @@ std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimensi
   for (std::size_t k = 0; k < count; ++k) {
     const int axis = k < 2 ? 0 : 1;
     const bool own = sides[k].holds != Sides::as_sides;
-    const WaveAtSide at =
-        wave_at({own ? sides[k].key : "sides", parameters.side(axis, k % 2 != 0)}, axis, wave);
+    const WaveAtSide at = wave_at(
+        parameters, {own ? sides[k].key : "sides", parameters.side(axis, k % 2 != 0)}, axis, wave);
     const bool said = std::any_of(found.begin(), found.end(),
                                   [&](const WaveAtSide& one) { return one.key == at.key; });
     if (!at.key.empty() && !said) found.push_back(at);
@@ -143,8 +151,11 @@ void GroundParameters::declare_sides(Section& s) {
   s.rule("base_motion", base_motion.empty() || base == Base::quiet,
          "needs base = \"quiet\": a wave comes in through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});
-  declare_kind(*this, {"sides", sides}, s);
-  for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, s);
+  const auto single = single_sides(*this);
+  if (std::any_of(single.begin(), single.end(),
+                  [](const NamedSide& side) { return side.holds == Sides::as_sides; }))
+    declare_kind(*this, {"sides", sides}, s);
+  for (const NamedSide& side : single) declare_kind(*this, side, s);
   for (const int axis : {0, 1}) declare_periodic(*this, axis, s);
 }
 

@@ -38,6 +38,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": act as q
           "ground.sides=free ground.side_x_low=quiet ground.side_x_high=roller":
               "sides = \"free\": has no effect: each side has a kind of its own",
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
+OWN = ("ground.side_x_low=roller ground.side_x_high=roller ground.side_y_low=roller "
+       "ground.side_y_high=roller")
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
          f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
          f"{YIELDS} {PERIODIC}", "ground.base_motion={folder}/upwards.csv",
@@ -92,6 +94,8 @@ def main(program, deck, folder):
     for changes in TAKEN:
         ran = check(changes)
         expect(ran.returncode == 0 and "side_" not in ran.stdout, f"{changes} is sound", ran)
+    ran = check(f"{YIELDS} {OWN} ground.sides=free_field")
+    expect(ran.returncode == 0, "a kind that no side takes is no error", ran)
     # A ground that has moved keeps its borders.
     program.done(1, "run", deck, "-o", folder / "made")
     start = f"start={folder / 'made' / 'stage_load.h5'}"

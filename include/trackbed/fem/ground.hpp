@@ -140,7 +140,9 @@ struct GroundParameters {
   void declare_mesh(input::Section& s);
   void declare_sides(input::Section& s);
   void declare_grading(input::Section& s);
-  void declare_embankment(input::Section& s);
+  void declare_shape(input::Section& s);
+  void declare_steps(input::Section& s);
+  void judge_embankment(input::Section& s) const;
 };
 
 // Pa/m of the springs below a quiet base under this solid, `depth` m below the top.

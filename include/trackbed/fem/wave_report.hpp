@@ -15,7 +15,7 @@ struct WaveAtSide {
 };
 
 // Sides at which the ground would not move as the wave does, each key once; none without a wave.
-// Reads the table: throws InputError about it. Not for a mesh (look_at_mesh). Local.
+// Reads the table: throws InputError about it. Not for a mesh file (look_at_mesh). Local.
 std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimension dimension);
 
 }  // namespace trackbed::fem

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <functional>
 #include <numeric>
 
 #include "fem/mesh.hpp"
@@ -16,36 +16,51 @@ namespace {
 // METIS allows 3 % for itself; a cut lies between elements, and nodes on it go to the lower rank.
 constexpr double uneven = 1.12;
 
-constexpr Strength clay{Yield::mohr_coulomb, 20e3, 0, 0, 5e3};
-
-// Of what this rank writes out: largest share of a rank over the mean. Collective.
-double worst_share(const Mesh& mesh, const ElementCost& cost, bool weighted) {
+// Of what this rank writes out, which is its own but for borders: largest share over the mean.
+// Collective.
+double worst_share(const Mesh& mesh, const std::function<double(std::size_t zone)>& cost) {
   double mine = 0;
   for (std::size_t z = 0; z < mesh.zone.size(); ++z)
-    if (mesh.writes(z))
-      mine += weighted
-                  ? cost.of(mesh.solids.strength[static_cast<std::size_t>(mesh.solid[z])], false)
-                  : 1;
-  const par::Comm& comm = mesh.comm;
-  return comm.max(mine) * comm.size() / comm.sum(mine);
+    if (mesh.writes(z)) mine += cost(z);
+  return mesh.comm.max(mine) * mesh.comm.size() / mesh.comm.sum(mine);
+}
+
+Block soft_half(double length, double depth) {
+  const double half = length / 2;
+  Block soft{"soft", true, {0, 0, half, 0, half, -depth, 0, -depth}, {20e6, 0.3, 1900}};
+  soft.strength = {Yield::mohr_coulomb, 20e3, 0, 0, 5e3};
+  return soft;
+}
+
+const Strength& strength_of(const Mesh& mesh, std::size_t z) {
+  return mesh.solids.strength[static_cast<std::size_t>(mesh.solid[z])];
 }
 
 TEST(Split, ZonesThatMayYieldWeighMore) {
-  GroundParameters p = box({12, 2, 2}, {48, 8, 8}, {80e6, 0.3, 1900});
-  p.blocks = {{"soft", true, {0, 0, 6, 0, 6, -2, 0, -2}, {20e6, 0.3, 1900}}};
-  p.blocks[0].strength = clay;
+  GroundParameters p = box({24, 2, 2}, {96, 8, 8}, {80e6, 0.3, 1900});
+  p.blocks = {soft_half(24, 2)};
   const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
-  EXPECT_LT(worst_share(mesh, zone_cost, true), uneven);
-  if (mesh.comm.size() > 1) EXPECT_GT(worst_share(mesh, zone_cost, false), uneven);
+  const Lattice& lattice = mesh.lattice;
+  const auto cost = [&](std::size_t z) {
+    const bool top = lattice.zone_index(mesh.zone[z])[2] + 1 == lattice.zones[2];
+    return zone_cost.of(strength_of(mesh, z), top);
+  };
+  EXPECT_LT(worst_share(mesh, cost), uneven);
+  if (mesh.comm.size() > 1) {
+    EXPECT_GT(worst_share(mesh, [](std::size_t) { return 1; }), uneven);
+  }
 }
 
 TEST(Split, TetrahedraThatMayYieldWeighMore) {
   GroundParameters p = embankment();
-  p.x = {0, 24}, p.zones_x = 16;
-  p.blocks = {{"soft", true, {0, 0, 12, 0, 12, -4, 0, -4}, {20e6, 0.3, 1900}}};
-  p.blocks[0].strength = clay;
+  p.x = {0, 96}, p.zones_x = 64;
+  p.blocks = {soft_half(96, 4)};
   const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
-  EXPECT_LT(worst_share(mesh, tetrahedron_cost, true), uneven);
+  const auto cost = [&](std::size_t z) { return tetrahedron_cost.of(strength_of(mesh, z), false); };
+  EXPECT_LT(worst_share(mesh, cost), uneven);
+  if (mesh.comm.size() > 1) {
+    EXPECT_GT(worst_share(mesh, [](std::size_t) { return 1; }), uneven);
+  }
 }
 
 // A row of elements of which the first fifth lies below stones.

@@ -1,4 +1,5 @@
-// A wave from below a ground from a mesh file: it doubles at the top and goes out where it came in.
+// A wave from below a ground of tetrahedra, from a mesh file or of sections: it doubles at the top
+// and goes out where it came in.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 
 #include "support/verified.hpp"
 #include "unit/fem/compared.hpp"
+#include "unit/fem/ground_scene.hpp"
 #include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/wave.hpp"
 
@@ -18,21 +20,35 @@ using std::numbers::pi;
 
 constexpr Elastic soil{50e6, 0.3, 2000};
 
-// 20 m of tetrahedra between rollers, a wave of pressure upwards through the quiet bottom.
-TEST(MeshedGround, WaveFromBelowDoublesAtTheTop) {
+// 20 m of tetrahedra between rollers.
+GroundParameters column_of_mesh() {
+  GroundParameters p = of_mesh(TetBox({1, 1, 20}, {1, 1, 20}), "wave_column", soil);
+  p.borders[4].holds = BorderKind::quiet;
+  EXPECT_TRUE(look_at_mesh(p).warnings.empty());
+  return p;
+}
+GroundParameters column_of_sections() {
+  GroundParameters p = box({1, 1, 20}, {1, 1, 20}, soil);
+  p.y = {-0.5, 0.5};
+  p.layers = {{.name = "raised", .thickness = 5, .solid = soil, .zones = 5},
+              {.name = "natural", .thickness = 15, .solid = soil, .zones = 15}};
+  p.sections = {{.x = 0, .crest = 0.5, .slope = 0}};
+  p.embankment_layers = 1;
+  return p;
+}
+
+// A wave of pressure upwards through the quiet bottom.
+void check_wave(const std::string& ground_of, const GroundParameters& column) {
   const Comm comm = Comm::world();
   constexpr Ricker wave{5, 0.3};                                                  // Hz, s
   constexpr double standard = 9.81;                                               // m/s^2
   const double speed = std::sqrt(soil.young * 0.7 / (1.3 * 0.4) / soil.density);  // m/s
-  const Vec3 size(1, 1, 20);
   for (const auto& [name, integrator] :
        {std::pair{"explicit", Integrator::explicit_}, {"newmark", Integrator::newmark}}) {
-    GroundParameters p = of_mesh(TetBox(size, {1, 1, 20}), "wave_column", soil);
-    p.borders[4].holds = BorderKind::quiet;
+    GroundParameters p = column;
     p.base_stiffness = 0;
     p.integrator = integrator;
     p.base_motion = wave_table(comm, "mesh_column", wave, 0, standard, 1e-3);
-    EXPECT_TRUE(look_at_mesh(p).warnings.empty());
     Ground ground(comm, p, Dimension::space, 1);
     ground.settle(none(ground));
     constexpr double dt = 2e-3;
@@ -48,14 +64,21 @@ TEST(MeshedGround, WaveFromBelowDoublesAtTheTop) {
     // The velocity is tau exp(-(pi f tau)^2): largest at tau = 1/(sqrt(2) pi f).
     const double tau = 1 / (std::sqrt(2.0) * pi * wave.frequency);
     const double exact = 2 * standard * tau * std::exp(-0.5);
-    verified::near(fmt::format("largest velocity of the top, {}", name), "m/s", most, exact,
-                   0.02 * exact);
-    verified::near(fmt::format("time of it after that at the base, {}", name), "s",
+    verified::near(fmt::format("largest velocity of the top, {}, {}", ground_of, name), "m/s", most,
+                   exact, 0.02 * exact);
+    verified::near(fmt::format("time of it after that at the base, {}, {}", ground_of, name), "s",
                    when - wave.centre - tau, 20 / speed, 0.02 * 20 / speed);
     // It goes out below: nothing comes back.
-    verified::below(fmt::format("velocity when it has left, over the largest, {}", name), "-",
-                    after / most, 0.02);
+    verified::below(
+        fmt::format("velocity when it has left, over the largest, {}, {}", ground_of, name), "-",
+        after / most, 0.02);
   }
+}
+
+TEST(MeshedGround, WaveFromBelowDoublesAtTheTop) { check_wave("mesh file", column_of_mesh()); }
+
+TEST(GroundOfSections, WaveFromBelowDoublesAtTheTop) {
+  check_wave("sections", column_of_sections());
 }
 
 }  // namespace
