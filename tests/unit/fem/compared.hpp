@@ -22,6 +22,29 @@ inline std::vector<Vec3> none(Ground& ground) {
   return std::vector<Vec3>(ground.top().nodes(), Vec3::Zero());
 }
 
+// Of the top's displacements along each axis while a wave passes: how far nodes are apart, and the
+// largest, m. 60 windows of 1 ms. Collective.
+struct Spread {
+  double apart = 0, largest = 0;
+};
+inline Spread spread_in_a_wave(const par::Comm& comm, Ground& ground) {
+  Spread found;
+  for (int w = 0; w < 60; ++w) {
+    ground.advance(1e-3, none(ground));
+    Vec3 low = Vec3::Constant(1e300), high = -low;
+    for (const auto n : ground.own_top()) {
+      low = low.cwiseMin(ground.top_state(n).displacement);
+      high = high.cwiseMax(ground.top_state(n).displacement);
+    }
+    for (int c = 0; c < 3; ++c) {
+      const double top = comm.max(high[c]), bottom = -comm.max(-low[c]);
+      found.apart = std::max(found.apart, top - bottom);
+      found.largest = std::max(found.largest, std::abs(top));
+    }
+  }
+  return found;
+}
+
 // Largest difference of displacement, velocity and vertical stress of the own top nodes of one
 // ground and those of the whole of another, built on each rank alone, at `partner` of their place;
 // each over the largest of the own ground. Collective.

@@ -12,6 +12,7 @@
 #include "fem/tetrahedron.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/embankment_scene.hpp"
+#include "unit/fem/pushed_top.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -199,23 +200,6 @@ TEST(Embankment, HasTheModulusOfATableAlongTheTrack) {
     std::ofstream(p.layers[0].young_file) << "x_m,young_Pa\n0,120e6\n6,12e6\n";
   Comm::world().sum(1.0);  // no rank reads before it is written
   EXPECT_LT(Rest(p).at({6, 0, 0}).z(), 1.02 * before);
-}
-
-std::vector<Vec3> push(const Surface& top, int window) {
-  std::vector<Vec3> force(top.nodes());
-  for (std::size_t n = 0; n < force.size(); ++n)
-    force[n] = {30 * std::sin(0.3 * static_cast<double>(n) + window), 0,
-                -100 * (1 + std::sin(0.9 * window + 0.2 * static_cast<double>(n)))};
-  return force;
-}
-
-std::vector<double> shape_of(const Comm& comm, Ground& ground) {
-  std::vector<double> all(3 * ground.top().nodes(), 0.0);
-  for (const std::int32_t n : ground.own_top())
-    for (int c = 0; c < 3; ++c)
-      all[static_cast<std::size_t>(3 * n + c)] = ground.top_state(n).displacement[c];
-  comm.sum(std::span(all));
-  return all;
 }
 
 TEST(Embankment, HasTheSameBitsOnAnyNumberOfRanksAndAfterAStop) {

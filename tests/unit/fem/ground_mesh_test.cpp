@@ -8,6 +8,7 @@
 #include "fem/terms.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/mesh_scene.hpp"
+#include "unit/fem/pushed_top.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -34,24 +35,6 @@ GroundParameters two_layers(const std::string& name) {
   p.rayleigh_mass = 2;
   p.tolerance = 1e-11;
   return p;
-}
-
-std::vector<Vec3> push(const Surface& top, int window) {
-  std::vector<Vec3> force(top.nodes());
-  for (std::size_t n = 0; n < force.size(); ++n)
-    force[n] = {30 * std::sin(0.3 * static_cast<double>(n) + window), 0,
-                -100 * (1 + std::sin(0.9 * window + 0.2 * static_cast<double>(n)))};
-  return force;
-}
-
-// Displacements of all top nodes, the same on every rank.
-std::vector<double> shape_of(const Comm& comm, Ground& ground) {
-  std::vector<double> all(3 * ground.top().nodes(), 0.0);
-  for (const std::int32_t n : ground.own_top())
-    for (int c = 0; c < 3; ++c)
-      all[static_cast<std::size_t>(3 * n + c)] = ground.top_state(n).displacement[c];
-  comm.sum(std::span(all));
-  return all;
 }
 
 double size_of(const std::vector<double>& values) {

@@ -9,6 +9,7 @@
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/embankment_scene.hpp"
+#include "unit/fem/pushed_top.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -36,15 +37,6 @@ std::vector<Vec3> load(const Surface& top, double pressure) {
     for (const std::int32_t n : t) force[static_cast<std::size_t>(n)].z() -= pressure * third;
   }
   return force;
-}
-
-std::vector<double> shape_of(const Comm& comm, Ground& ground) {
-  std::vector<double> all(3 * ground.top().nodes(), 0.0);
-  for (const std::int32_t n : ground.own_top())
-    for (int c = 0; c < 3; ++c)
-      all[static_cast<std::size_t>(3 * n + c)] = ground.top_state(n).displacement[c];
-  comm.sum(std::span(all));
-  return all;
 }
 
 // The force of plastic strain is that of the points' matrices, and the tangent its derivative.
