@@ -15,6 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import same_bits  # noqa: E402
 
 STATIC = 550 * 9.80665 / 2  # N, of a wheel
 GRAVITY = 9.81
@@ -47,25 +48,8 @@ def check_sentences(program, deck):
             raise SystemExit(f"{changes}: check does not say {words}:\n{ran.stdout}")
 
 
-def datasets(place):
-    found = {}
-    with h5py.File(place / "results.h5") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
-
-
-def same_bits(one, other, what):
-    first, second = datasets(one), datasets(other)
-    if set(first) != set(second):
-        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
-    for name, values in first.items():
-        if name.startswith("history/") and not np.array_equal(values, second[name], equal_nan=True):
-            raise SystemExit(f"{what}: {name} differs")
-    found = [(summary(place)["dem"]["state_hash"], summary(place)["track"])
-             for place in (one, other)]
-    if found[0] != found[1]:
-        raise SystemExit(f"{what}: {found}")
+def facts(of):
+    return of["dem"]["state_hash"], of["track"]
 
 
 def check_runs(program, deck, folder):
@@ -75,7 +59,7 @@ def check_runs(program, deck, folder):
         for name, value in summary(place)["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
-        same_bits(folder / "ranks_1", place, f"{ranks} ranks")
+        same_bits(folder / "ranks_1", place, f"{ranks} ranks", facts, "history/")
     stages = summary(folder / "ranks_1")["stages"]
     done = [round(stage["duration_s"] / stage["window_s"]) for stage in stages]
     for part in (0.5, 0.9):
@@ -83,7 +67,7 @@ def check_runs(program, deck, folder):
         windows = sum(done[:-1]) + round(part * done[-1])
         program.done(2, "run", deck, f"output.stop_after={windows}", "-o", place, code=3)
         program.done(3, "resume", place)
-        same_bits(folder / "ranks_1", place, f"stopped after {windows} windows")
+        same_bits(folder / "ranks_1", place, f"stopped after {windows} windows", facts, "history/")
 
 
 def check_histories(folder, deck):

@@ -8,7 +8,6 @@ import pathlib
 import shutil
 import sys
 
-import h5py
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -16,6 +15,7 @@ sys.path.insert(0, str(HERE.parent / "support"))
 sys.path.insert(0, str(HERE.parent / "knobs"))
 from ground_knobs import KNOBS  # noqa: E402
 from program import Program, summary  # noqa: E402
+from results import datasets, same_bits  # noqa: E402
 
 REFUSED = {
     "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
@@ -39,25 +39,8 @@ REFUSED = {
 BALANCE = 1e-9
 
 
-def datasets(place):
-    found = {}
-    with h5py.File(place / "results.h5") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
-
-
-def same_bits(one, other, what):
-    first, second = datasets(one), datasets(other)
-    if set(first) != set(second):
-        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
-    for name, values in first.items():
-        if not np.array_equal(values, second[name]):
-            raise SystemExit(f"{what}: {name} differs")
-    found = [(summary(place)["track"], summary(place)["ground"]["state_hash"],
-              summary(place)["ground"]["steps"]) for place in (one, other)]
-    if found[0] != found[1]:
-        raise SystemExit(f"{what}: {found}")
+def facts(of):
+    return of["track"], of["ground"]["state_hash"], of["ground"]["steps"]
 
 
 def check_refusals(program, deck):
@@ -74,8 +57,8 @@ def check_ranks(program, deck, folder):
         for name, value in summary(place)["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
-        same_bits(folder / "ranks_1", place, f"{ranks} ranks")
-    found = datasets(folder / "ranks_1")
+        same_bits(folder / "ranks_1", place, f"{ranks} ranks", facts)
+    found = datasets(folder / "ranks_1" / "results.h5")
     down, force = -found["history/ground/displacement"], found["history/ground/force"]
     if down.max() < 1e-4 or force.max() < 1e4:
         raise SystemExit(f"the ground goes down by {down.max()} m under {force.max()} N")
@@ -91,7 +74,7 @@ def check_resume(program, deck, folder):
         place = folder / f"stopped_{stop}"
         program.done(before, "run", deck, f"passage.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
-        same_bits(folder / "ranks_1", place, f"stopped after {stop} steps")
+        same_bits(folder / "ranks_1", place, f"stopped after {stop} steps", facts)
     ran = program(1, "resume", place, "ground.layer.soil.young=70e6", "-o", folder / "other")
     if ran.returncode != 2 or "young" not in ran.stderr:
         raise SystemExit(f"another ground must be refused: {ran.stdout}{ran.stderr}")
@@ -118,7 +101,7 @@ def check_hanging(program, deck, folder):
     if ran.returncode != 2 or "must be rigid on a ground where sleepers hang" not in ran.stderr:
         raise SystemExit(f"sleepers that bend and hang on a ground: {ran.stdout}{ran.stderr}")
     program.done(2, "run", path, "-o", folder / "hanging")
-    even, hangs = (datasets(folder / name)["history/ground/force"].max(axis=0)
+    even, hangs = (datasets(folder / name / "results.h5")["history/ground/force"].max(axis=0)
                    for name in ("ranks_1", "hanging"))
     if hangs[0] != 0 or hangs[1] < 1.1 * even[1]:
         raise SystemExit(f"largest forces on the ground {even} N, if the first hangs {hangs} N")
@@ -131,15 +114,15 @@ def check_bending_sleepers(program, deck, folder):
     for ranks in (1, 2, 4):
         place = folder / f"bending_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
-        same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks")
+        same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks", facts)
         for name, value in summary(place)["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"bending sleepers: imbalance of {name} is {value}")
     place = folder / "bending_stopped"
     program.done(1, "run", deck, *words, "passage.stop_after=333", "-o", place, code=3)
     program.done(3, "resume", place)
-    same_bits(folder / "bending_1", place, "bending sleepers, stopped")
-    rigid, bending = (datasets(folder / name) for name in ("ranks_1", "bending_1"))
+    same_bits(folder / "bending_1", place, "bending sleepers, stopped", facts)
+    rigid, bending = (datasets(folder / name / "results.h5") for name in ("ranks_1", "bending_1"))
     forces = [found["history/ground/force"].max() for found in (rigid, bending)]
     if "history/sleeper/moment" not in bending or not 0.8 < forces[1] / forces[0] < 1.2:
         raise SystemExit(f"largest forces on the ground, rigid and bending: {forces} N")
@@ -151,15 +134,15 @@ def check_seat_loads(program, deck, folder):
     for ranks in (1, 3):
         place = folder / f"seats_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
-        same_bits(folder / "seats_1", place, f"seat loads on {ranks} ranks")
+        same_bits(folder / "seats_1", place, f"seat loads on {ranks} ranks", facts)
         for name, value in summary(place)["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"seat loads: imbalance of {name} is {value}")
     place = folder / "seats_stopped"
     program.done(2, "run", deck, *words, "passage.stop_after=222", "-o", place, code=3)
     program.done(1, "resume", place)
-    same_bits(folder / "seats_1", place, "seat loads, stopped")
-    found = datasets(place)
+    same_bits(folder / "seats_1", place, "seat loads, stopped", facts)
+    found = datasets(place / "results.h5")
     largest = [found[f"history/{name}"].max() for name in ("sleeper/seat_force", "ground/force")]
     if not np.allclose(largest, 71.1e3, rtol=0.3):
         raise SystemExit(f"seats are loaded with {largest[0]} N, the ground gets {largest[1]} N")
@@ -174,7 +157,7 @@ def check_netirail(program, deck, folder):
     words = [*PLAIN, 'train.vehicles=["alfa_pendular"]']
     place = folder / "netirail"
     program.done(2, "run", deck, *words, "passage.duration=0.62", "-o", place)
-    found = datasets(place)
+    found = datasets(place / "results.h5")
     rail, sleeper, ground = (found[f"history/{name}/displacement"][:, 0]
                              for name in ("rail", "sleeper", "ground"))
     measured = [-rail.min(), (sleeper - rail).max(), -ground.min()]
@@ -185,7 +168,7 @@ def check_netirail(program, deck, folder):
     place = folder / "begin_stopped"
     program.done(1, "run", deck, *words, "passage.stop_after=151", "-o", place, code=3)
     program.done(2, "resume", place)
-    same_bits(folder / "begin", place, "the deck, stopped")
+    same_bits(folder / "begin", place, "the deck, stopped", facts)
 
 
 def main():

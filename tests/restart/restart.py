@@ -13,21 +13,13 @@ import shutil
 import sys
 import tomllib
 
-import h5py
 import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import datasets  # noqa: E402
 
 RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, 3
-
-
-def datasets(path):
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()]})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
 
 
 def canonical(name, values):

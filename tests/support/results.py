@@ -1,0 +1,26 @@
+"""What runs wrote, for tests that compare them bit by bit."""
+import h5py
+import numpy as np
+from program import summary
+
+
+def datasets(path):
+    """All of an HDF5 file, by name."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.update({name: item[()]})
+                        if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def same_bits(one, other, what, facts, below=""):
+    """Results below a group, and what `facts` takes of the summary, are those of another folder."""
+    first, second = (datasets(place / "results.h5") for place in (one, other))
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
+    for name, values in first.items():
+        if name.startswith(below) and not np.array_equal(values, second[name], equal_nan=True):
+            raise SystemExit(f"{what}: {name} differs")
+    found = [facts(summary(place)) for place in (one, other)]
+    if found[0] != found[1]:
+        raise SystemExit(f"{what}: {found}")
