@@ -9,14 +9,11 @@ left out, as it would differ for any knob. The list of parameters comes from the
 schema, so that a new parameter without an entry in KNOBS fails the test.
 """
 import concurrent.futures
-import hashlib
 import json
 import pathlib
 import re
 import shutil
 import sys
-
-import h5py
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import ground_knobs  # noqa: E402
@@ -25,6 +22,7 @@ import section_knobs  # noqa: E402
 import solid_knobs  # noqa: E402
 import track_knobs  # noqa: E402
 from program import Program  # noqa: E402
+from results import data  # noqa: E402
 
 # Surroundings in which some parameters count: overrides that hold before and after the change.
 SPACE = ["dimension=space", "bed.stone=disk", "sleepers.length=0.3"]
@@ -279,15 +277,6 @@ def figures(value, name=""):
     if isinstance(value, list):
         return [figures(item) for item in value]
     return value
-
-
-def data(path):
-    """One digest for all datasets."""
-    digest = hashlib.sha256()
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: digest.update(name.encode() + item[()].tobytes())
-                        if isinstance(item, h5py.Dataset) else None)
-    return digest.hexdigest()
 
 
 def report(text):

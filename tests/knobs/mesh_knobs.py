@@ -4,16 +4,14 @@ a short form of inputs/ground/embankment.toml. And the refusals of such decks.
 
     mesh_knobs.py PROGRAM DECK FOLDER
 """
-import hashlib
 import pathlib
 import re
 import shutil
 import sys
 
-import h5py
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import data  # noqa: E402
 
 SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
          "stage.compact.duration=0.01", "output.fields=false"]
@@ -88,11 +86,7 @@ def seen(program, deck, folder, changes):
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
         return {"code": ran.returncode, "said": ran.stderr}
-    digest = hashlib.sha256()
-    with h5py.File(place / "results.h5") as file:
-        file.visititems(lambda name, item: digest.update(item[()].tobytes())
-                        if isinstance(item, h5py.Dataset) else None)
-    return {"code": 0, "data": digest.hexdigest(), "ground": summary(place)["ground"]["elements"]}
+    return {"code": 0, "data": data(place / "results.h5"), "ground": summary(place)["ground"]["elements"]}
 
 
 def scaled(text, sizes):

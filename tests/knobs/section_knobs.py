@@ -4,15 +4,13 @@ And refusals and reports of such decks.
 
     section_knobs.py PROGRAM DECK FOLDER
 """
-import hashlib
 import pathlib
 import shutil
 import sys
 
-import h5py
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import data  # noqa: E402
 
 SHORT = ["ground.zones_x=9", "ground.layer.1.zones=1", "ground.layer.2.zones=1",
          "passage.duration=0.05"]
@@ -145,11 +143,7 @@ def seen(program, deck, folder, changes):
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
         return {"code": ran.returncode, "said": ran.stderr}
-    digest = hashlib.sha256()
-    with h5py.File(place / "results.h5") as file:
-        file.visititems(lambda name, item: digest.update(item[()].tobytes())
-                        if isinstance(item, h5py.Dataset) else None)
-    return {"code": 0, "data": digest.hexdigest(), "ground": summary(place)["ground"]["elements"]}
+    return {"code": 0, "data": data(place / "results.h5"), "ground": summary(place)["ground"]["elements"]}
 
 
 def untold(program, deck, place):

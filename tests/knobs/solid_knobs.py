@@ -4,15 +4,13 @@ tests/restart/tiny_solids.toml. And the refusals and warnings of such decks.
 
     solid_knobs.py PROGRAM DECK FOLDER
 """
-import hashlib
 import pathlib
 import shutil
 import sys
 
-import h5py
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import data  # noqa: E402
 
 SHORT = ["stage.fill.duration=0.1", "stage.compact.duration=0.02", "stage.release.duration=0.005",
          "stage.sleepers.duration=0.01", "stage.load.duration=0.01", "stage.load.cycles=1",
@@ -78,11 +76,7 @@ def seen(program, deck, folder, changes):
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
         return {"code": ran.returncode, "said": ran.stderr}
-    digest = hashlib.sha256()
-    with h5py.File(place / "results.h5") as file:
-        file.visititems(lambda name, item: digest.update(item[()].tobytes())
-                        if isinstance(item, h5py.Dataset) else None)
-    return {"code": 0, "data": digest.hexdigest(),
+    return {"code": 0, "data": data(place / "results.h5"),
             "elements": summary(place).get("solids", {}).get("elements")}
 
 
