@@ -10,7 +10,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
-from program import Program, summary  # noqa: E402
+from program import Program, expect, summary  # noqa: E402
 
 PERIODIC = "ground.side_x_low=periodic ground.side_x_high=periodic"
 YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
@@ -49,11 +49,6 @@ TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
 
 # A run of a deck of its own: stones between walls on a ground whose ends are one.
 RUN = [*PERIODIC.split(), "ground.layer.soil.rayleigh_stiffness=1e-5"]
-
-
-def expect(holds, what, ran):
-    if not holds:
-        raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
 
 
 def check_runs(program, deck, folder):

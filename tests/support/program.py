@@ -24,5 +24,11 @@ class Program:
         return ran
 
 
+def expect(holds, what, ran):
+    """`ran` is a run that shows whether it holds."""
+    if not holds:
+        raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
+
+
 def summary(folder):
     return json.loads((pathlib.Path(folder) / "summary.json").read_text(encoding="utf-8"))

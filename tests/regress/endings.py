@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""How runs end, and what goes on from them: exit codes, lost output, a full disk, signals,
+checkpoints of other models, of runs that are over, of other folders.
+
+    endings.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, expect, summary  # noqa: E402
+
+
+def check_other_models(program, deck, folder):
+    """A checkpoint holds the state of one model: a deck of another may not go on from it."""
+    made = folder / "made"
+    program.done(1, "run", deck, "-o", made)
+    still, moved = f"start={made / 'stage_sleepers.h5'}", f"start={made / 'stage_load.h5'}"
+    place = ["-o", folder / "other"]
+    borders = ["ground.base=fixed", "ground.base_stiffness=0", "ground.sides=quiet",
+               "ground.plane=strain"]
+    refused = [(change, moved) for change in borders]
+    refused += [("ground.zones_x=30", still), ("sleepers.count=1", still),
+                ("sleepers.y=0.01", still), ("bed.x=[0, 1.1]", still),
+                ("ground.layer.soil.thickness=0.5", still), ("ground.ratio_x=1.1", still),
+                ("ground.block.structure.present=false", moved)]
+    for change, start in refused:
+        for command in (["run", deck, start, change, *place], ["check", deck, start, change]):
+            ran = program(1, *command)
+            expect(ran.returncode == 2, f"{command} must be refused", ran)
+            expect(change.split("=")[0].split(".")[-1] in ran.stderr and
+                   "was made with" in ran.stderr, f"{command} must say why", ran)
+    # Stones keep the number of their material: a new one in front must not make them of it.
+    lead = folder / "lead.toml"
+    lead.write_text(pathlib.Path(deck).read_text().replace(
+        "[[material]]", '[[material]]\nname = "lead"\ndensity = 11340\n\n[[material]]', 1))
+    ran = program(1, "check", lead, still)
+    expect(ran.returncode == 2 and "material" in ran.stderr and "was made with" in ran.stderr,
+           "materials in another order must be refused", ran)
+    ran = program(1, "resume", made / "stage_load.h5", "ground.zones_x=30", *place)
+    expect(ran.returncode == 2, "resume must refuse it too", ran)
+    ran = program(1, "check", deck, moved, "stage.load.duration=0.011")
+    expect(ran.returncode == 0 and "has no effect: this stage is over" in ran.stdout,
+           "a start must warn of a changed stage that is over", ran)
+    check_spent(program, deck, made, place)
+    expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
+    program.done(1, "run", deck, still, "ground.block.structure.present=false", *place)
+    program.done(1, "check", deck, still, *borders)
+    check_integrators(program, deck, folder, still, moved)
+    check_old_runs(program, made, still)
+
+
+def check_old_runs(program, made, other):
+    """A run that is over stays as it is, and results later than a checkpoint are not replaced
+    unless that is said; what a resumed run changes is kept with its results."""
+    before = (made / "summary.json").read_bytes()
+    ran = program(1, "resume", made)
+    expect(ran.returncode == 0 and "nothing is left to do" in ran.stdout, "a finished run", ran)
+    expect((made / "summary.json").read_bytes() == before, "its summary must stay", ran)
+    ran = program(1, "resume", made / "stage_load.h5", "dem.gravity=9.8")
+    expect(ran.returncode == 2 and "is not the newest checkpoint" in ran.stderr and
+           "--force" in ran.stderr, "later results must not be replaced", ran)
+    ran = program(1, "resume", made / "stage_load.h5", other, "-o", made.parent / "elsewhere")
+    expect(ran.returncode == 2 and "start has no effect" in ran.stderr,
+           "a start with resume must be refused", ran)
+    program.done(1, "resume", made / "stage_load.h5", "dem.gravity=9.8", "--force")
+    warned = summary(made)["warnings"]
+    expect(any("where the run was resumed: dem.gravity = 9.8, before 9.81" in text.replace(
+        "9.8000000000000007", "9.8").replace("9.8100000000000005", "9.81") for text in warned),
+        f"a changed value must be kept with the results, not {warned}", ran)
+
+
+def check_spent(program, deck, made, place):
+    """What has done its work is not changed any more; other parameters still are."""
+    for change, why in (("bed.seed=5", "the stones are made"),
+                        ("platen.pressure=30e3", "nothing is compacted any more"),
+                        ("stage.fill.duration=1", "this stage is over"),
+                        ("settle_average=1", "the ground moves already"),
+                        ("output.stop_after=1", "are done already")):
+        ran = program(1, "resume", made / "stage_load.h5", change, *place)
+        expect(ran.returncode == 2 and why in ran.stderr, f"{change} on resume must say {why}", ran)
+    start = f"start={made / 'stage_load.h5'}"
+    ran = program(1, "check", deck, start, "bed.seed=5")
+    expect(ran.returncode == 0 and "warning: " in ran.stdout and "the stones are made" in
+           ran.stdout, "another bed than that of the checkpoint must be worth a warning", ran)
+
+
+def check_integrators(program, deck, folder, still, moved):
+    """Newmark goes on from explicit steps, but they not from Newmark's."""
+    newmark, explicit = "ground.integrator=newmark", "ground.integrator=explicit"
+    program.done(1, "check", deck, still, newmark)
+    place = folder / "newmark"
+    program.done(1, "run", deck, moved, newmark, "output.stop_after=3", "-o", place, code=3)
+    ran = program(1, "resume", place, explicit)
+    expect(ran.returncode == 2 and "ground.integrator" in ran.stderr and
+           'was made with "newmark"' in ran.stderr, "explicit steps after Newmark's", ran)
+    program.done(1, "resume", place)
+
+
+def check_foreign_folder(program, folder):
+    """Files of others in a folder are no checkpoints; one of ours under another name is."""
+    place = folder / "foreign"
+    place.mkdir()
+    shutil.copy(folder / "made/results.h5", place / "big.h5")
+    (place / "text.h5").write_text("no checkpoint\n", encoding="utf-8")
+    ran = program(1, "resume", place)
+    expect(ran.returncode == 2 and len(ran.stderr.splitlines()) == 1 and
+           ran.stderr.startswith(f"{place}: holds no checkpoint"), "foreign files", ran)
+    shutil.copy(folder / "made/stage_load.h5", place / "kept.h5")
+    ran = program(1, "resume", place, "bed.seed=5")
+    expect(ran.returncode == 2 and "kept.h5" in ran.stderr and "the stones are made" in ran.stderr,
+           "a checkpoint under another name must be found", ran)
+
+
+def check_lost_output(path, deck, folder):
+    """An answer that nobody got is no success. A run's answer are its files: it goes on."""
+    place = folder / "unheard"
+    cases = [(["schema"], 4), (["describe"], 4), (["describe", "stage"], 4), (["--help"], 4),
+             (["--version"], 4), (["check", deck], 4), (["shapes", "--stones", "2"], 4),
+             (["info", folder / "made/stage_load.h5"], 4), (["info", "no_such_file.h5"], 2),
+             (["run", deck, "output.stop_after=100", "-o", place], 3), (["resume", place], 0)]
+    for arguments, code in cases:
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            ran = subprocess.run([path, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE,
+                                 text=True, timeout=120, check=False)
+        ran.stdout = ""
+        expect(ran.returncode == code, f"{arguments} unheard must end with {code}", ran)
+        expect(("cannot be written to standard output" in ran.stderr) == (code == 4),
+               f"{arguments} must say that its answer is lost", ran)
+    expect(summary(place)["finished"], "an unheard run must go on", ran)
+
+
+def check_run_error(program, deck, folder):
+    ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
+    expect(ran.returncode == 4, "a run-time error must end with 4", ran)
+    expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or say none", ran)
+
+
+def check_full_disk(path, deck, folder):
+    """A file that may not grow stands for a full disk: the system calls fail in the same places."""
+    place = folder / "full"
+
+    limit = 1_500_000  # bytes: more than a checkpoint, less than the histories of a few seconds
+    with subprocess.Popen([path, "run", deck, "stage.fill.duration=10000", "-o", place],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)) as run:
+        for line in run.stdout:
+            if line.startswith("stage fill:"):
+                break
+        # Only now: MPI itself begins with larger files.
+        resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (limit, limit))
+        out, err = run.communicate(timeout=120)
+    ran = subprocess.CompletedProcess(run.args, run.returncode, out, err)
+    expect(ran.returncode == 4, "a full disk must end with 4", ran)
+    good = place / (place / "latest").read_text(encoding="utf-8").splitlines()[0]
+    for words in (f"{place}/results.h5.part: ", "(File too large)", f"last good checkpoint: {good}",
+                  f"go on with: trackbed resume {good}"):
+        expect(words in ran.stderr, f"a full disk must say {words}", ran)
+    expect(not list(place.glob("*.part")), "nothing half written may stay on a full disk", ran)
+    windows = int(good.stem.rpartition("_")[2]) + 100
+    Program(path).done(1, "resume", good, f"output.stop_after={windows}", code=3)
+
+
+def check_signals(path, deck, folder):
+    for number in (signal.SIGTERM, signal.SIGUSR1):
+        place = folder / f"signal_{number}"
+        with subprocess.Popen([path, "run", deck, "-o", place], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as running:
+            for line in running.stdout:
+                if re.match(r"stage \w+:", line):
+                    break
+            time.sleep(0.3)
+            running.send_signal(number)
+            running.communicate(timeout=60)
+            code = running.returncode
+        if code != 3 or not list(place.glob("checkpoint_*.h5")) or not (place / "latest").exists():
+            raise SystemExit(f"signal {number}: code {code}, {list(place.glob('*'))}")
+
+
+def main():
+    path, deck, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+    program = Program(path)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_other_models(program, deck, folder)
+    check_foreign_folder(program, folder)
+    check_lost_output(path, deck, folder)
+    check_run_error(program, deck, folder)
+    check_full_disk(path, deck, folder)
+    check_signals(path, deck, folder)
+
+
+if __name__ == "__main__":
+    main()
