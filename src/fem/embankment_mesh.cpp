@@ -108,7 +108,7 @@ void Builder::add_part(const Index3& cell, Corners corners) {
     nodes[4 + e] = (nodes[a] + nodes[b]) / 2, wide[4 + e] = between(corners[a], corners[b]);
   }
   for (std::size_t n = 0; n < 10; ++n) places_.emplace(wide[n], nodes[n]);
-  if (const double ratio = tetrahedron_mean_ratio(nodes); ratio < least_mean_ratio)
+  if (const double ratio = tetrahedron_mean_ratio(nodes); !(ratio >= least_mean_ratio))
     throw InputError({fmt::format(
         "ground.section: a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m is flat: its mean "
         "ratio is {:.2g} (1: equilateral; at least {:g}); take other zones or sections",

@@ -85,7 +85,7 @@ void Ground::begin_extremes() {
 
 // Of all zones held: those of others at rank borders are never looked at, and cheap.
 void Ground::take_extremes() {
-  if (!room_->extremes) return;
+  if (!room_->extremes) begin_extremes();  // asked for amid a stage
   for (std::size_t z = 0; z < room_->mesh.zone.size(); ++z)
     room_->extremes->take(z,
                           room_->stress(z, Plasticity::Where::centre, Plasticity::When::rest) +

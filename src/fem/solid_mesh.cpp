@@ -115,7 +115,7 @@ void Builder::check_shapes() {
       problems_.add(
           "shape", file_.tetrahedra[e],
           fmt::format("is turned inside out or flat: its Jacobian falls to {:.3g} m^3", least));
-    else if (const double ratio = tetrahedron_mean_ratio(nodes); ratio < least_mean_ratio)
+    else if (const double ratio = tetrahedron_mean_ratio(nodes); !(ratio >= least_mean_ratio))
       problems_.add("flat", file_.tetrahedra[e],
                     fmt::format("is flat: its mean ratio is {:.2g} (1: equilateral; at least {:g})",
                                 ratio, least_mean_ratio));

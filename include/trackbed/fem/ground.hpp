@@ -224,8 +224,8 @@ class Ground {
   // Own elements with displacement, velocity, stress since settling and at rest; of both together
   // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
   io::Grid fields() const;
-  // Extremes of each element's stress over the instants taken, from the last begin on; they go
-  // through checkpoints. Local.
+  // Extremes of each element's stress over the instants taken, from the last begin on (or the first
+  // one taken); they go through checkpoints. Local.
   void begin_extremes();
   void take_extremes();
   GroundTotals totals() const;  // collective
