@@ -6,6 +6,10 @@
 // So forces are weighted between begin and end as the scheme does, and stresses lie on the surface
 // at the end. A step in which nothing flows is the elastic one, to the bit.
 //
+// The first round is that step, with the plastic strain of the begin: a guess carried on from the
+// windows before may lie beyond the strength where the end does not, and what flows there in
+// thought can balance as well.
+//
 // The linear solves are as exact as the order asks for: the residual they leave falls with the one
 // they begin with (Dembo, Eisenstat, Steihaug 1982, doi:10.1137/0719025). A step of Newton that
 // makes the residual grow is shortened. What does not converge ends the run: time steps are the
@@ -83,22 +87,17 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   left.clear();
   ++newton_steps;
   Nodal& a = state.acceleration;
+  iterations += implicit_->solve(mixed_, a, rounding);
   double open = out_of_balance(dt, s, a);
-  for (int round = 0;; ++round) {
-    const bool flows = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->flowing())) > 0;
+  for (int round = 1;; ++round) {
+    ++solves, ++rounds;
+    most_rounds = std::max<std::int64_t>(most_rounds, round);
     left.push_back(all > 0 ? open / all : 0);
     const std::int64_t lost = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->lost()));
-    if (lost == 0 && open <= enough && (flows || round > 0)) break;
-    const bool stuck = lost > 0 && open <= enough && round > 0;  // no step would change it
+    if (lost == 0 && open <= enough) break;
+    const bool stuck = lost > 0 && open <= enough;  // no step would change it
     if (stuck || round == most_rounds_of_a_step || !std::isfinite(open))
       throw RunError(no_end(round, left.back(), lost));
-    ++solves, ++rounds;
-    most_rounds = std::max<std::int64_t>(most_rounds, round + 1);
-    if (!flows) {
-      iterations += implicit_->solve(mixed_, a, rounding);
-      open = out_of_balance(dt, s, a);
-      continue;
-    }
     const double exact = std::max(std::min(open / all, 1e-2), 0.1 * enough / open);
     const int spent = implicit_->solve_changed(add, residual_, exact, newton_step_);
     if (spent < 0) throw RunError(no_end(round, left.back(), lost));
