@@ -119,7 +119,7 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
   const io::File file = io::open_checkpoint(comm, start);
   require_same_model(comm, file, start, effective_deck(model), deck);
-  for (const std::string& sentence : spent_changes(file, start, model, deck, GoesOn::in_another))
+  for (const std::string& sentence : spent_changes(comm, file, start, model, deck, GoesOn::in_another))
     print(comm, fmt::format("warning: {}\n", sentence));
   warn_of_springs(comm, file, start, model, deck);
   return start;
@@ -176,7 +176,7 @@ void require_can_go_on(const par::Comm& comm, const io::File& file, const std::s
                        const Model& model, const input::Deck& deck) {
   require_same_model(comm, file, checkpoint, effective_deck(model), deck);
   std::vector<std::string> problems =
-      spent_changes(file, checkpoint, model, deck, GoesOn::within_the_run);
+      spent_changes(comm, file, checkpoint, model, deck, GoesOn::within_the_run);
   const std::int64_t done = file.read_all<std::int64_t>("run/counts").at(4);
   const std::string key = deck.where("output.stop_after");
   // The one that stopped the run stands in its deck and is no wish to stop again.

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/deck_files.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -155,30 +156,10 @@ Values stored_values(const io::File& checkpoint, const Values& now) {
   return then;
 }
 
-std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
-                                                 const std::string& path,
-                                                 const std::string& effective,
-                                                 const input::Deck& deck) {
-  if (!checkpoint.has_attribute("/", "files")) return {};
-  const Values then = values_of(checkpoint.text_attribute("/", "files"));
-  const Values deck_then = values_of(checkpoint.text_attribute("/", "deck"));
-  const Values deck_now = values_of(effective);
-  std::map<std::string, std::string> sentences;
-  for (const auto& [key, hash] : values_of(contents_of_files(comm, effective))) {
-    const auto old = then.find(key), name = deck_then.find(key);
-    if (old == then.end() || old->second == hash || name == deck_then.end()) continue;
-    const std::string& now = deck_now.at(key);
-    if (name->second != now) continue;  // another file: told as such
-    sentences[key] = fmt::format("{} = {}: holds something else than when {} was written",
-                                 deck.where(key), now, path);
-  }
-  return sentences;
-}
-
 void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
                         const std::string& effective, const input::Deck& deck) {
   const Values now = values_of(effective);
-  const Values then = stored_values(checkpoint, now);
+  const Values then = with_moved_files(comm, checkpoint, stored_values(checkpoint, now), effective);
   const Holds holds = holds_of(checkpoint, then);
   // Keys of either deck: one that is gone differs as much as one that is new.
   Values all = now;

@@ -1,7 +1,6 @@
 // Whether a deck may go on from the state that another deck made.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -23,13 +22,6 @@ void require_same_model(const par::Comm& comm, const io::File& checkpoint, const
 // The deck stored in a checkpoint, as far as `now` has more parameters with their defaults: one
 // that came after the program which wrote it leaves all as it was unless it is given. Collective.
 Values stored_values(const io::File& checkpoint, const Values& now);
-
-// Of each parameter that names a file: a sentence if it holds something else than when the
-// checkpoint was made. One of a program that did not note that has none. Collective.
-std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
-                                                 const std::string& path,
-                                                 const std::string& effective,
-                                                 const input::Deck& deck);
 
 // Number of the stage of `model` that follows the one `checkpoint` was written after. Stages are
 // matched by name, so that the deck may have others before and after. Throws InputError if it was

@@ -6,13 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <system_error>
-
-#include "trackbed/core/hash.hpp"
 
 namespace trackbed::app {
 
@@ -33,24 +27,6 @@ Values values_of(const std::string& effective) {
     }
   }
   return values;
-}
-
-// Any text that names a file counts: a title that does is of no weight to a state.
-std::string contents_of_files(const par::Comm& comm, const std::string& effective) {
-  std::string text;
-  for (const auto& [key, value] : comm.root() ? values_of(effective) : Values{}) {
-    if (value.size() < 3 || value.front() != '"' || key == "start") continue;
-    const std::string path = value.substr(1, value.size() - 2);
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) continue;
-    std::ifstream file(path, std::ios::binary);
-    std::uint64_t hash = hash_bytes("", 0);
-    std::vector<char> part(1 << 20);
-    while (file.read(part.data(), static_cast<std::streamsize>(part.size())) || file.gcount() > 0)
-      hash = hash_bytes(part.data(), static_cast<std::size_t>(file.gcount()), hash);
-    text += fmt::format("{} = {:016x}\n", key, hash);
-  }
-  return comm.broadcast(text);
 }
 
 // Both are decks of the same stages and tables: keys of one are those of the other.

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "trackbed/par/comm.hpp"
-
 namespace trackbed::app {
 
 using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 1.5e+08
@@ -15,10 +13,6 @@ using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 
 // the second such table. Equal values have equal texts (numbers have 17 digits).
 // Local, on a text that all ranks have.
 Values values_of(const std::string& effective);
-
-// What the files that a deck names hold: "key = hash" line by line, as `values_of` reads them. A
-// file that cannot be read has no line. Collective: rank 0 reads them.
-std::string contents_of_files(const par::Comm& comm, const std::string& effective);
 
 // "key = new, before old" of each value that differs, parameters of [output] aside: they change
 // what is written, not what is computed.

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/deck_values.hpp"
+#include "app/deck_files.hpp"
 #include "app/doubts.hpp"
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "app/compatible.hpp"
+#include "app/deck_files.hpp"
 #include "app/deck_values.hpp"
 #include "app/version.hpp"
 
@@ -109,12 +110,14 @@ Values renumbered(const Values& then, const Model& model) {
 
 }  // namespace
 
-std::vector<std::string> spent_changes(const io::File& checkpoint, const std::string& path,
-                                       const Model& model, const input::Deck& deck,
-                                       GoesOn goes_on) {
+std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& checkpoint,
+                                       const std::string& path, const Model& model,
+                                       const input::Deck& deck, GoesOn goes_on) {
+  const std::string effective = effective_deck(model);
   Values then = values_of(checkpoint.text_attribute("/", "deck"));
   if (goes_on == GoesOn::in_another) then = renumbered(then, model);
-  const Values now = values_of(effective_deck(model));
+  then = with_moved_files(comm, checkpoint, then, effective);
+  const Values now = values_of(effective);
   const Position at = position_of(checkpoint, path, model, deck, goes_on);
   std::vector<std::string> sentences;
   for (const auto& [key, value] : now) {

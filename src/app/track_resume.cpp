@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "app/compatible.hpp"
-#include "app/deck_values.hpp"
+#include "app/deck_files.hpp"
 #include "app/track_run.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/checkpoint.hpp"
@@ -66,7 +66,8 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
 bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
                    const std::string& effective, const input::Deck& deck) {
   const io::File file = io::open_checkpoint(comm, checkpoint);
-  const Values now = values_of(effective), then = stored_values(file, now);
+  const Values now = values_of(effective),
+               then = with_moved_files(comm, file, stored_values(file, now), effective);
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/deck_values.hpp"
+#include "app/deck_files.hpp"
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
 #include "app/track_built.hpp"

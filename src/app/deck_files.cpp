@@ -1,0 +1,79 @@
+// Hashes of whole files: a comment more in a mesh file is another file. What that costs is a
+// moment; to compare what was read of it would need each reader to say what that is.
+#include "app/deck_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+#include "trackbed/core/hash.hpp"
+
+namespace trackbed::app {
+
+// Any text that names a file counts: a title that does is of no weight to a state.
+std::string contents_of_files(const par::Comm& comm, const std::string& effective) {
+  std::string text;
+  for (const auto& [key, value] : comm.root() ? values_of(effective) : Values{}) {
+    if (value.size() < 3 || value.front() != '"' || key == "start") continue;
+    const std::string path = value.substr(1, value.size() - 2);
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) continue;
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t hash = hash_bytes("", 0);
+    std::vector<char> part(1 << 20);
+    while (file.read(part.data(), static_cast<std::streamsize>(part.size())) || file.gcount() > 0)
+      hash = hash_bytes(part.data(), static_cast<std::size_t>(file.gcount()), hash);
+    text += fmt::format("{} = {:016x}\n", key, hash);
+  }
+  return comm.broadcast(text);
+}
+
+namespace {
+
+// "key = hash" of both; of the checkpoint none if its program did not note them. Collective.
+struct Hashes {
+  Values then, now;
+};
+Hashes hashes_of(const par::Comm& comm, const io::File& checkpoint, const std::string& effective) {
+  if (!checkpoint.has_attribute("/", "files")) return {};
+  return {values_of(checkpoint.text_attribute("/", "files")),
+          values_of(contents_of_files(comm, effective))};
+}
+
+}  // namespace
+
+Values with_moved_files(const par::Comm& comm, const io::File& checkpoint, Values then,
+                        const std::string& effective) {
+  const Values now = values_of(effective);
+  const Hashes hashes = hashes_of(comm, checkpoint, effective);
+  for (const auto& [key, hash] : hashes.now) {
+    const auto old = hashes.then.find(key);
+    if (old != hashes.then.end() && old->second == hash) then[key] = now.at(key);
+  }
+  return then;
+}
+
+std::map<std::string, std::string> changed_files(const par::Comm& comm, const io::File& checkpoint,
+                                                 const std::string& path,
+                                                 const std::string& effective,
+                                                 const input::Deck& deck) {
+  const Hashes hashes = hashes_of(comm, checkpoint, effective);
+  const Values deck_then = values_of(checkpoint.text_attribute("/", "deck"));
+  const Values deck_now = values_of(effective);
+  std::map<std::string, std::string> sentences;
+  for (const auto& [key, hash] : hashes.now) {
+    const auto old = hashes.then.find(key), name = deck_then.find(key);
+    if (old == hashes.then.end() || old->second == hash || name == deck_then.end()) continue;
+    const std::string& now = deck_now.at(key);
+    if (name->second != now) continue;  // another file: told as such
+    sentences[key] = fmt::format("{} = {}: holds something else than when {} was written",
+                                 deck.where(key), now, path);
+  }
+  return sentences;
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Files that a deck names and that have moved since a checkpoint was written: with what they held
+the state goes on, with anything else it does not.
+
+    moved_files.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, expect, summary  # noqa: E402
+from results import same_bits  # noqa: E402
+
+INPUTS = pathlib.Path(__file__).resolve().parents[2] / "inputs"
+# Of the embankment's deck: few stones for a moment. Of the track's: the first metres.
+SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
+         "stage.compact.duration=0.01", "output.fields=false"]
+FAR = ["passage.duration=0.05"]
+
+
+def stop_of(whole):
+    """Amid the passage, or some windows before the end of the last stage."""
+    if "stages" not in whole:
+        return "passage.stop_after=20"
+    windows = sum(round(stage["duration_s"] / stage["window_s"]) for stage in whole["stages"])
+    return f"output.stop_after={windows - 10}"
+
+
+def check_moved(program, deck, words, name, old, folder):
+    """A run that stops, resumed where the file `old` lies elsewhere; its bits those of one that did
+    not stop. Then the file is another one, in the new place and the old."""
+    whole, stopped, new = folder / "whole", folder / "stopped", folder / "moved" / old.name
+    program.done(1, "run", deck, *words, f"{name}={old}", "-o", whole)
+    stop = stop_of(summary(whole))
+    program.done(1, "run", deck, *words, f"{name}={old}", stop, "-o", stopped, code=3)
+    shutil.copytree(stopped, folder / "again")
+    new.parent.mkdir()
+    shutil.move(old, new)
+    ran = program(1, "resume", stopped)
+    expect(ran.returncode == 2 and str(old) in ran.stderr, "the file is gone", ran)
+    program.done(1, "resume", stopped, f"{name}={new}")
+    same_bits(whole, stopped, f"{name} moved", lambda of: of.get("dem", of.get("track")))
+    new.write_text(new.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    ran = program(1, "resume", folder / "again", f"{name}={new}")
+    expect(ran.returncode == 2 and f"{old}" in ran.stderr, "another file in another place", ran)
+    shutil.copy(new, old)
+    ran = program(1, "resume", folder / "again")
+    expect(ran.returncode == 2 and "holds something else than when" in ran.stderr,
+           f"{name}: another file in the old place", ran)
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]).resolve()
+    shutil.rmtree(folder, ignore_errors=True)
+    for case in ("mesh", "wave", "track"):
+        (folder / case).mkdir(parents=True)
+    soil, wave, rail = (folder / "mesh/soil.msh", folder / "wave/wave.csv",
+                        folder / "track/rail.csv")
+    shutil.copy(INPUTS / "ground/embankment.msh", soil)
+    wave.write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n", encoding="utf-8")
+    rail.write_text("x_m,z_m\n0,0\n30,0.001\n90,0\n", encoding="utf-8")
+    check_moved(program, INPUTS / "ground/embankment.toml", SHORT, "ground.mesh", soil,
+                folder / "mesh")
+    check_moved(program, deck, ["ground.sides=free_field"], "ground.base_motion", wave,
+                folder / "wave")
+    check_moved(program, INPUTS / "track/plain.toml", [*FAR, "irregularity.kind=file"],
+                "irregularity.file", rail, folder / "track")
+
+
+if __name__ == "__main__":
+    main()
