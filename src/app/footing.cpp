@@ -56,7 +56,7 @@ void declare_track(const Model& model, input::Section& s) {
                      "ends at {:g} m, and its run-in takes the last {:g} m",
                      last, track.length, track.run_in),
          about);
-  s.rule("train.start", model.track.train.start <= 0,
+  s.rule("train.start", model.track.train.vehicles.empty() || model.track.train.start <= 0,
          "must be at most 0 on a ground: the train comes from the rigid rail before the track",
          {.reads = {"train", "model"}});
 }

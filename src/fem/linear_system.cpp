@@ -211,7 +211,7 @@ void LinearSystem::Handles::make_solver(const Spec& spec) {
   constexpr PetscInt most = 5000;
   check(KSPSetTolerances(solver, spec.tolerance, PETSC_DEFAULT, PETSC_DEFAULT, most),
         "set the tolerance");
-  check(KSPSetFromOptions(solver), "take the solver options after --");
+  take_options(solver);
   check(KSPGetTolerances(solver, &tolerance, nullptr, nullptr, nullptr), "ask for the tolerance");
   check(KSPSetUp(solver), "set up the linear solver");
 }

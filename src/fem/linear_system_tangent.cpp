@@ -42,7 +42,7 @@ void LinearSystem::Handles::make_tangent() {
   check(PCSetType(shell, PCSHELL), "type a preconditioner");
   check(PCShellSetContext(shell, elastic), "set a preconditioner");
   check(PCShellSetApply(shell, apply_elastic), "set a preconditioner");
-  check(KSPSetFromOptions(tangent_solver), "take the solver options after --");
+  take_options(tangent_solver);
 }
 
 void LinearSystem::Handles::make_direct() {
@@ -54,7 +54,7 @@ void LinearSystem::Handles::make_direct() {
   check(KSPGetPC(direct, &factors), "find a preconditioner");
   check(PCSetType(factors, PCLU), "type a preconditioner");
   check(PCFactorSetMatSolverType(factors, MATSOLVERMUMPS), "choose who factorises");
-  check(KSPSetFromOptions(direct), "take the solver options after --");
+  take_options(direct);
 }
 
 int LinearSystem::solve_changed(const Changes& changes, const Nodal& right_side, double tolerance,

@@ -3,6 +3,8 @@
 // PETSc is started once per process, by the program or, in tests, by whoever needs it first.
 #include "trackbed/fem/petsc.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <petscsys.h>
 
 #include "petsc_check.hpp"
@@ -11,9 +13,25 @@ namespace trackbed::fem {
 
 namespace {
 
+// Of the process, as PETSc's own.
+std::vector<std::string>& given() {
+  static std::vector<std::string> options;
+  return options;
+}
+
+// PETSc stops at a first word that is no option without saying which.
+void require_option(const std::vector<std::string>& options) {
+  if (options.empty() || options.front().starts_with('-')) return;
+  throw InputError({fmt::format(
+      "command line: after -- stand options of PETSc, as -ground_ksp_type cg; \"{}\" is none",
+      options.front())});
+}
+
 // PETSc's signal handler is left out so that the program's own stays, and errors come back as codes
 // instead of an abort: they become RunError and its exit code.
 void start(const std::vector<std::string>& options) {
+  require_option(options);
+  given() = options;
   std::vector<std::string> words = {"trackbed", "-no_signal_handler"};
   words.insert(words.end(), options.begin(), options.end());
   std::vector<char*> pointers;
@@ -47,6 +65,15 @@ void check(int code, const char* what) {
   const char* text = nullptr;
   PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
   throw RunError(std::string("PETSc could not ") + what + ": " + (text != nullptr ? text : "?"));
+}
+
+void take_options(KSP solver) {
+  const int code = KSPSetFromOptions(solver);
+  if (code == 0) return;
+  const char* text = nullptr;
+  PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
+  throw InputError({fmt::format("command line: PETSc does not take the options after -- ({}): {}",
+                                fmt::join(given(), " "), text != nullptr ? text : "?")});
 }
 
 Petsc::Petsc(const std::vector<std::string>& options) { start(options); }

@@ -183,12 +183,24 @@ def check_signals(path, deck, folder):
             raise SystemExit(f"signal {number}: code {code}, {list(place.glob('*'))}")
 
 
+def check_solver_options(program, deck, folder):
+    """What stands after -- and is none of PETSc's: said as what was given."""
+    cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is none'),
+             (["-ground_pc_type", "nosuch"], "(-ground_pc_type nosuch)"),
+             (["-ground_ksp_type"], "(-ground_ksp_type)")]
+    for options, words in cases:
+        ran = program(1, "run", deck, f"start={folder / 'made/stage_sleepers.h5'}",
+                      "-o", folder / "options", "--force", "--", *options)
+        expect(ran.returncode == 2 and words in ran.stderr, f"{options} must be refused", ran)
+
+
 def main():
     path, deck, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
     program = Program(path)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_other_models(program, deck, folder)
+    check_solver_options(program, deck, folder)
     check_foreign_folder(program, folder)
     check_lost_output(path, deck, folder)
     check_run_error(program, deck, folder)

@@ -40,7 +40,8 @@ def check_moved(program, deck, words, name, old, folder):
     ran = program(1, "resume", stopped)
     expect(ran.returncode == 2 and str(old) in ran.stderr, "the file is gone", ran)
     program.done(1, "resume", stopped, f"{name}={new}")
-    same_bits(whole, stopped, f"{name} moved", lambda of: of.get("dem", of.get("track")))
+    same_bits(whole, stopped, f"{name} moved", lambda of: of.get("dem", {}).get("state_hash"),
+              "history/")
     new.write_text(new.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     ran = program(1, "resume", folder / "again", f"{name}={new}")
     expect(ran.returncode == 2 and f"{old}" in ran.stderr, "another file in another place", ran)

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "trackbed/core/error.hpp"
-#include "trackbed/core/hash.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/compared.hpp"
 #include "unit/fem/mesh_scene.hpp"
@@ -32,17 +31,6 @@ GroundParameters level(const std::string& table, Integrator integrator) {
 
 std::string table_of(const Comm& comm) {
   return wave_table(comm, "free_field", {50, 0.03}, 1.0, 0.7, 5e-4);
-}
-
-// Own part, with the number of the node: the same sum for any split.
-std::uint64_t bits(const Comm& comm, const Ground& ground) {
-  std::uint64_t sum = 0;
-  for (const std::int32_t n : ground.own_top()) {
-    const auto state = ground.top_state(n);
-    sum += mix(hash_bytes(state.displacement.data(), 24, static_cast<std::uint64_t>(n)));
-    sum += mix(hash_bytes(state.velocity.data(), 24, static_cast<std::uint64_t>(n) + 1000));
-  }
-  return static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum)));
 }
 
 class FreeField : public ::testing::TestWithParam<Dimension> {};
