@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "app/rules.hpp"
@@ -62,6 +63,50 @@ std::vector<std::string> doubts_of_wave(const Model& model, const input::Deck& d
                                side.words));
   if (!problems.empty()) throw InputError(problems);
   return doubts;
+}
+
+// m^2 of a triangle above a rectangle, both seen from above: it is cut along each side in turn
+// (Sutherland, Hodgman 1974, doi:10.1145/360767.360802).
+double area_above(const std::array<Vec3, 3>& triangle, const std::array<double, 2>& low,
+                  const std::array<double, 2>& high) {
+  std::vector<Vec3> left(triangle.begin(), triangle.end());
+  for (int side = 0; side < 4 && !left.empty(); ++side) {
+    const int axis = side / 2;
+    const auto a = static_cast<std::size_t>(axis);
+    const auto within = [&](const Vec3& at) {  // m, beyond the side
+      return side % 2 == 0 ? at[axis] - low[a] : high[a] - at[axis];
+    };
+    std::vector<Vec3> whole;
+    whole.swap(left);
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+      const Vec3 &from = whole[k], &to = whole[(k + 1) % whole.size()];
+      const double begin = within(from), end = within(to);
+      if (begin >= 0) left.push_back(from);
+      if ((begin >= 0) != (end >= 0)) left.push_back(from + begin / (begin - end) * (to - from));
+    }
+  }
+  double twice = 0;
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    const Vec3 &a = left[k], &b = left[(k + 1) % left.size()];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::abs(twice) / 2;
+}
+
+// A top with a hole below the bed, or one that is narrower than its box.
+void require_closed(const Model& model, const std::vector<std::array<Vec3, 3>>& faces,
+                    std::vector<std::string>& problems) {
+  constexpr double rounding = 1e-6;  // of the bed
+  const std::vector<double>&x = model.bed.x, &y = model.bed.y;
+  if (x.size() != 2 || y.size() != 2) return;
+  const double bed = (x[1] - x[0]) * (y[1] - y[0]);
+  double below = 0;
+  for (const auto& face : faces) below += area_above(face, {x[0], y[0]}, {x[1], y[1]});
+  if (below < (1 - rounding) * bed)
+    problems.push_back(
+        fmt::format("the top of the ground lies below {:.4g} m^2 of the bed's {:.4g} only: stones "
+                    "would fall through (bed.x, bed.y, ground.mesh_top)",
+                    below, bed));
 }
 
 // What the tables of a ground of layers tell, an embankment's too.
@@ -128,7 +173,6 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
   if (ground.mesh.empty()) declare_crest(model, s);
 }
 
-// The box around the top: whether it has holes within is for the eye.
 GroundFile require_ground(const Model& model, const input::Deck& deck) {
   constexpr double rounding = 1e-9;  // m
   if (!model.ground.present) return {};
@@ -144,7 +188,10 @@ GroundFile require_ground(const Model& model, const input::Deck& deck) {
                       deck.where(std::string("bed.") + axis), bed[0], bed[1], mesh.top_low[a],
                       mesh.top_high[a]));
   };
-  if (model.has_stages()) below("x", model.bed.x, 0), below("y", model.bed.y, 1);
+  if (model.has_stages()) {
+    below("x", model.bed.x, 0), below("y", model.bed.y, 1);
+    if (problems.empty()) require_closed(model, mesh.top_faces, problems);
+  }
   if (!problems.empty()) throw InputError(problems);
   const auto from_to = [&](int a) {
     return fmt::format("{:g} to {:g}", mesh.low[a], mesh.high[a]);

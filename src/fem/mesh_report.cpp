@@ -233,7 +233,12 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
   for (const Vec3& at : mesh.position) all.take(at);
   require_held(mesh, parameters, all);
   require_blocks(mesh, parameters);
-  MeshReport report{all.low, all.high, top.low, top.high, 0, {}};
+  MeshReport report{all.low, all.high, top.low, top.high};
+  for (const SolidMesh::Face& face : mesh.top) {
+    const auto nodes = mesh.nodes_of(face);
+    report.top_faces.push_back(
+        {place(mesh, nodes[0]), place(mesh, nodes[1]), place(mesh, nodes[2])});
+  }
   std::vector<double> ratios;
   for (const auto& element : mesh.element) {
     TenNodes nodes;

@@ -155,10 +155,11 @@ double base_spring(const GroundParameters& parameters, const Elastic& solid, dou
 // What tetrahedra are as a ground. Reads and checks a mesh file: throws InputError with everything
 // that is wrong with it, and if its borders leave it a rigid motion at rest. Local.
 struct MeshReport {
-  Vec3 low, high;          // m, of all nodes
-  Vec3 top_low, top_high;  // m, of the top
-  double volume = 0;       // m^3
-  std::vector<std::string> warnings;
+  Vec3 low, high;                                   // m, of all nodes
+  Vec3 top_low, top_high;                           // m, of the top
+  double volume = 0;                                // m^3
+  std::vector<std::array<Vec3, 3>> top_faces = {};  // m, corners
+  std::vector<std::string> warnings = {};
 };
 MeshReport look_at_mesh(const GroundParameters& parameters);
 
