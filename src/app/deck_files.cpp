@@ -14,11 +14,25 @@
 
 namespace trackbed::app {
 
-// Any text that names a file counts: a title that does is of no weight to a state.
+namespace {
+
+// Whether a text that names a file means it: a title does not, nor a profile of the rail that is
+// drawn from a spectrum.
+bool is_read(const Values& values, const std::string& key) {
+  if (key == "title" || key == "start") return false;
+  const std::size_t dot = key.rfind(".file");
+  if (!key.starts_with("irregularity") || dot == key.npos) return true;
+  const auto kind = values.find(key.substr(0, dot) + ".kind");
+  return kind != values.end() && kind->second == "\"file\"";
+}
+
+}  // namespace
+
 std::string contents_of_files(const par::Comm& comm, const std::string& effective) {
   std::string text;
-  for (const auto& [key, value] : comm.root() ? values_of(effective) : Values{}) {
-    if (value.size() < 3 || value.front() != '"' || key == "start") continue;
+  const Values values = comm.root() ? values_of(effective) : Values{};
+  for (const auto& [key, value] : values) {
+    if (value.size() < 3 || value.front() != '"' || !is_read(values, key)) continue;
     const std::string path = value.substr(1, value.size() - 2);
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) continue;

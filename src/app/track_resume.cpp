@@ -98,4 +98,22 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
   return changed || comm.broadcast(told ? "told" : "").empty();
 }
 
+std::vector<std::string> changed_on_resumes(const io::File& checkpoint,
+                                            const std::string& effective) {
+  std::vector<std::string> sentences;
+  if (checkpoint.has_attribute("/", "changed")) {
+    std::istringstream lines(checkpoint.text_attribute("/", "changed"));
+    for (std::string line; std::getline(lines, line);) sentences.push_back(line);
+  }
+  Values now = values_of(effective);
+  for (const char* key :
+       {"title", "passage.stop_after", "passage.wall_time", "passage.checkpoint_interval"})
+    now.erase(key);
+  const double time = checkpoint.number_attribute("/", "time");
+  for (const std::string& change : changes(stored_values(checkpoint, now), now))
+    sentences.push_back(
+        fmt::format("from {:.6g} s on, where the run was resumed: {}", time, change));
+  return sentences;
+}
+
 }  // namespace trackbed::app

@@ -4,6 +4,7 @@
 #include "app/track_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -133,6 +134,7 @@ class Run {
   Built built;
   observe::PassageHistories histories;
   WheelExtremes wheels;
+  std::vector<std::string> changed;  // what resumes changed: the deck in the results is the last
 
  private:
   bool go();
@@ -265,6 +267,7 @@ void Run::save(io::File& file) const {
   file.attribute("/", "version", version());
   file.attribute("/", "deck", of_.effective);
   if (!files_.empty()) file.attribute("/", "files", files_);
+  if (!changed.empty()) file.attribute("/", "changed", fmt::format("{}", fmt::join(changed, "\n")));
   file.attribute("/", "deck_name", of_.deck);
   file.attribute("/", "stage", std::string("passage"));
   file.attribute("/", "stage_finished", std::int64_t{0});
@@ -284,6 +287,8 @@ void Run::resume() {
   histories.load(file);
   wheels.load(file);
   resumed_at_ = built.passage.steps();
+  changed = changed_on_resumes(file, of_.effective);
+  for (const std::string& change : changed) say(comm_, "warning: " + change);
   say(comm_, fmt::format("  goes on at {:.6g} s from {}", built.passage.time(), of_.checkpoint));
 }
 
@@ -315,7 +320,9 @@ Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, co
     json["coupling"] = whole.below->balance();
     json["energy"] = whole.below->energies(run.built.passage);
   }
-  json["warnings"] = went.doubts;
+  std::vector<std::string> warnings = went.doubts;
+  warnings.insert(warnings.end(), run.changed.begin(), run.changed.end());
+  json["warnings"] = warnings;
   return json;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/parameters.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/io/file.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -33,5 +35,9 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path);
 // bad files. Collective.
 bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
                    const std::string& effective, const input::Deck& deck);
+// A sentence for each parameter that this resume, and those before it, changed amid the run, but
+// for those that say when to stop and to write. Collective.
+std::vector<std::string> changed_on_resumes(const io::File& checkpoint,
+                                            const std::string& effective);
 
 }  // namespace trackbed::app

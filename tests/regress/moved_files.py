@@ -51,6 +51,21 @@ def check_moved(program, deck, words, name, old, folder):
            f"{name}: another file in the old place", ran)
 
 
+def check_unread(program, folder):
+    """A file that is named but not read may change; what resumes change stays in the warnings."""
+    unread, place = folder / "unread.csv", folder / "unread"
+    unread.write_text("x_m,z_m\n0,0\n30,0\n", encoding="utf-8")
+    program.done(1, "run", INPUTS / "track/plain.toml", *FAR, "irregularity.kind=spectrum",
+                 f"irregularity.file={unread}", f"title={unread}", "passage.stop_after=20",
+                 "-o", place, code=3)
+    unread.write_text("x_m,z_m\n0,0\n60,0\n", encoding="utf-8")
+    program.done(1, "resume", place, "passage.duration=0.06", "passage.stop_after=30", code=3)
+    program.done(2, "resume", place, "passage.stop_after=0")
+    kept = [text for text in summary(place)["warnings"] if "resumed" in text]
+    if len(kept) != 1 or "passage.duration = 0.059999999999999998, before 0.05" not in kept[0]:
+        raise SystemExit(f"what a resume changed must be kept, and nothing else: {kept}")
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]).resolve()
     shutil.rmtree(folder, ignore_errors=True)
