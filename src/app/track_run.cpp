@@ -88,7 +88,7 @@ void put_d1(Json& json, const std::string& section, const track::IrregularityPar
 double energy_of(const track::Passage& passage) {
   double energy = passage.line_motion().energy();
   for (const track::Stop& stop : passage.line().stops()) {
-    const double pressed = stop.point.deflection(passage.line_motion().displacement);
+    const double pressed = stop.point.deflection(passage.line_motion().displacement) - stop.gap;
     if (stop.in_matrix && pressed < 0) energy -= stop.stiffness * pressed * pressed / 2;
   }
   return energy;

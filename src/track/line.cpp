@@ -194,6 +194,12 @@ double Line::Room::moved_pad(std::size_t index) const {
   return parameters.moved_pads.at(index - parameters.first_moved);
 }
 
+// N, at rest on each pad; in it all forces of the line begin at 0.
+double Line::Room::preload() const {
+  return parameters.pad.preload >= 0 ? parameters.pad.preload
+                                     : beam.mass * parameters.track.spacing * gravity;
+}
+
 // Rail node - pad - sleeper. Over the run-in all is as much stiffer as the knee comes earlier.
 void Line::Room::add_pad(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
@@ -204,7 +210,7 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
   if (pad.uplift) {
-    stops.push_back(stop_of(sleeper.pad[side], 0));
+    stops.push_back(stop_of(sleeper.pad[side], -preload() / sleeper.pad[side].stiffness));
     stops.back().in_matrix = true;
   }
   if (pad.knee == 0) return;

@@ -32,8 +32,13 @@ void PadParameters::declare(input::Section& s) {
            "Stiffness beyond the knee.");
   s.flag(
       "uplift", uplift,
-      "Whether pads only push, so that the rail rises from sleepers; else they pull too. Neither "
-      "the rail's weight nor clips hold it down (track alone).");
+      "Whether the rail rises from sleepers once a pad has given back its preload; else pads pull "
+      "without end (track alone).");
+  s.number("preload", preload, {.unit = "N", .at_least = -1, .usually_to = 1e5},
+           "What presses each pad at rest and is lifted first (uplift): the rail's weight and "
+           "clips; below 0: the rail's weight.");
+  s.rule("preload", uplift || preload < 0, "has no effect: pads pull without end (uplift = false)",
+         {.weight = input::Weight::warning, .reads = {"uplift", "preload"}});
   s.rule("beyond", knee == 0 || beyond > stiffness, "must be above pad.stiffness",
          {.reads = {"stiffness", "knee", "beyond"}});
   s.rule("beyond", knee > 0 || beyond == 0, "has no effect without a knee",

@@ -47,6 +47,7 @@ KNOBS = {
     "pad.knee": ("pad.knee=2e-4", ["pad.beyond=500e6"]),
     "pad.beyond": ("pad.beyond=300e6", ["pad.beyond=500e6", "pad.knee=1e-4"]),
     "pad.uplift": ("pad.uplift=true", []),
+    "pad.preload": ("pad.preload=50", ["pad.uplift=true"]),
     "ballast.stiffness": ("ballast.stiffness=30e6", []),
     "ballast.damping": ("ballast.damping=30e3", []),
     "ballast.mass": ("ballast.mass=500", []),

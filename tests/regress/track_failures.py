@@ -84,7 +84,7 @@ def check_uplift(program, decks, folder):
     """Forces of three slopes: whole steps of Newton's method went to and fro for ever, in crossing
     after 13 ms, in hammer after 10, in netirail_plain after 33."""
     for name, duration in (("crossing", 0.02), ("hammer", 0.02), ("netirail_plain", 0.05)):
-        program.done(1, "run", decks / f"{name}.toml", "pad.uplift=true",
+        program.done(1, "run", decks / f"{name}.toml", "pad.uplift=true", "pad.preload=0",
                      f"passage.duration={duration}", "-o", folder / name)
         if not summary(folder / name)["finished"]:
             raise SystemExit(f"{name}: {summary(folder / name)}")

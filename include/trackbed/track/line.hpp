@@ -34,6 +34,7 @@ struct PadParameters {
   double knee = 0;                           // m of compression; 0: linear
   double beyond = 0;                         // N/m, stiffness beyond the knee
   bool uplift = false;                       // they only push: the rail rises from them
+  double preload = -1;                       // N, what is lifted first; below 0: the rail's weight
   void declare(input::Section& s);
 };
 
@@ -142,8 +143,9 @@ struct RailPoint {
 // A spring that only pushes, and only once its point has given way by more than the gap: ballast
 // below a hanging sleeper, the part of a pad beyond its knee. approach = deflection(u) - gap, m.
 // The damper adds or takes at most what the spring has, so that the force begins at zero.
-// `in_matrix`: of a pad that lifts off. The line's matrices have its spring and damper, which also
-// pull; the stop is what has to be added to them, nothing while the pad is pressed.
+// `in_matrix`: of a pad that lifts off, once it has given back what presses it at rest (a gap below
+// 0). The line's matrices have its spring and damper, which also pull; the stop is what has to be
+// added to them, nothing while the pad is pressed.
 struct Stop {
   RailPoint point;
   double gap, stiffness, damping;  // m, N/m, N s/m

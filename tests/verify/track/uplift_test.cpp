@@ -1,4 +1,4 @@
-// Pads that only push (pad.uplift): the rail rises from sleepers.
+// Pads that push, and pull no more than their preload (pad.uplift): the rail rises from sleepers.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,9 +13,10 @@
 namespace trackbed::track {
 namespace {
 
-LineParameters lifting(double length) {
+LineParameters lifting(double length, double preload = 0) {
   LineParameters p;
   p.pad.uplift = true;
+  p.pad.preload = preload;
   p.track.length = length;
   p.track.run_in = 0;
   return p;
@@ -88,6 +89,7 @@ void pulled_up(const LineParameters& p, const std::string& where) {
     for (const auto& [x, force] : {std::pair{15.0, 60e3}, {12.0, -30e3}, {9.0, 60e3}})
       line.at(x, side).add(-force, load);
   const Vector& u = passage.line_motion().displacement;
+  const double preload = p.pad.preload, given_back = -preload / p.pad.stiffness;
   std::int64_t open = 0;
   double least = 1, widest = -1;
   // The ends are pinned: nothing is on the first and the last sleeper.
@@ -95,13 +97,14 @@ void pulled_up(const LineParameters& p, const std::string& where) {
     for (std::size_t side = 0; side < line.sides(); ++side) {
       const Vector row = pad_row(line, i, side);
       const double seat = passage.on_sleeper(i, side);
-      EXPECT_GE(seat, 0);
-      if (seat > 0) {
-        least = std::min(least, row.dot(u));
+      EXPECT_GE(seat, -preload * (1 + 1e-12));
+      if (seat > -preload * (1 - 1e-12)) {
+        least = std::min(least, row.dot(u) - given_back);
         continue;
       }
       stiffness -= p.pad.stiffness * row * row.transpose();
-      widest = std::max(widest, row.dot(u));
+      load += preload * row;  // the rail's weight, which now hangs on it
+      widest = std::max(widest, row.dot(u) - given_back);
       ++open;
     }
   verified::above(where + ", open pads", "-", static_cast<double>(open), 2.5);
@@ -122,10 +125,38 @@ TEST(Uplift, BetweenLoadsIsTheTrackWithoutItsOpenPads) {
   pulled_up(p, "two rails");
 }
 
+TEST(Uplift, LiftedPadsHaveGivenBackTheirPreload) {
+  LineParameters p = lifting(24, 400);
+  pulled_up(p, "one rail, preload");
+  p.track.dimension = Dimension::space;
+  pulled_up(p, "two rails, preload");
+}
+
+// What a coach throws up comes down under its weight.
+TEST(Uplift, TheRailLiesOnItsPadsWhenTheTrainHasGone) {
+  LineParameters p = lifting(30, -1);
+  const Line line(p);
+  const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 0};
+  const Train train(motion, {}, 2);
+  Passage passage(line, train, WheelRail({}), Irregularity({}, 30), motion, {.duration = 2.5});
+  double highest = 0, left = 0;
+  while (passage.time() < 2.5) {
+    passage.advance();
+    for (double x = 1.2; x < 29; x += 0.6) {
+      const double height = passage.rail_displacement(x);
+      highest = std::max(highest, height);
+      if (passage.time() > 2.4) left = std::max(left, std::abs(height));
+    }
+  }
+  verified::above("highest while the coach passes", "m", highest, 1e-5);
+  verified::below("furthest from its place 1 s after", "m", left, 1e-6);
+}
+
 // Least seat force of all sleepers while a coach passes, N; the dampers act.
 double least_seat(bool uplift) {
   LineParameters p;
   p.pad.uplift = uplift;
+  p.pad.preload = 0;
   const Line line(p);
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 26};
   const Train train(motion, {}, 2);
@@ -145,19 +176,20 @@ TEST(Uplift, NoPadPullsWhileACoachPasses) {
 }
 
 // J, of the matrices' springs without what open pads hold in them.
-double energy_of(const Passage& passage, double pad) {
+double energy_of(const Passage& passage, const PadParameters& pad) {
   const Line& line = passage.line();
   double energy = passage.line_motion().energy();
   for (std::size_t i = 0; i < line.sleepers(); ++i) {
     const double pressed = pad_row(line, i, 0).dot(passage.line_motion().displacement);
-    energy -= pad * std::pow(std::min(0.0, pressed), 2) / 2;
+    const double left = pressed + pad.preload / pad.stiffness;
+    energy -= pad.stiffness * std::pow(std::min(0.0, left), 2) / 2;
   }
   return energy;
 }
 
 // After an upward blow, without dampers: largest change of the energy over what there is.
-double drift(double step) {
-  LineParameters p = lifting(6);
+double drift(double step, double preload) {
+  LineParameters p = lifting(6, preload);
   p.pad.damping = p.ballast.damping = 0;
   const Line line(p);
   TrainParameters motion;
@@ -170,7 +202,7 @@ double drift(double step) {
   while (passage.time() < 0.05) {
     passage.advance();
     if (passage.time() < 4.5e-3) continue;
-    const double energy = energy_of(passage, p.pad.stiffness);
+    const double energy = energy_of(passage, p.pad);
     if (after == 0) after = energy;
     furthest = std::max(furthest, std::abs(energy - after));
   }
@@ -178,10 +210,13 @@ double drift(double step) {
 }
 
 TEST(Uplift, EnergyIsKeptWithoutDampers) {
-  const double coarse = drift(2e-5), fine = drift(5e-6);
-  verified::below("largest change of energy, steps of 20 us", "-", coarse, 3e-4);
-  verified::above("the same over that with steps of 5 us (second order: 16)", "-", coarse / fine,
-                  8);
+  for (const double preload : {0.0, 400.0}) {  // N
+    const std::string with = fmt::format(", preload {:g} N", preload);
+    const double coarse = drift(2e-5, preload), fine = drift(5e-6, preload);
+    verified::below("largest change of energy, steps of 20 us" + with, "-", coarse, 3e-4);
+    verified::above("the same over that with steps of 5 us (second order: 16)" + with, "-",
+                    coarse / fine, 8);
+  }
 }
 
 }  // namespace
