@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <unordered_map>
@@ -67,7 +69,7 @@ class Reader {
   void node(Id tag);
   void element(int kind, Id tag, std::size_t line, int group);
   const Kind& kind_of(Id number) const;
-  int group(int dimension, Id tag);
+  int group(int dimension, Id signed_tag);
   int group_of_entity(int dimension, Id tag) const;
   void require_known() const;
 
@@ -91,8 +93,10 @@ const Kind& Reader::kind_of(Id number) const {
   words_.fail(fmt::format("{} is no kind of element that is known here", number));
 }
 
-// Gmsh gives one number to a group of each dimension.
-int Reader::group(int dimension, Id tag) {
+// Gmsh gives one number to a group of each dimension. A minus in an entity or an element says that
+// it is reversed, which is of no weight here: outward is what the tetrahedra say.
+int Reader::group(int dimension, Id signed_tag) {
+  const Id tag = std::abs(std::max(signed_tag, -std::numeric_limits<Id>::max()));
   const auto [at, is_new] =
       group_of_.try_emplace({dimension, tag}, static_cast<int>(file_.groups.size()));
   if (is_new) file_.groups.push_back({dimension, static_cast<int>(tag), fmt::format("{}", tag)});

@@ -67,6 +67,38 @@ TEST(Gmsh, OddFilesAreRead) {
   EXPECT_EQ(problems(nameless, p), "");
 }
 
+std::string with_all(std::string text, const std::string& what, const std::string& instead) {
+  EXPECT_NE(text.find(what), text.npos) << what;
+  for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += instead.size())
+    text.replace(at, what.size(), instead);
+  return text;
+}
+
+// Gmsh marks a reversed entity by a minus before the number of its group: the same ground.
+TEST(Gmsh, ReversedEntitiesAreInTheirGroups) {
+  const SolidMesh plain = solid_mesh_of(parameters(), parse_gmsh(box().text_4(), "box.msh"));
+  std::string four = box().text_4(), two = box().text_2();
+  for (const char* s : {"1", "5", "6"}) {
+    const std::string place = fmt::format("\n{} 0 0 0 1 1 1 1 ", s);
+    four = with(four, fmt::format("{}{} 0\n", place, s), fmt::format("{}-{} 0\n", place, s));
+    two = with_all(two, fmt::format(" 9 2 {} ", s), fmt::format(" 9 2 -{} ", s));
+  }
+  four = with(four, "1 0 0 0 1 1 1 1 1 2 1 -2", "1 0 0 0 1 1 1 1 -1 2 1 -2");
+  two = with_all(two, " 11 2 1 ", " 11 2 -1 ");
+  for (const std::string& text : {four, two}) {
+    ASSERT_EQ(problems(text), "");
+    const SolidMesh found = solid_mesh_of(parameters(), parse_gmsh(text, "box.msh"));
+    EXPECT_EQ(found.element, plain.element);
+    EXPECT_EQ(found.solid, plain.solid);
+    EXPECT_EQ(found.top.size(), plain.top.size());
+    ASSERT_EQ(found.borders.size(), plain.borders.size());
+    for (std::size_t b = 0; b < plain.borders.size(); ++b) {
+      EXPECT_EQ(found.borders[b].element, plain.borders[b].element);
+      EXPECT_EQ(found.borders[b].holds, plain.borders[b].holds);
+    }
+  }
+}
+
 struct Damage {
   std::string text, wanted;
 };
