@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "app/rules.hpp"
 #include "trackbed/core/error.hpp"
@@ -109,12 +110,33 @@ void require_closed(const Model& model, const std::vector<std::array<Vec3, 3>>& 
                     below, bed));
 }
 
-// What the tables of a ground of layers tell, an embankment's too.
+// s, for which the ground moves at most; infinity if the deck does not tell.
+double moving_time(const Model& model) {
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  const auto given = [](double duration) { return duration > 0 ? duration : unknown; };
+  if (!model.start.empty()) return unknown;  // it may have moved before
+  if (!model.has_stages()) return given(model.track.passage.duration);
+  double time = 0;
+  for (const Stage& stage : model.stages)
+    if (stage.ground_moves) time += given(stage.duration);
+  return time;
+}
+
+// Whether the wave comes while the ground moves.
+std::vector<std::string> doubts_of_times(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> doubts = fem::look_at_times(model.ground, moving_time(model));
+  for (std::string& doubt : doubts)
+    doubt = fmt::format("{}: {}: {}", deck.where("ground.base_motion"), model.ground.base_motion,
+                        doubt);
+  return doubts;
+}
+
+// What the tables of a ground tell, an embankment's and a mesh's too.
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> doubts;
   if (model.ground.mesh.empty()) doubts = doubts_of_wave(model, deck);
-  const std::vector<std::string> young = doubts_of_young(model, deck);
-  doubts.insert(doubts.end(), young.begin(), young.end());
+  for (const auto& more : {doubts_of_young(model, deck), doubts_of_times(model, deck)})
+    doubts.insert(doubts.end(), more.begin(), more.end());
   return doubts;
 }
 

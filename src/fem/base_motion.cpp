@@ -27,6 +27,20 @@ BaseMotion::BaseMotion(const std::string& path) {
         {fmt::format("{}: must begin and end at rest: the first and the last row need vx_m_s = "
                      "vz_m_s = 0",
                      path)});
+  const Vec3 let_go = at(0).displacement;
+  for (Motion& row : rows_) row.displacement -= let_go;
+}
+
+double BaseMotion::begin() const {
+  std::size_t r = 0;
+  while (r + 1 < rows_.size() && rows_[r + 1].velocity.isZero(0)) ++r;
+  return times_[r];
+}
+
+double BaseMotion::end() const {
+  std::size_t r = rows_.size() - 1;
+  while (r > 0 && rows_[r - 1].velocity.isZero(0)) --r;
+  return r > 0 ? times_[r] : times_.back();
 }
 
 bool BaseMotion::moves(int axis) const {

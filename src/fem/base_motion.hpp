@@ -20,9 +20,13 @@ class BaseMotion {
   struct Motion {
     Vec3 velocity, displacement;  // m/s, m
   };
-  // `time` (s) since the ground began to move. Before the table rest, after it the last place.
+  // `time` (s) since the ground was let go. Before the table rest, after it the last place.
+  // Displacement counts from time 0, whatever the wave did before: the ground is let go at rest.
   Motion at(double time) const;
   bool moves(int axis) const;  // whether ever along x (0) or z (2)
+  // s, outside of which all is at rest; without any motion the last time of the table twice.
+  double begin() const;
+  double end() const;
 
  private:
   std::vector<double> times_;

@@ -130,7 +130,8 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
   }
 }
 
-// As the ground when it is let go. The wave may be under way before that: its table decides.
+// As the ground when it is let go. The wave may be under way then: its table decides, and what it
+// has moved before is not counted.
 void FreeField::rest() {
   list([](const char*, const char*, std::vector<double>& values) {
     std::fill(values.begin(), values.end(), 0.0);

@@ -121,6 +121,28 @@ std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimensi
   return found;
 }
 
+std::vector<std::string> look_at_times(const GroundParameters& parameters, double time) {
+  if (!parameters.present || parameters.base_motion.empty()) return {};
+  const BaseMotion wave(parameters.base_motion);
+  if (!wave.moves(0) && !wave.moves(2)) return {"has no motion: all its velocities are 0"};
+  if (wave.end() <= 0)
+    return {
+        fmt::format("the wave is over at {:g} s, before the ground is let go (0 s): it does "
+                    "nothing",
+                    wave.end())};
+  if (wave.begin() >= time)
+    return {
+        fmt::format("the wave begins at {:g} s, and the ground moves for {:g} s at most: it "
+                    "does nothing",
+                    wave.begin(), time)};
+  const Vec3 now = wave.at(0).velocity;
+  if (now.isZero(0)) return {};
+  return {
+      fmt::format("at 0 s, when the ground is let go at rest, the wave is under way with "
+                  "vx_m_s = {:g}, vz_m_s = {:g} and hits it at once; let its rows begin at 0 s",
+                  now.x(), now.z())};
+}
+
 Sides GroundParameters::side(int axis, bool high) const {
   const Sides own = axis == 0 ? (high ? side_x_high : side_x_low) : high ? side_y_high : side_y_low;
   return own == Sides::as_sides ? sides : own;
@@ -147,7 +169,8 @@ void GroundParameters::declare_sides(Section& s) {
   s.file(
       "base_motion", base_motion,
       "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
-      "that comes up through a quiet base, half of an outcrop's; empty: none.");
+      "that comes up through a quiet base, half of an outcrop's; the ground feels nothing of rows "
+      "before 0 s; empty: none.");
   s.rule("base_motion", base_motion.empty() || base == Base::quiet,
          "needs base = \"quiet\": a wave comes in through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});

@@ -143,7 +143,8 @@ def seen(program, deck, folder, changes):
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
         return {"code": ran.returncode, "said": ran.stderr}
-    return {"code": 0, "data": data(place / "results.h5"), "ground": summary(place)["ground"]["elements"]}
+    return {"code": 0, "data": data(place / "results.h5"),
+            "ground": summary(place)["ground"]["elements"]}
 
 
 def untold(program, deck, place):

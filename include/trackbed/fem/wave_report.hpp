@@ -1,4 +1,5 @@
-// What the wave of ground.base_motion and the sides of a ground of layers make of each other.
+// What the wave of ground.base_motion and the sides of a ground of layers make of each other, and
+// whether the ground feels the wave at all.
 #pragma once
 
 #include <string>
@@ -17,5 +18,10 @@ struct WaveAtSide {
 // Sides at which the ground would not move as the wave does, each key once; none without a wave.
 // Reads the table: throws InputError about it. Not for a mesh file (look_at_mesh). Local.
 std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimension dimension);
+
+// What is odd about when the wave comes to a ground that moves for `time` s at most once it is let
+// go (infinity: nobody knows). Sentences without the file's name; none without a wave. Reads the
+// table: throws InputError about it. Local.
+std::vector<std::string> look_at_times(const GroundParameters& parameters, double time);
 
 }  // namespace trackbed::fem

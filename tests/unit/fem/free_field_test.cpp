@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/base_motion.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/compared.hpp"
@@ -152,6 +153,34 @@ TEST(WaveBelowAMesh, NeedsAQuietBaseAndSidesThatLetItPass) {
   p.borders[1].holds = BorderKind::quiet;
   ASSERT_EQ(look_at_mesh(p).warnings.size(), 1);
   EXPECT_TRUE(told(look_at_mesh(p).warnings, "\"x1\" holds back the wave"));
+}
+
+// The ground is let go at rest at time 0: where a wave has been before is where it counts from.
+TEST(BaseMotion, DisplacementCountsFromTheTimeOfLettingGo) {
+  const std::string path = fmt::format("before_{}.csv", Comm::world().rank());
+  std::ofstream(path) << "time_s,vx_m_s,vz_m_s\n-3,0,0\n-1,2,-4\n1,2,-4\n2,0,0\n";
+  const BaseMotion motion(path);
+  EXPECT_EQ(motion.at(0).displacement, Vec3::Zero());
+  EXPECT_EQ(motion.at(0).velocity, Vec3(2, 0, -4));
+  EXPECT_EQ(motion.at(1).displacement, Vec3(2, 0, -4));
+  EXPECT_EQ(motion.at(5).displacement, Vec3(3, 0, -6));
+  EXPECT_EQ(motion.at(-5).displacement, Vec3(-4, 0, 8));
+  EXPECT_EQ(motion.begin(), -3);
+  EXPECT_EQ(motion.end(), 2);
+}
+
+// Whose springs would otherwise push it back to where it was before.
+TEST_P(FreeField, WaveThatIsOverMovesNothing) {
+  const Comm comm = Comm::world();
+  const std::string table = fmt::format("over_on_{}.csv", comm.size());
+  if (comm.root())
+    std::ofstream(table) << "time_s,vx_m_s,vz_m_s\n-0.1,0,0\n-0.06,0.3,0.2\n-0.02,0,0\n";
+  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::bossak}) {
+    Ground ground(comm, level(table, integrator), GetParam(), 1.0);
+    ground.settle(none(ground));
+    EXPECT_EQ(spread_in_a_wave(comm, ground).largest, 0) << static_cast<int>(integrator);
+  }
 }
 
 // What no table may do.
