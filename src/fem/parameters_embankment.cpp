@@ -139,10 +139,27 @@ void declare_widths(const GroundParameters& p, Section& s) {
          of_shape);
 }
 
-// Cells bend where sections are if they end there.
+// How crest, height and foot change (m/m) from a section to the next; nothing beyond the last ones,
+// and with `number` -1 before the first.
+Vec3 change_behind(const GroundParameters& p, std::int64_t number) {
+  const auto at = [&](std::int64_t n) {
+    const CrossSection one = p.section_at(p.sections[static_cast<std::size_t>(n)].x);
+    return Vec3(one.crest, one.height, one.foot());
+  };
+  const auto of = [&](std::int64_t n) { return p.sections[static_cast<std::size_t>(n)].x; };
+  const bool between = number >= 0 && number + 1 < static_cast<std::int64_t>(p.sections.size());
+  if (!between) return Vec3::Zero();
+  return (at(number + 1) - at(number)) / (of(number + 1) - of(number));
+}
+
+// Cells bend where sections are if they end there. The first and the last bend the shape too:
+// beyond them it stays as it is there.
 void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
+  constexpr double straight = 1e-9;
   const double x = p.sections[number].x;
-  if (number == 0 || number + 1 == p.sections.size()) return;
+  const auto here = static_cast<std::int64_t>(number);
+  const Vec3 kink = change_behind(p, here) - change_behind(p, here - 1);
+  if (kink.cwiseAbs().maxCoeff() <= straight) return;
   const std::vector<double> edges = p.edges(0);
   const bool on_edge = std::any_of(edges.begin(), edges.end(),
                                    [&](double edge) { return std::abs(edge - x) < same_place; });

@@ -59,6 +59,12 @@ REFUSED = {
 TOLD = {
     "title=same": ["x = 0 to 18, y = 0 to 16, z = -9 to 0 m, {volume:.6g} m^3", "-warning"],
     "ground.section.1.x=8.7": ["section[1].x", "lies within a row of zones"],
+    "ground.section.2.x=17.7": ["section[2].x", "lies within a row of zones", "-section[1]"],
+    "ground.section.0.x=0.3 ground.section.0.crest=3.6":
+        ["section[0].x", "lies within a row of zones", "-section[1]", "-section[2]"],
+    # Nothing bends at these: all is as at the second, or beyond the ground.
+    "ground.section.0.x=0.3": ["-warning"],
+    "ground.section.2.x=18.3": ["-warning"],
     "ground.base=quiet ground.base_motion={folder}/wave.csv": ["-warning"],
     "ground.base=quiet ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":
         ["side_x_low", "hold back the wave of base_motion", "-take free_field"],
