@@ -40,10 +40,10 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) 
   const std::string key = side.key;
   const About odd{.weight = Weight::warning, .reads = {"base", "base_motion", key}};
   s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
-         "act as quiet ones: nothing moves the ground beside; give base_motion", odd);
+         "acts as a quiet one: nothing moves the ground beside; give base_motion", odd);
   const bool holds_back = side.holds == Sides::quiet || side.holds == Sides::fixed;
   s.rule(key, p.base_motion.empty() || !holds_back,
-         "hold back the wave of base_motion" + better(p, "free_field"), odd);
+         "holds back the wave of base_motion" + better(p, "free_field"), odd);
   s.rule(key, !p.yields() || side.holds != Sides::free_field,
          "has elastic columns beside the model, which layers that yield would tear off; take quiet "
          "or roller",

@@ -67,7 +67,7 @@ TOLD = {
     "ground.section.2.x=18.3": ["-warning"],
     "ground.base=quiet ground.base_motion={folder}/wave.csv": ["-warning"],
     "ground.base=quiet ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":
-        ["side_x_low", "hold back the wave of base_motion", "-take free_field"],
+        ["side_x_low", "holds back the wave of base_motion", "-take free_field"],
     # The reverse.
     "ground.block.0.outline=[17.1,-1.45,18,-1.45,18,-1.58,17.1,-1.58]": ["-warning"],
     "ground.y=[0,9.5]": ["y = 0 to 9.5, z", "-warning"],  # ends at the foot of all

@@ -28,11 +28,11 @@ REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
            "ground.sides=free_field ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
                'ground.side_x_high = "fixed": holds the ends of the ground',
            "ground.base_motion={folder}/bare.csv": "vz_m_s"}
-WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": act as quiet ones",
+WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a quiet one",
           "ground.side_x_low=quiet ground.base_motion={folder}/upwards.csv":
-              "side_x_low = \"quiet\": hold back the wave of base_motion",
+              "side_x_low = \"quiet\": holds back the wave of base_motion",
           "ground.side_x_high=fixed ground.base_motion={folder}/upwards.csv":
-              "side_x_high = \"fixed\": hold back the wave of base_motion",
+              "side_x_high = \"fixed\": holds back the wave of base_motion",
           "ground.sides=free ground.base_motion={folder}/wave.csv":
               "sides = \"free\": has no ground beside it that moves with base_motion",
           "ground.sides=free ground.side_x_low=quiet ground.side_x_high=roller":
