@@ -62,8 +62,10 @@ TOLD = {
     "ground.section.2.x=17.7": ["section[2].x", "lies within a row of zones", "-section[1]"],
     "ground.section.0.x=0.3 ground.section.0.crest=3.6":
         ["section[0].x", "lies within a row of zones", "-section[1]", "-section[2]"],
-    # Nothing bends at these: all is as at the second, or beyond the ground.
+    # Nothing bends at these: all is as at the second, or changes evenly, or is beyond the ground.
     "ground.section.0.x=0.3": ["-warning"],
+    "ground.section.1.x=4.5 ground.section.1.crest=3.875 ground.section.1.height=3.75":
+        ["-warning"],
     "ground.section.2.x=18.3": ["-warning"],
     "ground.base=quiet ground.base_motion={folder}/wave.csv": ["-warning"],
     "ground.base=quiet ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":

@@ -131,6 +131,60 @@ TEST(Embankment, IsAMeshThatAFileMayHold) {
   }
 }
 
+// Each side what the deck says, and a quiet one is dashpots of the impedances of its directions
+// (Lysmer, Kuhlemeyer 1969), not what holds it.
+TEST(Embankment, IsHeldAsTheDeckSays) {
+  GroundParameters p = upright({-3, 3});
+  const Elastic soil{50e6, 0.3, 2000};
+  for (Layer& layer : p.layers) layer.solid = soil;
+  const std::array<BorderKind, 4> kinds = {BorderKind::roller, BorderKind::quiet, BorderKind::free,
+                                           BorderKind::fixed};
+  const std::array<Sides, 4> sides = {Sides::roller, Sides::quiet, Sides::free, Sides::fixed};
+  const double modulus = 50e6 * 0.7 / (1.3 * 0.4), shear = 50e6 / 2.6;  // Pa
+  for (std::size_t turn = 0; turn < 4; ++turn) {
+    const auto at = [&](std::size_t side) { return (side + turn) % 4; };
+    p.side_x_low = sides[at(0)], p.side_x_high = sides[at(1)];
+    p.side_y_low = sides[at(2)], p.side_y_high = sides[at(3)];
+    p.base = turn % 2 == 0 ? Base::fixed : Base::quiet;
+    std::array<double, 3> quiet{};  // N s/m, along the axes
+    for (const SolidMesh::Face& face : embankment_mesh(p).borders) {
+      const auto side = static_cast<std::size_t>(2 * face.axis + (face.low ? 0 : 1));
+      const BorderKind base = turn % 2 == 0 ? BorderKind::fixed : BorderKind::quiet;
+      EXPECT_EQ(face.holds, side == 4 ? base : kinds[at(side)]) << turn << ' ' << side;
+    }
+    for (std::size_t side = 0; side < 5; ++side) {
+      if (side == 4 ? turn % 2 == 0 : kinds[at(side)] != BorderKind::quiet) continue;
+      const double area = Vec3(6 * 4, 6 * 4, 6 * 6)[side / 2];  // m^2
+      for (std::size_t c = 0; c < 3; ++c)
+        quiet[c] += area * std::sqrt(soil.density * (c == side / 2 ? modulus : shear));
+    }
+    const Mesh mesh(Comm::self(), p, Dimension::space, 1);
+    const Terms terms(mesh, p, Stiffness(mesh, {}));
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (std::size_t n = 0; n < mesh.nodes(); ++n) sum += terms.damping[c][n];
+      const double exact = quiet[static_cast<std::size_t>(c)];
+      EXPECT_NEAR(sum, exact, 1e-9 * exact) << turn << ' ' << c;
+    }
+    // What is quiet moves, what is not does as its kind says.
+    for (std::size_t n = 0; n < mesh.nodes(); ++n) {
+      const Vec3 x = mesh.position(static_cast<std::int32_t>(n));
+      const std::array<bool, 5> on = {x.x() < 1e-9, x.x() > 6 - 1e-9, x.y() < -3 + 1e-9,
+                                      x.y() > 3 - 1e-9, x.z() < -4 + 1e-9};
+      int held = 0;
+      for (std::size_t side = 0; side < 5; ++side) {
+        if (!on[side]) continue;
+        const BorderKind kind = side < 4        ? kinds[at(side)]
+                                : turn % 2 == 0 ? BorderKind::fixed
+                                                : BorderKind::quiet;
+        if (kind == BorderKind::fixed) held |= 7;
+        if (kind == BorderKind::roller) held |= 1 << (side / 2);
+      }
+      EXPECT_EQ(terms.held[n], held) << turn << ' ' << x.transpose();
+    }
+  }
+}
+
 TEST(Embankment, HasLayersAndBlocksWhereTheyAre) {
   GroundParameters p = changing();
   p.blocks = {{.name = "wedge", .outline = {0, 0, 2, 0, 2, -4, 0, -4}, .solid = {1e9, 0.2, 2200}}};

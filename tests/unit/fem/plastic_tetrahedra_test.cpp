@@ -84,6 +84,34 @@ TEST(PlasticTetrahedra, TangentIsTheDerivativeOfTheForce) {
   EXPECT_LT(off, 1e-4 * size);
 }
 
+// Work of the load = kinetic + elastic + lost by yielding, if nothing else takes energy: to the
+// order of the step. With weight, from a rest that has not yielded.
+TEST(PlasticTetrahedra, EnergyIsBalanced) {
+  const auto error = [](double safety) {
+    GroundParameters p = soft();
+    p.rayleigh_mass = 0;
+    p.safety = safety;
+    Ground ground(Comm::self(), p, Dimension::space, 1);
+    const std::vector<Vec3> quiet = load(ground.top(), 0), push = load(ground.top(), 60e3);
+    ground.settle(quiet);
+    double work = 0;
+    EXPECT_EQ(ground.totals().plastic, 0);
+    for (int w = 0; w < 150; ++w) {
+      const std::vector<Vec3>& force = w < 80 ? push : quiet;
+      ground.advance(1e-3, force);
+      for (std::size_t n = 0; n < force.size(); ++n)
+        work += (force[n] - quiet[n]).dot(ground.top().motion[n]);
+    }
+    const GroundTotals end = ground.totals();
+    EXPECT_GT(end.plastic, 0.5 * work);
+    return std::abs(end.kinetic + end.elastic + end.plastic - work) / work;
+  };
+  // Order one, as the return is: a fifth of the step, less than half of the error.
+  const double coarse = error(0.5), fine = error(0.1);
+  EXPECT_LT(coarse, 3e-4);
+  EXPECT_LT(fine, 0.5 * coarse);
+}
+
 TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) {
   const GroundParameters p = soft();
   const Comm world = Comm::world();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 #include "support/verified.hpp"
@@ -73,6 +74,85 @@ void check_wave(const std::string& ground_of, const GroundParameters& column) {
         fmt::format("velocity when it has left, over the largest, {}, {}", ground_of, name), "-",
         after / most, 0.02);
   }
+}
+
+GroundParameters column_of_layers() {
+  GroundParameters p = box({1, 1, 20}, {1, 1, 20}, soil);
+  p.sides = Sides::roller;
+  p.base = Base::quiet;
+  return p;
+}
+
+// A wave that lifts the ground below by 5 mm in a fifth of a second, and a base on springs.
+struct Lift {
+  static constexpr double way = 5e-3, time = 0.2;      // m, s
+  static constexpr double stiffness = 1e7, dt = 2e-3;  // Pa/m, s
+  static constexpr int windows = 400;
+  static double velocity(double t) {  // m/s, a triangle
+    return std::max(0.0, 2 * way / time * (1 - std::abs(2 * t / time - 1)));
+  }
+};
+
+// m, of the top after each window.
+std::vector<double> lifted(GroundParameters p, Integrator integrator) {
+  const Comm comm = Comm::world();
+  const std::string table = fmt::format("lifted_on_{}.csv", comm.size());
+  comm.sum(std::int64_t{1});  // nobody reads one of this name any more
+  if (comm.root())
+    std::ofstream(table) << fmt::format("time_s,vx_m_s,vz_m_s\n0,0,0\n{},0,{}\n{},0,0\n",
+                                        Lift::time / 2, Lift::velocity(Lift::time / 2), Lift::time);
+  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  p.base_stiffness = Lift::stiffness;
+  p.integrator = integrator;
+  p.base_motion = table;
+  Ground ground(comm, p, Dimension::space, 1);
+  ground.settle(none(ground));
+  std::vector<double> top;
+  for (int w = 0; w < Lift::windows; ++w) {
+    ground.advance(Lift::dt, none(ground));
+    double high = -1e300;
+    for (const auto n : ground.own_top())
+      high = std::max(high, ground.top_state(n).displacement.z());
+    top.push_back(comm.max(high));
+  }
+  return top;
+}
+
+// The same of a column with height H, wave speed c_p and impedance Z = rho c_p, as two waves: f up
+// from the base and, thrown back by the free top, f(t - 2 H/c_p) down. On the base act
+// Z (2 v_in - v) and k (u_in - u) per area, so
+//   f' = v_in + k/(2 Z) (u_in - f - f(t - 2 H/c_p)),   top: 2 f(t - H/c_p)
+std::vector<double> lifted_exactly() {
+  constexpr double height = 20;
+  constexpr int fine = 200;  // steps of a window
+  const double speed = std::sqrt(soil.young * 0.7 / (1.3 * 0.4) / soil.density),
+               h = Lift::dt / fine;
+  std::vector<double> up = {0};
+  const auto at = [&](double t) {
+    return t <= 0 ? 0 : up[static_cast<std::size_t>(std::llround(t / h))];
+  };
+  double below = 0;
+  for (int s = 0; s < fine * Lift::windows; ++s) {
+    const double t = s * h, stretch = below - up.back() - at(t - 2 * height / speed);
+    up.push_back(up.back() +
+                 h * (Lift::velocity(t) + Lift::stiffness / (2 * soil.density * speed) * stretch));
+    below += h * Lift::velocity(t + h / 2);
+  }
+  std::vector<double> top;
+  for (int w = 1; w <= Lift::windows; ++w) top.push_back(2 * at(w * Lift::dt - height / speed));
+  return top;
+}
+
+// Springs of a quiet base are stretched by the way of the wave less that of the ground.
+TEST(MeshedGround, IsCarriedByTheSpringsOfItsBase) {
+  const std::vector<double> exact = lifted_exactly();
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark})
+    for (const auto& column : {column_of_mesh(), column_of_sections(), column_of_layers()}) {
+      const std::vector<double> top = lifted(column, integrator);
+      double off = 0;
+      for (std::size_t w = 0; w < top.size(); ++w) off = std::max(off, std::abs(top[w] - exact[w]));
+      EXPECT_LT(off, 0.01 * Lift::way);
+    }
 }
 
 TEST(MeshedGround, WaveFromBelowDoublesAtTheTop) { check_wave("mesh file", column_of_mesh()); }
