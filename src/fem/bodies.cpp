@@ -206,15 +206,20 @@ Vec3 Bodies::pad_force(std::size_t pad) const {
          p.damping.cwiseProduct(velocity(below) - velocity(above));
 }
 
+// The moment along an element is that of its middle: at a border between two that bend, one side
+// alone would miss half of an element's change.
 std::array<double, 6> Bodies::stress(std::size_t body, const Vec3& place) const {
   const BodyMesh& mesh = room_->meshes.at(body);
-  const BodyMesh::Place found = mesh.find(place);
-  const auto corners = mesh.corners(found.element);
-  Eigen::Matrix<double, 24, 1> u;
-  for (int k = 0; k < 8; ++k)
-    u.segment<3>(3 * k) =
-        room_->system.of(room_->system.displacement, corners[static_cast<std::size_t>(k)]);
-  const Eigen::Matrix<double, 6, 1> stress = mesh.hexahedron.stress(found.xi) * u;
+  const std::vector<BodyMesh::Place> around = mesh.around(place);
+  Eigen::Matrix<double, 6, 1> stress = Eigen::Matrix<double, 6, 1>::Zero();
+  for (const BodyMesh::Place& found : around) {
+    const auto corners = mesh.corners(found.element);
+    Eigen::Matrix<double, 24, 1> u;
+    for (int k = 0; k < 8; ++k)
+      u.segment<3>(3 * k) =
+          room_->system.of(room_->system.displacement, corners[static_cast<std::size_t>(k)]);
+    stress += mesh.hexahedron.stress(found.xi) * u / static_cast<double>(around.size());
+  }
   std::array<double, 6> all;
   std::copy_n(stress.data(), 6, all.begin());
   return all;

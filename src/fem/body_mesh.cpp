@@ -104,16 +104,24 @@ std::vector<std::array<double, 2>> BodyMesh::points(const Patch& patch) {
   return points;
 }
 
-BodyMesh::Place BodyMesh::find(const Vec3& place) const {
-  Index3 zone{};
-  Vec3 xi;
+std::vector<BodyMesh::Place> BodyMesh::around(const Vec3& place) const {
+  constexpr double rounding = 1e-9;
+  std::array<std::vector<Cell>, 3> cells;
   for (int a = 0; a < 3; ++a) {
     const auto k = static_cast<std::size_t>(a);
     const Cell cell = cell_of(place[a] - body.low[a], lattice.size[a], body.elements[k]);
-    zone[k] = cell.number;
-    xi[a] = 2 * cell.share - 1;
+    if (cell.share < rounding && cell.number > 0) cells[k].push_back({cell.number - 1, 1});
+    cells[k].push_back(cell);
+    if (cell.share > 1 - rounding && cell.number + 1 < body.elements[k])
+      cells[k].push_back({cell.number + 1, 0});
   }
-  return {lattice.zone(zone), xi};
+  std::vector<Place> found;
+  for (const Cell& z : cells[2])
+    for (const Cell& y : cells[1])
+      for (const Cell& x : cells[0])
+        found.push_back({lattice.zone({x.number, y.number, z.number}),
+                         2 * Vec3(x.share, y.share, z.share) - Vec3::Ones()});
+  return found;
 }
 
 // A product over the axes: 1/3 at the same end of an edge, 1/6 at the other.

@@ -41,7 +41,9 @@ struct BodyMesh {
     std::int64_t element;
     Vec3 xi;  // -1 to 1 in it
   };
-  Place find(const Vec3& place) const;  // of the element nearest to a point as built
+  // Of the elements around a point as built: one, or those that share the face, edge or corner it
+  // lies on. Beyond the body the nearest. Ascending.
+  std::vector<Place> around(const Vec3& place) const;
 };
 
 // Consistent mass of a node pair of one component over that of the element: rigid motions of any

@@ -122,7 +122,8 @@ class Bodies {
   Vec3 trapezoidal(double dt, const NodeWeights& at) const;
   BodyMotion motion(std::size_t body) const;
   Vec3 pad_force(std::size_t pad) const;  // N, on the body above; pushing it up is positive
-  // Pa, xx yy zz xy yz zx, tension positive, at a point of the body as built.
+  // Pa, xx yy zz xy yz zx, tension positive, at a point of the body as built; between elements the
+  // mean of those around it.
   std::array<double, 6> stress(std::size_t body, const Vec3& place) const;
   BodiesTotals totals() const;
   std::size_t memory() const;  // bytes on this rank, without the factor

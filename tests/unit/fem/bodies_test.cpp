@@ -199,6 +199,29 @@ TEST(Bodies, HeldFacesStay) {
   EXPECT_LT(bodies.displacement(end).z(), 0);
 }
 
+// A cantilever that stands under a force at its end: M c / I amid elements and at their borders.
+TEST(Bodies, BendingStressIsThatOfTheMomentAtBordersToo) {
+  BodiesParameters p;
+  p.bodies = {{.name = "cantilever",
+               .low = {-0.1, 0, 0},
+               .high = {0.1, 2.6, 0.2},
+               .elements = {2, 26, 2},
+               .solid = {.young = 37e9, .poisson = 0, .density = 2500}}};
+  p.held = {{.body = 0, .axis = 1, .low = true, .components = {true, true, true}}};
+  Bodies bodies(p);
+  bodies.place(Vec3::Zero());
+  const double force = -5e3, length = 2.6, inertia = std::pow(0.2, 4) / 12;
+  const Bodies::Push push{bodies.over(0, Side::upper, {.x = {-0.1, 0.1}, .y = {length, length}}),
+                          {0, 0, force}};
+  for (int k = 0; k < 200; ++k) bodies.advance(1, 0, std::span(&push, 1), {});
+  for (const double y : {0.65, 0.7, 1.3, 1.35, 1.9, 2.0}) {
+    const double exact = force * (length - y) * 0.1 / inertia;
+    for (const double x : {0.0, 0.05})
+      EXPECT_NEAR(bodies.stress(0, {x, y, 0})[1], exact, 2e-3 * std::abs(exact)) << x << ' ' << y;
+    EXPECT_NEAR(bodies.stress(0, {0, y, 0.1})[1], 0, 2e-3 * std::abs(exact)) << y;
+  }
+}
+
 TEST(Bodies, StoppedAndResumedGiveTheSameBits) {
   const par::Comm world = par::Comm::world();
   Bodies straight = one(), first = one(), second = one();

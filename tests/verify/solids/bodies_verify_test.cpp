@@ -122,7 +122,7 @@ Bedded bedded(const Body& body, double modulus, double load) {
   Bedded found{};
   for (const NodeWeight& one : mesh.at(Side::lower, 0, 0))
     found.deflection -= one.weight * system.of(u, one.node).z();
-  const BodyMesh::Place below = mesh.find({0, beside, 0});
+  const BodyMesh::Place below = mesh.around({0, beside, 0}).back();
   Eigen::Matrix<double, 24, 1> corners;
   for (int k = 0; k < 8; ++k)
     corners.segment<3>(3 * k) =
