@@ -48,11 +48,12 @@ void Simulation::observe() {
   // The first row of a stage, to which envelopes and figures are relative, is that of its first
   // window: before it bodies have come or gone, and nobody knows yet who touches whom. The others
   // follow at even steps, as spectra want them.
-  if ((course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0) {
-    sample();
-    if (keeps_extremes()) world_.ground->take_extremes();
-  }
-  if (model_.output.fields && every(model_.output.fields_interval)) {
+  const bool row = (course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0;
+  const bool picture = model_.output.fields && every(model_.output.fields_interval);
+  if (row) sample();
+  // A picture holds what it shows itself.
+  if ((row || picture) && keeps_extremes()) world_.ground->take_extremes();
+  if (picture) {
     const auto timing = timers_.scope(Verb::output);
     observe::write_pictures(comm_, folder_ + "/fields",
                             fmt::format("{}_{:06d}", stage().name, course_.clock.window()),

@@ -257,10 +257,12 @@ void Simulation::end_stage() {
     results_.snapshot(stage().name, world_.scene(), model_.output.surface_cell);
     results_.flush();
     if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(course_.stage));
-    if (model_.output.fields)
+    if (model_.output.fields) {
+      if (keeps_extremes()) world_.ground->take_extremes();  // its last window is hardly a row's
       observe::write_pictures(comm_, folder_ + "/fields",
                               fmt::format("{}_{:06d}", stage().name, course_.clock.window()),
                               world_.scene());
+    }
   }
   StageRecord record = record_of(stage(), course_, model_, world_);
   record.wall_time = progress_.wall_time() - stage_begin_;

@@ -2,7 +2,7 @@
 //
 // Running extremes and so state, in checkpoints: a history of all zones would be terabytes, and
 // extremes of snapshots miss what lies between. Cost per instant: one stress and its principal
-// values per zone, as much as some ten explicit steps; taken at history rows, not in steps.
+// values per zone, as much as some ten explicit steps; taken at history rows and fields.
 #pragma once
 
 #include <array>

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""The extremes in the pictures of the ground hold what these pictures and those before show,
+however rare the rows of the histories are; a run that is stopped and resumed has the same.
+
+    ground_extremes.py PROGRAM DECK START FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+from results import datasets  # noqa: E402
+
+RARE = ["output.fields=true", "output.ground_extremes=true", "output.history_interval=1",
+        "stage.load.duration=0.03", "stage.load.cycles=1"]
+STAGES = ("load", "passage")
+ROUNDING = 1e-6  # of the stress
+
+
+def array(cells, words):
+    (name,) = (name for name in cells if words in name)
+    return cells[name]
+
+
+def pictures(folder, stage):
+    """Of each picture of the ground in a stage, least and largest principal stress and extremes."""
+    found = []
+    for path in sorted((folder / "fields").glob(f"{stage}_*_ground.vtkhdf")):
+        cells = datasets(path)
+        principal = array(cells, "principal stresses, rest and since")
+        found.append((principal[:, 2], principal[:, 0], array(cells, "least principal stress"),
+                      array(cells, "so far: largest principal stress")))
+    return found
+
+
+def check(folder, stage, count):
+    shown = pictures(folder, stage)
+    if len(shown) < count:
+        raise SystemExit(f"{folder}: {len(shown)} pictures of {stage}")
+    lows, highs = [], []
+    for low, high, least, largest in shown:
+        lows.append(low), highs.append(high)
+        slack = ROUNDING * np.abs(low).max()
+        outside = max(np.max(least - np.min(lows, axis=0)), np.max(np.max(highs, axis=0) - largest))
+        if not outside <= slack:
+            raise SystemExit(f"{folder}, {stage}: {outside:.3g} Pa outside of the extremes")
+    if count > 1 and not np.ptp(lows, axis=0).max() > 10 * slack:
+        raise SystemExit(f"{folder}, {stage}: the ground does not move: this would prove nothing")
+
+
+def main(path, deck, start, folder):
+    program, folder = Program(path), pathlib.Path(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    words = ["run", deck, f"start={start}", *RARE]
+    program.done(1, *words, "-o", folder / "end")
+    often = "output.fields_interval=0.005"
+    program.done(1, *words, often, "-o", folder / "often")
+    program.done(1, *words, often, "output.stop_after=150", "-o", folder / "stopped", code=3)
+    program.done(2, "resume", folder / "stopped", "output.stop_after=0")
+    for stage in STAGES:
+        check(folder / "end", stage, 1), check(folder / "often", stage, 4)
+        straight, stopped = (pictures(folder / name, stage) for name in ("often", "stopped"))
+        if not np.array_equal(np.sort(straight[-1], axis=None), np.sort(stopped[-1], axis=None)):
+            raise SystemExit(f"{stage}: other extremes after a stop")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
