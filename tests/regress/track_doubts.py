@@ -152,6 +152,28 @@ def check_files(program, decks, folder):
                 raise SystemExit(f"{rows}: {sentences} is wanted, not {lines}")
 
 
+def check_steps(program, decks, folder):
+    """Wheels come from an even rail: a file that begins higher is a step, unless it fades in."""
+    table = folder / "step.csv"
+    words = ["irregularity.kind=file", f"irregularity.file={table.resolve()}",
+             "irregularity.fade=0"]
+    high, right = "0,0.01\n60,0.01\n", [word.replace("irregularity.", "irregularity_right.")
+                                        for word in [*words, "track.dimension=space"]]
+    for rows, changes, step in (
+            (high, [], "a step of 10 mm at x = 0"), ("0,0\n60,-1e-3\n", [], ""),
+            ("-5,0\n0,-2e-3\n60,0\n", [], "a step of -2 mm"),
+            ("-5,0\n5,4e-3\n60,0\n", ["train.start=20"], "a step of 2 mm"),
+            (high, ["irregularity.fade=10"], ""), (high, ["train.start=25"], ""),
+            (high, ['train.vehicles=["hxd1_unit"]'], ""),
+            (high, ["irregularity.kind=none", *right], "irregularity_right.file: ")):
+        table.write_text("x_m,z_m\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", decks / "plain.toml", *words, *changes)
+        said = [line for line in ran.stdout.splitlines()
+                if line.startswith("warning: irregularity") and "a step of" in line]
+        if len(said) != (step != "") or not all(step in line for line in said):
+            raise SystemExit(f"{rows} {changes}: '{step}' is wanted, not {said}")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -159,6 +181,7 @@ def main():
     folder.mkdir(parents=True)
     check_sentences(program, decks, folder)
     check_files(program, decks, folder)
+    check_steps(program, decks, folder)
 
 
 if __name__ == "__main__":
