@@ -82,6 +82,24 @@ void declare_place(const Model& model, input::Section& s) {
          {.reads = {"train", "stage"}});
 }
 
+// Below the bed's sleepers are stones; of zones these have the rail alone.
+void declare_zones(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  for (std::size_t i = 0; i < track.zones.size(); ++i) {
+    const track::TrackZone& zone = track.zones[i];
+    std::int64_t over = 0;
+    for (std::int64_t k = 0; k < model.sleepers.count; ++k) {
+      const double x = static_cast<double>(model.seat.before + k) * track.spacing;
+      over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
+    }
+    s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.gap == 0),
+           fmt::format("begins a zone over {} sleeper{} of the bed: stones bear {}, `bed` and "
+                       "`gap` have no effect there",
+                       over, over == 1 ? "" : "s", over == 1 ? "it" : "them"),
+           {.weight = input::Weight::warning, .reads = {"track", "sleepers", "seat", "stage"}});
+  }
+}
+
 // Two rails lie on two seats of each sleeper, which rolls below them.
 void declare_sides(const Model& model, input::Section& s) {
   if (model.track.line.track.dimension == Dimension::plane) return;
@@ -139,6 +157,7 @@ void declare_train(const Model& model, input::Section& s) {
   declare_presence(model, s);
   if (!model.has_train()) return;
   declare_place(model, s);
+  declare_zones(model, s);
   declare_sides(model, s);
   declare_doubts(model, s);
 }

@@ -169,12 +169,19 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "time.window=1e-4 time.substeps=3": "has no effect: the window is given",
           "time.window=1e-5 time.step=2e-5": "is longer than the window",
           f"{TRAIN} seat.rails=0.2": "which share do they carry?",
+          f"{TRAIN} track.zone=[{{from=0,to=60,gap=2e-3}}]":
+              "track.zone[0].from = 0: begins a zone over 2 sleepers of the bed: stones bear them",
+          f"{TRAIN} track.zone=[{{from=12.1,to=13,bed=0.5}}]":
+              "track.zone[0].from = 12.1: begins a zone over 1 sleeper of the bed: stones bear it",
           f"{TRAIN} passage.points=[1]": "has no effect on a bed: the rail above each sleeper",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: the duration of the stage",
           f"{TRAIN} passage.history_interval=1e-2": "has no effect on a bed: output.history",
           "dem.gravity=9810": "usual values (at most 100 m/s2)",
           "contact.0.friction=60": "usual values (at most 2)",
           "stage.sleepers.height=0.01": "less than a stone of 0.063 m"}
+# What must not be said of zones: beside the bed's sleepers, or of the rail alone.
+SILENT = [f"{TRAIN} track.zone=[{{from=0,to=11.9,gap=2e-3}},{{from=13,to=60,bed=0.5}}]",
+          f"{TRAIN} track.zone=[{{from=0,to=60,rail=2}}]"]
 # One slip, one sentence: what follows from it is not said.
 SINGLE = ["bed.x=[1.2,0]", "ground.x=[0,0]", "time.window=1", "stage.sleepers.kind=settle"]
 COMMANDS = "(there are run, resume, check, describe, schema, info, shapes)"
@@ -224,6 +231,9 @@ def check_nonsense(program, deck, folder):
         expect(ran.returncode == 0, f"{change} is no error", ran)
         expect(any(line.startswith("warning: ") and words in line
                    for line in ran.stdout.splitlines()), f"{change} must warn: {words}", ran)
+    for change in SILENT:
+        ran = program.done(1, "check", deck, *re.split(r" (?=[a-z])", change))
+        expect("of the bed: stones bear" not in ran.stdout, f"{change} is sound", ran)
 
 
 def check_single_cases(program, deck):
