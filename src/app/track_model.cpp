@@ -84,6 +84,16 @@ void declare_force_in_time(const track::RailForce& force, const std::string& nam
          {.weight = input::Weight::warning, .reads = about.reads});
 }
 
+// A pinned end keeps its height whatever is on it.
+void declare_force_at_end(const track::RailForce& force, const std::string& name,
+                          const track::TrackParameters& track, input::Section& s) {
+  constexpr double rounding = 1e-9;  // m
+  const bool end = force.at < rounding || std::abs(force.at - track.length) < rounding;
+  s.rule(name + ".at", !end || track.ends != track::RailEnds::pinned,
+         "is an end of the rail, which is pinned (track.ends): the force has no effect",
+         {.weight = input::Weight::warning, .reads = {"force", "track"}});
+}
+
 // Without vehicles nobody knows when a run is over.
 void declare_forces(const TrackModel& model, input::Section& s) {
   const double length = model.line.track.length;
@@ -91,9 +101,11 @@ void declare_forces(const TrackModel& model, input::Section& s) {
     s.rule(fmt::format("force[{}].at", i), model.passage.forces[i].at <= length,
            fmt::format("lies beyond the track, which is {:g} m long", length),
            {.reads = {"force", "track.length"}});
-  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
-    declare_force_in_time(model.passage.forces[i], fmt::format("force[{}]", i), model.passage.step,
-                          s);
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i) {
+    const std::string name = fmt::format("force[{}]", i);
+    declare_force_in_time(model.passage.forces[i], name, model.passage.step, s);
+    declare_force_at_end(model.passage.forces[i], name, model.line.track, s);
+  }
   s.rule("force", !model.on_bed || model.passage.forces.empty(),
          "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
   s.rule("passage.duration",

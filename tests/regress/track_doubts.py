@@ -64,6 +64,8 @@ REFUSED = [
 WARNED = [
     (["passage.duration=0.1"], '[[force]]\nat = 5\nsize = 1e3\nkind = "impact"\nlength = 1e-3\n',
      "they hardly see it"),
+    (["passage.duration=0.1"], FORCE.replace("5", "60"), "the force has no effect"),
+    (["passage.duration=0.1"], FORCE.replace("5", "0"), "which is pinned (track.ends)"),
     (["track.dimension=space", "irregularity_right.kind=spectrum"], "",
      "irregularity_right.seed: is that of the left rail (1): both are alike"),
     (['train.vehicles=["hxd1_unit"]', "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.05"], "",
@@ -97,6 +99,7 @@ SOUND = [
     (["track.ends=free", "track.support=continuous"], ZONE.format(0.3, 60, "bed = 0")),
     (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=30"], ""),
     ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
+    (["track.ends=free", "passage.duration=0.1"], FORCE.replace("5", "60")),
     ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
     ([], VEHICLE.format('like = "manchester_1"\nkind = "coach"')),
     ([], VEHICLE.format(COACH.replace('kind = "coach"\n', "").replace("20", "21"))),
