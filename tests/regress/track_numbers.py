@@ -101,6 +101,31 @@ def check_crossing(program, decks, folder):
         raise SystemExit(f"dips of 0.75 and 1.5 mm: {forces} N, {accelerations} m/s2")
 
 
+def check_energy(program, decks, folder):
+    """Without dampers the track holds what a blow upwards gave it, also where pads stand open. The
+    first time lies within the blow, at later ones the rail flies or is caught."""
+    blow = folder / "blow.toml"
+    blow.write_text((decks / "plain.toml").read_text(encoding="utf-8") +
+                    '[[force]]\nkind = "impact"\nat = 3\nsize = -100e3\nlength = 4e-3\n',
+                    encoding="utf-8")
+    for uplift in ("true", "false"):
+        for until in (2e-3, 5e-3, 7e-3, 0.01, 0.014, 0.02):
+            place = folder / f"blow_{uplift}_{until}"
+            program.done(1, "run", blow, "train.vehicles=[]", "irregularity.kind=none",
+                         f"pad.uplift={uplift}", "pad.damping=0", "ballast.damping=0",
+                         "track.length=6", "track.run_in=0", "passage.points=[3]",
+                         "passage.step=5e-6", "passage.history_interval=5e-6",
+                         f"passage.duration={until}", "-o", place)
+            with h5py.File(place / "results.h5") as file:
+                force = -file["history/rail/force"][()].ravel()  # upwards
+                height = file["history/rail/displacement"][()].ravel()
+            given = np.sum((force[1:] + force[:-1]) / 2 * np.diff(height))
+            held = summary(place)["energy"]["track_j"]
+            if not given > 50 or abs(held - given) > 1e-5 * given:
+                raise SystemExit(f"uplift = {uplift}, {until} s: the track holds {held} J, the "
+                                 f"blow gave {given} J")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -109,6 +134,7 @@ def main():
     check_extremes(program, decks, folder)
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
+    check_energy(program, decks, folder)
 
 
 if __name__ == "__main__":
