@@ -19,7 +19,7 @@ void HandoverParameters::declare(input::Section& s) {
   s.integer("trains", trains, {.at_least = 1, .at_most = 10000}, "Trains computed in a round.");
   s.number("each", each, {.above = 0, .usually_to = 1e6},
            "Trains that a computed one stands for when its settlement becomes geometry.");
-  s.number("load", load, {.unit = "N", .above = 0, .usually_to = 1e6},
+  s.number("load", load, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e6},
            "On each seat, above seat_force, while the stiffness of the supports is weighed.");
 }
 

@@ -310,8 +310,11 @@ void VehicleParameters::declare(input::Section& s) {
            "wheelsets. Empty: that of `like`, or coach.");
   s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
            "Between couplings: axles stand symmetrically within it.");
+  // A body of 81 t, a spring of 12 MN/m and a damper of 130 kN s/m are the largest of the library:
+  // what is below the limits here is taken for a number in t, MN/m, kN/m or kN s/m.
   const auto mass = [&](const char* of, double& value, const char* words) {
-    s.number(of, value, {.unit = "kg", .at_least = 0, .usually_to = 2e5}, words);
+    s.number(of, value, {.unit = "kg", .at_least = 0, .usually_from = 100, .usually_to = 2e5},
+             words);
   };
   mass("body_mass", body_mass, "Of the body (coach, sprung), or of its part on the bogie (bogie).");
   mass("bogie_mass", bogie_mass, "Of one bogie without wheelsets (coach, bogie).");
@@ -321,10 +324,12 @@ void VehicleParameters::declare(input::Section& s) {
   s.number("bogie_inertia", bogie_inertia, {.unit = "kg m2", .at_least = 0},
            "Pitch inertia of one bogie (coach, bogie); 0: mass wheelbase^2/12.");
   const auto spring = [&](const char* of, double& value, const char* words) {
-    s.number(of, value, {.unit = "N/m", .at_least = 0, .usually_to = 1e9}, words);
+    s.number(of, value, {.unit = "N/m", .at_least = 0, .usually_from = 5e4, .usually_to = 1e9},
+             words);
   };
   const auto damper = [&](const char* of, double& value, const char* words) {
-    s.number(of, value, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7}, words);
+    s.number(of, value, {.unit = "N s/m", .at_least = 0, .usually_from = 500, .usually_to = 1e7},
+             words);
   };
   spring("primary_stiffness", primary_stiffness,
          "On one wheelset, both sides (coach, sprung, bogie).");
@@ -337,7 +342,8 @@ void VehicleParameters::declare(input::Section& s) {
            "Between the axles of a bogie (coach, bogie).");
   declare_roll(s);
   s.numbers("axles", axles, {.unit = "m", .at_least = 0}, "Behind the vehicle's front (forces).");
-  s.numbers("loads", loads, {.unit = "N", .at_least = 0}, "Of each axle, both wheels (forces).");
+  s.numbers("loads", loads, {.unit = "N", .at_least = 0, .usually_from = 500, .usually_to = 1e6},
+            "Of each axle, both wheels (forces).");
   declare_unused(*this, complete(*this), s);
   if (const auto missing = lacking(complete(*this)); !missing.empty())
     s.rule("kind", false, fmt::format("needs {} too", fmt::join(missing, ", ")));
@@ -349,7 +355,8 @@ void TrainParameters::declare(input::Section& s) {
           "Names of [[vehicle]] or of the library, front first; none if there is a [[force]].");
   s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
            "Along x, at the begin; it stays so unless train.times says otherwise.");
-  s.number("start", start, {.unit = "m"}, "x of the first axle at the begin.");
+  s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
+           "x of the first axle at the begin.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
             "Times since the begin at which train.speeds are reached. In between, and from the "
             "begin, the speed changes evenly; after the last time it stays.");

@@ -90,6 +90,16 @@ WARNED = [
      "leaves no sleeper with a pad on 60 m of track"),
     (['train.vehicles=["own"]', "vehicle.own.length=15"], VEHICLE.format(COACH),
      "is less than the 20.5 m that its axles need"),
+    # In t, MN/m, kN s/m, kN, mm.
+    ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 81'),
+     "vehicle[0].body_mass = 81 is far from the usual values (100 to 200000 kg)"),
+    ([], VEHICLE.format('like = "manchester_1"\nprimary_stiffness = 2.44'),
+     "vehicle[0].primary_stiffness = 2.44 is far from the usual values (50000 to 1e+09 N/m)"),
+    ([], VEHICLE.format('like = "manchester_1"\nsecondary_damping = 130'),
+     "vehicle[0].secondary_damping = 130 is far from the usual values (500 to 1e+07 N s/m)"),
+    ([], VEHICLE.format('like = "hxd1_unit"\nloads = [245, 245, 245, 245]'),
+     "vehicle[0].loads[0] = 245 is far from the usual values (500 to 1e+06 N)"),
+    (["train.start=-1e6"], "", "train.start = -1000000 is far from the usual values (-500 to"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
      "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
 ]
