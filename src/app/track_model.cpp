@@ -240,6 +240,7 @@ void TrackModel::declare(input::Section& s) {
   if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
   declare_seats(*this, s);
   declare_flat(*this, s);
+  declare_idle(*this, s);
   if (countable) declare_track_rules(*this, s);
   const double length = line.track.length;
   if (on_bed) return;

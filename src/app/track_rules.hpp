@@ -11,6 +11,8 @@ namespace trackbed::app {
 // Zones without effect or that leave nothing to carry the rail, irregularities that no wheel meets
 // or that are too fine, steps that are too long.
 void declare_track_rules(const TrackModel& model, input::Section& s);
+// Parameters that another one leaves without effect.
+void declare_idle(const TrackModel& model, input::Section& s);
 // Sentences on what stands in files of irregularities; throws InputError for a bad one.
 std::vector<std::string> doubts_of_files(const TrackModel& model);
 

@@ -103,6 +103,42 @@ WARNED = [
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
      "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
 ]
+# Parameters, with a value, and words of the command line that leave them without effect; and what
+# gives them one.
+SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "irregularity.kind=none",
+         "irregularity.fade=10", "train.start=10"]
+IDLE = [
+    ("there is one rail", [], ["track.dimension=space"],
+     {**{f"vehicle[0].{key}": f"vehicle.own.{key}={value}" for key, value in (
+         ("body_offset", 0.05), ("body_roll", 50e3), ("bogie_roll", 1500), ("primary_base", 1.9),
+         ("wheelset_roll", 900), ("secondary_base", 1.9))},
+      **{f"track.{key}": f"track.{key}={value}" for key, value in (
+          ("gauge", 1.6), ("sleeper_length", 2.5), ("sleeper_inertia", 150))}}),
+    ("there is one rail", [], ["track.sleeper.model=beam"],
+     {f"track.{key}": f"track.{key}={value}" for key, value in (
+         ("gauge", 1.6), ("sleeper_length", 2.5))}),
+    ("sleepers are rigid", [], ["track.sleeper.model=beam"],
+     {f"track.sleeper.{key}": f"track.sleeper.{key}={value}" for key, value in (
+         ("theory", "euler"), ("young", 30e9), ("poisson", 0.25), ("width", 0.3), ("height", 0.22),
+         ("elements", 6))}),
+    ("the rail lies on no continuous bed", [], ["track.support=continuous"],
+     {f"track.{key}": f"track.{key}={value}" for key, value in (
+         ("bed_stiffness", 40e6), ("bed_damping", 40e3))}),
+    ("there are no sleepers", ["track.support=continuous"], ["track.support=sleepers"],
+     {"pad": "pad.stiffness=80e6", "ballast": "ballast.damping=50e3",
+      "track.sleeper_mass": "track.sleeper_mass=250"}),
+    ("there are no sleepers", ["track.support=continuous", "track.dimension=space"],
+     ["track.support=sleepers"], {"track.sleeper_length": "track.sleeper_length=2.5"}),
+    ("there is no run-in", ["track.run_in=0"], ["track.run_in=6"],
+     {"track.run_in_factor": "track.run_in_factor=50"}),
+    ("the rail is rigid in shear", ["rail.theory=euler"], ["rail.theory=timoshenko"],
+     {"rail.poisson": "rail.poisson=0.27", "rail.shear_factor": "rail.shear_factor=0.34"}),
+    ("seat loads stand for rail and train", SEATS,
+     ['train.vehicles=["manchester_1"]', "passage.loaded_by=train"],
+     {"pad": "pad.damping=20e3", "rail": "rail.section=54E1", "train.speed": "train.speed=40",
+      "train.start": "train.start=0", "wheel_rail": "wheel_rail.wheel_radius=0.5",
+      "irregularity.kind": "irregularity.kind=vee"}),
+]
 # What must be said of nothing.
 SOUND = [
     ([], ""), (["track.ends=free"], ZONE.format(1, 59, "bed = 0")),
@@ -143,6 +179,22 @@ def check_sentences(program, decks, folder):
         ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
         if "warning" in ran.stdout:
             raise SystemExit(f"{changes} {more} must not warn:\n{ran.stdout}")
+
+
+def check_idle(program, decks, folder):
+    """What another parameter leaves without effect, and that it is not said where there is one."""
+    deck = deck_with(decks, folder, VEHICLE.format('like = "manchester_1"'))
+    for why, around, remedy, parameters in IDLE:
+        words = list(parameters.values())
+        for changes, given, wanted in ((around, words, parameters), (around, [], ()),
+                                       ([*around, *remedy], words, ())):
+            ran = program.done(1, "check", deck, *changes, *given)
+            said = [line.partition(": ")[2] for line in ran.stdout.splitlines()
+                    if line.startswith("warning: ") and f"has no effect: {why}" in line]
+            if len(said) != len(wanted) or not all(
+                    any(f"{key}: " in one or f"{key} = " in one for one in said)
+                    for key in wanted):
+                raise SystemExit(f"{changes} {given} must warn of {list(wanted)}, not {said}")
 
 
 def check_files(program, decks, folder):
@@ -193,6 +245,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_sentences(program, decks, folder)
+    check_idle(program, decks, folder)
     check_files(program, decks, folder)
     check_steps(program, decks, folder)
 

@@ -1,0 +1,133 @@
+// Parameters that another one leaves without effect, as one table: what the track does not have
+// (a second rail, sleepers, sleepers that bend) and what seat loads stand for.
+#include <fmt/format.h>
+
+#include "app/track_rules.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// Where a parameter acts: on a track of these, else it is idle.
+struct Acts {
+  bool two_rails, bends, sleepers, continuous, run_in, rail, shears;
+};
+
+Acts acts_of(const TrackModel& model) {
+  const track::TrackParameters& track = model.line.track;
+  return {.two_rails = track.dimension == Dimension::space,
+          .bends = track.sleeper.model == track::SleeperModel::beam,
+          .sleepers = track.support == track::Support::sleepers,
+          .continuous = track.support == track::Support::continuous,
+          .run_in = track.run_in > 0,
+          .rail = model.passage.loaded_by == track::LoadedBy::train,
+          .shears = model.line.rail.theory == track::BeamTheory::timoshenko};
+}
+
+constexpr const char* one_rail = "there is one rail (track.dimension)";
+constexpr const char* no_sleepers = "there are no sleepers (track.support)";
+constexpr const char* rigid = "sleepers are rigid (track.sleeper.model)";
+constexpr const char* no_bed = "the rail lies on no continuous bed (track.support)";
+constexpr const char* no_run_in = "there is no run-in (track.run_in)";
+constexpr const char* stiff = "the rail is rigid in shear (rail.theory)";
+constexpr const char* no_rail = "seat loads stand for rail and train (passage.loaded_by)";
+
+// Warns of `key` if it is given but idle.
+struct Idle {
+  input::Section& s;
+  void operator()(const std::string& key, bool given, bool acts, const char* why) const {
+    s.rule(key, acts || !given, fmt::format("has no effect: {}", why),
+           {.weight = input::Weight::warning,
+            .reads = {"track", "vehicle", "passage.loaded_by", key.substr(0, key.find('.'))}});
+  }
+};
+
+// Whether a section differs from its defaults. Compared as text: no parameter can be forgotten.
+template <class T>
+bool is_given(T section, T none = {}) {
+  const auto text = [](T& of) {
+    return input::effective([&of](input::Section& inner) { of.declare(inner); });
+  };
+  return text(section) != text(none);
+}
+
+void declare_idle_sections(const TrackModel& model, const Acts& acts, const Idle& idle) {
+  const bool pad = is_given(model.line.pad), ballast = is_given(model.line.ballast);
+  idle("pad", pad, acts.sleepers, no_sleepers);
+  idle("pad", pad && acts.sleepers, acts.rail, no_rail);
+  idle("ballast", ballast, acts.sleepers, no_sleepers);
+  idle("rail", is_given(model.line.rail), acts.rail, no_rail);
+  const track::RailParameters &rail = model.line.rail, none;
+  idle("rail.poisson", rail.poisson != none.poisson, acts.shears, stiff);
+  idle("rail.shear_factor", rail.shear_factor != none.shear_factor, acts.shears, stiff);
+  idle("wheel_rail", is_given(model.wheel_rail), acts.rail, no_rail);
+  for (const auto& [key, one] : {std::pair{"irregularity.kind", model.irregularity.kind},
+                                 {"irregularity_right.kind", model.irregularity_right.kind}})
+    idle(key, one != track::IrregularityKind::none && one != track::IrregularityKind::same,
+         acts.rail, no_rail);
+}
+
+// In [track]: each with where it acts.
+void declare_idle_track(const track::TrackParameters& track, const Acts& acts, const Idle& idle) {
+  const track::TrackParameters none;
+  const auto number = [&](const char* key, auto track::TrackParameters::*of, bool where,
+                          const char* why) {
+    idle(std::string("track.") + key, track.*of != none.*of, where, why);
+  };
+  using Track = track::TrackParameters;
+  const bool across = acts.sleepers && (acts.two_rails || acts.bends);
+  const char* why = acts.sleepers ? one_rail : no_sleepers;
+  number("gauge", &Track::gauge, acts.two_rails || across, one_rail);
+  number("sleeper_length", &Track::sleeper_length, across, why);
+  number("sleeper_inertia", &Track::sleeper_inertia, across, why);
+  number("sleeper_mass", &Track::sleeper_mass, acts.sleepers, no_sleepers);
+  number("bed_stiffness", &Track::bed_stiffness, acts.continuous, no_bed);
+  number("bed_damping", &Track::bed_damping, acts.continuous, no_bed);
+  number("run_in_factor", &Track::run_in_factor, acts.run_in, no_run_in);
+}
+
+void declare_idle_sleeper(const track::SleeperBeamParameters& sleeper, const Acts& acts,
+                          const Idle& idle) {
+  const track::SleeperBeamParameters none;
+  const auto number = [&](const char* key, auto track::SleeperBeamParameters::*of) {
+    idle(std::string("track.sleeper.") + key, sleeper.*of != none.*of, acts.bends, rigid);
+  };
+  using Sleeper = track::SleeperBeamParameters;
+  number("theory", &Sleeper::theory), number("young", &Sleeper::young);
+  number("poisson", &Sleeper::poisson), number("width", &Sleeper::width);
+  number("height", &Sleeper::height), number("elements", &Sleeper::elements);
+}
+
+void declare_idle_vehicle(const track::VehicleParameters& vehicle, const std::string& name,
+                          const Acts& acts, const Idle& idle) {
+  using Vehicle = track::VehicleParameters;
+  constexpr std::pair<const char*, double Vehicle::*> rolls[] = {
+      {"body_roll", &Vehicle::body_roll},           {"bogie_roll", &Vehicle::bogie_roll},
+      {"wheelset_roll", &Vehicle::wheelset_roll},   {"primary_base", &Vehicle::primary_base},
+      {"secondary_base", &Vehicle::secondary_base}, {"body_offset", &Vehicle::body_offset}};
+  for (const auto& [key, of] : rolls)
+    idle(fmt::format("{}.{}", name, key), vehicle.*of != 0, acts.two_rails, one_rail);
+}
+
+void declare_idle_train(const track::TrainParameters& train, const Acts& acts, const Idle& idle) {
+  const track::TrainParameters none;
+  idle("train.speed", train.speed != none.speed, acts.rail, no_rail);
+  idle("train.start", train.start != none.start, acts.rail, no_rail);
+  idle("train.times", !train.times.empty(), acts.rail, no_rail);
+}
+
+}  // namespace
+
+void declare_idle(const TrackModel& model, input::Section& s) {
+  const Acts acts = acts_of(model);
+  const Idle idle{s};
+  declare_idle_sections(model, acts, idle);
+  declare_idle_track(model.line.track, acts, idle);
+  declare_idle_sleeper(model.line.track.sleeper, acts, idle);
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i)
+    declare_idle_vehicle(model.vehicles[i], fmt::format("vehicle[{}]", i), acts, idle);
+  declare_idle_train(model.train, acts, idle);
+}
+
+}  // namespace trackbed::app
