@@ -126,6 +126,32 @@ def check_energy(program, decks, folder):
                                  f"blow gave {given} J")
 
 
+def check_order(program, decks, folder):
+    """In the step, of wheels that roll over an even rail, once they have been under way for 60 ms:
+    second order on a rail of Euler and Bernoulli. A rail that shears has a kink under each wheel:
+    first order (docs/track.md)."""
+    steps, off = (2e-4, 1e-4, 5e-5), {}
+    for theory in ("euler", "timoshenko"):
+        rail = []
+        for step in steps:
+            place = folder / f"{theory}_{step}"
+            program.done(1, "run", decks / "plain.toml", "irregularity.kind=none",
+                         "train.start=20", "passage.duration=0.12", f"rail.theory={theory}",
+                         "passage.points=[24]", "passage.history_interval=8e-4",
+                         f"passage.step={step}", "-o", place)
+            with h5py.File(place / "results.h5") as file:
+                late = file["history/time"][()].ravel() > 0.0595
+                rail.append(file["history/rail/displacement"][()].ravel()[late])
+        off[theory] = [np.abs(a - b).max() for a, b in zip(rail, rail[1:])]
+    order = {theory: np.log2(two[0] / two[1]) for theory, two in off.items()}
+    if abs(order["euler"] - 2) > 0.2 or off["euler"][0] > 1e-8:
+        raise SystemExit(f"a rail that only bends: order {order}, changes {off} m")
+    if not 0.5 < order["timoshenko"] < 1.5 or off["timoshenko"][0] > 5e-7:
+        raise SystemExit(f"a rail that shears: order {order}, changes {off} m: is what "
+                         "docs/track.md says of it still true?")
+    print(f"order in the step {order}, changes {off} m")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -135,6 +161,7 @@ def main():
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
     check_energy(program, decks, folder)
+    check_order(program, decks, folder)
 
 
 if __name__ == "__main__":
