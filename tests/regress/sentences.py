@@ -237,6 +237,21 @@ def check_nonsense(program, deck, folder):
         expect("of the bed: stones bear" not in ran.stdout, f"{change} is sound", ran)
 
 
+def check_profile(program, deck, folder):
+    """What a file of the rail's profile is doubted for is said of a train on a bed, too."""
+    table = folder / "profile.csv"
+    words = [*TRAIN.split(), "irregularity.kind=file", f"irregularity.file={table.resolve()}"]
+    for rows, fade, doubts in (("0,0.01\n60,0.01\n", 0, ["begins with a step of 10 mm"]),
+                               ("0,0.01\n60,0.01\n", 10, []),
+                               ("0,0\n30,0.4\n60,0\n", 10, ["are heights in millimetres?"])):
+        table.write_text("x_m,z_m\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", deck, *words, f"irregularity.fade={fade}")
+        said = [line for line in ran.stdout.splitlines()
+                if line.startswith("warning: irregularity.file: ")]
+        expect(len(said) == len(doubts) and all(map(str.__contains__, said, doubts)),
+               f"{rows} with fade = {fade}: {doubts} is wanted", ran)
+
+
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
              (["run", deck, "time.step=1.265e-4", "-o", "nowhere"], 2,
@@ -326,6 +341,7 @@ def main():
     for ranks in (1, 2):
         check_problems(program, ranks)
     check_nonsense(program, deck, folder)
+    check_profile(program, deck, folder)
     check_single_cases(program, deck)
     check_beds(program)
     check_library(program, deck, folder)
