@@ -20,6 +20,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+import launch
+
 DECK = Path(__file__).resolve().parent.parent / "inputs" / "bench" / "spheres.toml"
 STEPS = 3000
 
@@ -46,7 +48,8 @@ run {steps}
 def prepare(program, folder):
     state = folder / "stage_settle.h5"
     if not state.exists():
-        subprocess.run([program, "run", DECK, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+        launch.run([program, "run", DECK, "-o", folder, "--force"],  # what a stop has left
+                   stdout=subprocess.DEVNULL).check_returncode()
     return state
 
 
@@ -82,7 +85,7 @@ def write_lammps(state, folder):
 def run_ours(program, folder, state):
     out = folder / "run"
     command = [program, "run", DECK, f"start={state}", "--force", "-o", out]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    launch.run(command, stdout=subprocess.DEVNULL).check_returncode()
     found = json.loads((out / "summary.json").read_text())
     dem = found["dem"]
     # Of the whole stage, as LAMMPS counts its whole loop; one core.
@@ -92,8 +95,10 @@ def run_ours(program, folder, state):
 
 def run_lammps(folder):
     command = ["lmp", "-in", "spheres.in", "-log", "none"]
-    text = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
-    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms", text)
+    ran = launch.run(command, cwd=folder, stdout=subprocess.PIPE, text=True)
+    ran.check_returncode()
+    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms",
+                       ran.stdout)
     seconds, steps, atoms = loops[-1]
     return int(steps) * int(atoms) / float(seconds)
 

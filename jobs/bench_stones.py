@@ -23,7 +23,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from launch import on_ranks
+import launch
 
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
 NAMES = ("stones12", "stones24", "compound", "clumps")
@@ -64,13 +64,13 @@ class Case:
         self.deck = DECKS / f"{name}.toml"
         self.folder = folder / f"{name}_{ranks}"
         self.start = self.folder / "stage_settle.h5"
-        launch = on_ranks(ranks) if ranks > 1 else []
-        self.command = [*launch, program, "run", self.deck, length_for(self.deck, ranks)]
+        ranked = launch.on_ranks(ranks) if ranks > 1 else []
+        self.command = [*ranked, program, "run", self.deck, length_for(self.deck, ranks)]
         self.runs = []
 
     def call(self, folder, *more):
         command = [*self.command, *more, "--force", "-o", folder]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        launch.run(command, stdout=subprocess.DEVNULL).check_returncode()
 
     def prepare(self):
         if not self.start.exists():
@@ -177,7 +177,8 @@ class Clumps:
 
 def run_lammps(folder, bodies):
     command = ["lmp", "-in", "clumps.in", "-log", "none"]
-    ran = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    ran = launch.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                     text=True)
     loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", ran.stdout)
     if ran.returncode != 0 or len(loops) < 2:
         raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])

@@ -18,8 +18,9 @@ of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
    the geometry of the rail for the next round.
 
-The same command again goes on where the last one was stopped: what FOLDER holds of the same decks
-is taken as it is, what was stopped is resumed. --force begins anew.
+The same command again goes on where the last one was stopped (SIGTERM, SIGHUP or Ctrl-C: code 3,
+after a checkpoint): what FOLDER holds of the same decks is taken as it is, what was stopped is
+resumed. --force begins anew.
 
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
 rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
@@ -42,12 +43,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from launch import on_ranks  # noqa: E402
+import launch  # noqa: E402
 
 OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "seat", "track", "train",
                 "wheel_rail", "irregularity", "irregularity_right", "passage", "vehicle")
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
-STOPPED = 3  # exit code of a run that can be resumed
 PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
@@ -87,6 +87,8 @@ def absolute(text, folder):
 class Loop:
     def __init__(self, given):
         self.given = given
+        words = " without --force" if given.force else ""
+        self.then = f"the same command{words} goes on in {given.folder}"
         self.check()
         text = given.deck.read_text(encoding="utf-8")
         self.deck = tomllib.loads(text)
@@ -124,11 +126,8 @@ class Loop:
 
     def check(self):
         """Ends with the program's own sentences if the deck is not valid."""
-        try:
-            ran = subprocess.run([self.given.program, "check", self.given.deck],
-                                 capture_output=True, text=True, check=False)
-        except OSError as error:
-            sys.exit(f"{self.given.program}: {error.strerror}")
+        ran = launch.run([self.given.program, "check", self.given.deck], self.then,
+                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if ran.returncode:
             sys.exit(ran.stderr.rstrip())
 
@@ -155,6 +154,8 @@ class Loop:
         summary, words = folder / "summary.json", ["run", deck, "-o", folder]
         if self.given.force:
             words.append("--force")
+            for name in ("summary.json", "latest"):  # or a stop now would leave them to this deck
+                (folder / name).unlink(missing_ok=True)
         elif folder.exists():
             if not deck.is_file() or deck.read_text(encoding="utf-8") != text:
                 sys.exit(f"{folder} holds a run of another deck: take another folder, or --force")
@@ -166,10 +167,10 @@ class Loop:
                 words.append("--force")
         deck.write_text(text, encoding="utf-8")
         with open(f"{folder}.log", "w", encoding="utf-8") as log:
-            ran = subprocess.run(on_ranks(ranks, self.given.program, *words), stdout=log,
-                                 stderr=subprocess.STDOUT, check=False)
-        if ran.returncode == STOPPED:
-            sys.exit(f"{folder} was stopped; the same command goes on with it")
+            ran = launch.run(launch.on_ranks(ranks, self.given.program, *words), self.then,
+                             stdout=log, stderr=subprocess.STDOUT)
+        if ran.returncode == launch.STOPPED:  # by its own deck
+            launch.stop(self.then)
         if ran.returncode:
             last = Path(f"{folder}.log").read_text(encoding="utf-8").splitlines()[-5:]
             sys.exit("\n".join([*last, f"{folder} failed: see {folder}.log"]))

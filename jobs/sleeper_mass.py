@@ -34,7 +34,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from launch import on_ranks  # noqa: E402
+import launch  # noqa: E402
 
 DECK = Path(__file__).resolve().parent.parent / "inputs/track/netirail_plain.toml"
 EMBANKMENT, UGM, CBM, ABUTMENT = 80e6, 1030e6, 10e9, 30e9         # Pa
@@ -90,10 +90,7 @@ def measured(place):
 
 
 def run_program(command, what):
-    try:
-        ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError as error:
-        sys.exit(f"{error.filename}: {error.strerror}")
+    ran = launch.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if ran.returncode:
         sys.exit(f"{what}: {ran.stdout}{ran.stderr}")
 
@@ -123,9 +120,9 @@ def run_on_ground(program, folder, name, mass):
     elif not tapered:
         words = [f"ground.block.{block}.outline={outline}" for block, outline in STRAIGHT.items()]
     place = folder / f"ground_{name.replace(', ', '_').replace(' ', '_')}_{mass}"
-    run_program(on_ranks(2, program, "run", DECK.parent / "netirail.toml", *words,
-                         f"track.sleeper_mass={mass * SLEEPER}", "passage.duration=1.1",
-                         'train.vehicles=["alfa_pendular"]', "--force", "-o", place),
+    run_program(launch.on_ranks(2, program, "run", DECK.parent / "netirail.toml", *words,
+                                f"track.sleeper_mass={mass * SLEEPER}", "passage.duration=1.1",
+                                'train.vehicles=["alfa_pendular"]', "--force", "-o", place),
                 f"{name}, {mass}")
     return measured(place)
 

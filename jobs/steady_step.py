@@ -15,6 +15,8 @@ from pathlib import Path
 
 import h5py
 
+import launch
+
 DECK = Path(__file__).resolve().parent.parent / "inputs/bed/steady.toml"
 K_N = 2e6                      # N/m, the deck's
 SHEAR = (0.3, 0.8, 1.0)        # k_s over k_n
@@ -26,8 +28,8 @@ STOPPED = 4                    # exit code of a run that stones end
 
 
 def run(program, folder, changes):
-    done = subprocess.run([program, "run", str(DECK), *changes, "-o", str(folder), "--force"],
-                          capture_output=True, text=True)
+    done = launch.run([program, "run", str(DECK), *changes, "-o", str(folder), "--force"],
+                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode not in (0, STOPPED):
         raise SystemExit(done.stderr)
     return done.returncode == 0
