@@ -30,7 +30,6 @@ import argparse
 import csv
 import hashlib
 import json
-import os
 import re
 import subprocess
 import sys
@@ -50,9 +49,6 @@ OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "seat", "track", 
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
 PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
-
-
-RANKS = int(os.environ.get("RANKS", "2"))
 
 
 def chunks(text):
@@ -86,7 +82,7 @@ def absolute(text, folder):
 
 class Loop:
     def __init__(self, given):
-        self.given = given
+        self.given, self.ranks = given, launch.ranks_told()
         words = " without --force" if given.force else ""
         self.then = f"the same command{words} goes on in {given.folder}"
         self.check()
@@ -96,7 +92,8 @@ class Loop:
         for name, default in OPTIONS.items():
             if getattr(given, name) is None:
                 setattr(given, name, loop.get(name, default))
-        if given.rounds < 1 or given.trains < 1 or given.each <= 0 or given.load <= 0:
+        numbers = [getattr(given, name) for name in OPTIONS]
+        if not (np.isfinite(numbers).all() and min(numbers) > 0):
             sys.exit("rounds, trains, each and load must be above 0")
         done, names = self.last_stage(loop)
         trains = [stage for stage in self.deck["stage"] if stage.get("train")]
@@ -116,6 +113,7 @@ class Loop:
         sleepers = self.deck.get("sleepers", {})
         if missing := [key for key in ("first", "spacing", "count") if key not in sleepers]:
             sys.exit(f"{given.deck}: [sleepers] must say {' and '.join(missing)}")
+        launch.make_folder(given.folder)
         self.start = given.start.resolve() if given.start else self.make_bed(done)
         self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
         seat = self.deck.get("seat", {})
@@ -143,6 +141,12 @@ class Loop:
         if done not in names:
             sys.exit(f"{given.start} is no stage_NAME.h5 of {given.deck}" if given.start else
                      f"{given.deck}: [handover] with `after`, the name of a stage, is needed")
+        made = self.deck["stage"][:names.index(done) + 1]
+        of = str(given.start or f'{given.deck}: handover.after = "{done}"')
+        if not any(stage["kind"] == "sleepers" for stage in made):
+            sys.exit(f"{of}: the rounds weigh sleepers, which a later stage places")
+        if any(stage.get("train") for stage in made):
+            sys.exit(f"{of}: the rounds bring their own trains, the bed must end before one")
         return done, names
 
     def program(self, deck, text, folder, ranks, made_of=()):
@@ -177,9 +181,8 @@ class Loop:
 
     def make_bed(self, last):
         """Checkpoint of the bed after stage `last`."""
-        self.given.folder.mkdir(parents=True, exist_ok=True)
         folder = self.given.folder / "bed"
-        self.program(folder.with_suffix(".toml"), self.bed, folder, RANKS)
+        self.program(folder.with_suffix(".toml"), self.bed, folder, self.ranks)
         return (folder / f"stage_{last}.h5").resolve()
 
     def run_bed(self, stage, folder, load=None):
@@ -188,7 +191,7 @@ class Loop:
         text = f"start = {toml(str(self.start))}\n" + self.bed
         files = [self.start, *([Path(load["file"])] if load else [])]
         self.program(folder.with_suffix(".toml"), text + (table("[load]", load) if load else ""),
-                     folder, RANKS, files)
+                     folder, self.ranks, files)
         self.start = (folder / f"stage_{stage['name']}.h5").resolve()
         with h5py.File(folder / "results.h5") as file:
             last = len(tomllib.loads(self.bed)["stage"]) - 1
@@ -275,7 +278,7 @@ class Loop:
 
     def round(self, number):
         folder = self.given.folder / f"round_{number}"
-        folder.mkdir(parents=True, exist_ok=True)
+        launch.make_folder(folder)
         stiffness = self.weigh(number, folder)
         if not (stiffness > 0).all():
             sys.exit(f"round {number}: a sleeper has no support: {stiffness} N/m")
@@ -318,7 +321,7 @@ class Loop:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
-    parser.add_argument("program", type=Path)
+    parser.add_argument("program", type=launch.program)
     parser.add_argument("deck", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--start", type=Path, help="checkpoint of an earlier run of the deck")

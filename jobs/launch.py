@@ -1,5 +1,6 @@
 """Starts runs for the scripts in jobs/ that are Python, as common.sh does for those in shell."""
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -43,6 +44,28 @@ class Runs:
 
 
 RUNS = Runs()
+
+
+def program(word):
+    """As a shell finds it: what PATH has by this name, or else the file."""
+    found = shutil.which(word) if os.sep not in word else None
+    return found or os.path.abspath(word)
+
+
+def ranks_told():
+    """RANKS, 2 without it."""
+    text = os.environ.get("RANKS") or "2"
+    if not text.isdecimal() or int(text) < 1:
+        sys.exit(f'RANKS = "{text}": must be a whole number, 1 or more')
+    return int(text)
+
+
+def make_folder(path):
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = "it is a file" if path.is_file() else error.strerror
+        sys.exit(f"{path} cannot be made as a folder ({reason}): choose another")
 
 
 def on_ranks(ranks, *words):

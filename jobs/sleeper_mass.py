@@ -23,7 +23,6 @@ is not in it.
 """
 import argparse
 import csv
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -146,14 +145,14 @@ def draw(found, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
-    parser.add_argument("program", type=os.path.abspath)
+    parser.add_argument("program", type=launch.program)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--ground", action="store_true")
     parser.add_argument("--masses", type=float, nargs="+", default=MASSES)
     given = parser.parse_args()
     if min(given.masses) <= 0:
         parser.error("--masses: factors above 0")
-    given.folder.mkdir(parents=True, exist_ok=True)
+    launch.make_folder(given.folder)
     plain = DECK.read_text(encoding="utf-8")
     head, rest = plain.split("[train]")
     found = {}

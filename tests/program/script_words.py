@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""What the scripts of jobs/ in Python refuse: one sentence, before anything runs.
+
+    script_words.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+
+def refused(folder, words, command, ranks="2"):
+    ran = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False,
+                         cwd=folder, env={**os.environ, "RANKS": ranks})
+    if ran.returncode != 1 or len(ran.stderr.splitlines()) != 1 or words not in ran.stderr:
+        raise SystemExit(f"{command} must say {words}, code {ran.returncode}:\n"
+                         f"{ran.stdout}{ran.stderr}")
+    if (folder / "results").exists():
+        raise SystemExit(f"{command} must be refused before it runs anything")
+
+
+def check_stages(program, source, folder):
+    """Rounds begin with sleepers and before trains, whoever names the stage."""
+    loop, given = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
+    text = given.read_text(encoding="utf-8")
+    for stage, words in (("fill", "the rounds weigh sleepers, which a later stage places"),
+                         ("train", "the bed must end before one")):
+        deck, start = folder / f"after_{stage}.toml", folder / f"stage_{stage}.h5"
+        deck.write_text(text.replace('after = "bed_in"', f'after = "{stage}"'), encoding="utf-8")
+        start.touch()
+        refused(folder, f'handover.after = "{stage}": the rounds', [loop, program, deck, "results"])
+        refused(folder, words, [loop, program, given, "results", "--start", start])
+
+
+def check_places(program, source, folder):
+    loop, deck = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
+    (folder / "file").touch()
+    for place, words in (("file", "it is a file"), ("file/results", "Not a directory"),
+                         ("/proc/results", "No such file or directory")):
+        words = f"{place} cannot be made as a folder ({words})"
+        refused(folder, words, [loop, program, deck, place])
+        refused(folder, words, [source / "jobs/sleeper_mass.py", program, place])
+
+
+def check_program(program, source, folder):
+    """./NAME is the file here, and found: what is refused then is the load."""
+    loop, deck = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
+    (folder / "here").symlink_to(program)
+    for load in ("0", "nan", "inf"):
+        refused(folder, "load must be above 0", [loop, "./here", deck, "results", "--load", load])
+    refused(folder, "there: No such file", [loop, "./there", deck, "results"])
+    refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
+
+
+def main():
+    program, source, folder = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_stages(program, source, folder)
+    check_places(program, source, folder)
+    check_program(program, source, folder)
+    for ranks in ("abc", "0", "-1", "1.5"):
+        refused(folder, f'RANKS = "{ranks}": must be a whole number', [
+            source / "jobs/handover.py", program, source / "inputs/track/on_bed.toml", "results"],
+                ranks)
+
+
+if __name__ == "__main__":
+    main()
