@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Draws a run of a track alone (model = "track") and prints the table of its numbers.
+"""Draws a run of a track alone (model = "track") and prints the table of its numbers. Extremes are
+those of every step where the run has them, else of the rows of its histories.
 
     track_figures.py RESULT_DIR -o DIR
 
 RESULT_DIR holds results.h5. Writes track.png (wheel forces, rail and sleepers, seat loads, sleeper
-acceleration), envelope.png (extremes of every step along the track) and track.txt into DIR; of a
-run whose only force is one impact also receptance.png and .csv of each point of the rail. What is
-drawn is explained in docs/track.md.
+acceleration; what the run has of them), envelope.png (extremes along the track) and track.txt into
+DIR; of a run whose only force is one impact also receptance.png and .csv of each point of the rail.
+What is drawn is explained in docs/track.md.
 """
 import argparse
 import io
@@ -57,6 +58,12 @@ def loaded(run):
     return run
 
 
+def without_rail(run):
+    """What there is where seats are loaded: the program writes zeros for a rail that is not."""
+    return {name: one for name, one in run.items()
+            if not name.startswith(("rail/", "history/rail/", "envelope/rail/", "extreme/rail/"))}
+
+
 def on_track(run, length):
     """Whether each wheel is on the track, [time, wheel]."""
     x = history(run, "wheel/x")
@@ -64,12 +71,23 @@ def on_track(run, length):
 
 
 def extremes_of(folder):
-    """Of every step of the run, from its summary.json; nothing without one. Rows are less."""
+    """Of every step of the run, from its summary.json; nothing without one."""
     path = folder / "summary.json" if folder.is_dir() else folder.parent / "summary.json"
     try:
         return json.loads(path.read_text(encoding="utf-8")).get("track", {})
     except (OSError, ValueError):
         return {}
+
+
+def of_sleepers(run, what, end):
+    """The least ("min") or largest ("max") value at each sleeper of the histories."""
+    path, at = f"envelope/sleeper/{what}_{end}", run["sleepers/x"].values.ravel()
+    if path in run:
+        x = run["envelope/x"].values.ravel()
+        place = np.searchsorted(x, at)
+        place += np.arange(len(at)) % 2 if two_rails(run) else 0
+        return run[path].values.ravel()[place]
+    return getattr(history(run, f"sleeper/{what}"), end)(axis=0)  # of an older program
 
 
 def wheel_numbers(run, length, extremes):
@@ -91,23 +109,24 @@ def wheel_numbers(run, length, extremes):
 
 
 def numbers(run, length, extremes=None):
-    """Name -> (value, unit). Of wheels only while they are on the track. What `extremes` (of the
-    summary) holds is that of every step, all else of the rows."""
+    """Name -> (value, unit). Of wheels only while they are on the track. `extremes`: those of the
+    summary."""
     extremes = extremes or {}
     found = wheel_numbers(run, length, extremes) if "history/wheel/force" in run else {}
     time = run["history/time"].values
     if "history/rail/displacement" in run:
         lowest = extremes.get("rail_lowest_m", history(run, "rail/displacement").min(axis=0))
+        if "extreme/rail/displacement" in run:
+            lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
             found[f"rail at {x}, down"] = (1e3 * down, "mm")
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
+    lowest, most = of_sleepers(run, "displacement", "min"), of_sleepers(run, "seat_force", "max")
     for i, x in enumerate(places(run, "sleepers/x")):
-        found[f"sleeper at {x}, down"] = (
-            -1e3 * history(run, "sleeper/displacement")[:, i].min(), "mm")
-        found[f"seat at {x}, largest load"] = (
-            history(run, "sleeper/seat_force")[:, i].max() / 1e3, "kN")
+        found[f"sleeper at {x}, down"] = (-1e3 * lowest[i], "mm")
+        found[f"seat at {x}, largest load"] = (most[i] / 1e3, "kN")
         found[f"sleeper at {x}, acceleration, {FILTER.name_for(time)}"] = (
             np.abs(acceleration[:, i]).max(), "m/s2")
     return found
@@ -161,35 +180,52 @@ def table_of(frequency, found):
     return "\n".join([",".join(head), *rows]) + "\n"
 
 
-def draw(run, length):
-    """The four panels; those about sleepers stay away if there are none."""
+def draw_forces(run, _, panel):
+    for i, force in enumerate(history(run, "rail/force").T):
+        panel.plot(run["history/time"].values, force / 1e3, lw=0.8, label=f"force {i + 1}")
+    panel.set(xlabel="time, s", ylabel="force on the rail, kN")
+
+
+def draw_displacements(run, _, panel):
     time = run["history/time"].values
-    sleepers = places(run, "sleepers/x") if "sleepers/x" in run else []
-    figure, panels = plt.subplots(4 if len(sleepers) else 2, 1, figsize=(8, 10), squeeze=False,
-                                  layout="constrained")
-    first, rail, *others = panels[:, 0]
+    for what, name, style in (("rail", "rail/x", "-"), ("sleeper", "sleepers/x", "--")):
+        if f"history/{what}/displacement" in run:
+            for place, values in zip(places(run, name), history(run, f"{what}/displacement").T):
+                panel.plot(time, 1e3 * values, style, lw=0.9, label=f"{what} at {place}")
+    panel.set(ylabel="displacement, mm", xlabel="time, s")
+
+
+def draw_seats(run, _, panel):
+    for place, force in zip(places(run, "sleepers/x"), history(run, "sleeper/seat_force").T):
+        panel.plot(run["history/time"].values, force / 1e3, lw=0.9, label=f"sleeper at {place}")
+    panel.set(ylabel="seat load, kN", xlabel="time, s")
+
+
+def draw_acceleration(run, _, panel):
+    time = run["history/time"].values
+    for place, values in zip(places(run, "sleepers/x"),
+                             FILTER(time, history(run, "sleeper/acceleration")).T):
+        panel.plot(time, values, lw=0.8, label=f"sleeper at {place}")
+    panel.set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
+
+
+def draw(run, length):
+    """A panel for each that the run has; None of a run without wheels, forces and points."""
+    drawn = []
     if "history/wheel/force" in run:
-        draw_wheels(run, length, first)
+        drawn.append(draw_wheels)
     elif "history/rail/force" in run:
-        for i, force in enumerate(history(run, "rail/force").T):
-            first.plot(time, force / 1e3, lw=0.8, label=f"force {i + 1}")
-        first.set(xlabel="time, s", ylabel="force on the rail, kN")
-    if "history/rail/displacement" in run:
-        for place, values in zip(places(run, "rail/x"), history(run, "rail/displacement").T):
-            rail.plot(time, 1e3 * values, lw=0.9, label=f"rail at {place}")
-    rail.set(ylabel="displacement, mm", xlabel="time, s")
-    if others:
-        acceleration = FILTER(time, history(run, "sleeper/acceleration"))
-        for i, place in enumerate(sleepers):
-            words = f"sleeper at {place}"
-            rail.plot(time, 1e3 * history(run, "sleeper/displacement")[:, i], "--", lw=0.9,
-                      label=words)
-            others[0].plot(time, history(run, "sleeper/seat_force")[:, i] / 1e3, lw=0.9,
-                           label=words)
-            others[1].plot(time, acceleration[:, i], lw=0.8, label=words)
-        others[0].set(ylabel="seat load, kN", xlabel="time, s")
-        others[1].set(ylabel=f"acceleration, m/s2\n{FILTER.name_for(time)}", xlabel="time, s")
-    for panel in panels[:, 0]:
+        drawn.append(draw_forces)
+    if {"history/rail/displacement", "history/sleeper/displacement"} & set(run):
+        drawn.append(draw_displacements)
+    if "sleepers/x" in run:
+        drawn += [draw_seats, draw_acceleration]
+    if not drawn:
+        return None
+    figure, panels = plt.subplots(len(drawn), 1, figsize=(8, 2 + 2 * len(drawn)), squeeze=False,
+                                  layout="constrained")
+    for draw_one, panel in zip(drawn, panels[:, 0]):
+        draw_one(run, length, panel)
         panel.grid(alpha=0.3)
         if panel.lines:
             panel.legend(fontsize=7, ncols=2)
@@ -211,7 +247,9 @@ def draw_envelope(run):
     seats = "envelope/sleeper/seat_force_max" in run
     figure, panels = plt.subplots(1 + seats, 1, figsize=(8, 3 + 2.5 * seats), sharex=True,
                                   squeeze=False, layout="constrained")
-    for what in ("rail", "sleeper") if seats else ("rail",):
+    for what in ("rail", "sleeper"):
+        if f"envelope/{what}/displacement_min" not in run:
+            continue
         most = sides(run, f"envelope/{what}/displacement_max", twice)
         for side, least in sides(run, f"envelope/{what}/displacement_min", twice).items():
             line, = panels[0, 0].plot(x, 1e3 * least, "-" if what == "rail" else "--", lw=0.9,
@@ -230,9 +268,9 @@ def draw_envelope(run):
     return figure
 
 
-def length_of(run):
-    """m, of the track, from the effective input in the results."""
-    return read.results(run).deck["track"]["length"]
+def deck_of(run):
+    """The effective input in the results."""
+    return read.results(run).deck
 
 
 def write_figure(path, figure):
@@ -246,9 +284,13 @@ def main():
     parser.add_argument("results", type=pathlib.Path)
     parser.add_argument("-o", dest="folder", required=True, type=pathlib.Path)
     given = parser.parse_args()
-    run, length = loaded(given.results), length_of(given.results)
+    run, deck = loaded(given.results), deck_of(given.results)
+    length = deck["track"]["length"]
+    if deck.get("passage", {}).get("loaded_by") == "seats":
+        run = without_rail(run)
     write.folder(given.folder)
-    write_figure(given.folder / "track.png", draw(run, length))
+    if histories := draw(run, length):
+        write_figure(given.folder / "track.png", histories)
     if along := draw_envelope(run):
         write_figure(given.folder / "envelope.png", along)
     if found := receptances(run):

@@ -1,4 +1,5 @@
 """Tests of track_figures.py on made-up histories whose numbers are known."""
+import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -152,3 +153,54 @@ def test_runs_of_a_bed_are_refused(monkeypatch):
     with pytest.raises(SystemExit) as refused:
         track_figures.loaded("somewhere")
     assert refused.value.code == 2
+
+
+def test_sleepers_extremes_are_those_of_steps():
+    run = made() | {name: read.Quantity(np.array(values), "-", "made for a test")
+                    for name, values in {
+                        "envelope/x": [4.2, 4.8, 5.4],
+                        "envelope/sleeper/displacement_min": [-1e-3, -7e-4, -2e-3],
+                        "envelope/sleeper/seat_force_max": [1e3, 23e3, 3e3],
+                        "extreme/rail/displacement": [-1.5e-3]}.items()}
+    found = track_figures.numbers(run, 20)
+    assert found["sleeper at 4.8 m, down"] == (pytest.approx(0.7), "mm")
+    assert found["seat at 4.8 m, largest load"] == (pytest.approx(23), "kN")
+    assert found["rail at 5 m, down"] == (pytest.approx(1.5), "mm")
+
+
+def test_sleepers_extremes_on_two_rails():
+    run = made()
+    for name in ("displacement", "acceleration", "seat_force"):
+        run[f"history/sleeper/{name}"] = read.Quantity(np.zeros((301, 2)), "-", "left, right")
+    for name, values in {"sleepers/x": [4.8, 4.8], "envelope/x": [4.2, 4.2, 4.8, 4.8],
+                         "envelope/sleeper/displacement_min": [0, 0, -1e-3, -2e-3]}.items():
+        run[name] = read.Quantity(np.array(values), "-", "made for a test")
+    found = track_figures.numbers(run, 20)
+    assert found["sleeper at 4.8 m, left, down"] == (pytest.approx(1), "mm")
+    assert found["sleeper at 4.8 m, right, down"] == (pytest.approx(2), "mm")
+
+
+def test_seat_loads_have_no_rail_and_no_forces_on_it(tmp_path, monkeypatch, capsys):
+    run = {name: one.values for name, one in made().items() if "wheel" not in name}
+    run |= {"envelope/x": np.array([4.2, 4.8]), "envelope/rail/displacement_min": np.zeros(2),
+            "envelope/rail/displacement_max": np.zeros(2),
+            "envelope/sleeper/displacement_min": np.array([-1e-3, -2e-3]),
+            "envelope/sleeper/displacement_max": np.zeros(2),
+            "envelope/sleeper/seat_force_max": np.array([1e3, 2e3])}
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file.attrs["deck"] = '[track]\nlength = 20\n[passage]\nloaded_by = "seats"\n'
+        file.attrs["version"], file.attrs["ranks"] = "0.0.0", 1
+        for name, values in run.items():
+            file[name] = values
+            file[name].attrs["unit"], file[name].attrs["meaning"] = "-", "made for a test"
+    drawn = {}
+    monkeypatch.setattr(track_figures, "write_figure",
+                        lambda path, figure: drawn.update({path.name: figure}))
+    monkeypatch.setattr("sys.argv", ["", str(tmp_path), "-o", str(tmp_path / "figures")])
+    track_figures.main()
+    assert [len(drawn[name].axes) for name in ("track.png", "envelope.png")] == [3, 2]
+    labels = [line.get_label() for figure in drawn.values() for panel in figure.axes
+              for line in panel.lines]
+    told = capsys.readouterr().out
+    assert "sleeper at 4.8 m, down" in told and not any("rail" in word for word in (told, *labels))
+    assert all(panel.lines for figure in drawn.values() for panel in figure.axes)
