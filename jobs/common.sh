@@ -61,7 +61,8 @@ run_model() {
   setsid mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
     build/release/trackbed run "$deck" -o "$folder" "$@" &
   run=$!
-  trap 'kill -USR1 $run' TERM INT HUP
+  # Again each second until it ends: mpirun that has no ranks yet passes nothing on.
+  trap 'while kill -USR1 $run 2>/dev/null; do sleep 1; done &' TERM INT HUP
   wait $run || code=$?
   while kill -0 $run 2>/dev/null; do  # a signal ended the waiting, not the run
     code=0

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Scripts of jobs/ in Python that are told to stop: each run of theirs writes its checkpoint and
-ends before they do, with code 3; the hand-over loop goes on to the same figures.
+"""Scripts of jobs/ that are told to stop: each run of theirs writes its checkpoint and ends before
+they do, with code 3; the hand-over loop goes on to the same figures.
 
     script_stops.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -115,6 +115,28 @@ def check_early(program, source, folder):
         raise SystemExit(f"with --force the same command begins anew: {err}")
 
 
+def check_shell(program, source, folder):
+    """run_model of the shell scripts, also before its run can listen."""
+    place, root = folder / "shell", folder / "project"
+    (root / "jobs").mkdir(parents=True)
+    (root / "build/release").mkdir(parents=True)
+    shutil.copy(source / "jobs/common.sh", root / "jobs")
+    (root / "build/release/trackbed").symlink_to(program)
+    words = f"source {root}/jobs/common.sh; run_model {source}/inputs/track/on_bed.toml {place}"
+    for begun in (lambda: any(words.startswith("mpirun ") for words, _ in left(folder)),
+                  listen("build/release/trackbed", 2, place)):
+        shutil.rmtree(place, ignore_errors=True)
+        with subprocess.Popen(["bash", "-c", words], stdout=subprocess.DEVNULL) as running:
+            wait_for(begun, running, words)
+            running.terminate()
+            code = running.wait(timeout=120)
+        time.sleep(1.5)  # what tells it again each second ends by itself
+        if code == 0 or (place / "stage_fill.h5").exists() or left(folder):
+            raise SystemExit(f"run_model told to stop: code {code}, {left(folder)}")
+    if code != 3 or not last_checkpoint(place):
+        raise SystemExit(f"run_model must end with 3 and a checkpoint, not with {code}")
+
+
 def check_alone(program, source, folder):
     """A run without mpirun."""
     place = folder / "masses"
@@ -130,6 +152,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_early(program, source, folder)
+    check_shell(program, source, folder)
     check_alone(program, source, folder)
     check_loop(program, source, folder)
 
