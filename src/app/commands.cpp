@@ -119,7 +119,8 @@ std::string checked_start(const par::Comm& comm, const Model& model, const input
   const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
   const io::File file = io::open_checkpoint(comm, start);
   require_same_model(comm, file, start, effective_deck(model), deck);
-  for (const std::string& sentence : spent_changes(comm, file, start, model, deck, GoesOn::in_another))
+  for (const std::string& sentence :
+       spent_changes(comm, file, start, model, deck, GoesOn::in_another))
     print(comm, fmt::format("warning: {}\n", sentence));
   warn_of_springs(comm, file, start, model, deck);
   return start;
