@@ -31,6 +31,7 @@ import csv
 import hashlib
 import json
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -114,6 +115,9 @@ class Loop:
         if missing := [key for key in ("first", "spacing", "count") if key not in sleepers]:
             sys.exit(f"{given.deck}: [sleepers] must say {' and '.join(missing)}")
         launch.make_folder(given.folder)
+        if given.force:  # or a stop would leave later rounds to the command that goes on
+            for old in [*given.folder.glob("bed*"), *given.folder.glob("round_*")]:
+                shutil.rmtree(old) if old.is_dir() else old.unlink()
         self.start = given.start.resolve() if given.start else self.make_bed(done)
         self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
         seat = self.deck.get("seat", {})
@@ -156,11 +160,7 @@ class Loop:
             with path.open("rb") as file:
                 text += f"# {path.name}: {hashlib.file_digest(file, 'sha256').hexdigest()}\n"
         summary, words = folder / "summary.json", ["run", deck, "-o", folder]
-        if self.given.force:
-            words.append("--force")
-            for name in ("summary.json", "latest"):  # or a stop now would leave them to this deck
-                (folder / name).unlink(missing_ok=True)
-        elif folder.exists():
+        if folder.exists():
             if not deck.is_file() or deck.read_text(encoding="utf-8") != text:
                 sys.exit(f"{folder} holds a run of another deck: take another folder, or --force")
             if summary.is_file() and json.loads(summary.read_text(encoding="utf-8"))["finished"]:

@@ -110,9 +110,14 @@ def check_early(program, source, folder):
     if (folder / "early/bed/stage_fill.h5").exists():
         raise SystemExit("a run that was told before its first stage has made it all the same")
     log.unlink()
+    later = folder / "early/round_0/weigh/summary.json"  # of a loop that --force is to begin anew
+    later.parent.mkdir(parents=True)
+    later.write_text("{}", encoding="utf-8")
     err = stopped([*command, "--force"], folder, [signal.SIGTERM], log.is_file)
     if "without --force" not in err:
         raise SystemExit(f"with --force the same command begins anew: {err}")
+    if later.exists():
+        raise SystemExit("rounds of the old loop would stop the command that goes on")
 
 
 def check_shell(program, source, folder):
