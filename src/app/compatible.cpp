@@ -153,6 +153,14 @@ Values stored_values(const io::File& checkpoint, const Values& now) {
     if (const auto found = defaults.find(row_of_defaults); found != defaults.end())
       then[key] = found->second;
   }
+  // Pads that lifted off did so at once before they had a preload.
+  if (const auto lifts = given.find("pad.uplift");
+      lifts != given.end() && lifts->second == "true" && !given.contains("pad.preload"))
+    then["pad.preload"] = values_of(input::effective([](input::Section& s) {
+                            track::PadParameters pad;
+                            pad.preload = 0;
+                            s.table("pad", pad, "");
+                          })).at("pad.preload");
   return then;
 }
 

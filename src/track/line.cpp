@@ -133,14 +133,19 @@ double Line::Room::gap_below(double x, std::size_t side) const {
   return gap;
 }
 
-// An element belongs to the zone its middle lies in: a border between nodes moves to the next one.
-// Made anew at each call, which costs less than keeping one per element in step with its zone.
-BeamElement Line::Room::element(std::size_t e, std::size_t side) const {
+double Line::Room::rail_factor(std::size_t e, std::size_t side) const {
   const double middle = (static_cast<double>(e) + 0.5) * element_length;
   double factor = 1;
   for (const TrackZone& zone : parameters.track.zones)
     if (zone.covers(middle, side, parameters.track.length)) factor *= zone.rail;
-  Beam here = beam.times(factor);
+  return factor;
+}
+
+// An element belongs to the zone its middle lies in: a border between nodes moves to the next one.
+// Made anew at each call, which costs less than keeping one per element in step with its zone.
+BeamElement Line::Room::element(std::size_t e, std::size_t side) const {
+  const double middle = (static_cast<double>(e) + 0.5) * element_length;
+  Beam here = beam.times(rail_factor(e, side));
   here.bending_stiffness *= run_in(middle);
   here.shear_stiffness *= run_in(middle);
   return {here, element_length};
@@ -194,10 +199,16 @@ double Line::Room::moved_pad(std::size_t index) const {
   return parameters.moved_pads.at(index - parameters.first_moved);
 }
 
-// N, at rest on each pad; in it all forces of the line begin at 0.
-double Line::Room::preload() const {
-  return parameters.pad.preload >= 0 ? parameters.pad.preload
-                                     : beam.mass * parameters.track.spacing * gravity;
+// N, at rest on a pad, from which all forces of the line count; the rail's weight of half the bays
+// beside it, unless a number is given.
+double Line::Room::preload(std::size_t index, std::size_t side) const {
+  if (parameters.pad.preload >= 0) return parameters.pad.preload;
+  const auto bay = static_cast<std::size_t>(parameters.track.elements);
+  const std::size_t at = index * bay, elements = nodes[side].size() - 1;
+  double mass = 0;
+  for (std::size_t e = at - std::min(at, bay); e < std::min(at + bay, elements); ++e)
+    mass += beam.times(rail_factor(e, side)).mass * element_length / 2;
+  return mass * gravity;
 }
 
 // Rail node - pad - sleeper. Over the run-in all is as much stiffer as the knee comes earlier.
@@ -210,7 +221,8 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
   if (pad.uplift) {
-    stops.push_back(stop_of(sleeper.pad[side], -preload() / sleeper.pad[side].stiffness));
+    stops.push_back(
+        stop_of(sleeper.pad[side], -preload(index, side) / sleeper.pad[side].stiffness));
     stops.back().in_matrix = true;
   }
   if (pad.knee == 0) return;

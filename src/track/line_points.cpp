@@ -105,7 +105,7 @@ double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const S
   const double pressed = of(u, seat.height), rate = of(v, seat.rate);
   const double stiffer = sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
   if (room_->parameters.pad.uplift) {
-    const double preload = room_->preload();
+    const double preload = room_->preload(i, side);
     const double whole = pressed + preload / pad.stiffness;  // m, of the pad without any force
     return Stop{{}, 0, pad.stiffness, pad.damping}.force(whole, rate) - preload + stiffer;
   }

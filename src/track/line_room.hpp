@@ -65,7 +65,8 @@ struct Line::Room {
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
   double moved_pad(std::size_t index) const;
-  double preload() const;
+  double preload(std::size_t index, std::size_t side) const;
+  double rail_factor(std::size_t e, std::size_t side) const;
   double gap_below(double x, std::size_t side) const;
   double bed_factor(double x, std::size_t side) const;
   BeamElement element(std::size_t e, std::size_t side) const;

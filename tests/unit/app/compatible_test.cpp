@@ -44,5 +44,20 @@ TEST(Compatible, ParametersOfRowsThatCameLaterHaveTheirDefaults) {
       stored_values(file, values_of(effective_deck(model))).contains("ground.solid[1].yield"));
 }
 
+// Pads that lifted off had no preload: not what a deck without one says now.
+TEST(Compatible, PadsThatLiftedOffBeforeHadNoPreload) {
+  const io::Scratch scratch("preload");
+  Model model;
+  model.kind = ModelKind::track;
+  for (const bool uplift : {false, true}) {
+    model.track.line.pad.uplift = uplift;
+    const std::string path = scratch / (uplift ? "lifts.h5" : "pulls.h5");
+    io::File file(par::Comm::self(), path, io::Mode::create);
+    file.attribute("/", "deck", without(effective_deck(model), "preload = -1.0\n"));
+    const Values now = values_of(effective_deck(model));
+    EXPECT_EQ(stored_values(file, now).at("pad.preload"), uplift ? "0.0" : "-1.0");
+  }
+}
+
 }  // namespace
 }  // namespace trackbed::app

@@ -132,6 +132,22 @@ TEST(Uplift, LiftedPadsHaveGivenBackTheirPreload) {
   pulled_up(p, "two rails, preload");
 }
 
+// A crossing is three times as heavy; half a bay lies on the last pad.
+TEST(Uplift, PadsHoldTheWeightOfTheRailThatLiesOnThem) {
+  LineParameters p = lifting(24, -1);
+  p.rail.mass = 60;
+  p.track.zones = {{.from = 6, .to = 24, .rail = 3}};
+  Loaded at(p, 12, {0}, {-300e3});
+  const double bay = 60 * 0.6 * gravity;  // N
+  for (const double x : {10.8, 12.0, 13.2})
+    verified::near(fmt::format("open pad at {:g} m", x), "N", at.seat(at.line.nearest_sleeper(x)),
+                   -3 * bay, 1e-9 * bay);
+  LineParameters short_of = lifting(1.2, -1);
+  short_of.rail.mass = 60;
+  Loaded all(short_of, 0.6, {0}, {-50e3});
+  EXPECT_NEAR(all.seat(1), -bay, 1e-9 * bay);
+}
+
 // What a coach throws up comes down under its weight.
 TEST(Uplift, TheRailLiesOnItsPadsWhenTheTrainHasGone) {
   LineParameters p = lifting(30, -1);
