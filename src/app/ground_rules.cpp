@@ -99,7 +99,7 @@ void require_closed(const Model& model, const std::vector<std::array<Vec3, 3>>& 
                     std::vector<std::string>& problems) {
   constexpr double rounding = 1e-6;  // of the bed
   const std::vector<double>&x = model.bed.x, &y = model.bed.y;
-  if (x.size() != 2 || y.size() != 2) return;
+  if (x.size() != 2 || y.size() != 2 || model.bed.container != bed::ContainerKind::box) return;
   const double bed = (x[1] - x[0]) * (y[1] - y[0]);
   double below = 0;
   for (const auto& face : faces) below += area_above(face, {x[0], y[0]}, {x[1], y[1]});
@@ -155,6 +155,7 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
   const bool taken =
       ground.side_x_low == none || ground.side_x_high == none ||
       (dimension == Dimension::space && (ground.side_y_low == none || ground.side_y_high == none));
+  if (taken) fem::declare_common_side(ground, s);
   s.rule("ground.sides", taken || ground.sides == fem::GroundParameters().sides,
          "has no effect: each side has a kind of its own",
          {.weight = input::Weight::warning, .reads = {"dimension", "ground"}});

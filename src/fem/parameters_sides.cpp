@@ -36,9 +36,11 @@ std::string better(const GroundParameters& p, const char* kinds) {
 }
 
 // What a side of this kind asks of the rest, and what it leaves without effect.
-void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) {
-  const std::string key = side.key;
-  const About odd{.weight = Weight::warning, .reads = {"base", "base_motion", key}};
+void declare_kind(const GroundParameters& p, const NamedSide& side, const std::string& before,
+                  Section& s) {
+  const std::string key = before + side.key;
+  const About odd{.weight = Weight::warning,
+                  .reads = {before + "base", before + "base_motion", key}};
   s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
          "acts as a quiet one: nothing moves the ground beside; give base_motion", odd);
   const bool holds_back = side.holds == Sides::quiet || side.holds == Sides::fixed;
@@ -47,7 +49,7 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, Section& s) 
   s.rule(key, !p.yields() || side.holds != Sides::free_field,
          "has elastic columns beside the model, which layers that yield would tear off; take quiet "
          "or roller",
-         {.reads = {key, "layer", "block"}});
+         {.reads = {key, before + "layer", before + "block"}});
 }
 
 // Whether the first and the last zone along an axis are of one size.
@@ -121,6 +123,10 @@ std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimensi
   return found;
 }
 
+void declare_common_side(const GroundParameters& parameters, Section& s) {
+  declare_kind(parameters, {"sides", parameters.sides}, "ground.", s);
+}
+
 std::vector<std::string> look_at_times(const GroundParameters& parameters, double time) {
   if (!parameters.present || parameters.base_motion.empty()) return {};
   const BaseMotion wave(parameters.base_motion);
@@ -174,11 +180,7 @@ void GroundParameters::declare_sides(Section& s) {
   s.rule("base_motion", base_motion.empty() || base == Base::quiet,
          "needs base = \"quiet\": a wave comes in through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});
-  const auto single = single_sides(*this);
-  if (std::any_of(single.begin(), single.end(),
-                  [](const NamedSide& side) { return side.holds == Sides::as_sides; }))
-    declare_kind(*this, {"sides", sides}, s);
-  for (const NamedSide& side : single) declare_kind(*this, side, s);
+  for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, "", s);
   for (const int axis : {0, 1}) declare_periodic(*this, axis, s);
 }
 

@@ -19,6 +19,10 @@ struct WaveAtSide {
 // Reads the table: throws InputError about it. Not for a mesh file (look_at_mesh). Local.
 std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimension dimension);
 
+// Rules for ground.sides in the whole deck, where a side takes it: which ones there are the
+// dimension tells.
+void declare_common_side(const GroundParameters& parameters, input::Section& s);
+
 // What is odd about when the wave comes to a ground that moves for `time` s at most once it is let
 // go (infinity: nobody knows). Sentences without the file's name; none without a wave. Reads the
 // table: throws InputError about it. Local.
