@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "app/compatible.hpp"
+#include "app/deck_files.hpp"
 #include "app/deck_values.hpp"
 #include "app/result_folder.hpp"
 #include "app/simulation.hpp"
@@ -264,8 +265,10 @@ void Simulation::resume(const std::string& checkpoint) {
   load(file);
   last_checkpoint_ = checkpoint;
   // The deck in the results is that of the whole run; what it does not say is said here.
-  for (const std::string& change :
-       changes(values_of(file.text_attribute("/", "deck")), values_of(effective_deck(model_))))
+  const std::string effective = effective_deck(model_);
+  const Values then =
+      with_moved_files(comm_, file, values_of(file.text_attribute("/", "deck")), effective);
+  for (const std::string& change : changes(then, values_of(effective)))
     warn(fmt::format("from {:.6g} s on, where the run was resumed: {}", course_.clock.time(),
                      change));
   std::vector<std::string> finished;

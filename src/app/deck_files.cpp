@@ -19,7 +19,7 @@ namespace {
 // Whether a text that names a file means it: a title does not, nor a profile of the rail that is
 // drawn from a spectrum.
 bool is_read(const Values& values, const std::string& key) {
-  if (key == "title" || key == "start") return false;
+  if (key == "title" || key == "start" || key == "bed.cell") return false;
   const std::size_t dot = key.rfind(".file");
   if (!key.starts_with("irregularity") || dot == key.npos) return true;
   const auto kind = values.find(key.substr(0, dot) + ".kind");

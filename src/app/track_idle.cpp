@@ -9,7 +9,8 @@ namespace trackbed::app {
 
 namespace {
 
-// Where a parameter acts: on a track of these, else it is idle.
+// Where a parameter acts: on a track of these, else it is idle. On a bed solid rails may take what
+// a beam does not.
 struct Acts {
   bool two_rails, bends, sleepers, continuous, run_in, rail, shears;
 };
@@ -18,11 +19,11 @@ Acts acts_of(const TrackModel& model) {
   const track::TrackParameters& track = model.line.track;
   return {.two_rails = track.dimension == Dimension::space,
           .bends = track.sleeper.model == track::SleeperModel::beam,
-          .sleepers = track.support == track::Support::sleepers,
+          .sleepers = model.on_bed || track.support == track::Support::sleepers,
           .continuous = track.support == track::Support::continuous,
           .run_in = track.run_in > 0,
           .rail = model.passage.loaded_by == track::LoadedBy::train,
-          .shears = model.line.rail.theory == track::BeamTheory::timoshenko};
+          .shears = model.on_bed || model.line.rail.theory == track::BeamTheory::timoshenko};
 }
 
 constexpr const char* one_rail = "there is one rail (track.dimension)";

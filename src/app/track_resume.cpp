@@ -98,7 +98,7 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
   return changed || comm.broadcast(told ? "told" : "").empty();
 }
 
-std::vector<std::string> changed_on_resumes(const io::File& checkpoint,
+std::vector<std::string> changed_on_resumes(const par::Comm& comm, const io::File& checkpoint,
                                             const std::string& effective) {
   std::vector<std::string> sentences;
   if (checkpoint.has_attribute("/", "changed")) {
@@ -106,11 +106,12 @@ std::vector<std::string> changed_on_resumes(const io::File& checkpoint,
     for (std::string line; std::getline(lines, line);) sentences.push_back(line);
   }
   Values now = values_of(effective);
-  for (const char* key :
-       {"title", "passage.stop_after", "passage.wall_time", "passage.checkpoint_interval"})
+  for (const char* key : {"title", "passage.duration", "passage.stop_after", "passage.wall_time",
+                          "passage.checkpoint_interval"})
     now.erase(key);
   const double time = checkpoint.number_attribute("/", "time");
-  for (const std::string& change : changes(stored_values(checkpoint, now), now))
+  const Values then = with_moved_files(comm, checkpoint, stored_values(checkpoint, now), effective);
+  for (const std::string& change : changes(then, now))
     sentences.push_back(
         fmt::format("from {:.6g} s on, where the run was resumed: {}", time, change));
   return sentences;

@@ -287,7 +287,7 @@ void Run::resume() {
   histories.load(file);
   wheels.load(file);
   resumed_at_ = built.passage.steps();
-  changed = changed_on_resumes(file, of_.effective);
+  changed = changed_on_resumes(comm_, file, of_.effective);
   for (const std::string& change : changed) say(comm_, "warning: " + change);
   say(comm_, fmt::format("  goes on at {:.6g} s from {}", built.passage.time(), of_.checkpoint));
 }

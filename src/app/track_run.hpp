@@ -37,7 +37,7 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
                    const std::string& effective, const input::Deck& deck);
 // A sentence for each parameter that this resume, and those before it, changed amid the run, but
 // for those that say when to stop and to write. Collective.
-std::vector<std::string> changed_on_resumes(const io::File& checkpoint,
+std::vector<std::string> changed_on_resumes(const par::Comm& comm, const io::File& checkpoint,
                                             const std::string& effective);
 
 }  // namespace trackbed::app
