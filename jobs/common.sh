@@ -54,7 +54,7 @@ part() {
 }
 
 run_model() {
-  local deck=$1 folder=$2 run code=0
+  local deck=$1 folder=$2 run code=0 told=0
   shift 2
   # Told to end, mpirun kills the ranks a second later; SIGUSR1 it passes on, and waits for their
   # checkpoint. A session of its own keeps the terminal's Ctrl-C from it.
@@ -62,13 +62,16 @@ run_model() {
     build/release/trackbed run "$deck" -o "$folder" "$@" &
   run=$!
   # Again each second until it ends: mpirun that has no ranks yet passes nothing on.
-  trap 'while kill -USR1 $run 2>/dev/null; do sleep 1; done &' TERM INT HUP
+  trap 'told=1; while kill -USR1 $run 2>/dev/null; do sleep 1; done &' TERM INT HUP
   wait $run || code=$?
   while kill -0 $run 2>/dev/null; do  # a signal ended the waiting, not the run
     code=0
     wait $run || code=$?
   done
   trap - TERM INT HUP
+  # mpirun itself dies of it (128 + 10) before it has ranks and when they have ended; 129, 130 and
+  # 143 are those of the waiting if the run has ended meanwhile.
+  if [ $told = 1 ] && [[ " 0 129 130 138 143 " == *" $code "* ]]; then code=3; fi
   return $code
 }
 
