@@ -210,7 +210,6 @@ void Model::declare_space(input::Section& s) {
       "one rail.");
 }
 
-// The rough limits follow when all they depend on has been read, so `time` is declared last.
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice("model", kind, {"bed", "track", "track_on_ground"},
@@ -220,6 +219,21 @@ void Model::declare(input::Section& s) {
   track.on_bed = kind == ModelKind::bed;
   if (kind == ModelKind::track) return track.declare(s);
   if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
+  declare_bed(s);
+  declare_time(s);
+  declare_intervals(*this, s);
+  declare_ground_mesh(*this, s);
+  track.declare(s);
+  if (has_train()) sleepers.gauge = track.line.track.wheel_gauge();
+  declare_train(*this, s);
+  declare_solids(*this, s);
+  s.table("footing", footing, footing_meaning);
+  declare_footing(*this, s);
+  s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
+  declare_handover(*this, s);
+}
+
+void Model::declare_bed(input::Section& s) {
   declare_space(s);
   s.texts("periodic", periodic, "Sides that meet each other: any of \"x\", \"y\".");
   s.file(
@@ -248,22 +262,16 @@ void Model::declare(input::Section& s) {
            "Parts of space in which the stones are measured at each row of the histories.");
   s.tables("stage", stages, "What is done, one after the other.");
   declare_rules(*this, s);
-  // Sleepers have their density from their material; the coupling limit below needs their mass.
+}
+
+// The rough limits follow when all they depend on has been read.
+void Model::declare_time(input::Section& s) {
+  // Sleepers have their density from their material; the coupling limit needs their mass.
   if (const int number = material(sleepers.material); number >= 0)
     sleepers.density = physics.materials[static_cast<std::size_t>(number)].density;
   time.rough_step = rough_step_limit(*this);
   time.rough_window = coupling_limit(*this, true).window;
   s.table("time", time, "Steps in time.");
-  declare_intervals(*this, s);
-  declare_ground_mesh(*this, s);
-  track.declare(s);
-  if (has_train()) sleepers.gauge = track.line.track.wheel_gauge();
-  declare_train(*this, s);
-  declare_solids(*this, s);
-  s.table("footing", footing, footing_meaning);
-  declare_footing(*this, s);
-  s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
-  declare_handover(*this, s);
 }
 
 bool Model::periodic_in(const std::string& axis) const {

@@ -145,6 +145,8 @@ struct Model {
 
  private:
   void declare_space(input::Section& s);
+  void declare_bed(input::Section& s);
+  void declare_time(input::Section& s);
   void declare_on_ground(input::Section& s);
 };
 

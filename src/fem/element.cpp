@@ -45,11 +45,14 @@ Vec3 gauss_point(int index) {
 
 }  // namespace
 
+Lame lame_of(const Elastic& s) {
+  const double shear = s.young / (2 * (1 + s.poisson));
+  return {s.young * s.poisson / ((1 + s.poisson) * (1 - 2 * s.poisson)), shear};
+}
+
 // Plane stress here is sigma_y = 0 alone: shear in y has no part, as nothing moves along y.
 Voigt elasticity(const Elastic& solid, bool sigma_y_free) {
-  // Lame's constants: sigma = lame tr(e) I + 2 shear e.
-  const double nu = solid.poisson, shear = solid.young / (2 * (1 + nu));
-  const double lame = solid.young * nu / ((1 + nu) * (1 - 2 * nu));
+  const auto [lame, shear] = lame_of(solid);
   Voigt d = Voigt::Zero();
   d.topLeftCorner<3, 3>().setConstant(lame);
   d.topLeftCorner<3, 3>().diagonal().array() += 2 * shear;

@@ -21,6 +21,12 @@ using Corners = std::array<Vec3, 8>;
 // Order xx yy zz xy yz zx with engineering shear strains.
 using Voigt = Eigen::Matrix<double, 6, 6>;
 
+// Lame's constants, Pa: sigma = lame tr(e) I + 2 shear e.
+struct Lame {
+  double lame, shear;
+};
+Lame lame_of(const Elastic& solid);
+
 // Hooke's law, Pa. `sigma_y_free` condenses sigma_y = 0 (plane stress in x, z).
 Voigt elasticity(const Elastic& solid, bool sigma_y_free = false);
 

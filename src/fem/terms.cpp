@@ -88,7 +88,7 @@ double largest_eigenvalue(const Eigen::MatrixXd& k) {
 //   M = E (1 - nu)/((1 + nu)(1 - 2 nu)), in plane stress E/(1 - nu^2).
 // Exact for waves along the normal; waves at an angle are swallowed in part.
 Impedance impedance(const Elastic& s, bool plane_stress) {
-  const double nu = s.poisson, shear = s.young / (2 * (1 + nu));
+  const double nu = s.poisson, shear = lame_of(s).shear;
   const double modulus =
       plane_stress ? s.young / (1 - nu * nu) : s.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
   return {std::sqrt(modulus * s.density), std::sqrt(shear * s.density)};
@@ -109,8 +109,7 @@ void merge(std::vector<Spring>& springs) {
 // Pa/m. A layer of depth H below the base, held at its foot, would resist a shear with G/H; the
 // ground's own depth is taken for H, for want of a better one.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth) {
-  const double shear = solid.young / (2 * (1 + solid.poisson));
-  return parameters.base_stiffness < 0 ? shear / depth : parameters.base_stiffness;
+  return parameters.base_stiffness < 0 ? lame_of(solid).shear / depth : parameters.base_stiffness;
 }
 
 bool Border::on_side(const Index3& zone, int corner, int normal) const {

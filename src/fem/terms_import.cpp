@@ -149,14 +149,13 @@ std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& param
   return parts;
 }
 
-// The bound of terms.hpp, element by element: some 50 us each, which only explicit steps need.
-// Collective; the same step on all ranks.
-double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& parameters,
-                                   const Stiffness& stiffness, std::string& limit) {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  if (parameters.integrator != Integrator::explicit_) return none;
-  // Springs on nodes of an element, from its faces on a quiet base.
-  std::map<std::size_t, Eigen::VectorXd> springs;
+namespace {
+
+using Springs = std::map<std::size_t, Eigen::VectorXd>;  // N/m on an element's freedoms, by zone
+
+// Springs on nodes of an element, from its faces on a quiet base.
+Springs springs_below(const Mesh& mesh, const GroundParameters& parameters) {
+  Springs springs;
   for (const Imported::Face& face : mesh.imported->borders) {
     const double spring = spring_of(mesh, parameters, face);
     if (face.holds != BorderKind::quiet || spring == 0) continue;
@@ -168,37 +167,54 @@ double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& par
       on.segment<3>(3 * local[static_cast<std::size_t>(3 + m)]).array() += spring * share.area[m];
     }
   }
-  double shortest = none;
+  return springs;
+}
+
+// s, of central differences with the damping by stiffness.
+double step_of(const Mesh& mesh, std::size_t z, Eigen::MatrixXd k) {
+  const Elastic& solid = solid_of(mesh, static_cast<std::int32_t>(z));
+  const double whole = solid.density * tetrahedron_volume(places(mesh, z));
+  Eigen::VectorXd root(30);
+  for (int f = 0; f < 30; ++f) root[f] = 1 / std::sqrt(whole * tetrahedron_mass_share(f / 3));
+  k = (root.asDiagonal() * k * root.asDiagonal()).eval();
+  const double squared = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
+                             .eigenvalues()
+                             .maxCoeff();
+  const double omega = std::sqrt(squared), damped = 0.5 * solid.rayleigh_stiffness * omega;
+  return 2 / omega * (std::sqrt(1 + damped * damped) - damped);
+}
+
+// Collective: the element by its number in the file, or by where it is if there is no file.
+std::string name_of(const Mesh& mesh, const GroundParameters& parameters, Id zone, bool mine) {
+  if (!parameters.mesh.empty()) return fmt::format("tetrahedron {} of the file", zone + 1);
+  Vec3 place = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  if (mine) place = middle(places(mesh, static_cast<std::size_t>(mesh.local_zone(zone))));
+  mesh.comm.max(std::span<double>(place.data(), 3));
+  return fmt::format("a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m", place.x(), place.y(),
+                     place.z());
+}
+
+}  // namespace
+
+// The bound of terms.hpp, element by element: some 50 us each, which only explicit steps need.
+// Collective; the same step on all ranks.
+double critical_step_of_tetrahedra(const Mesh& mesh, const GroundParameters& parameters,
+                                   const Stiffness& stiffness, std::string& limit) {
+  double shortest = std::numeric_limits<double>::infinity();
+  if (parameters.integrator != Integrator::explicit_) return shortest;
+  const Springs springs = springs_below(mesh, parameters);
   Id which = -1;
   for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
-    const Elastic& solid = solid_of(mesh, static_cast<std::int32_t>(z));
-    const double whole = solid.density * tetrahedron_volume(places(mesh, z));
     Eigen::MatrixXd k = stiffness.matrix(mesh, z);
     if (const auto on = springs.find(z); on != springs.end()) k.diagonal() += on->second;
-    Eigen::VectorXd root(30);
-    for (int f = 0; f < 30; ++f) root[f] = 1 / std::sqrt(whole * tetrahedron_mass_share(f / 3));
-    k = (root.asDiagonal() * k * root.asDiagonal()).eval();
-    const double squared = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly)
-                               .eigenvalues()
-                               .maxCoeff();
-    const double omega = std::sqrt(squared), damped = 0.5 * solid.rayleigh_stiffness * omega;
-    const double step = 2 / omega * (std::sqrt(1 + damped * damped) - damped);
+    const double step = step_of(mesh, z, std::move(k));
     if (step < shortest) shortest = step, which = mesh.zone[z];
   }
   const double least = -mesh.comm.max(-shortest);
   // Each rank may hold it; the lowest number is said.
   const Id found = shortest == least ? which : mesh.zone_count();
   const Id lowest = -mesh.comm.max(-found);
-  if (!parameters.mesh.empty()) {
-    limit = fmt::format("tetrahedron {} of the file", lowest + 1);
-    return least;
-  }
-  Vec3 place = Vec3::Constant(-none);
-  if (found == lowest)
-    place = middle(places(mesh, static_cast<std::size_t>(mesh.local_zone(lowest))));
-  mesh.comm.max(std::span<double>(place.data(), 3));
-  limit = fmt::format("a tetrahedron at x = {:.3g}, y = {:.3g}, z = {:.3g} m", place.x(), place.y(),
-                      place.z());
+  limit = name_of(mesh, parameters, lowest, found == lowest);
   return least;
 }
 

@@ -27,14 +27,6 @@ const Gradients& gradients() {
   return all;
 }
 
-struct Lame {
-  double lame, shear;  // Pa
-};
-Lame lame_of(const Elastic& s) {
-  const double shear = s.young / (2 * (1 + s.poisson));
-  return {s.young * s.poisson / ((1 + s.poisson) * (1 - 2 * s.poisson)), shear};
-}
-
 // Stress of a displacement gradient times a volume, and that by xi.
 inline void to_force(const Lane (&g)[3][3], const Lane& lame, const Lane& shear,
                      const Lane (&inverse)[3][3], Lane (&p)[3][3]) {
