@@ -131,7 +131,8 @@ void Builder::take_faces(const Index3& cell, std::int32_t element, const Corners
   }
 }
 
-// Of the outside. Slopes and the natural ground beside them are free, and so no border at all.
+// Of the outside. Slopes and the natural ground beside them are free, and so no border at all. An
+// upright outside where the ground ends is a side of the ground: `check` says so.
 void Builder::take_face(const Index3& cell, SolidMesh::Face face,
                         const std::array<Index3, 3>& corners) {
   const auto axis = static_cast<std::size_t>(face.axis);

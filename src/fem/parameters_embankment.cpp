@@ -115,9 +115,48 @@ Beside beside(const std::vector<double>& feet, double side) {
   return ground ? Beside::ground : nothing ? Beside::nothing : Beside::mixed;
 }
 
+// m: from where to where along the track the embankment's outside is upright, as its faces have it
+// at borders of zones; nowhere: the second is not beyond the first.
+std::array<double, 2> upright(const GroundParameters& p) {
+  std::array<double, 2> found{0, 0};
+  const std::vector<double> edges = p.edges(0);
+  const auto slopes = [&](double x) {
+    const CrossSection one = p.section_at(x);
+    return one.foot() - one.crest > same_place;
+  };
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    if (slopes(edges[i - 1]) || slopes(edges[i])) continue;
+    if (found[1] <= found[0]) found[0] = edges[i - 1];
+    found[1] = edges[i];
+  }
+  return found;
+}
+
+// Where the ground ends at the foot of an upright embankment, its outside is a side of the ground
+// and held as such: useful for a column or a slab, but a slope however steep would be free. `ends`:
+// whether it ends so at low and high y; `sides` is named once.
+void declare_upright(const GroundParameters& p, const std::array<bool, 2>& ends, Section& s) {
+  const auto [from, to] = upright(p);
+  bool named = false;
+  for (const bool high : {false, true}) {
+    if (!ends[high ? 1 : 0] || p.side(1, high) == Sides::free || to <= from) continue;
+    const bool common = (high ? p.side_y_high : p.side_y_low) == Sides::as_sides;
+    const char* key = common ? "sides" : high ? "side_y_high" : "side_y_low";
+    s.rule(key, common && named,
+           fmt::format("holds the upright outside of the embankment of ground.section too (x = "
+                       "{:g} to {:g} m), for the ground ends there; a slope above 0, or \"free\", "
+                       "leaves it free",
+                       from, to),
+           {.weight = Weight::warning, .reads = {"section", "layer", "x", "y", "zones_x", key}});
+    named = named || common;
+  }
+}
+
 void declare_widths(const GroundParameters& p, Section& s) {
   std::int64_t columns = 1;
-  for (const double side : {-p.y[0], p.y[1]}) {
+  std::array<bool, 2> ends{};
+  for (const bool high : {false, true}) {
+    const double side = high ? p.y[1] : -p.y[0];
     if (side == 0 && p.y[0] == 0) continue;  // half an embankment
     const std::vector<double> all = feet(p);
     const Beside found = beside(all, side);
@@ -133,10 +172,12 @@ void declare_widths(const GroundParameters& p, Section& s) {
            "of them, or none",
            of_shape);
     columns += found == Beside::ground ? 1 : 0;
+    ends[high ? 1 : 0] = found == Beside::nothing;
   }
   s.rule("zones_y", p.zones_y >= columns,
          fmt::format("must be at least {}: one below the crest, and one beside each foot", columns),
          of_shape);
+  declare_upright(p, ends, s);
 }
 
 // How crest, height and foot change (m/m) from a section to the next; nothing beyond the last ones,
@@ -179,7 +220,8 @@ void CrossSection::declare(Section& s) {
            "From the crest down to the natural ground; 0: that of the embankment's layers. What it "
            "is more or less, their lowest one takes up.");
   s.number("slope", slope, {.at_least = 0, .usually_to = 10},
-           "Of the sides: metres across for each one up; 0: upright.");
+           "Of the sides: metres across for each one up; 0: upright, and held by side_y_low and "
+           "side_y_high where y ends.");
 }
 
 void GroundParameters::judge_embankment(Section& s) const {

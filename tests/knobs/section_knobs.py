@@ -55,6 +55,9 @@ REFUSED = {
         "its outline holds the middle of no cell of the embankment",
     "ground.mesh={mesh}": "has no effect with ground.mesh; the file has the shape",
 }
+# Half an embankment without slopes, which ends where y does.
+UPRIGHT = ("ground.section.0.slope=0 ground.section.1.slope=0 ground.section.2.slope=0 "
+           "ground.section.2.crest=3.5")
 # Change of the deck -> words that `check` prints, or (after "-") does not.
 TOLD = {
     "title=same": ["x = 0 to 18, y = 0 to 16, z = -9 to 0 m, {volume:.6g} m^3", "-warning"],
@@ -160,6 +163,9 @@ def untold(program, deck, place):
     problems = []
     for changes, words in TOLD.items():
         ran = program(1, "check", deck, *split(changes.format(**place)))
+        lines = [line for line in ran.stdout.splitlines() if line.startswith("warning")]
+        if len(set(lines)) < len(lines):
+            problems.append(f"check {changes}: warns twice of the same: {lines}")
         for word in words:
             word = word.format(volume=volume())
             if ran.returncode != 0 or (word.lstrip("-") in ran.stdout) == word.startswith("-"):
