@@ -63,6 +63,11 @@ class Modulus {
   std::vector<double> x_, young_;
 };
 
+// As keys of a deck do: by name, or by number where there is none.
+std::string called(const char* kind, const std::string& name, std::size_t number) {
+  return fmt::format("{} {}", kind, name.empty() ? std::to_string(number) : name);
+}
+
 }  // namespace
 
 Vec3 Lattice::position(Id node) const {
@@ -195,12 +200,12 @@ int region_at(const GroundParameters& parameters, const Vec3& point) {
 
 // Damping that a solid does not name is the ground's.
 Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
-  const auto add = [&](int of, Elastic one, const Strength& limit, const std::string& called) {
+  const auto add = [&](int of, Elastic one, const Strength& limit, const std::string& as) {
     if (one.rayleigh_mass < 0) one.rayleigh_mass = parameters.rayleigh_mass;
     if (one.rayleigh_stiffness < 0) one.rayleigh_stiffness = parameters.rayleigh_stiffness;
     solid.push_back(one);
     strength.push_back(limit);
-    name.push_back(called);
+    name.push_back(as);
     region.push_back(of);
     return static_cast<int>(solid.size()) - 1;
   };
@@ -208,9 +213,9 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
   for (const Layer& layer : parameters.layers) {
     const int of = number++;
     std::vector<int>& columns = columns_.emplace_back();
-    const std::string called = "layer " + layer.name;
+    const std::string as = called("layer", layer.name, columns_.size() - 1);
     if (layer.young_file.empty()) {
-      columns.push_back(add(of, layer.solid, layer.strength, called));
+      columns.push_back(add(of, layer.solid, layer.strength, as));
       continue;
     }
     // Plateaus share a solid, so that the force kernel keeps its long runs there.
@@ -222,13 +227,16 @@ Solids::Solids(const GroundParameters& parameters, const Lattice& lattice) {
       const bool same = i > 0 && solid.back().young == one.young;
       columns.push_back(
           same ? columns.back()
-               : add(of, one, layer.strength, fmt::format("{} at x = {:.4g} m", called, x)));
+               : add(of, one, layer.strength, fmt::format("{} at x = {:.4g} m", as, x)));
     }
   }
   for (const MeshSolid& one : parameters.solids)
     add(number++, one.solid, one.strength, "solid " + one.name);
-  for (const Block& block : parameters.blocks)
-    columns_.push_back({add(number++, block.solid, block.strength, "block " + block.name)});
+  for (std::size_t b = 0; b < parameters.blocks.size(); ++b) {
+    const Block& block = parameters.blocks[b];
+    columns_.push_back(
+        {add(number++, block.solid, block.strength, called("block", block.name, b))});
+  }
   size.assign(solid.size(), lattice.size);
   if (lattice.graded() && !parameters.of_tetrahedra()) tell_sizes_apart(parameters, lattice);
   find_alike(parameters);

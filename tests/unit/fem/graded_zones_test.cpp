@@ -82,6 +82,14 @@ TEST(Grading, LayersEndWhereTheirZonesDo) {
   }
 }
 
+TEST(Solids, WithoutANameTheyAreCalledByTheirNumber) {
+  GroundParameters p = box({1, 1, 1}, {2, 2, 2}, {});
+  p.layers = {{"named", 0.5, {}}, {"", 0.5, {50e6, 0.3, 2000}}};
+  p.blocks = {{"", true, {0, 0, 0.5, 0, 0.5, -1, 0, -1}, {}}};
+  const Solids solids(p, make_lattice(p, Dimension::space, 1));
+  EXPECT_EQ(solids.name, (std::vector<std::string>{"layer named", "layer 1", "block 0"}));
+}
+
 // Soft over stiff, zones graded along all axes.
 GroundParameters graded() {
   GroundParameters p = box({3, 2, 1}, {9, 6, 1}, {});
