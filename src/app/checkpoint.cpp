@@ -280,6 +280,7 @@ void Simulation::resume(const std::string& checkpoint) {
     ++course_.stage;
     return;
   }
+  resume_extremes(file.has("ground/extremes/zone"));
   // What `begin` would have set; the rest of it is in the state.
   world_.particles.set_local_damping(stage().local_damping);
   world_.particles.set_friction(stage().friction);

@@ -67,6 +67,24 @@ bool Simulation::keeps_extremes() const {
   return model_.output.ground_extremes && stage().ground_moves && world_.ground;
 }
 
+// Those of the stage before are no longer "so far".
+void Simulation::begin_extremes() {
+  if (keeps_extremes())
+    world_.ground->begin_extremes();
+  else if (world_.ground)
+    world_.ground->end_extremes();
+}
+
+// Amid a stage; `kept`: until the checkpoint.
+void Simulation::resume_extremes(bool kept) {
+  if (world_.ground && !keeps_extremes()) world_.ground->end_extremes();
+  if (keeps_extremes() && !kept)
+    warn(
+        fmt::format("output.ground_extremes: of stage \"{}\" they count from {:.6g} s on, where "
+                    "the run was resumed: until then they were not kept",
+                    stage().name, course_.clock.time()));
+}
+
 // The seat force of a row is the one that moved the sleepers in the window before it. Collective.
 void Simulation::sample() {
   const auto timing = timers_.scope(Verb::observe);

@@ -178,7 +178,8 @@ void Output::declare(input::Section& s) {
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
   s.flag("ground_extremes", ground_extremes,
          "Add the extremes of each element's stress over the history rows and the fields of the "
-         "stage to the ground's fields, in stages in which it moves. Needs fields = true.");
+         "stage to the ground's fields, in stages in which it moves. Asked for amid a stage, they "
+         "count from there on. Needs fields = true.");
   s.rule("ground_extremes", !ground_extremes || fields, "has no effect without fields = true",
          {.weight = input::Weight::warning, .reads = {"fields", "ground_extremes"}});
   s.number(

@@ -235,7 +235,7 @@ bool Simulation::is_last_passage() const {
 void Simulation::begin_stage() {
   const double time = course_.clock.time();
   actions_.begin(stage());
-  if (keeps_extremes()) world_.ground->begin_extremes();
+  begin_extremes();
   course_.steps = choose_steps(world_, step_of(world_), stage(), deck_);
   const double duration = actions_.duration(stage());
   course_.clock = Clock(course_.steps.window, whole_windows(duration, course_.steps.window));

@@ -59,6 +59,8 @@ class Simulation {
   void checkpoint(const std::string& name);
   bool every(double interval) const;
   bool keeps_extremes() const;
+  void begin_extremes();
+  void resume_extremes(bool kept);
   std::int64_t windows_in(double interval)
       const;  // at least 1  // whether the present window ends a multiple of `interval` s
 

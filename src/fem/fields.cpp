@@ -83,6 +83,9 @@ void Ground::begin_extremes() {
   room_->extremes = std::make_unique<Extremes>(room_->mesh.zone.size());
 }
 
+// Not one more picture or checkpoint shows what no instant adds to.
+void Ground::end_extremes() { room_->extremes.reset(); }
+
 // Of all zones held: those of others at rank borders are never looked at, and cheap.
 void Ground::take_extremes() {
   if (!room_->extremes) begin_extremes();  // asked for amid a stage

@@ -51,6 +51,37 @@ def check(folder, stage, count):
         raise SystemExit(f"{folder}, {stage}: the ground does not move: this would prove nothing")
 
 
+def without(folder, stage, windows):
+    """Pictures of windows that must show no extremes."""
+    shown = [path for path in (folder / "fields").glob(f"{stage}_*_ground.vtkhdf")
+             if windows(int(path.name.split("_")[1]))]
+    for path in shown:
+        if any("so far" in name for name in datasets(path)):
+            raise SystemExit(f"{path}: extremes of what nobody asked for")
+    if not shown:
+        raise SystemExit(f"{folder}: no pictures of {stage}")
+
+
+def check_ends(program, words, often, folder):
+    """None in stages in which the ground is at rest; those of a run that was resumed without them
+    and with them again are those since then, and that is said."""
+    still = folder / "still"
+    program.done(1, *words, "stage.passage.ground_moves=false", "-o", still)
+    check(still, "load", 1), without(still, "passage", lambda window: True)
+    gap = folder / "gap"
+    program.done(1, *words, often, "output.stop_after=100", "-o", gap, code=3)
+    program.done(1, "resume", gap, "output.ground_extremes=false", "output.stop_after=140", code=3)
+    without(gap, "load", lambda window: window > 100)
+    ran = program.done(1, "resume", gap, "output.ground_extremes=true", "output.stop_after=0")
+    if ran.stdout.count("they count from") != 1:
+        raise SystemExit(f"a gap in the extremes must be said once: {ran.stdout}")
+    shown = [datasets(path) for path in sorted((gap / "fields").glob("load_*_ground.vtkhdf"))
+             if int(path.name.split("_")[1]) > 140]
+    least = np.min([array(cells, "principal stresses")[:, 2] for cells in shown], axis=0)
+    if len(shown) < 2 or not np.array_equal(least, array(shown[-1], "least principal stress")):
+        raise SystemExit(f"extremes of {len(shown)} pictures since the resume are of others too")
+
+
 def main(path, deck, start, folder):
     program, folder = Program(path), pathlib.Path(folder)
     shutil.rmtree(folder, ignore_errors=True)
@@ -66,6 +97,7 @@ def main(path, deck, start, folder):
         straight, stopped = (pictures(folder / name, stage) for name in ("often", "stopped"))
         if not np.array_equal(np.sort(straight[-1], axis=None), np.sort(stopped[-1], axis=None)):
             raise SystemExit(f"{stage}: other extremes after a stop")
+    check_ends(program, words, often, folder)
     print("ok")
 
 

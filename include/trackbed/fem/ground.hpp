@@ -226,9 +226,10 @@ class Ground {
   // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
   io::Grid fields() const;
   // Extremes of each element's stress over the instants taken, from the last begin on (or the first
-  // one taken); they go through checkpoints. Local.
+  // one taken) to the end; they go through checkpoints. Local.
   void begin_extremes();
   void take_extremes();
+  void end_extremes();
   GroundTotals totals() const;  // collective
   double seconds() const;       // wall time in steps on this rank
   std::size_t memory() const;   // bytes on this rank

@@ -131,6 +131,8 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
   EXPECT_GT(world.max(static_cast<std::int64_t>(most.size())), 0);
   alone.begin_extremes();
   EXPECT_TRUE(std::isnan(by_place(alone.fields(), {"so far"}).begin()->second[0]));
+  alone.end_extremes();
+  EXPECT_EQ(alone.fields().cell_data.size(), without);
 }
 
 // Trace, second and third invariant, and axes; both with one axis along y and without.
