@@ -14,7 +14,9 @@ namespace trackbed::fem {
 
 class BaseMotion {
  public:
-  // Table with columns time_s, vx_m_s, vz_m_s; throws InputError. Local: every rank reads it.
+  // Table with columns time_s, vx_m_s, vz_m_s. Rows at its begin and end with less than 1e-9 of the
+  // largest speed are at rest; the first and the last must be. Throws InputError. Local: every rank
+  // reads it.
   explicit BaseMotion(const std::string& path);
 
   struct Motion {
@@ -29,6 +31,8 @@ class BaseMotion {
   double end() const;
 
  private:
+  void require_rest(const std::string& path, const std::vector<int>& lines);
+
   std::vector<double> times_;
   std::vector<Motion> rows_;
 };

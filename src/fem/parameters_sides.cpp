@@ -176,7 +176,8 @@ void GroundParameters::declare_sides(Section& s) {
       "base_motion", base_motion,
       "CSV with columns time_s (since the ground was let go), vx_m_s, vz_m_s: velocity of a wave "
       "that comes up through a quiet base, half of an outcrop's; the ground feels nothing of rows "
-      "before 0 s; empty: none.");
+      "before 0 s; the first and the last row are at rest, as are rows at both ends of less than "
+      "1e-9 of the largest speed; empty: none.");
   s.rule("base_motion", base_motion.empty() || base == Base::quiet,
          "needs base = \"quiet\": a wave comes in through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});

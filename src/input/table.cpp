@@ -59,6 +59,7 @@ struct Table {
   std::vector<std::size_t> places{};
   std::size_t width = 0;  // columns of the file
   std::vector<std::vector<double>> columns{};
+  std::vector<int> lines{};  // of the file, of each row
   std::vector<std::string> problems{};
 
   // Spreadsheets of languages whose decimal sign is a comma put semicolons between columns. Said
@@ -97,6 +98,7 @@ struct Table {
                                      cells.size(), width));
       return;
     }
+    lines.push_back(line);
     for (std::size_t c = 0; c < names.size(); ++c) {
       if (places[c] == width) continue;  // the missing column has been reported
       double value = 0;
@@ -123,7 +125,7 @@ struct Table {
 // first other line names the columns.
 std::vector<std::vector<double>> read_table(const std::string& path,
                                             const std::vector<std::string>& columns,
-                                            const std::string& rising) {
+                                            const std::string& rising, std::vector<int>* lines) {
   std::ifstream in(path);
   if (!in) throw InputError({fmt::format("{}: cannot be read", path)});
   // All problems of the table in one error, as for decks.
@@ -143,6 +145,7 @@ std::vector<std::vector<double>> read_table(const std::string& path,
   if (table.width == 0 && table.problems.empty())
     table.problems.push_back(fmt::format("{}: is empty", path));
   if (!table.problems.empty()) throw InputError(std::move(table.problems));
+  if (lines != nullptr) *lines = std::move(table.lines);
   return std::move(table.columns);
 }
 

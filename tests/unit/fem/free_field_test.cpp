@@ -169,6 +169,21 @@ TEST(BaseMotion, DisplacementCountsFromTheTimeOfLettingGo) {
   EXPECT_EQ(motion.end(), 2);
 }
 
+// Wavelets that are computed fade in digits of rounding. What is left must not go on after the end.
+TEST(BaseMotion, WhatIsNextToNothingAtBothEndsIsRest) {
+  const std::string path = fmt::format("fading_{}.csv", Comm::world().rank());
+  std::ofstream(path) << "time_s,vx_m_s,vz_m_s\n0,1.5e-34,0\n1,9e-10,0\n2,1,0\n3,1e-12,1e-12\n"
+                         "4,0,1\n5,0,9e-10\n6,0,-1.5e-34\n";
+  const BaseMotion motion(path);
+  EXPECT_EQ(motion.begin(), 1);
+  EXPECT_EQ(motion.end(), 5);
+  EXPECT_EQ(motion.at(0.9).velocity, Vec3::Zero());
+  EXPECT_EQ(motion.at(3).velocity, Vec3(1e-12, 0, 1e-12)) << "amid a wave all counts";
+  EXPECT_EQ(motion.at(1e12).velocity, Vec3::Zero());
+  EXPECT_EQ(motion.at(1e12).displacement, motion.at(5).displacement);
+  EXPECT_NEAR(motion.at(1e12).displacement.x(), 1, 1e-11);
+}
+
 // Whose springs would otherwise push it back to where it was before.
 TEST_P(FreeField, WaveThatIsOverMovesNothing) {
   const Comm comm = Comm::world();
@@ -199,6 +214,11 @@ TEST(BaseMotion, RefusesWavesThatBeginOrEndInMotion) {
   EXPECT_EQ(words("0,0,0\n1,1,0\n2,0,0\n"), "");
   EXPECT_NE(words("0,0,0\n1,1,0\n").find("begin and end at rest"), std::string::npos);
   EXPECT_NE(words("0,0,0.1\n1,0,0\n").find("begin and end at rest"), std::string::npos);
+  const std::string ends = words("0,0,0\n1,1,0\n\n2,0,-2e-9\n");
+  EXPECT_NE(ends.find(":5: vx_m_s = 0, vz_m_s = -2e-09: must begin and end at rest: the last row "
+                      "may move with 1e-09 of the largest speed (1 m/s)"),
+            std::string::npos)
+      << ends;
   EXPECT_NE(words("0,0,0\n").find("at least two rows"), std::string::npos);
   EXPECT_NE(words("0,0,0\n0,0,0\n"), "");
 }

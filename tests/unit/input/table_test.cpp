@@ -33,6 +33,9 @@ class Csv {
 TEST(Table, ReadsNamedColumnsInTheOrderAskedFor) {
   const Csv csv("# seat loads\ntime, note ,load\r\n0, 1, 2.5\n\n1e-3,2,-4e3\n\"2\",3,+1\n");
   EXPECT_EQ(csv.read({"load", "time"}), (Columns{{2.5, -4000, 1}, {0, 0.001, 2}}));
+  std::vector<int> lines;
+  read_table("table_test.csv", {"time"}, "", &lines);
+  EXPECT_EQ(lines, (std::vector<int>{3, 5, 6}));
 }
 
 // A mark that the text is UTF-8, as spreadsheets put it in front.
