@@ -63,6 +63,32 @@ TEST(Split, TetrahedraThatMayYieldWeighMore) {
   }
 }
 
+// By far the most have none: half an embankment on a thin layer that goes on beside it for twice
+// its width, so that one end of the ground has all of the interface. Weights as measured, not as
+// the program has them.
+TEST(Split, TetrahedraBelowStonesWeighLittleMore) {
+  constexpr double measured = 0.2, far_too_much = 2, even = 1.06;
+  GroundParameters p = embankment();
+  p.x = {0, 4}, p.zones_x = 4;
+  p.y = {0, 96}, p.zones_y = 384;
+  p.layers.erase(p.layers.begin() + 1);
+  p.layers[1].zones = 1, p.embankment_layers = 1;
+  p.sections = {{.x = 0, .crest = 32, .slope = 0}};
+  const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
+  const auto cost_with = [&](double interface) {
+    return [&, interface](std::size_t z) {
+      int above = 0;  // corners
+      for (std::size_t c = 0; c < 4; ++c)
+        above += mesh.position(mesh.imported->corner[z][c]).z() == 0 ? 1 : 0;
+      return 1 + (above == 3 ? interface : 0);
+    };
+  };
+  EXPECT_LT(worst_share(mesh, cost_with(measured)), even);
+  if (mesh.comm.size() > 1) {
+    EXPECT_GT(worst_share(mesh, cost_with(far_too_much)), even);
+  }
+}
+
 // A row of elements of which the first fifth lies below stones.
 TEST(Split, InterfaceWeighsMore) {
   constexpr int elements = 1000, below = elements / 5;
