@@ -5,6 +5,8 @@
 // enhanced strains, E^T sigma = 0, is x = Z^T d.
 #include "plastic_step.hpp"
 
+#include <cmath>
+
 #include "tetrahedron.hpp"
 
 namespace trackbed::fem {
@@ -39,6 +41,24 @@ Returned bring_back(const MohrCoulomb& surface, const ZonePoints& points, const 
     }
   }
   return found;
+}
+
+// Seeks a share of a step at which `along`, which falls from 1 at 0 to below 0 at 1, has lost at
+// least half: shares of all sizes first, then between the last two. Leaves the last one tried.
+template <class Along>
+void cut(const Along& along) {
+  constexpr int most = 100;
+  double low = 1e-14, high = 1, at_low = 1, at_high = -1;
+  for (int k = 0; k < most; ++k) {
+    const bool far = high > 4 * low;
+    const double middle = far     ? std::sqrt(low * high)
+                          : k % 2 ? 0.5 * (low + high)
+                                  : low + (high - low) * at_low / (at_low - at_high);
+    const double found = along(middle);
+    if (std::abs(found) <= 0.5) return;
+    (found > 0 ? low : high) = middle;
+    (found > 0 ? at_low : at_high) = found;
+  }
 }
 
 // Each point's rows by its own matrix.
@@ -88,46 +108,83 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   return law;
 }
 
+// Newton on x - Z^T d(x), the enhanced strains of a zone.
+struct PlasticStep::Search {
+  static constexpr int most = 100;  // rounds of each way
+  const Law& law;
+  Flow& flow;
+  Returned at = evaluate();
+  double scale = law.modes.cwiseAbs().maxCoeff();
+  double rounding = 1e-15 * flow.elastic.norm() / law.elasticity(0, 0);
+
+  Returned evaluate() const {
+    return bring_back(law.surface, law.points, flow.elastic + law.modes * flow.modes, true);
+  }
+  void move_to(const Vector& modes) {
+    flow.modes = modes;
+    at = evaluate();
+  }
+  Vector left() const { return flow.modes - law.modes.transpose() * at.gained; }
+  bool is_below(double share) const {
+    return left().norm() <= scale * (share * at.gained.norm() + rounding);
+  }
+  Vector step(const Matrix& slope, const Vector& open, double damping) const {
+    const Matrix damped = slope + damping * Matrix::Identity(slope.rows(), slope.cols());
+    return -damped.partialPivLu().solve(open);
+  }
+  Matrix slope() const { return law.strains.transpose() * by_points(at.slope, law.modes); }
+
+  // For an associated law what is left is the gradient of a convex potential with curvatures from 0
+  // to 1: 0 where enhanced strains only flow, along which a step ends far beyond the next border of
+  // the strength. There it is cut to where the potential along it is least, found by the sign of
+  // its slope.
+  void go_along_steps() {
+    constexpr double enough = 1e-12, damping = 1e-10;
+    for (int k = 0; k < most && !is_below(enough); ++k) {
+      const Vector open = left(), from = flow.modes, way = step(slope(), open, damping);
+      const auto along = [&](double share) {  // slope of the potential, 1 at the begin
+        move_to(from + share * way);
+        return left().dot(way) / open.dot(way);
+      };
+      if (along(1) < 0 && left().norm() >= open.norm()) cut(along);
+    }
+  }
+
+  // Without dilation there is no potential, and steps along it may go in circles: from the begin
+  // by what gets nearer, a share of the identity added (Levenberg 1944, doi:10.1090/qam/10666).
+  void go_damped(double enough) {
+    move_to(Vector::Zero(flow.modes.size()));
+    for (int k = 0; k < most && !is_below(enough); ++k) {
+      const Vector open = left(), from = flow.modes;
+      const Matrix here = slope();
+      for (const double damping : {1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0}) {
+        move_to(from + step(here, open, damping));
+        if (left().norm() < open.norm()) break;
+      }
+    }
+  }
+};
+
 PlasticStep::PlasticStep(const Mesh& mesh, Plasticity& plasticity)
     : mesh_(mesh), plasticity_(plasticity) {
   for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s) laws_.push_back(law_of(mesh, s));
 }
 
-// Newton on x - Z^T d(x), damped where that does not get nearer: by a share of the identity
-// (Levenberg 1944, doi:10.1090/qam/10666), since enhanced strains that only flow have no stiffness
-// at all. For an associated law x - Z^T d is the gradient of a convex potential with curvatures
-// from 0 to 1, so the most damped step gets nearer. A little of what is left after `most` lags as
-// in explicit steps: the balance of the nodes holds without it. Returns whether no more is left.
+// Two ways, one after the other. A little of what is left lags as in explicit steps: the balance of
+// the nodes holds without it, and as stress beyond the strength it is the next step's to take up.
+// Returns whether no more is left.
 bool PlasticStep::seek(Flow& flow) const {
-  constexpr int most = 100;
-  constexpr double little = 1e-6;
-  constexpr double enough = 1e-12, rounding = 1e-15;
-  constexpr std::array damping = {1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0};
+  constexpr double little = 1e-4;
   const Law& l = law(flow);
   if (l.modes.cols() == 0) {
     flow.gained = bring_back(l.surface, l.points, flow.elastic, false).gained;
     return true;
   }
-  const double scale = l.modes.cwiseAbs().maxCoeff();
-  const double least = rounding * flow.elastic.norm() / l.elasticity(0, 0);
-  const auto evaluate = [&](const Vector& modes) {
-    return bring_back(l.surface, l.points, flow.elastic + l.modes * modes, true);
-  };
-  Returned at = evaluate(flow.modes);
-  for (int k = 0; k < most; ++k) {
-    const Vector open = flow.modes - l.modes.transpose() * at.gained, from = flow.modes;
-    if (open.norm() <= scale * (enough * at.gained.norm() + least)) break;
-    const Matrix slope = l.strains.transpose() * by_points(at.slope, l.modes);
-    for (const double more : damping) {
-      const Matrix damped = slope + more * Matrix::Identity(slope.rows(), slope.cols());
-      flow.modes = from - damped.partialPivLu().solve(open);
-      at = evaluate(flow.modes);
-      if ((flow.modes - l.modes.transpose() * at.gained).norm() < open.norm()) break;
-    }
-  }
-  flow.gained = at.gained;
-  const double open = (flow.modes - l.modes.transpose() * at.gained).norm();
-  return open <= scale * (little * at.gained.norm() + least);
+  Search search{l, flow};
+  search.go_along_steps();
+  if (!search.is_below(little)) search.go_damped(little);
+  flow.gained = search.at.gained;
+  return search.is_below(little);
 }
 
 // Enhanced strains are sought from none: those of the last try may have been far off, and from

@@ -62,6 +62,7 @@ class PlasticStep {
   ZonePoints points(const Flow& flow) const {
     return plasticity_.points_of(plasticity_.zones()[flow.number]);
   }
+  struct Search;
   bool seek(Flow& flow) const;
 
   const Mesh& mesh_;
