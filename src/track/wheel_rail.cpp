@@ -22,7 +22,8 @@ struct Elliptic {
 // From the parameter m = e^2 by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
 Elliptic elliptic(double m) {
   double a = 1, b = std::sqrt(1 - m), c = std::sqrt(m), power = 0.5, sum = power * c * c;
-  while (std::abs(c) > 1e-16 * a) {
+  constexpr int most = 40;  // a and b may go on to differ by rounding
+  for (int k = 0; k < most && std::abs(c) > 1e-16 * a; ++k) {
     const double mean = (a + b) / 2;
     c = (a - b) / 2;
     b = std::sqrt(a * b);

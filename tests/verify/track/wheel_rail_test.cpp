@@ -33,6 +33,20 @@ TEST(Hertz, EqualRadiiAreASphere) {
                  1e-6 * sphere);
 }
 
+// Radii in other units, too: what they are is for `check` to doubt. The longer the ellipse the
+// softer the contact.
+TEST(Hertz, AnyRatioOfRadiiEnds) {
+  double last = 1e300;
+  for (double ratio = 1; ratio < 1e7; ratio *= 1.03) {
+    const double found = hertz_contact({.wheel_radius = 0.3 * ratio}).constant;
+    EXPECT_NEAR(hertz_contact({.wheel_radius = 0.3, .rail_radius = 0.3 * ratio}).constant, found,
+                1e-9 * found);
+    // As large a curvature across the longer axis, so that only the ellipse changes.
+    EXPECT_LT(found / std::sqrt(ratio), last);
+    last = found / std::sqrt(ratio);
+  }
+}
+
 TEST(Irregularities, RootMeanSquareInD1) {
   const std::vector<std::tuple<const char*, Spectrum, double, double>> cases = {
       {"ERRI low", Spectrum::erri_low, 0.9843e-3, 5e-8},
