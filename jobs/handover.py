@@ -49,6 +49,8 @@ import launch  # noqa: E402
 OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "seat", "track", "train",
                 "wheel_rail", "irregularity", "irregularity_right", "passage", "vehicle")
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
+# What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
+OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.csv|handover\.png")
 PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
 WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
 
@@ -115,10 +117,12 @@ class Loop:
         sleepers = self.deck.get("sleepers", {})
         if missing := [key for key in ("first", "spacing", "count") if key not in sleepers]:
             sys.exit(f"{given.deck}: [sleepers] must say {' and '.join(missing)}")
+        self.spare_inputs()
         launch.make_folder(given.folder)
         if given.force:  # or a stop would leave later rounds to the command that goes on
-            for old in [*given.folder.glob("bed*"), *given.folder.glob("round_*")]:
-                shutil.rmtree(old) if old.is_dir() else old.unlink()
+            for old in given.folder.iterdir():
+                if OF_THE_LOOP.fullmatch(old.name):
+                    shutil.rmtree(old) if old.is_dir() and not old.is_symlink() else old.unlink()
         self.start = given.start.resolve() if given.start else self.make_bed(done)
         self.x = sleepers["first"] + sleepers["spacing"] * np.arange(sleepers["count"])
         seat = self.deck.get("seat", {})
@@ -126,6 +130,24 @@ class Loop:
         self.on_track = sleepers["spacing"] * (seat.get("before", 20) + np.arange(len(self.x)))
         self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
         self.rows = []
+
+    def spare_inputs(self):
+        """Refuses what it would write over, or remove, of its own inputs."""
+        given, folder = self.given, self.given.folder.resolve()
+
+        def place(path):
+            """Of the loop in its folder, by the first name below it."""
+            inside = path.resolve().is_relative_to(folder) and path.resolve() != folder
+            name = path.resolve().relative_to(folder).parts[0] if inside else ""
+            return OF_THE_LOOP.fullmatch(name)
+        named = re.findall(r'"([^"\n]*[./][^"\n]*)"', given.deck.read_text(encoding="utf-8"))
+        files = [file for name in named if (file := given.deck.parent / name).is_file()]
+        for path in (given.deck, *files):
+            if place(path):
+                sys.exit(f"{path} is where the loop writes its own: take another folder")
+        if given.force and given.start and place(given.start):
+            sys.exit(f"--force would remove {given.start}: copy it to another place, or take "
+                     "another folder")
 
     def check(self):
         """Ends with the program's own sentences if the deck is not valid."""

@@ -53,6 +53,47 @@ def check_program(program, source, folder):
     refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
 
 
+def check_spared(program, source, folder):
+    """The loop neither writes over its inputs nor removes them, with --force neither what others
+    have put beside its own."""
+    loop, given = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
+    place = folder / "loop"
+    (place / "bed").mkdir(parents=True)
+    start = place / "bed/stage_bed_in.h5"
+    kept = {place / name: name for name in (
+        "bed.toml", "bed/stage_bed_in.h5", "round_0/trains.toml", "bed/table.csv", "bed.csv",
+        "bedding/measured.csv", "round_table/rows.csv", "round_1.csv", "bed_of_mine.toml")}
+    text = given.read_text(encoding="utf-8")
+    for path, name in kept.items():
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text if name.endswith(".toml") else name, encoding="utf-8")
+
+    def same():
+        for path, name in kept.items():
+            if not path.is_file() or path.read_text(encoding="utf-8") != (
+                    text if name.endswith(".toml") else name):
+                raise SystemExit(f"the loop must leave {path} as it was")
+    refused(folder, f"--force would remove {start}", [loop, program, given, place, "--start", start,
+                                                      "--force"])
+    for deck in ("bed.toml", "round_0/trains.toml"):
+        for words in ([], ["--force"]):
+            refused(folder, f"{place / deck} is where the loop writes its own",
+                    [loop, program, place / deck, place, *words])
+    same()
+    # What comes after is refused by a program that only checks.
+    checks = folder / "checks"
+    checks.write_text('#!/bin/sh\ntest "$1" = check\n', encoding="utf-8")
+    checks.chmod(0o755)
+    refused_later = [loop, checks, given, place, "--force"]
+    subprocess.run([sys.executable, *refused_later], capture_output=True, check=False, cwd=folder)
+    for name in ("bed/stage_bed_in.h5", "bed/table.csv", "round_0/trains.toml"):
+        if (place / name).exists():
+            raise SystemExit(f"--force must remove {place / name}, which is the loop's")
+        del kept[place / name]
+    del kept[place / "bed.toml"]  # is written anew
+    same()
+
+
 def main():
     program, source, folder = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -60,6 +101,7 @@ def main():
     check_stages(program, source, folder)
     check_places(program, source, folder)
     check_program(program, source, folder)
+    check_spared(program, source, folder)
     for ranks in ("abc", "0", "-1", "1.5"):
         refused(folder, f'RANKS = "{ranks}": must be a whole number', [
             source / "jobs/handover.py", program, source / "inputs/track/on_bed.toml", "results"],
