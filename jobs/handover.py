@@ -20,8 +20,9 @@ of an earlier run of the deck, saves that. One round, in FOLDER/round_K:
 
 The same command again goes on where the last one was stopped (SIGTERM, SIGHUP or Ctrl-C: code 3,
 after a checkpoint): what FOLDER holds of the same decks is taken as it is, what was stopped is
-resumed. --force begins anew: all in FOLDER whose name begins with bed or round_ is removed, a
-checkpoint that --start names there too.
+resumed. --force begins anew: what a loop writes in FOLDER is removed first (bed, bed.toml,
+bed.log, round_0 and on, handover.csv, handover.png). A deck, a file that it names or a --start
+among these is refused.
 
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
 rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
