@@ -67,6 +67,7 @@ void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& f
     const auto names = file.read_rows<std::int64_t>(group + "/plastic/zone", begin, count);
     plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
                         std::vector<double>& values) {
+      if (!file.has(group + "/" + name)) return;  // of a state that is older than the number
       const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
       for (std::size_t r = 0; r < count; ++r) {
         const std::int64_t zone = mesh.local_zone(names[r]);

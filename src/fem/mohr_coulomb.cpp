@@ -88,6 +88,12 @@ double MohrCoulomb::beyond(const Vec3& s) const {
   return std::max(main.normal(0) * high - low - main.limit, high - planes_[3].limit);
 }
 
+// Rounding of the return and of principal values.
+bool MohrCoulomb::opens(const Vec6& stress) const {
+  const double limit = planes_[3].limit, rounding = 1e-9 * (stress.norm() + std::abs(limit));
+  return principal(stress).value[0] >= limit - rounding;
+}
+
 // Multipliers x of the set: normal_i (stress - sum_j x_j back_j) = limit_i.
 bool MohrCoulomb::try_set(unsigned set, double rounding, Vec3& stress, Vec3& plastic) const {
   std::array<const Plane*, 3> active{};

@@ -38,6 +38,8 @@ class MohrCoulomb {
   bool bring_back(Vec6& stress, Vec6& plastic, Voigt* slope = nullptr) const;
   // Pa, how far principal stresses (any order) are beyond the surface; below 0: within.
   double beyond(const Vec3& stress) const;
+  // Whether a stress that was brought back lies on the cut-off: what flowed has opened.
+  bool opens(const Vec6& stress) const;
 
   // A stress is within the surface if, with p the mean and J the second invariant of the deviator,
   // r = limit - slope p >= 0 and factor J <= r^2, for both: no principal values needed.

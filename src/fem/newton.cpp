@@ -104,7 +104,7 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
     iterations += spent;
     open = line_search(dt, s, newton_step_, open);
   }
-  plastic_step_->keep();
+  plastic_step_->keep(blend_);
 }
 
 // The longest of 1, 1/2, 1/4 ... of the step that makes the residual fall; the last one otherwise,

@@ -239,12 +239,18 @@ void PlasticStep::tangent(const Visit& visit) const {
   }
 }
 
-void PlasticStep::keep() {
+void PlasticStep::keep(const Nodal& u) {
   for (const Flow& flow : flows_) {
     const Law& l = law(flow);
     const Vector trial = flow.elastic + l.modes * flow.modes;
     const Vector stress = trial - by_points(l.elasticity, flow.gained);
     *plasticity_.zone(flow.number).work += points(flow).weighted(stress).col(0).dot(flow.gained);
+    if (l.modes.cols() > 0) continue;
+    constexpr int parts = 6;  // of tetrahedra
+    for (int g = 0; g < tetrahedron_points; ++g)
+      if (!flow.gained.segment<parts>(parts * g).isZero(0) &&
+          l.surface.opens(stress.segment<parts>(parts * g)))
+        plasticity_.open(flow.number, u);
   }
   flows_.clear();
 }

@@ -37,8 +37,9 @@ class PlasticStep {
   // in ZoneElement, not symmetric unless dilation is friction.
   using Visit = std::function<void(std::size_t, const Eigen::MatrixXd&)>;
   void tangent(const Visit& visit) const;
-  // The last motion tried is the end of the step: its strain stays, its work is counted.
-  void keep();
+  // The last motion tried, u beyond rest, is the end of the step: its strain stays, its work is
+  // counted, tetrahedra that have opened are told.
+  void keep(const Nodal& u);
   // The strain of the begin comes back.
   void undo();
 

@@ -101,7 +101,16 @@ Plasticity::Plasticity(const Mesh& mesh, const Tetrahedra* tetrahedra)
 }
 
 // From nothing at rest, so that `act_on` gives the forces of all plastic strain there is.
-void Plasticity::seek_rest() { std::fill(rest_.begin(), rest_.end(), 0.0); }
+void Plasticity::seek_rest() {
+  std::fill(rest_.begin(), rest_.end(), 0.0);
+  std::fill(opened_.begin(), opened_.end(), 0.0);
+  seeks_rest_ = true;
+}
+
+void Plasticity::found_rest() {
+  rest_ = strain_;
+  seeks_rest_ = false;
+}
 
 // Flags follow from the strain and are not in files.
 void Plasticity::loaded() {
@@ -230,7 +239,8 @@ std::size_t Plasticity::bytes() const {
   std::size_t laws = 0;
   for (const auto& law : laws_)
     if (law) laws += law->stress.bytes() + law->relief.bytes() + law->force.bytes();
-  return laws + (strain_.capacity() + rest_.capacity() + work_.capacity()) * sizeof(double) +
+  return laws + opened_.capacity() * 8 + to_mass_.capacity() * 80 +
+         (strain_.capacity() + rest_.capacity() + work_.capacity()) * sizeof(double) +
          number_.capacity() * 8 + zone_.capacity() * 8 + flowed_.capacity() +
          runs_.capacity() * sizeof(Run) + groups_.capacity() * sizeof(Group);
 }

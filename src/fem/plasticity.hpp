@@ -45,12 +45,15 @@ class Plasticity {
             mesh_.solid[zone_[number]]};
   }
   std::size_t width() const { return width_; }  // numbers of strain per zone
+  // A tetrahedron in `zones()` has opened under the motion u: from now on `act_on` moves its weight
+  // to its mass. Nothing happens to one that is open already, or to boxes.
+  void open(std::size_t number, const Nodal& u);
   // Takes the forces of the plastic strain since rest off `internal` (N), complete on own nodes;
   // zones in ascending order. Local.
   void act_on(Nodal& internal) const;
   // While a rest is sought all plastic strain acts; from `found_rest` on what comes later.
   void seek_rest();
-  void found_rest() { rest_ = strain_; }
+  void found_rest();
 
   // For output, of a local zone; zero for one that does not yield. Pa: what plastic strain adds to
   // the elastic stress, at the centre or amid the top face, up to rest or since.
@@ -123,6 +126,7 @@ class Plasticity {
   void flow_groups(const Nodal& rest, const Nodal& u);
   void beyond_groups(const Nodal& rest, const Nodal& u, const Take& take);
   void act_groups(Nodal& internal) const;
+  double sag(std::size_t number, const Nodal& u) const;
 
   const Mesh& mesh_;
   const Tetrahedra* tetrahedra_;
@@ -135,6 +139,10 @@ class Plasticity {
   std::vector<double> strain_, rest_;  // all plastic strain; that at rest
   std::vector<double> work_;           // J lost, of each zone
   std::vector<std::uint8_t> flowed_;   // 1: has plastic strain
+  // Of tetrahedra: 1 if opened since rest; N, along z, what moves its weight to its mass.
+  std::vector<double> opened_;
+  std::vector<std::array<double, 10>> to_mass_;
+  bool seeks_rest_ = false;
 };
 
 }  // namespace trackbed::fem

@@ -66,7 +66,7 @@ double Plasticity::lost() const {
 // With e the plastic strain since rest, e0 that at rest: the elastic energy of all less that at
 // rest and the work of what held the rest,
 //   1/2 u K u - V e (S u + S rest + R e0) - 1/2 V e R e;
-// e S rest is the work of the stress at rest on what flows.
+// e S rest is the work of the stress at rest on what flows. Weight that has moved has its own.
 double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
   const int components = mesh_.lattice.components(), corners = mesh_.corners();
   double sum = 0;
@@ -83,6 +83,7 @@ double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
     const Eigen::VectorXd stress =
         points.recovery * motion + points.relief * (strain(n, When::rest) + 0.5 * since);
     sum -= points.weighted(stress).col(0).dot(since);
+    if (tetrahedra_ != nullptr && opened_[n] != 0) sum -= sag(n, u);
   }
   return sum;
 }
@@ -92,6 +93,8 @@ void Plasticity::list(const Visit& visit) {
         width_, strain_);
   visit("plastic/rest", "-", "that in the state of rest", width_, rest_);
   visit("plastic/work", "J", "lost by yielding of the zone", 1, work_);
+  if (tetrahedra_ != nullptr)
+    visit("plastic/opened", "-", "1 if the zone has opened since rest", 1, opened_);
 }
 
 }  // namespace trackbed::fem

@@ -4,10 +4,15 @@
 // No enhanced strains: a point's stress is D (B (rest + u) - e) and hangs on no other point. Points
 // of elements with curved edges differ in volume. Lanes of a group that do not yield are computed
 // along and never looked at; groups without any are passed over.
+//
+// Weight is what the shape functions carry, mass is lumped otherwise (terms_import.cpp). Where
+// stress cannot balance the difference, corners would fall upwards: a tetrahedron that has opened
+// carries its weight by its mass, so that what is loose falls as a whole. The rest stays exact.
 #include <algorithm>
 
 #include "plasticity.hpp"
 #include "room_within.hpp"
+#include "trackbed/core/types.hpp"
 
 namespace trackbed::fem {
 
@@ -34,7 +39,33 @@ void Plasticity::make_groups() {
     }
     number_[z] = static_cast<std::int64_t>(zone_.size());
     zone_.push_back(z);
+    TenNodes nodes;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      nodes[k] = mesh_.position(mesh_.corner(z, static_cast<int>(k)));
+    const TenNumbers load = tetrahedron_load(nodes);
+    const double heavy =
+        gravity * mesh_.solids.solid[static_cast<std::size_t>(mesh_.solid[z])].density;
+    auto& moves = to_mass_.emplace_back();
+    for (int k = 0; k < 10; ++k)
+      moves[static_cast<std::size_t>(k)] =
+          heavy * (load[k] - load.sum() * tetrahedron_mass_share(k));
   }
+  opened_.assign(zone_.size(), 0.0);
+}
+
+// J, of the forces that move its weight.
+double Plasticity::sag(std::size_t number, const Nodal& u) const {
+  double sum = 0;
+  for (int k = 0; k < 10; ++k)
+    sum += to_mass_[number][static_cast<std::size_t>(k)] * u[2][mesh_.corner(zone_[number], k)];
+  return sum;
+}
+
+// The forces set in where the nodes are now: their potential is lost there, as work of the opening.
+void Plasticity::open(std::size_t number, const Nodal& u) {
+  if (tetrahedra_ == nullptr || seeks_rest_ || opened_[number] != 0) return;
+  opened_[number] = 1;
+  work_[number] += sag(number, u);
 }
 
 // Plastic strain of a group's elements, in the lanes they have there.
@@ -73,7 +104,7 @@ void Plasticity::test_groups(const Nodal& rest, const Nodal& u, const Beyond& be
 }
 
 void Plasticity::flow_groups(const Nodal& rest, const Nodal& u) {
-  test_groups(rest, u, [this](std::size_t number, int lane, const auto& all) {
+  test_groups(rest, u, [&](std::size_t number, int lane, const auto& all) {
     const std::size_t zone = zone_[number];
     for (int g = 0; g < points; ++g) {
       Vec6 stress, plastic;
@@ -83,6 +114,7 @@ void Plasticity::flow_groups(const Nodal& rest, const Nodal& u) {
         strain_[number * width_ + static_cast<std::size_t>(c * points + g)] += plastic(c);
       work_[number] += stress.dot(plastic) * tetrahedra_->volume(zone, g);
       flowed_[number] = 1;
+      if (law_of(zone).surface.opens(stress)) open(number, u);
     }
   });
 }
@@ -106,6 +138,10 @@ void Plasticity::act_groups(Nodal& internal) const {
     for_lanes(group, [&](std::size_t number, int lane) { flowed[lane] = flowed_[number]; });
     tetrahedra_->take_off(group.number, stress, flowed, internal);
   }
+  // After them all: which elements share a group hangs on the rank.
+  for (std::size_t number = 0; number < zone_.size(); ++number)
+    for (int k = 0; opened_[number] != 0 && k < 10; ++k)
+      internal[2][mesh_.corner(zone_[number], k)] -= to_mass_[number][static_cast<std::size_t>(k)];
 }
 
 // Linear through the points: exact for the stress of a straight element.

@@ -109,7 +109,7 @@ TEST_P(Step, TangentIsTheDerivativeOfTheForce) {
     for (double& value : first) value = 1e-4 * normal(random);
     zone.force(first);
     EXPECT_EQ(zone.step.flowing(), 1u);
-    zone.step.keep();
+    zone.step.keep(zone.none);
     int smooth = 0, tried = 0;
     for (int k = 0; k < 10; ++k) {
       for (Eigen::Index n = 0; n < freedoms; ++n) u(n) = first(n) + 1e-4 * normal(random);
@@ -149,7 +149,7 @@ TEST_P(Step, StressLiesOnTheSurface) {
     for (double& value : u) value = 2e-4 * normal(random);
     zone.step.flow(zone.none, zone.nodal(u));
     const double before = *zone.plasticity.zone(0).work;
-    zone.step.keep();
+    zone.step.keep(zone.none);
     const int parts = points.components, count = static_cast<int>(points.relief.rows()) / parts;
     Eigen::VectorXd strain(points.relief.rows());
     for (int g = 0; g < count; ++g)

@@ -85,14 +85,15 @@ TEST(PlasticTetrahedra, TangentIsTheDerivativeOfTheForce) {
 }
 
 // Work of the load = kinetic + elastic + lost by yielding, if nothing else takes energy: to the
-// order of the step. With weight, from a rest that has not yielded.
+// order of the step. With weight, from a rest that has not yielded; pressed, and drawn until
+// elements open, whose weight moves to their mass.
 TEST(PlasticTetrahedra, EnergyIsBalanced) {
-  const auto error = [](double safety) {
+  const auto error = [](double safety, double pressure) {
     GroundParameters p = soft();
     p.rayleigh_mass = 0;
     p.safety = safety;
     Ground ground(Comm::self(), p, Dimension::space, 1);
-    const std::vector<Vec3> quiet = load(ground.top(), 0), push = load(ground.top(), 60e3);
+    const std::vector<Vec3> quiet = load(ground.top(), 0), push = load(ground.top(), pressure);
     ground.settle(quiet);
     double work = 0;
     EXPECT_EQ(ground.totals().plastic, 0);
@@ -103,16 +104,20 @@ TEST(PlasticTetrahedra, EnergyIsBalanced) {
         work += (force[n] - quiet[n]).dot(ground.top().motion[n]);
     }
     const GroundTotals end = ground.totals();
-    EXPECT_GT(end.plastic, 0.5 * work);
+    EXPECT_GT(end.plastic, 0.15 * work);
     return std::abs(end.kinetic + end.elastic + end.plastic - work) / work;
   };
   // Order one, as the return is: a fifth of the step, less than half of the error.
-  const double coarse = error(0.5), fine = error(0.1);
-  EXPECT_LT(coarse, 3e-4);
-  EXPECT_LT(fine, 0.5 * coarse);
+  // Where elements open forces set in at once: more of it in a step.
+  for (const auto& [pressure, most] : {std::pair{60e3, 3e-4}, {-30e3, 1e-3}}) {
+    const double coarse = error(0.5, pressure), fine = error(0.1, pressure);
+    EXPECT_LT(coarse, most);
+    EXPECT_LT(fine, 0.5 * coarse);
+  }
 }
 
-TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) {
+// `kilopascals` more in each window, until something yields.
+void check_bits(double kilopascals) {
   const GroundParameters p = soft();
   const Comm world = Comm::world();
   Ground alone(Comm::self(), p, Dimension::space, 1), shared(world, p, Dimension::space, 1);
@@ -122,7 +127,7 @@ TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) {
   const std::vector<Vec3> one_kilopascal = load(shared.top(), 1e3);
   const auto force = [&](int w) {
     std::vector<Vec3> all = one_kilopascal;
-    for (Vec3& one : all) one *= 4 * w;
+    for (Vec3& one : all) one *= kilopascals * w;
     return all;
   };
   for (Ground* ground : {&alone, &shared}) {
@@ -144,8 +149,12 @@ TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) {
   const std::vector<double> one = shape_of(Comm::self(), alone);
   EXPECT_EQ(one, shape_of(world, shared));
   EXPECT_EQ(one, shape_of(world, second));
+  EXPECT_EQ(shared.totals().plastic, second.totals().plastic);
   EXPECT_EQ(shared.trouble(), "");
 }
+
+TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) { check_bits(4); }
+TEST(PlasticTetrahedra, SameBitsOnceDrawnOpen) { check_bits(-1.5); }
 
 // A load brought on at once and held, with much damping: both kinds of steps come to rest alike.
 TEST(PlasticTetrahedra, ImplicitStepsAgreeWithExplicitOnes) {

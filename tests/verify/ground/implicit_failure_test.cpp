@@ -58,7 +58,7 @@ double triaxial(const Elastic& solid, const Strength& strength, Dimension dimens
       strain.x() -= lack / (1.5 * solid.young);
       if (dimension == Dimension::space) strain.y() = strain.x();
     }
-    step.keep();
+    step.keep(u);
   }
   return -stress(2);
 }

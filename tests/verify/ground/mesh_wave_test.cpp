@@ -1,5 +1,5 @@
 // A wave from below a ground of tetrahedra, from a mesh file or of sections: it doubles at the top
-// and goes out where it came in.
+// and goes out where it came in; what has no tensile strength it throws up as boxes are thrown.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -153,6 +153,56 @@ TEST(MeshedGround, IsCarriedByTheSpringsOfItsBase) {
       for (std::size_t w = 0; w < top.size(); ++w) off = std::max(off, std::abs(top[w] - exact[w]));
       EXPECT_LT(off, 0.01 * Lift::way);
     }
+}
+
+// A wave of 10 Hz and 0.1 m/s below 20 m without tensile strength, in half metres.
+struct Thrown {
+  double most, kept;  // m
+};
+Thrown thrown(GroundParameters p, Integrator integrator) {
+  const Comm comm = Comm::world();
+  const std::string table = fmt::format("thrown_on_{}.csv", comm.size());
+  comm.sum(std::int64_t{1});  // nobody reads one of this name any more
+  if (comm.root()) {
+    std::ofstream file(table);
+    file << "time_s,vx_m_s,vz_m_s\n";
+    for (int r = 0; r <= 200; ++r)
+      file << fmt::format("{},0,{}\n", r * 1e-3, r >= 100 ? 0 : 0.1 * std::sin(pi * r / 50));
+  }
+  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  p.base_stiffness = 0;
+  p.integrator = integrator;
+  p.base_motion = table;
+  const Strength loose{Yield::mohr_coulomb, 50e3, 30, 0, 0};
+  for (Layer& layer : p.layers) layer.strength = loose;
+  for (MeshSolid& solid : p.solids) solid.strength = loose;
+  Ground ground(comm, p, Dimension::space, 1);
+  ground.settle(none(ground));
+  double most = 0, high = 0;
+  for (int w = 0; w < 900; ++w) {
+    ground.advance(1e-3, none(ground));
+    high = -1e300;
+    for (const auto n : ground.own_top())
+      high = std::max(high, ground.top_state(n).displacement.z());
+    most = std::max(most, high);
+  }
+  EXPECT_EQ(ground.trouble(), "");
+  return {comm.max(most), comm.max(high)};
+}
+
+TEST(MeshedGround, WithoutTensileStrengthIsThrownUpAsBoxes) {
+  GroundParameters file = of_mesh(TetBox({1, 1, 20}, {1, 1, 40}), "loose_column", soil);
+  file.borders[4].holds = BorderKind::quiet;
+  GroundParameters boxes = box({1, 1, 20}, {1, 1, 40}, soil);
+  boxes.sides = Sides::roller;
+  boxes.base = Base::quiet;
+  const Thrown exact = thrown(boxes, Integrator::explicit_);
+  EXPECT_GT(exact.most, 5e-3);
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
+    const Thrown found = thrown(file, integrator);
+    EXPECT_NEAR(found.most, exact.most, 0.03 * exact.most);
+    EXPECT_NEAR(found.kept, exact.kept, 0.06 * exact.most);
+  }
 }
 
 TEST(MeshedGround, WaveFromBelowDoublesAtTheTop) { check_wave("mesh file", column_of_mesh()); }
