@@ -76,6 +76,12 @@ TOLD = {
     # The reverse.
     "ground.block.0.outline=[17.1,-1.45,18,-1.45,18,-1.58,17.1,-1.58]": ["-warning"],
     "ground.y=[0,9.5]": ["y = 0 to 9.5, z", "-warning"],  # ends at the foot of all
+    UPRIGHT + " ground.y=[0,3.5]": ["upright outside", "(x = 0 to 18 m)"],
+    UPRIGHT + " ground.y=[0,3.5] ground.side_y_high=free": ["-warning"],
+    UPRIGHT: ["-warning"],
+    # Slopes begin in a row of zones, and there they are free.
+    "ground.section.0.slope=0 ground.section.1.slope=0 ground.section.0.crest=9.5 "
+    "ground.section.1.crest=9.5 ground.y=[0,9.5]": ["upright outside", "(x = 0 to 9 m)"],
 }
 
 
