@@ -1,7 +1,15 @@
-// Weights are exact: of node n and rectangle R, with shape function N_n linear in each triangle T,
+// Weights are exact: of node n and rectangle R, with shape function N_n in each face T,
 //   w_n = 1/|R| sum_T integral over R and T of N_n = 1/|R| sum_T |R T| N_n(centroid of R T),
-// since the mean of a linear function over a polygon is its value at the centroid. So they sum to
-// one, and their centre is that of the rectangle: no moment gets lost.
+// since the mean of a linear function over a polygon is its value at the centroid, and so is that
+// of a bilinear one over a rectangle with sides along x and y. So they sum to one, and their centre
+// is that of the rectangle: no moment gets lost.
+//
+// Faces of zones are whole rectangles with bilinear functions, those of the elements below: an even
+// pressure then gives each node its tributary area. Halves along one diagonal give the nodes at its
+// ends twice what the other two get, and an even pressure bends the top. A zone is two triangles
+// abc and acd in turn that are a rectangle; faces of tetrahedra have none, whose triangles share no
+// such begin, and even loads on them need the triangles (fem/flat_top.hpp).
+//
 // Rejected: a share for each node inside, which jumps as a footprint moves across zones and has
 // neither of the two.
 #include "trackbed/couple/footprints.hpp"
@@ -76,6 +84,43 @@ void add_triangle(const Surface& surface, const std::array<std::int32_t, 3>& tri
   for (std::size_t k = 0; k < 3; ++k) weights[triangle[k]] += share * shape[k];
 }
 
+// The same for a whole zone, if this triangle and the next are one. Returns whether they are: not
+// where a ground has moved.
+bool add_zone(const Surface& surface, std::size_t half, const Rectangle& r,
+              std::map<std::int32_t, double>& weights) {
+  if (half + 1 >= surface.triangles.size()) return false;
+  const auto [a, b, c] = surface.triangles[half];
+  const auto [again, opposite, d] = surface.triangles[half + 1];
+  if (again != a || opposite != c) return false;
+  const auto at = [&](std::int32_t n) -> Point {
+    return surface.position[static_cast<std::size_t>(n)].head<2>();
+  };
+  const Point low = at(a), high = at(c), size = high - low;
+  constexpr double rounding = 1e-12;  // of the size
+  const Point off_b = at(b) - Point(high.x(), low.y()), off_d = at(d) - Point(low.x(), high.y());
+  if (size.minCoeff() <= 0 || std::max(off_b.norm(), off_d.norm()) > rounding * size.norm())
+    return false;
+  const Point from = low.cwiseMax(Point(r.x[0], r.y[0])), to = high.cwiseMin(Point(r.x[1], r.y[1]));
+  if (from.x() >= to.x() || from.y() >= to.y()) return true;
+  const double share = (to - from).prod() / ((r.x[1] - r.x[0]) * (r.y[1] - r.y[0]));
+  const Point local = ((from + to) / 2 - low).cwiseQuotient(size);
+  weights[a] += share * (1 - local.x()) * (1 - local.y());
+  weights[b] += share * local.x() * (1 - local.y());
+  weights[c] += share * local.x() * local.y();
+  weights[d] += share * (1 - local.x()) * local.y();
+  return true;
+}
+
+std::map<std::int32_t, double> weights_of(const Surface& surface, const Rectangle& r) {
+  std::map<std::int32_t, double> weights;
+  for (std::size_t t = 0; t < surface.triangles.size();) {
+    const bool whole = add_zone(surface, t, r, weights);
+    if (!whole) add_triangle(surface, surface.triangles[t], r, weights);
+    t += whole ? 2 : 1;
+  }
+  return weights;
+}
+
 }  // namespace
 
 Footprints::Footprints(const par::Comm& comm, const Surface& surface, std::vector<std::int32_t> own,
@@ -83,10 +128,8 @@ Footprints::Footprints(const par::Comm& comm, const Surface& surface, std::vecto
     : comm_(comm) {
   for (const Rectangle& r : rectangles) {
     require(r.x[1] > r.x[0] && r.y[1] > r.y[0], "a footprint has a width and a length");
-    std::map<std::int32_t, double> weights;
-    for (const auto& triangle : surface.triangles) add_triangle(surface, triangle, r, weights);
     std::vector<Share> all, mine;
-    for (const auto& [node, weight] : weights) {
+    for (const auto& [node, weight] : weights_of(surface, r)) {
       all.push_back({node, weight});
       const auto at = std::lower_bound(own.begin(), own.end(), node);
       if (at != own.end() && *at == node)

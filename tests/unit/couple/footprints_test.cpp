@@ -1,9 +1,11 @@
-// A rectangle on a surface: weights sum to one and have its centre, whatever triangles it cuts;
-// means are the same bits on any number of ranks.
+// A rectangle on a surface: weights sum to one and have its centre, whatever faces it cuts; an even
+// pressure gives nodes of zones their tributary area; means are the same bits on any number of
+// ranks.
 #include "trackbed/couple/footprints.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace trackbed::couple {
@@ -12,6 +14,7 @@ namespace {
 constexpr double rounding = 1e-13;
 constexpr int cells = 8;  // of 0.3 m along x; of 0.25 m along y
 
+// Zones, as a ground of hexahedra has them.
 Surface plate() {
   Surface surface;
   for (int j = 0; j <= cells; ++j)
@@ -38,8 +41,7 @@ const std::vector<Rectangle> rectangles = {{{0.31, 0.88}, {0.1, 1.43}},  // acro
                                            {{0.6, 1.2}, {0.5, 1.0}},     // along borders
                                            {{0.0, 2.4}, {0.0, 2.0}}};    // all of it
 
-TEST(Footprints, KeepForceAndMoment) {
-  const Surface surface = plate();
+void expect_force_and_moment(const Surface& surface) {
   const Footprints prints(par::Comm::world(), surface, {}, rectangles);
   for (std::size_t i = 0; i < rectangles.size(); ++i) {
     Vec3 centre = Vec3::Zero();
@@ -58,6 +60,40 @@ TEST(Footprints, KeepForceAndMoment) {
   double all = 0;
   for (const Vec3& force : load) all += force.z();
   EXPECT_NEAR(all, -10, 10 * rounding);
+}
+
+TEST(Footprints, KeepForceAndMoment) { expect_force_and_moment(plate()); }
+
+// Triangles that are no zones: halves begin at another node each, or the ground has moved.
+TEST(Footprints, KeepThemOnTriangles) {
+  Surface turned = plate(), moved = plate();
+  for (std::size_t t = 0; t < turned.triangles.size(); t += 2)
+    std::rotate(turned.triangles[t].begin(), turned.triangles[t].begin() + 1,
+                turned.triangles[t].end());
+  for (int j = 1; j < cells; ++j)
+    for (int i = 1; i < cells; ++i)
+      moved.position[static_cast<std::size_t>(i + (cells + 1) * j)] +=
+          1e-3 * Vec3(std::sin(i), std::cos(j), 1);
+  expect_force_and_moment(turned);
+  expect_force_and_moment(moved);
+}
+
+// Per area: a quarter of each zone around a node.
+TEST(Footprints, AnEvenPressureIsSharedByTributaryArea) {
+  const Surface surface = plate();
+  const Footprints prints(par::Comm::world(), surface, {}, rectangles);
+  for (const std::size_t i : {2, 3}) {
+    const Rectangle& r = rectangles[i];
+    const double area = (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]);
+    for (const auto& [node, weight] : prints.shares(i)) {
+      const Vec3& at = surface.position[static_cast<std::size_t>(node)];
+      const auto side = [&](double x, const std::array<double, 2>& range, double zone) {
+        return zone * (std::min(x - range[0], range[1] - x) < rounding ? 0.5 : 1.0);
+      };
+      const double tributary = side(at.x(), r.x, 0.3) * side(at.y(), r.y, 0.25);
+      EXPECT_NEAR(weight * area, tributary, rounding) << node;
+    }
+  }
 }
 
 // What hangs over the border is lost: a deck that does so is refused.
