@@ -22,6 +22,8 @@ namespace {
 // with this mean ratio (some 60 times as wide as high) are those of their height.
 constexpr double large = 1000, small = 0.1;  // m
 constexpr double poor_mean_ratio = 0.05;
+// Of the length of an edge: more than files of six digits leave of straight ones.
+constexpr double bent = 1e-3;
 
 constexpr std::array<const char*, 3> axes = {"x", "y", "z"};
 
@@ -206,6 +208,31 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
         parameters.mesh.empty() ? "" : " of the file"));
 }
 
+// Stones and pressures see two straight pieces for a curved edge of the top, and with it an even
+// pressure is no even stress in the elements (flat_top.hpp).
+void warn_of_curved_edges(const SolidMesh& mesh, const GroundParameters& parameters,
+                          std::vector<std::string>& warnings) {
+  std::map<std::int32_t, double> off;  // by middle node, over the length of its edge
+  for (const SolidMesh::Face& face : mesh.top) {
+    const auto nodes = mesh.nodes_of(face);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& begin = place(mesh, nodes[k]);
+      const Vec3 along = place(mesh, nodes[(k + 1) % 3]) - begin;
+      const Vec3 middle = place(mesh, nodes[3 + k]) - begin;
+      if (const double share = middle.cross(along).norm() / along.squaredNorm(); share > bent)
+        off[nodes[3 + k]] = share;
+    }
+  }
+  if (off.empty()) return;
+  const auto worst = std::max_element(
+      off.begin(), off.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const Vec3& at = place(mesh, worst->first);
+  warnings.push_back(fmt::format(
+      "{}: {} edges of the top are curved: their middle lies beside the straight edge, the one at "
+      "({:g}, {:g}, {:g}) m by {:.2g} % of its length; stones and pressures see straight pieces",
+      parameters.mesh, off.size(), at.x(), at.y(), at.z(), 100 * worst->second));
+}
+
 // An embankment whose block changes nothing would be the bare layers, and nobody would know.
 void require_blocks(const SolidMesh& mesh, const GroundParameters& parameters) {
   if (parameters.sections.empty()) return;
@@ -250,6 +277,7 @@ MeshReport look_at_mesh(const GroundParameters& parameters) {
   warn_of_size(parameters, all, report.warnings);
   warn_of_open_faces(mesh, parameters, report.warnings);
   warn_of_shapes(parameters, ratios, report.warnings);
+  warn_of_curved_edges(mesh, parameters, report.warnings);
   return report;
 }
 

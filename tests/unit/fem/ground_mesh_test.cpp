@@ -132,6 +132,24 @@ TEST(GroundOfTetrahedra, WeightPressesAsTheDepth) {
   EXPECT_EQ(Comm::world().sum(static_cast<std::int64_t>(grid.cells.size() / 10)), 72);
 }
 
+// A middle off its edge at the border of the top; files of six digits are no reason.
+TEST(GroundOfTetrahedra, CurvedEdgesOfTheTopAreToldOf) {
+  TetBox box({2, 1, 1}, {2, 1, 1});
+  const auto warnings = [&](double off, const std::string& name) {
+    for (Vec3& at : box.node)
+      if (at.x() == 0.5 && std::abs(at.y()) < 0.1 && at.z() == 0) at.y() = off;
+    GroundParameters p = of_mesh(box, name, soil);
+    p.borders[2].holds = BorderKind::fixed;  // no plane any more
+    return look_at_mesh(p).warnings;
+  };
+  EXPECT_TRUE(warnings(0, "straight_top").empty());
+  EXPECT_TRUE(warnings(5e-4, "six_digits").empty());
+  const std::vector<std::string> told = warnings(-0.02, "curved_top");
+  ASSERT_EQ(told.size(), 1);
+  EXPECT_NE(told[0].find("1 edges of the top are curved"), std::string::npos) << told[0];
+  EXPECT_NE(told[0].find("(0.5, -0.02, 0) m by 2 % of its length"), std::string::npos) << told[0];
+}
+
 // A column without lateral motion under 10 kPa: it sinks by q H (1 + nu)(1 - 2 nu) / (E (1 - nu)),
 // and sigma_z = -q at its top. On flat triangles as stones press; exact in quadratic elements.
 TEST(GroundOfTetrahedra, PressureOnItsTrianglesIsUniform) {
