@@ -55,7 +55,7 @@ GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
       height_(own_.size(), 0.0),
       mean_way_(mean_),
       way_(height_),
-      node_work_(exact_quantum(largest_work)) {
+      node_work_(largest_work) {
   for (const couple::Rectangle& r : footprints_of(model)) centre_.push_back((r.x[0] + r.x[1]) / 2);
   for (const Vec3& home : ground_.top().position) node_x_.push_back(home.x());
   const double stable = stable_step(model), longest = model.track.passage.step;
@@ -176,8 +176,8 @@ double GroundBelow::seconds() const { return ground_.seconds(); }
 
 // Work of nodes and of footprints over the magnitudes of what they exchanged.
 Json GroundBelow::balance() const {
-  ExactSum nodes = node_work_;
-  nodes.count() = comm_.sum(nodes.count());
+  FineSum nodes = node_work_;
+  comm_.sum(std::span<std::int64_t>(nodes.counts()));
   return {{"force", force_off_},
           {"moment", moment_off_},
           {"work", ratio(std::abs(nodes.value() - work_), all_work_)}};
@@ -219,17 +219,17 @@ std::uint64_t GroundBelow::state_hash() const {
 // Beside the ground's own state: what the next step needs of the last forces, and the sums so far.
 void GroundBelow::save(io::File& file) const {
   ground_.save(file, "ground");
-  ExactSum nodes = node_work_;
-  nodes.count() = comm_.sum(nodes.count());
-  const std::vector<std::int64_t> quanta{nodes.count()};
+  FineSum nodes = node_work_;
+  comm_.sum(std::span<std::int64_t>(nodes.counts()));
+  const std::vector<std::int64_t> quanta(nodes.counts().begin(), nodes.counts().end());
   const std::vector<double> sums{work_, all_work_, force_off_, moment_off_};
   const auto root = [&](const auto& values) {
     return std::span(values).first(comm_.root() ? values.size() : 0);
   };
   file.write<double>(std::string(group) + "/force", root(force_), 1,
                      {"N", "of the ballast of each sleeper on the ground, down positive"});
-  file.write<std::int64_t>(std::string(group) + "/node_work", root(quanta), 1,
-                           {"-", "work on the ground by its nodes so far, quanta of an exact sum"});
+  file.write<std::int64_t>(std::string(group) + "/node_work", root(quanta), 2,
+                           {"-", "work on the ground by its nodes so far, quanta of a fine sum"});
   file.write<double>(
       std::string(group) + "/sums", root(sums), 4,
       {"J, J, -, -",
@@ -244,7 +244,7 @@ void GroundBelow::load(const io::File& file) {
     throw RunError(std::string(group) + "/force belongs to another number of sleepers");
   footprints_.press(force_, load_);
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
-  node_work_.count() = comm_.root() ? quanta.at(0) : 0;
+  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
   const auto sums = file.read_all<double>(std::string(group) + "/sums");
   work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2), moment_off_ = sums.at(3);
   std::vector<couple::Footprints::Values> values{{{}, largest_height}};

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/parameters.hpp"
-#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/core/fine_sum.hpp"
 #include "trackbed/couple/footprints.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/io/file.hpp"
@@ -64,7 +64,7 @@ class GroundBelow {
   std::vector<double> mean_, height_, mean_way_, way_;
   // What the ballast has given to the ground so far, J: by nodes (of this rank), by footprints, and
   // the sum of magnitudes of these.
-  ExactSum node_work_;
+  FineSum node_work_;
   double work_ = 0, all_work_ = 0;
   double force_off_ = 0, moment_off_ = 0;  // largest relative imbalance of a step
 };

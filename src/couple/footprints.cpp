@@ -18,7 +18,7 @@
 #include <map>
 
 #include "trackbed/core/error.hpp"
-#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/core/fine_sum.hpp"
 
 namespace trackbed::couple {
 
@@ -151,18 +151,19 @@ std::vector<std::vector<double>> Footprints::means(std::span<const Values> quant
   std::vector<std::int64_t> sums;
   for (const Values& quantity : quantities)
     for (const std::vector<Share>& shares : own_shares_) {
-      ExactSum sum(exact_quantum(quantity.largest));
+      FineSum sum(quantity.largest);
       for (const Share& share : shares)
         sum.add(share.weight * quantity.own.at(static_cast<std::size_t>(share.node)));
-      sums.push_back(sum.count());
+      sums.insert(sums.end(), sum.counts().begin(), sum.counts().end());
     }
   comm_.sum(std::span(sums));
   std::vector<std::vector<double>> means;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     means.emplace_back();
     for (std::size_t i = 0; i < count(); ++i) {
-      ExactSum sum(exact_quantum(quantities[q].largest));
-      sum.count() = sums[q * count() + i];
+      FineSum sum(quantities[q].largest);
+      const std::size_t at = 2 * (q * count() + i);
+      sum.counts() = {sums[at], sums[at + 1]};
       means.back().push_back(sum.value());
     }
   }

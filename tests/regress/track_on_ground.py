@@ -35,12 +35,19 @@ REFUSED = {
     "seat.before=5": "seat is not a section",
     "model=track": "ground is not a section",
 }
-# Relative. Weights and sums of a few hundred nodes in double precision, exact sums of 1e-12 J.
+# Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
+# to 1e-20 J.
 BALANCE = 1e-9
 
 
 def facts(of):
     return of["track"], of["ground"]["state_hash"], of["ground"]["steps"]
+
+
+def check_balance(place, what, most=BALANCE):
+    for name, value in summary(place)["coupling"].items():
+        if not 0 <= value <= most:
+            raise SystemExit(f"{what}: imbalance of {name} is {value}")
 
 
 def check_refusals(program, deck):
@@ -54,9 +61,7 @@ def check_ranks(program, deck, folder):
     for ranks in (1, 2, 3, 4):
         place = folder / f"ranks_{ranks}"
         program.done(ranks, "run", deck, "-o", place)
-        for name, value in summary(place)["coupling"].items():
-            if not 0 <= value <= BALANCE:
-                raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
+        check_balance(place, f"{ranks} ranks")
         same_bits(folder / "ranks_1", place, f"{ranks} ranks", facts)
     found = datasets(folder / "ranks_1" / "results.h5")
     down, force = -found["history/ground/displacement"], found["history/ground/force"]
@@ -115,9 +120,7 @@ def check_bending_sleepers(program, deck, folder):
         place = folder / f"bending_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
         same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks", facts)
-        for name, value in summary(place)["coupling"].items():
-            if not 0 <= value <= BALANCE:
-                raise SystemExit(f"bending sleepers: imbalance of {name} is {value}")
+        check_balance(place, "bending sleepers")
     place = folder / "bending_stopped"
     program.done(1, "run", deck, *words, "passage.stop_after=333", "-o", place, code=3)
     program.done(3, "resume", place)
@@ -135,9 +138,7 @@ def check_seat_loads(program, deck, folder):
         place = folder / f"seats_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
         same_bits(folder / "seats_1", place, f"seat loads on {ranks} ranks", facts)
-        for name, value in summary(place)["coupling"].items():
-            if not 0 <= value <= BALANCE:
-                raise SystemExit(f"seat loads: imbalance of {name} is {value}")
+        check_balance(place, "seat loads")
     place = folder / "seats_stopped"
     program.done(2, "run", deck, *words, "passage.stop_after=222", "-o", place, code=3)
     program.done(1, "resume", place)
@@ -160,11 +161,13 @@ def check_netirail(program, deck, folder):
     found = datasets(place / "results.h5")
     rail, sleeper, ground = (found[f"history/{name}/displacement"][:, 0]
                              for name in ("rail", "sleeper", "ground"))
+    check_balance(place, "the deck")
     measured = [-rail.min(), (sleeper - rail).max(), -ground.min()]
     if not np.allclose(measured, [0.8e-3, 0.2e-3, 0.6e-3], rtol=0.25):
         raise SystemExit(f"rail, rail against sleeper, ground: {measured} m")
     words.append("passage.duration=0.02")
     program.done(2, "run", deck, *words, "-o", folder / "begin")
+    check_balance(folder / "begin", "the deck's begin", 1e-6)  # of next to no work
     place = folder / "begin_stopped"
     program.done(1, "run", deck, *words, "passage.stop_after=151", "-o", place, code=3)
     program.done(2, "resume", place)
