@@ -2,6 +2,7 @@
 // by order, energy and the limits of a rigid ground.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -121,6 +122,28 @@ TEST(TrackOnGround, SpringAndBlockInSeries) {
   verified::near("sleeper per force on the ground", "m/N",
                  -sleeper(pair, before) / pair.built.passage.ground_force(before), give,
                  2e-4 * give);
+}
+
+// A footprint that is all of a top in space presses it down evenly, in few zones as in many: a
+// column again.
+TEST(TrackOnGround, AnEvenPressureLeavesTheTopEven) {
+  for (const std::int64_t across : {1, 2, 5}) {
+    const fem::GroundParameters box =
+        fem::box({1.2, 0.9, 1.2}, {across, across, 4}, {60e6, 0.3, 2000});
+    fem::Ground ground(Comm::world(), fem::half_space(box), Dimension::space, 1);
+    const couple::Footprints print(Comm::world(), ground.top(), ground.own_top(),
+                                   {{{0, 1.2}, {0, 0.9}}});
+    std::vector<Vec3> load(ground.top().nodes(), Vec3::Zero());
+    print.press(std::array{1e5}, load);
+    fem::load_statically(ground, load);
+    const double column = 1e5 / (1.2 * 0.9) * 1.2 / (60e6 * 0.7 / (1.3 * 0.4));
+    double off = 0;
+    for (const auto node : ground.own_top())
+      off = std::max(off, std::abs(ground.top_motion(node).displacement.z() / column + 1));
+    verified::below("largest difference of the top from a column, " + std::to_string(across) +
+                        " zones each way",
+                    "-", Comm::world().max(off), 1e-6);
+  }
 }
 
 // Every 0.4 ms: m, of a sleeper and of the ground below it, while a force of 50 Hz grows.
