@@ -316,6 +316,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
+  if (model.ground.present) fem::Petsc::try_options(comm, model.dimension);
   const std::string start = checked_start(comm, model, deck);
   const GroundFile ground = checked_ground(comm, model, deck);
   const StonesOfLayers stones = require_stones(comm, model, deck);

@@ -213,7 +213,7 @@ void LinearSystem::Handles::make_solver(const Spec& spec) {
         "set the tolerance");
   take_options(solver);
   check(KSPGetTolerances(solver, &tolerance, nullptr, nullptr, nullptr), "ask for the tolerance");
-  check(KSPSetUp(solver), "set up the linear solver");
+  set_up(solver);
 }
 
 LinearSystem::LinearSystem(Mesh& mesh, const Stiffness& stiffness, const Spec& spec) {

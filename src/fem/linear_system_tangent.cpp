@@ -69,6 +69,7 @@ int LinearSystem::solve_changed(const Changes& changes, const Nodal& right_side,
   check(KSPSetTolerances(h.tangent_solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT),
         "set the tolerance");
   h.give(right_side, h.right);
+  set_up(h.tangent_solver);
   check(KSPSolve(h.tangent_solver, h.right, h.solution), "solve the ground");
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(h.tangent_solver, &reason), "say why it stopped");
@@ -77,6 +78,7 @@ int LinearSystem::solve_changed(const Changes& changes, const Nodal& right_side,
   if (reason < 0) {
     h.make_direct();
     check(KSPSetOperators(h.direct, h.tangent, h.tangent), "give a solver its matrix");
+    set_up(h.direct);
     check(KSPSolve(h.direct, h.right, h.solution), "solve the ground");
     check(KSPGetConvergedReason(h.direct, &reason), "say why it stopped");
     if (reason < 0) return -1;

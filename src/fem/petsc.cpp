@@ -1,4 +1,4 @@
-// Start and end of PETSc, and its error codes.
+// Start and end of PETSc, its error codes, and what it does not take of its options.
 //
 // PETSc is started once per process, by the program or, in tests, by whoever needs it first.
 #include "trackbed/fem/petsc.hpp"
@@ -7,16 +7,92 @@
 #include <fmt/ranges.h>
 #include <petscsys.h>
 
+#include <array>
+#include <cstdlib>
+#include <sstream>
+
 #include "petsc_check.hpp"
+#include "petsc_files.hpp"
+#include "trackbed/fem/ground.hpp"
+#include "trackbed/par/comm.hpp"
 
 namespace trackbed::fem {
 
 namespace {
 
-// Of the process, as PETSc's own.
+constexpr const char* variable = "PETSC_OPTIONS";  // of the environment, read by PETSc itself
+
+// Of the process, as PETSc's own: what stands after --, and what the last error was about.
 std::vector<std::string>& given() {
   static std::vector<std::string> options;
   return options;
+}
+std::string& last_words() {
+  static std::string words;
+  return words;
+}
+
+std::vector<std::string> of_environment() {
+  const char* text = std::getenv(variable);
+  std::istringstream stream(text == nullptr ? "" : text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+// Returns the code instead of a traceback on the screen; the first of an error's callers knows what
+// it is about.
+PetscErrorCode keep_words(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
+                          PetscErrorType type, const char* words, void*) {
+  if (type == PETSC_ERROR_INITIAL) last_words() = words == nullptr ? "" : words;
+  return code;
+}
+
+std::string words_of(int code) {
+  const std::string first = last_words().substr(0, last_words().find('\n'));
+  if (!first.empty()) return first;
+  const char* text = nullptr;
+  PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
+  return text != nullptr ? text : "?";
+}
+
+// Where the options stand, if in one place.
+const char* source() { return given().empty() ? variable : "command line"; }
+
+// An option that PETSc refuses stands in one of two places; RunError if in neither.
+void refuse(int code, const char* what) {
+  std::vector<std::string> places;
+  if (!given().empty()) places.push_back(fmt::format("after -- ({})", fmt::join(given(), " ")));
+  if (const auto words = of_environment(); !words.empty())
+    places.push_back(fmt::format("of {} ({})", variable, fmt::join(words, " ")));
+  if (places.empty()) return check(code, what);
+  throw InputError({fmt::format("{}: PETSc does not take the options {}: {}", source(),
+                                fmt::join(places, " or "), words_of(code))});
+}
+
+// Not an option's fault.
+bool is_trouble(int code) {
+  constexpr std::array all = {PETSC_ERR_MEM, PETSC_ERR_LIB, PETSC_ERR_FP,
+                              PETSC_ERR_SIG, PETSC_ERR_MPI, PETSC_ERR_NOT_CONVERGED};
+  return std::find(all.begin(), all.end(), code) != all.end();
+}
+
+// PETSc takes any number and then counts, or compares, to no end.
+void require_range(KSP solver) {
+  PetscReal relative = 0, absolute = 0, growth = 0;
+  PetscInt most = 0;
+  const char* prefix = nullptr;
+  check(KSPGetTolerances(solver, &relative, &absolute, &growth, &most), "ask for the tolerance");
+  check(KSPGetOptionsPrefix(solver, &prefix), "ask for a name");
+  const auto require = [&](bool holds, const char* name, double value, const char* range) {
+    if (holds) return;
+    throw InputError({fmt::format("{}: -{}{} = {:g}: must be {}", source(),
+                                  prefix == nullptr ? "" : prefix, name, value, range)});
+  };
+  require(relative >= 0 && relative < 1, "ksp_rtol", relative, "at least 0 and below 1");
+  require(absolute >= 0, "ksp_atol", absolute, "at least 0");
+  require(growth > 0, "ksp_divtol", growth, "above 0");
+  require(most >= 0, "ksp_max_it", static_cast<double>(most), "at least 0");
 }
 
 // PETSc stops at a first word that is no option without saying which.
@@ -28,10 +104,15 @@ void require_option(const std::vector<std::string>& options) {
 }
 
 // PETSc's signal handler is left out so that the program's own stays, and errors come back as codes
-// instead of an abort: they become RunError and its exit code.
+// instead of an abort: they become RunError and its exit code. From before its start, since that
+// reads options.
 void start(const std::vector<std::string>& options) {
   require_option(options);
   given() = options;
+  std::string problem = unusable_file(options, "command line");
+  if (problem.empty()) problem = unusable_file(of_environment(), variable);
+  if (problem = par::Comm::world().first_problem(problem); !problem.empty())
+    throw InputError({problem});
   std::vector<std::string> words = {"trackbed", "-no_signal_handler"};
   words.insert(words.end(), options.begin(), options.end());
   std::vector<char*> pointers;
@@ -39,8 +120,9 @@ void start(const std::vector<std::string>& options) {
   pointers.push_back(nullptr);
   int count = static_cast<int>(words.size());
   char** list = pointers.data();
-  check(PetscInitialize(&count, &list, nullptr, nullptr), "start PETSc");
-  check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr), "set the error handler of PETSc");
+  check(PetscPushErrorHandler(keep_words, nullptr), "set the error handler of PETSc");
+  if (const int code = PetscInitialize(&count, &list, nullptr, nullptr); code != 0)
+    refuse(code, "start");
 }
 
 // Harmless if somebody else ended PETSc already.
@@ -59,21 +141,22 @@ int finish_with_mpi(MPI_Comm, int, void*, void*) {
 
 }  // namespace
 
-// Carries PETSc's own words for the code; the return handler keeps its traceback off the screen.
 void check(int code, const char* what) {
   if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
-  throw RunError(std::string("PETSc could not ") + what + ": " + (text != nullptr ? text : "?"));
+  throw RunError(std::string("PETSc could not ") + what + ": " + words_of(code));
 }
 
 void take_options(KSP solver) {
-  const int code = KSPSetFromOptions(solver);
-  if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(static_cast<PetscErrorCode>(code), &text, nullptr);
-  throw InputError({fmt::format("command line: PETSc does not take the options after -- ({}): {}",
-                                fmt::join(given(), " "), text != nullptr ? text : "?")});
+  last_words().clear();
+  if (const int code = KSPSetFromOptions(solver); code != 0) refuse(code, "set a solver");
+  require_range(solver);
+}
+
+void set_up(KSP solver) {
+  last_words().clear();
+  const int code = KSPSetUp(solver);
+  is_trouble(code) || code == 0 ? check(code, "set up the linear solver")
+                                : refuse(code, "set up the linear solver");
 }
 
 Petsc::Petsc(const std::vector<std::string>& options) { start(options); }
@@ -90,6 +173,20 @@ std::vector<std::string> Petsc::unused_options() {
   for (PetscInt i = 0; i < count; ++i) unused.emplace_back(names[i]);
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values), "give back its options");
   return unused;
+}
+
+void Petsc::try_options(const par::Comm& comm, Dimension dimension) {
+  if (given().empty() && of_environment().empty()) return;
+  GroundParameters p;
+  const double length = 4.0 * comm.size();
+  p.x = {0, length};
+  p.y = {0, 2};
+  p.zones_x = 4 * comm.size(), p.zones_y = p.zones_z = 2;
+  p.layers = {{.name = "all", .thickness = 2, .solid = {}}};
+  p.base = Base::fixed;
+  p.integrator = Integrator::newmark;
+  Ground ground(comm, p, dimension, 1);
+  ground.advance(1e-3, std::vector<Vec3>(ground.top().nodes(), Vec3::Zero()));
 }
 
 void Petsc::ensure() {

@@ -10,7 +10,9 @@
 namespace trackbed::fem {
 
 void check(int code, const char* what);
-// Sets a solver as the options after -- say. Collective.
+// Sets a solver as the options say; numbers out of range are refused as well. Collective.
 void take_options(KSP solver);
+// Before the first solve, where PETSc finds what of the options does not go together. Collective.
+void set_up(KSP solver);
 
 }  // namespace trackbed::fem

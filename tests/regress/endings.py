@@ -4,6 +4,7 @@ checkpoints of other models, of runs that are over, of other folders.
 
     endings.py PROGRAM DECK FOLDER
 """
+import os
 import pathlib
 import re
 import resource
@@ -187,11 +188,28 @@ def check_solver_options(program, deck, folder):
     """What stands after -- and is none of PETSc's: said as what was given."""
     cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is none'),
              (["-ground_pc_type", "nosuch"], "(-ground_pc_type nosuch)"),
+             (["-ground_pc_type", "lu", "-ground_pc_factor_mat_solver_type", "superlu_nope"],
+              "superlu_nope"),
+             (["-ground_ksp_rtol", "-1"], "-ground_ksp_rtol = -1: must be at least 0 and below 1"),
+             (["-ground_ksp_max_it", "-5"], "-ground_ksp_max_it = -5: must be at least 0"),
+             (["-options_file", "nofile"], "the file of -options_file nofile cannot be read"),
+             (["-log_view", ":/nonexistent/x"],
+              "the file of -log_view :/nonexistent/x cannot be written"),
              (["-ground_ksp_type"], "(-ground_ksp_type)")]
+    start = f"start={folder / 'made/stage_sleepers.h5'}"
+    run = ["run", deck, start, "-o", folder / "options", "--force"]
     for options, words in cases:
-        ran = program(1, "run", deck, f"start={folder / 'made/stage_sleepers.h5'}",
-                      "-o", folder / "options", "--force", "--", *options)
-        expect(ran.returncode == 2 and words in ran.stderr, f"{options} must be refused", ran)
+        for ranks, command in ((1, run), (2, run), (1, ["check", deck, start])):
+            ran = program(ranks, *command, "--", *options)
+            expect(ran.returncode == 2 and words in ran.stderr and "PETSC ERROR" not in ran.stderr,
+                   f"{command[0]} on {ranks} ranks: {options} must be refused", ran)
+    for options, words in (("-ground_pc_type nosuch", "PETSC_OPTIONS (-ground_pc_type nosuch)"),
+                           ("-options_file nofile", "PETSC_OPTIONS: the file of -options_file")):
+        os.environ["PETSC_OPTIONS"] = options
+        ran = program(1, *run)
+        del os.environ["PETSC_OPTIONS"]
+        expect(ran.returncode == 2 and words in ran.stderr, f"PETSC_OPTIONS={options}", ran)
+    program.done(1, "check", deck, start, "--", "-log_view", f":{folder}/log.txt")
 
 
 def main():

@@ -1,0 +1,57 @@
+#include "petsc_files.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+namespace trackbed::fem {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_readable(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && access(path.c_str(), R_OK) == 0;
+}
+
+// A file that is there, or a new one in its folder.
+bool is_writable(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return false;
+  if (fs::exists(path, error)) return access(path.c_str(), W_OK) == 0;
+  const fs::path folder = fs::path(path).parent_path();
+  const std::string at = folder.empty() ? "." : folder.string();
+  return fs::is_directory(at, error) && access(at.c_str(), W_OK) == 0;
+}
+
+// The file of a viewer, type:file:format:mode, or nothing; of screens and sockets nothing.
+std::string viewed(const std::string& value) {
+  const std::size_t colon = value.find(':');
+  if (colon == std::string::npos) return "";
+  constexpr std::array<const char*, 5> types = {"", "ascii", "binary", "hdf5", "vtk"};
+  const std::string type = value.substr(0, colon), rest = value.substr(colon + 1);
+  if (std::find(types.begin(), types.end(), type) == types.end()) return "";
+  return rest.substr(0, rest.find(':'));
+}
+
+}  // namespace
+
+std::string unusable_file(const std::vector<std::string>& words, const std::string& source) {
+  for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+    const std::string &option = words[k], &value = words[k + 1];
+    if (!option.starts_with('-')) continue;
+    const bool is_read = option == "-options_file" || option == "-options_file_yaml";
+    if (is_read && !is_readable(value))
+      return fmt::format("{}: the file of {} {} cannot be read", source, option, value);
+    const std::string written = option == "-log_trace" ? value : viewed(value);
+    if (!is_read && !written.empty() && !is_writable(written))
+      return fmt::format("{}: the file of {} {} cannot be written", source, option, value);
+  }
+  return "";
+}
+
+}  // namespace trackbed::fem
