@@ -184,13 +184,13 @@ Json GroundBelow::balance() const {
 }
 
 // The track's own account takes the ground for rigid: k u^2/2 of a spring instead of
-// k (u - g)^2/2, which is more by g (k (g - u) - k g/2).
+// k (u - g)^2/2, which is more by g (k (g - u) - k g/2). Stops know the ground.
 Json GroundBelow::energies(const track::Passage& passage) const {
   const fem::GroundTotals totals = ground_.totals();
   const track::Newmark& motion = passage.line_motion();
   const track::Vector still = track::Vector::Zero(motion.velocity.size());
   const track::Line& line = passage.line();
-  double track = motion.energy();
+  double track = passage.track_energy();
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     if (line.ground_stop(first_ + i) >= 0) continue;
     const double spring =

@@ -84,16 +84,6 @@ void put_d1(Json& json, const std::string& section, const track::IrregularityPar
     json[section + "_spectrum_d1_rms_m"] = profile.spectrum_d1_rms();
 }
 
-// J, of rail, sleepers and linear springs; the matrices' springs of pads that stand open hold none.
-double energy_of(const track::Passage& passage) {
-  double energy = passage.line_motion().energy();
-  for (const track::Stop& stop : passage.line().stops()) {
-    const double pressed = stop.point.deflection(passage.line_motion().displacement) - stop.gap;
-    if (stop.in_matrix && pressed < 0) energy -= stop.stiffness * pressed * pressed / 2;
-  }
-  return energy;
-}
-
 // Names as in summary.json of other runs where they mean the same; a window is a step.
 Json figures(const TrackModel& model, const Built& built, const WheelExtremes& wheels,
              const std::vector<double>& lowest) {
@@ -313,7 +303,7 @@ Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, co
   const double moving = comm.max(went.stepping) / went.wall;
   const double ground = alone ? 0 : comm.max(whole.below->seconds()) / went.wall;
   json["share"] = {{"track", moving - ground}, {"other", 1 - moving}};
-  json["energy"] = {{"track_j", energy_of(run.built.passage)}};
+  json["energy"] = {{"track_j", run.built.passage.track_energy()}};
   if (!alone) {
     json["share"]["ground"] = ground;
     json["ground"] = whole.below->figures();

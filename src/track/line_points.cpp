@@ -25,6 +25,13 @@ double Stop::slope(double approach, double rate, double rate_slope) const {
   return (damper > 0 ? 2 * stiffness : 0) - there;
 }
 
+// The integral of the spring's force above over the approach.
+double Stop::energy(double approach) const {
+  const double spring = stiffness * approach * approach / 2;
+  if (approach <= 0) return in_matrix ? -spring : 0;
+  return in_matrix ? 0 : spring;
+}
+
 // A place on the border of two zones that touch belongs to the second one, and to it alone. The end
 // of the track has no second one.
 bool TrackZone::covers(double x, std::size_t of_side, double length) const {

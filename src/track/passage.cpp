@@ -302,6 +302,22 @@ double Passage::ground_force(std::size_t i) const {
                        room.approach[room.wheels_rolling() + stop], room.stop_rate[stop]);
 }
 
+// Nodes do not show what the rail gives way between them: of a wheel there force^2 local/2.
+double Passage::track_energy() const {
+  const Room& room = *room_;
+  double energy = room.track.energy();
+  for (Eigen::Index i = 0; i < room.wheels_rolling(); ++i) {
+    const std::size_t wheel = room.rolling[static_cast<std::size_t>(i)];
+    const double force = room.law.force(room.approach[i]);
+    const double local = room.line.at(room.x(wheel), room.train.wheels()[wheel].side).local;
+    energy += force * force * local / 2;
+  }
+  for (std::size_t k = 0; k < room.line.stops().size(); ++k)
+    energy += room.line.stops()[k].energy(
+        room.approach[room.wheels_rolling() + static_cast<Eigen::Index>(k)]);
+  return energy;
+}
+
 double Passage::time() const { return room_->time(); }
 double Passage::wheel_x(std::size_t i) const { return room_->x(i); }
 const Line& Passage::line() const { return room_->line; }

@@ -102,17 +102,27 @@ def check_crossing(program, decks, folder):
 
 
 def check_energy(program, decks, folder):
-    """Without dampers the track holds what a blow upwards gave it, also where pads stand open. The
-    first time lies within the blow, at later ones the rail flies or is caught."""
-    blow = folder / "blow.toml"
-    blow.write_text((decks / "plain.toml").read_text(encoding="utf-8") +
-                    '[[force]]\nkind = "impact"\nat = 3\nsize = -100e3\nlength = 4e-3\n',
-                    encoding="utf-8")
-    for uplift in ("true", "false"):
+    """Without dampers the track holds what a blow gave it, also where pads stand open, are pressed
+    beyond their knee, and where sleepers that hang strike the ballast. The first time lies within
+    the blow, at later ones the rail flies or is caught."""
+    blow = """
+[[force]]
+kind = "impact"
+at = 3
+size = {}
+length = 4e-3
+"""
+    hang = "\n[[track.zone]]\nfrom = 1.7\nto = 3.1\ngap = 1e-4\n"
+    kinds = (("linear", -100e3, "", []), ("uplift", -100e3, "", ["pad.uplift=true"]),
+             ("knees_gaps", 150e3, hang, ["pad.knee=5e-5", "pad.beyond=400e6"]))
+    for name, size, zone, words in kinds:
+        deck = folder / f"{name}.toml"
+        deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + blow.format(size) +
+                        zone, encoding="utf-8")
         for until in (2e-3, 5e-3, 7e-3, 0.01, 0.014, 0.02):
-            place = folder / f"blow_{uplift}_{until}"
-            program.done(1, "run", blow, "train.vehicles=[]", "irregularity.kind=none",
-                         f"pad.uplift={uplift}", "pad.damping=0", "ballast.damping=0",
+            place = folder / f"blow_{name}_{until}"
+            program.done(1, "run", deck, "train.vehicles=[]", "irregularity.kind=none",
+                         *words, "pad.damping=0", "ballast.damping=0",
                          "track.length=6", "track.run_in=0", "passage.points=[3]",
                          "passage.step=5e-6", "passage.history_interval=5e-6",
                          f"passage.duration={until}", "-o", place)
@@ -122,8 +132,8 @@ def check_energy(program, decks, folder):
             given = np.sum((force[1:] + force[:-1]) / 2 * np.diff(height))
             held = summary(place)["energy"]["track_j"]
             if not given > 50 or abs(held - given) > 1e-5 * given:
-                raise SystemExit(f"uplift = {uplift}, {until} s: the track holds {held} J, the "
-                                 f"blow gave {given} J")
+                raise SystemExit(f"{name}, {until} s: the track holds {held} J, the blow gave "
+                                 f"{given} J")
 
 
 def check_order(program, decks, folder):

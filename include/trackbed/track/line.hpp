@@ -154,6 +154,7 @@ struct Stop {
   double force(double approach, double rate) const;
   // N/m; rate_slope: what a metre of approach changes in the rate, 1/s.
   double slope(double approach, double rate, double rate_slope) const;
+  double energy(double approach) const;  // J, what its spring adds to those of the matrices
 };
 
 class Line {

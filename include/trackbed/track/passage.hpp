@@ -76,6 +76,9 @@ class Passage {
   double wheel_height(std::size_t i) const;  // m, of a wheel; 0 for a constant force
   double rail_displacement(double x, std::size_t side = 0) const;  // m, upwards
   double rail_force(std::size_t i) const;  // N, downwards, of the i-th of the forces
+  // J, kinetic and elastic, of rail, sleepers and all springs below them, stops among them; of
+  // springs on what is moved, all but stops, as if it stood at 0.
+  double track_energy() const;
   const Line& line() const;
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;

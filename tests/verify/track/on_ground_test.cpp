@@ -209,6 +209,30 @@ TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
                     1e-9);
 }
 
+// A blow upwards and back: sleepers hang, pads are pressed beyond their knees, and nothing is lost
+// in either. Relative to what is there after the blow.
+TEST(TrackOnGround, KeepsEnergyOfKneesAndGaps) {
+  Model m = model_of(5, {60e6, 0.3, 2000});
+  track::LineParameters& line = m.track.line;
+  line.ballast.damping = line.pad.damping = 0;
+  line.pad.knee = 2e-5, line.pad.beyond = 400e6;
+  line.track.zones = {{.from = 4.7, .to = 6.1, .gap = 5e-5}};  // three sleepers
+  m.track.passage.step = 2e-5;
+  Pair pair(m);
+  pair.run(0.0101);
+  const double after = pair.energy();
+  double furthest = 0, in_stops = 0;
+  for (int n = 0; n < 2500; ++n) {
+    pair.step();
+    const track::Passage& passage = pair.built.passage;
+    furthest = std::max(furthest, std::abs(pair.energy() - after));
+    in_stops = std::max(in_stops, passage.track_energy() - passage.line_motion().energy());
+  }
+  verified::above("largest share of the energy in knees and closed gaps", "-", in_stops / after,
+                  0.1);
+  verified::below("largest change of energy in 50 ms", "-", furthest / after, 2e-4);
+}
+
 // A ground a million times as stiff, and as heavy, so that waves in it take as long: the track
 // alone, but for what the ground gives, 1e-6 of the ballast.
 TEST(TrackOnGround, ARigidGroundIsTheTrackAlone) {

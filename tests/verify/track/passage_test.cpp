@@ -33,6 +33,22 @@ TEST(Passage, EquilibriumIsKept) {
                   (passage.train_motion().displacement - body).cwiseAbs().maxCoeff(), 1e-11);
 }
 
+// Of a wheel amid two nodes, whose own part of the deflection they do not show.
+TEST(Passage, TrackHoldsHalfTheWorkOfAWheelAtRest) {
+  const Line line((LineParameters()));
+  const TrainParameters motion{.vehicles = {"wheel"}, .speed = 1e-12, .start = 30.075};
+  const VehicleParameters wheel{
+      .name = "wheel", .kind = VehicleKind::wheel, .length = 1, .wheelset_mass = 10e3};
+  const Train train(motion, {wheel}, 2);
+  const WheelRail law((WheelRailParameters()));
+  const Passage passage(line, train, law, Irregularity({}, 60), motion, {.duration = 1});
+  const double force = passage.wheel_force(0);
+  const double surface = passage.wheel_height(0) + law.approach(force);
+  const double work = -force * surface / 2;
+  verified::near("energy of the track over half the work", "-", passage.track_energy() / work, 1,
+                 1e-9);
+}
+
 // Newmark's period error at dt/T = 0.1, (2 pi/(w dt) of the discrete oscillator)/T - 1; no damping.
 TEST(Newmark, PeriodAndEnergyOfAnOscillator) {
   const double w = 2 * std::numbers::pi;  // rad/s: a period of 1 s
