@@ -15,8 +15,10 @@ namespace trackbed::track {
 
 namespace {
 
+// Complete integrals of first and second kind, K and E; their difference as it comes, since near a
+// circle it is what their digits lose.
 struct Elliptic {
-  double k, e;  // complete integrals of first and second kind
+  double k, k_less_e;
 };
 
 // From the parameter m = e^2 by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
@@ -32,18 +34,18 @@ Elliptic elliptic(double m) {
     sum += power * c * c;
   }
   const double k = std::numbers::pi / (2 * a);
-  return {k, k * (1 - sum)};
+  return {k, k * sum};
 }
 
 // Ratio of curvatures that an ellipse of parameter m belongs to; rises from 1 to infinity.
 double curvature_ratio(double m) {
   const Elliptic i = elliptic(m);
-  return (i.e / (1 - m) - i.k) / (i.k - i.e);
+  return (m * i.k - i.k_less_e) / ((1 - m) * i.k_less_e);
 }
 
 // Bisection: monotone, and done once per run.
 double parameter_of(double ratio) {
-  double low = 1e-8, high = 1 - 1e-12;
+  double low = 1e-12, high = 1 - 1e-12;  // nearly a circle, whose formula is 0/0; nearly a line
   for (int i = 0; i < 200; ++i) {
     const double middle = (low + high) / 2;
     (curvature_ratio(middle) < ratio ? low : high) = middle;
@@ -63,12 +65,11 @@ HertzContact hertz_contact(const HertzBodies& bodies) {
   const double one = 1 / (2 * bodies.wheel_radius), other = 1 / (2 * bodies.rail_radius);
   const double a_curvature = std::min(one, other), b_curvature = std::max(one, other);
   const double modulus = bodies.young / (2 * (1 - bodies.poisson * bodies.poisson));
-  // Equal radii: a circle, where the formula is 0/0.
-  const double m = std::max(parameter_of(b_curvature / a_curvature), 1e-8);
+  const double m = parameter_of(b_curvature / a_curvature);
   const Elliptic i = elliptic(m);
   HertzContact contact;
   contact.half_axis_a =
-      std::cbrt(3 * (i.k - i.e) / (2 * std::numbers::pi * modulus * m * a_curvature));
+      std::cbrt(3 * i.k_less_e / (2 * std::numbers::pi * modulus * m * a_curvature));
   contact.half_axis_b = contact.half_axis_a * std::sqrt(1 - m);
   const double unit = 3 * i.k / (2 * std::numbers::pi * contact.half_axis_a * modulus);
   contact.constant = std::pow(unit, -1.5);
