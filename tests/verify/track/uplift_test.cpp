@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "support/verified.hpp"
@@ -146,6 +147,23 @@ TEST(Uplift, PadsHoldTheWeightOfTheRailThatLiesOnThem) {
   short_of.rail.mass = 60;
   Loaded all(short_of, 0.6, {0}, {-50e3});
   EXPECT_NEAR(all.seat(1), -bay, 1e-9 * bay);
+}
+
+// Over a run-in pads and ballast are stiffer, what pads have given back when they open is the same:
+// it lifts the sleeper, whose ballast pulls as much.
+TEST(Uplift, PadsInTheRunInGiveBackTheirPreload) {
+  LineParameters p = lifting(24, 400);
+  p.track.run_in = 6, p.track.run_in_factor = 10;
+  Loaded at(p, 3.6, {0}, {-10e3});
+  const Vector& u = at.passage->line_motion().displacement;
+  for (std::size_t i = 1; i < 10; i += 2) {
+    const double x = at.line.sleeper_x(i), height = u[at.line.sleeper_unknown(i)];
+    const double stiffer = std::pow(10, (1 + std::cos(std::numbers::pi * x / 6)) / 2);
+    EXPECT_GT(at.rail(x) - height, 1.1 * 400 / (p.pad.stiffness * stiffer));
+    verified::near(fmt::format("seat force at {:g} m", x), "N", at.seat(i), -400, 1e-6 * 400);
+    verified::near(fmt::format("pull of the ballast at {:g} m", x), "N",
+                   p.ballast.stiffness * stiffer * height, 400, 1e-6 * 400);
+  }
 }
 
 // What a coach throws up comes down under its weight.
