@@ -46,6 +46,25 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
          "begins a zone without a sleeper: `bed` and `gap` have no effect", about);
 }
 
+// Where seats are loaded there are no pads: what lies on nothing is held by nothing.
+void declare_seat_zones(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  if (model.passage.loaded_by != track::LoadedBy::seats) return;
+  const input::About about{.reads = {"track", "passage.loaded_by"}};
+  for (std::size_t i = 0; i < track.zones.size(); ++i) {
+    const track::TrackZone& zone = track.zones[i];
+    const bool over = holds_place(zone, track.length, 0, track.spacing);
+    s.rule(fmt::format("track.zone[{}].gap", i), zone.gap == 0 || !over,
+           "must be 0 if seats are loaded: sleepers hang from the rail by its pads, which are not "
+           "there (passage.loaded_by)",
+           about);
+    s.rule(fmt::format("track.zone[{}].bed", i), zone.bed > 0 || !over,
+           "must be above 0 if seats are loaded: nothing else holds the sleepers "
+           "(passage.loaded_by)",
+           about);
+  }
+}
+
 // Sleepers, or elements of a continuous bed, of this side that lie on something while nothing is on
 // the track.
 std::int64_t carried(const track::TrackParameters& track, std::size_t side) {
@@ -213,6 +232,7 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
   if (!model.on_bed) declare_support(track, s);
+  declare_seat_zones(model, s);
   declare_under_sleeper(model.line, s);
   declare_irregularity(model.irregularity, "irregularity", track.length, s);
   declare_irregularity(model.irregularity_right, "irregularity_right", track.length, s);

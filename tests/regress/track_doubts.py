@@ -36,6 +36,9 @@ secondary_stiffness = 1e6
 bogie_distance = 18
 wheelbase = 2.5
 """
+SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "irregularity.kind=none",
+         "irregularity.fade=10", "train.start=10"]
+NO_TRAIN = ["train.vehicles=[]", "passage.duration=0.1"]
 # Changes of the plain deck, what is added to it, words of the refusal.
 REFUSED = [
     (["track.ends=free"], ZONE.format(0, 60, "bed = 0"), "leaves 0 places to carry the rail"),
@@ -44,6 +47,12 @@ REFUSED = [
      ZONE.format(0, 60, 'gap = 1e-3\nside = "right"'), "leaves 0 places to carry the rail"),
     (["track.ends=free", "track.support=continuous"], ZONE.format(0, 60, "bed = 0"),
      "leaves 0 places to carry the rail"),
+    (SEATS, ZONE.format(10, 10.7, "gap = 1e-3"),
+     "track.zone[0].gap = 0.001: must be 0 if seats are loaded"),
+    (SEATS, ZONE.format(10, 10.7, "bed = 0.0"),
+     "track.zone[0].bed = 0.0: must be above 0 if seats are loaded"),
+    ([*SEATS, "track.sleeper.model=beam"], ZONE.format(10, 10.7, "bed = 0.0"),
+     "track.zone[0].bed = 0.0: must be above 0 if seats are loaded"),
     (["track.spacing=1e-5"], "", "makes 2.4e+07 elements of 60 m of rail"),
     (["track.spacing=1e-17"], ZONE.format(0, 60, "bed = 2"), "elements of 60 m of rail"),
     (["track.run_in_factor=1e7"], "", "must be at least 1 and at most 1000000"),
@@ -105,8 +114,6 @@ WARNED = [
 ]
 # Parameters, with a value, and words of the command line that leave them without effect; and what
 # gives them one.
-SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "irregularity.kind=none",
-         "irregularity.fade=10", "train.start=10"]
 IDLE = [
     ("there is one rail", [], ["track.dimension=space"],
      {**{f"vehicle[0].{key}": f"vehicle.own.{key}={value}" for key, value in (
