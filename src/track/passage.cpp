@@ -245,7 +245,9 @@ void Passage::Room::step() {
   }
   track.accept(of_track - of_contacts(force));
   vehicles.accept(of_train + wheel_change * force.head(wheels));
-  lost += (approach.head(wheels).array() <= 0).count();
+  for (std::size_t k = 0; k < rolling.size(); ++k)
+    if (const double at = x(rolling[k]); at >= 0 && at <= line.length())
+      lost += approach[static_cast<Eigen::Index>(k)] <= 0;
 }
 
 Passage::Passage(const Line& line, const Train& train, const WheelRail& law,

@@ -101,6 +101,21 @@ def check_crossing(program, decks, folder):
         raise SystemExit(f"dips of 0.75 and 1.5 mm: {forces} N, {accelerations} m/s2")
 
 
+def check_lost(program, decks, folder):
+    """Wheels off the rail count while they are on the track, not where they fly on beyond it."""
+    place = folder / "flies"
+    program.done(1, "run", decks / "plain.toml", "irregularity.kind=vee", "irregularity.at=59.7",
+                 "irregularity.length=0.6", "irregularity.depth=-6e-3", "train.start=55",
+                 "passage.duration=0.12", "passage.history_interval=2e-4", "-o", place)
+    with h5py.File(place / "results.h5") as file:
+        off = file["history/wheel/force"][()] == 0
+        on = file["history/wheel/x"][()] <= 60
+    counted = summary(place)["track"]["wheel_steps_off_rail"]
+    if not (off & ~on).any() or not 0 < counted == (off & on).sum():
+        raise SystemExit(f"{counted} steps of wheels off the rail: rows have {(off & on).sum()}, "
+                         f"and {(off & ~on).sum()} beyond the track")
+
+
 def check_energy(program, decks, folder):
     """Without dampers the track holds what a blow gave it, also where pads stand open, are pressed
     beyond their knee, and where sleepers that hang strike the ballast. The first time lies within
@@ -170,6 +185,7 @@ def main():
     check_extremes(program, decks, folder)
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
+    check_lost(program, decks, folder)
     check_energy(program, decks, folder)
     check_order(program, decks, folder)
 

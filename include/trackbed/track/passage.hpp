@@ -84,7 +84,7 @@ class Passage {
   const Newmark& train_motion() const;
   std::int64_t iterations() const;  // Newton steps so far
   std::int64_t steps() const;       // since the train was sent
-  std::int64_t lost() const;        // steps of wheels that had left the rail
+  std::int64_t lost() const;        // steps of wheels, on the track, that had left the rail
 
  private:
   struct Room;
