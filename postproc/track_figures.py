@@ -25,7 +25,7 @@ import track_measures  # noqa: E402
 import write  # noqa: E402
 
 FILTER = signals.LowPass()
-SHOWN_WHEELS = 4  # those of the first vehicle
+SHOWN_WHEELS = 4  # those of the first vehicle that rolls
 
 
 def history(run, name):
@@ -70,6 +70,14 @@ def on_track(run, length):
     return (x >= 0) & (x <= length)
 
 
+def rolling(run):
+    """Numbers of the wheels that roll: axles of constant force have no height, the program writes
+    zeros. All of a program without heights."""
+    if "history/wheel/height" not in run:
+        return list(range(history(run, "wheel/x").shape[1]))
+    return list(np.flatnonzero(history(run, "wheel/height").any(axis=0)))
+
+
 def extremes_of(folder):
     """Of every step of the run, from its summary.json; nothing without one."""
     path = folder / "summary.json" if folder.is_dir() else folder.parent / "summary.json"
@@ -99,9 +107,10 @@ def wheel_numbers(run, length, extremes):
     found = {"largest wheel force": (most / 1e3, "kN"),
              "least wheel force": (least / 1e3, "kN"),
              "scatter of wheel forces": (force.std() / 1e3, "kN")}
-    if "history/wheel/height" in run:
-        path = track_measures.loaded_rail(history(run, "wheel/x")[:, 0],
-                                          history(run, "wheel/height")[:, 0], 0, length)[1]
+    wheels = rolling(run)
+    if "history/wheel/height" in run and wheels:
+        path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
+                                          history(run, "wheel/height")[:, wheels[0]], 0, length)[1]
         if len(path):
             found["loaded rail under the first wheel, D1 (3 to 25 m), root mean square"] = (
                 1e3 * path.std(), "mm")
@@ -135,7 +144,7 @@ def numbers(run, length, extremes=None):
 def draw_wheels(run, length, panel):
     x, force = history(run, "wheel/x"), history(run, "wheel/force")
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
-    for i in range(min(SHOWN_WHEELS, shown.shape[1])):
+    for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_WHEELS]:
         panel.plot(x[:, i], shown[:, i], lw=0.8, label=f"wheel {i + 1}")
     panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
 

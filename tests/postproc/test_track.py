@@ -38,6 +38,26 @@ def test_wheels_count_on_the_track_alone():
     assert found["least wheel force"] == (pytest.approx(50), "kN")
 
 
+def test_the_first_wheel_is_one_that_rolls():
+    """Axles of constant force before it have neither a height nor a force worth drawing."""
+    run = made()
+    height = np.stack([np.zeros(301), 1e-3 * np.sin(2 * np.pi * np.linspace(0, 3, 301))], axis=1)
+    run["history/wheel/height"] = read.Quantity(height, "m", "made for a test")
+    found = track_figures.numbers(run, 20)
+    d1 = next(value for name, (value, _) in found.items() if "loaded rail" in name)
+    x = run["history/wheel/x"].values[:, 1]
+    path = track_measures.loaded_rail(x, height[:, 1], 0, 20)[1]
+    assert d1 == pytest.approx(1e3 * path.std()) and d1 > 0.1
+    figure = track_figures.draw(run, 20)
+    assert [line.get_label() for line in figure.axes[0].lines] == ["wheel 2"]
+    plt.close(figure)
+    run["history/wheel/height"] = read.Quantity(0 * height, "m", "made for a test")
+    assert not any("loaded rail" in name for name in track_figures.numbers(run, 20))
+    figure = track_figures.draw(run, 20)
+    assert len(figure.axes[0].lines) == 2
+    plt.close(figure)
+
+
 def test_rail_sleeper_and_seat():
     found = track_figures.numbers(made(), 20)
     assert found["rail at 5 m, down"][0] == pytest.approx(1, rel=1e-3)
