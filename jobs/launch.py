@@ -1,11 +1,14 @@
 """Starts runs for the scripts in jobs/ that are Python, as common.sh does for those in shell."""
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 
-STOPPED = 3  # exit code of a run that can be resumed, and of a script that was told to stop
+BAD_INPUT = 2  # exit codes, as the program's
+STOPPED = 3  # of a run that can be resumed, and of a script that was told to stop
+FAILED = 4
 TO_STOP = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 # Ends of a run that was told: at its end, in time, or before it could listen, alone or of a rank.
 TOLD_ENDS = (0, STOPPED, -signal.SIGUSR1, 128 + signal.SIGUSR1)
@@ -46,6 +49,12 @@ class Runs:
 RUNS = Runs()
 
 
+def refuse(sentence):
+    """Ends the script: what it was given is wrong, nothing has been done."""
+    print(sentence, file=sys.stderr)
+    sys.exit(BAD_INPUT)
+
+
 def program(word):
     """As a shell finds it: what PATH has by this name, or else the file."""
     found = shutil.which(word) if os.sep not in word else None
@@ -56,7 +65,7 @@ def ranks_told():
     """RANKS, 2 without it."""
     text = os.environ.get("RANKS") or "2"
     if not text.isdecimal() or int(text) < 1:
-        sys.exit(f'RANKS = "{text}": must be a whole number, 1 or more')
+        refuse(f'RANKS = "{text}": must be a whole number, 1 or more')
     return int(text)
 
 
@@ -65,7 +74,7 @@ def make_folder(path):
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = "it is a file" if path.is_file() else error.strerror
-        sys.exit(f"{path} cannot be made as a folder ({reason}): choose another")
+        refuse(f"{path} cannot be made as a folder ({reason}): choose another")
 
 
 def on_ranks(ranks, *words):
@@ -92,9 +101,46 @@ def run(command, then="the same command begins anew", **how):
     try:
         process = RUNS.begin(command, how)
     except OSError as error:
-        sys.exit(f"{error.filename}: {error.strerror}")
+        refuse(f"{error.filename}: {error.strerror}")
     out, err = process.communicate()
     RUNS.end()
     if RUNS.told and process.returncode in TOLD_ENDS:
         stop(then)
     return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+# Between two lines of dashes: what mpirun itself says of a run that failed.
+BANNER = re.compile(r"^-{60,}\n(.*?)^-{60,}\n", re.MULTILINE | re.DOTALL)
+KILLED = re.compile(r"process rank (\d+) .* exited on signal (\d+) \(([^)]*)\)")
+# Of PETSc, and of Open MPI without dashes.
+TRACE = re.compile(r"\[\d+\]PETSC ERROR|\[[^\]\s]+:\d+\] |\d+ total process|mpirun: Forwarding")
+MOST_LINES = 20
+
+
+def sentences(said):
+    """Lines of the program itself in what a run said on stderr: its last words. Without any, those
+    of mpirun, which then could not begin."""
+    own = [line for line in dict.fromkeys(BANNER.sub("", said).splitlines())
+           if line and not TRACE.match(line)]
+    first = [number for number, line in enumerate(own) if line.startswith("trackbed: ")]
+    if not own and not KILLED.search(said):
+        own = [line for part in BANNER.findall(said) for line in part.splitlines() if line.strip()]
+    return own[first[0] if first else 0:][-MOST_LINES:]
+
+
+def end_in_words(code, said):
+    """How a run ended, of its code and what it said on stderr: a rank that was killed, or the
+    code."""
+    if found := KILLED.search(said):
+        return f"rank {found[1]} was killed (signal {found[2]}, {found[3]})"
+    if code < 0:
+        return f"was killed (signal {-code}, {signal.strsignal(-code)})"
+    return f"code {code}"
+
+
+def fail(ran, what, see=""):
+    """Ends the script as the run `ran` of `what` has ended: the program's own sentences, then how;
+    code of the run, or 128 and the signal, as shells tell it."""
+    ending = f"{what} failed: {end_in_words(ran.returncode, ran.stderr)}"
+    print("\n".join([*sentences(ran.stderr), ending + see]), file=sys.stderr)
+    sys.exit(ran.returncode if ran.returncode > 0 else 128 - ran.returncode)

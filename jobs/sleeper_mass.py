@@ -24,7 +24,6 @@ is not in it.
 import argparse
 import csv
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -91,7 +90,7 @@ def measured(place):
 def run_program(command, what):
     ran = launch.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if ran.returncode:
-        sys.exit(f"{what}: {ran.stdout}{ran.stderr}")
+        launch.fail(ran, what)
 
 
 def run(program, folder, name, mass, text):

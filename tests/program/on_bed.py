@@ -98,6 +98,7 @@ def check_loop(source, program, folder):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
     check_geometry(program, place / "round_1", lost[:4])
     check_loop_again(source, program, folder, place)
+    check_other_bed(source, program, folder)
 
 
 def check_loop_again(source, program, folder, place):
@@ -116,18 +117,32 @@ def check_loop_again(source, program, folder, place):
     if ran.returncode or table.read_bytes() != first or kept.stat().st_mtime_ns != written:
         raise SystemExit(f"handover.py again: {ran.stdout}{ran.stderr}")
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
-    if ran.returncode != 1 or "weigh holds a run of another deck" not in ran.stderr:
+    if ran.returncode != 2 or "weigh holds a run of another deck" not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
     # What one train stands for changes the geometry alone: the second round is another one.
     ran = again(deck_of_loop(source, folder), "--each", "10")
-    if ran.returncode != 1 or "round_1/track holds a run of another deck" not in ran.stderr:
+    if ran.returncode != 2 or "round_1/track holds a run of another deck" not in ran.stderr:
         raise SystemExit(f"another geometry must be refused: {ran.stdout}{ran.stderr}")
     deck = folder / "misspelt.toml"
     deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(
         "rounds = 2", "round = 2"), encoding="utf-8")
     ran = again(deck)
-    if "did you mean handover.rounds?" not in ran.stderr or "Traceback" in ran.stderr:
+    if ran.returncode != 2 or "did you mean handover.rounds?" not in ran.stderr or \
+            "Traceback" in ran.stderr:
         raise SystemExit(f"a wrong deck: {ran.stdout}{ran.stderr}")
+
+
+def check_other_bed(source, program, folder):
+    """A state that does not fit the deck is refused before the loop writes anything."""
+    deck, place = folder / "zones.toml", folder / "elsewhere"
+    deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(
+        "zones_x = 30", "zones_x = 31"), encoding="utf-8")
+    ran = subprocess.run([sys.executable, source / "jobs/handover.py", program, deck, place,
+                          "--start", folder / "stage_bed_in.h5"], capture_output=True, text=True,
+                         check=False)
+    if ran.returncode != 2 or "zones_x" not in ran.stderr or place.exists():
+        raise SystemExit(f"a bed on another ground: {ran.returncode}, {ran.stdout}{ran.stderr}")
+    print(ran.stderr)
 
 
 def check_geometry(program, place, lost):

@@ -13,8 +13,8 @@ import sys
 def refused(folder, words, command, ranks="2"):
     ran = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False,
                          cwd=folder, env={**os.environ, "RANKS": ranks})
-    if ran.returncode != 1 or len(ran.stderr.splitlines()) != 1 or words not in ran.stderr:
-        raise SystemExit(f"{command} must say {words}, code {ran.returncode}:\n"
+    if ran.returncode != 2 or len(ran.stderr.splitlines()) != 1 or words not in ran.stderr:
+        raise SystemExit(f"{command} must say {words} and end with 2, not {ran.returncode}:\n"
                          f"{ran.stdout}{ran.stderr}")
     if (folder / "results").exists():
         raise SystemExit(f"{command} must be refused before it runs anything")
@@ -82,7 +82,8 @@ def check_spared(program, source, folder):
     same()
     # What comes after is refused by a program that only checks.
     checks = folder / "checks"
-    checks.write_text('#!/bin/sh\ntest "$1" = check\n', encoding="utf-8")
+    checks.write_text(f'#!/bin/sh\nif [ "$1" = describe ]; then exec {program} describe; fi\n'
+                      'test "$1" = check\n', encoding="utf-8")
     checks.chmod(0o755)
     refused_later = [loop, checks, given, place, "--force"]
     subprocess.run([sys.executable, *refused_later], capture_output=True, check=False, cwd=folder)

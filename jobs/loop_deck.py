@@ -1,0 +1,227 @@
+"""The deck of a hand-over loop (handover.py): what is refused of it, and the decks made from it.
+
+Decks are taken apart as values, not as text: dotted keys, tables written inline, several ways to
+quote mean to the loop what they mean to the program. Files that a deck names are known by their
+parameters, from what `describe` prints, and named anew from where each deck of the loop lies: so a
+folder moves together with them.
+"""
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import tomllib
+
+import numpy as np
+
+import launch
+
+OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train", "wheel_rail",
+                "irregularity", "irregularity_right", "passage")
+# Of [passage], what does not count on a bed, and so neither in its loop.
+OF_A_TRACK_ALONE = ("duration", "wall_time", "stop_after", "checkpoint_interval")
+# Of the stage that sends the train, what would end one before its last axle has left, or is the
+# loop's to say. All else the trains of the rounds have too.
+INSTEAD = {"duration": "the loop's trains run until their last axle has left",
+           "settlement": "a round has as many trains as handover.trains says",
+           "cycles": "a round has as many trains as handover.trains says"}
+WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
+
+
+def is_section(value):
+    """Whether it has a heading of its own: a table, or a list of some."""
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and all(isinstance(one, dict) for one in value))
+
+
+def inline(value):
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "[" + ", ".join(map(inline, value)) + "]"
+    if isinstance(value, str):  # JSON escapes as TOML does, but for one character
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(float(value) if isinstance(value, float) else value)
+
+
+def toml(values, path=""):
+    """Text of the values of a deck, or of the section at `path`."""
+    text = "".join(f"{name} = {inline(value)}\n" for name, value in values.items()
+                   if not is_section(value))
+    for name, value in values.items():
+        if is_section(value):
+            head = f"[{path}{name}]" if isinstance(value, dict) else f"[[{path}{name}]]"
+            for one in [value] if isinstance(value, dict) else value:
+                text += f"\n{head}\n" + toml(one, f"{path}{name}.")
+    return text
+
+
+def file_parameters(program):
+    """Of kind file, as section.name, from the page of all parameters."""
+    ran = launch.run([program, "describe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                     text=True)
+    if ran.returncode:
+        launch.fail(ran, f"{program} describe")
+    found, section = set(), ""
+    for line in ran.stdout.splitlines():
+        if head := re.match(r"## `(.*)`", line):
+            place = re.fullmatch(r"\[+([^\]]*)\]+", head[1])
+            section = f"{place[1]}." if place else ""
+        elif row := re.match(r"\| `(\w+)` \| file \|", line):
+            found.add(section + row[1])
+    return found
+
+
+def with_files(values, parameters, change, path=""):
+    """The values, with `change` of each name of a file."""
+    def changed(name, value):
+        if isinstance(value, dict):
+            return with_files(value, parameters, change, f"{path}{name}.")
+        if is_section(value):
+            return [changed(name, one) for one in value]
+        return change(value) if value and f"{path}{name}" in parameters else value
+    return {name: changed(name, value) for name, value in values.items()}
+
+
+class LoopDeck:
+    """What the loop takes from the deck at `path`, which the program has found valid."""
+
+    def __init__(self, path, program):
+        self.path, self.files = path, []
+        self.parameters = file_parameters(program)
+        try:
+            values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        except tomllib.TOMLDecodeError as error:
+            launch.refuse(f"{path}: {error}")
+        self.values = with_files(values, self.parameters, self.whole)
+        self.loop = self.values.get("handover", {})
+        if not self.loop.get("after"):
+            launch.refuse(f"{path}: [handover] with `after`, the name of a stage, is needed")
+        self.sleepers, self.seat = self.section("sleepers"), self.section("seat")
+        self.train = {}  # the stage
+
+    def whole(self, name):
+        """Path of a file, as the program finds it: from where the deck lies."""
+        self.files.append(os.path.abspath(self.path.parent / name))
+        return self.files[-1]
+
+    def section(self, name):
+        return self.values.get(name, {})
+
+    def text(self, values, folder):
+        """Of a deck that will lie in `folder`."""
+        return toml(with_files(values, self.parameters,
+                               lambda name: os.path.relpath(name, os.path.abspath(folder))))
+
+    def begin_after(self, done, of):
+        """Refuses what rounds that begin after the stage `done` cannot do; `of` says who named
+        it. The values of the bed that is made up to there."""
+        stages = self.values["stage"]
+        names = [stage["name"] for stage in stages]
+        end = names.index(done) + 1
+        if not any(stage.get("kind") == "sleepers" for stage in stages[:end]):
+            launch.refuse(f"{of}: the rounds weigh sleepers, which a later stage places")
+        if any(stage.get("train") for stage in stages[:end]):
+            launch.refuse(f"{of}: the rounds bring their own trains, the bed must end before one")
+        trains = [name for name, stage in zip(names, stages) if stage.get("train")]
+        if not trains:
+            launch.refuse(f"{self.path} has no stage with train = true")
+        if len(trains) > 1:
+            launch.refuse(f"{self.path}: the rounds have one kind of train, the deck sends several "
+                          f"(stages {', '.join(trains)}): leave one")
+        if left_out := [name for name in names[end:] if name != trains[0]]:
+            launch.refuse(f"{of}: the rounds would leave out {', '.join(left_out)}: behind the "
+                          f"bed's last stage only {trains[0]} may stand, which sends the train")
+        self.take_train(stages[names.index(trains[0])])
+        self.refuse_others()
+        kept = {name: value for name, value in self.values.items()
+                if name not in (*OF_THE_TRAIN, "vehicle", "seat", "stage", "handover")}
+        return {**kept, "stage": stages[:end]}
+
+    def take_train(self, stage):
+        for key, instead in INSTEAD.items():
+            if stage.get(key, 0) > (1 if key == "cycles" else 0):
+                launch.refuse(f"{self.path}: stage \"{stage['name']}\": {key} = {stage[key]} is "
+                              f"not for the loop: {instead}")
+        self.train = {key: value for key, value in stage.items()
+                      if key not in (*INSTEAD, "train", "name")}
+
+    def refuse_others(self):
+        if self.section("irregularity").get("kind", "none") != "none":
+            launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
+                          "[irregularity]")
+        if self.section("track").get("dimension", "plane") != "plane":
+            launch.refuse(f"{self.path}: the loop has one rail: track.dimension must be \"plane\"")
+        if missing := [key for key in ("first", "spacing", "count") if key not in self.sleepers]:
+            launch.refuse(f"{self.path}: [sleepers] must say {' and '.join(missing)}")
+
+    def weighing(self, number, load):
+        """Stage of a slow load; contacts and ground are those of the train, stones are calmed."""
+        own = {key: value for key, value in self.train.items()
+               if key in ("seat_force", "ground_moves", "friction")}
+        return {"name": f"weigh_{number}", "kind": "load", "duration": WEIGHING, "load": load,
+                "ramp": RAMP, "local_damping": 0.2, **own}
+
+    def trains(self, number, count):
+        return {"name": f"trains_{number}", **self.train, "cycles": count}
+
+    def seats_on_track(self):
+        """m, x of the bed's sleepers from the begin of the track."""
+        return self.sleepers["spacing"] * (self.seat.get("before", 20)
+                                           + np.arange(self.sleepers["count"]))
+
+    def springs(self):
+        """N/m, below a sleeper of the track alone where no zone says otherwise."""
+        ballast = self.section("ballast")
+        springs = ballast.get("stiffness", 60e6)
+        if ballast.get("mass", 0) > 0:  # the factor of a zone acts on both springs
+            springs = 1 / (1 / springs + 1 / ballast.get("below_stiffness", 80e6))
+        return springs
+
+    def geometry(self, settled):
+        """Text of the rail's profile: it lies as the sleepers have settled, m."""
+        spacing, length = self.sleepers["spacing"], self.section("track").get("length", 60.0)
+        at = self.seats_on_track()
+        points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
+                  **dict(zip(at, -settled))}
+        return "x_m,z_m\n" + "".join(f"{float(x)!r},{float(points[x])!r}\n"
+                                     for x in sorted(points) if 0 <= x <= length)
+
+    def track_alone(self, stiffness, geometry):
+        """Values of a track alone on springs of the bed's stiffness, N/m."""
+        deck = {"model": "track", **{name: dict(self.section(name)) for name in OF_THE_TRAIN},
+                "vehicle": self.values.get("vehicle", [])}
+        at, spacing = self.seats_on_track(), self.sleepers["spacing"]
+        for key in OF_A_TRACK_ALONE:
+            deck["passage"].pop(key, None)
+        deck["passage"] |= {"points": [float(x) for x in at], "history_interval": 5e-4}
+        deck["irregularity"] = {"kind": "file", "file": str(geometry), "fade": spacing}
+        own = [{"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),
+                "bed": float(k / self.springs())} for x, k in zip(at, stiffness)]
+        deck["track"]["zone"] = self.zones() + own
+        return {name: value for name, value in deck.items() if value}
+
+    def zones(self):
+        """Over the bed only what they do to the rail: the bed itself is weighed."""
+        at, spacing = self.seats_on_track(), self.sleepers["spacing"]
+        low, high = at[0] - 0.45 * spacing, at[-1] + 0.45 * spacing
+        zones = []
+        for zone in self.section("track").get("zone", []):
+            begin, end = zone.get("from", 0), zone.get("to", 0)
+            rail = {key: value for key, value in zone.items() if key not in ("bed", "gap")}
+            for start, stop, kept in ((begin, min(end, low), zone),
+                                      (max(begin, low), min(end, high), rail),
+                                      (max(begin, high), end, zone)):
+                if start < stop:
+                    zones.append({**kept, "from": float(start), "to": float(stop)})
+        return zones
+
+
+def table_of_seats(time, force):
+    """Text of a history of seat forces, N, [time, sleeper]."""
+    out = io.StringIO()
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(["time_s", *(f"sleeper_{i}" for i in range(force.shape[1]))])
+    rows.writerows([t, *row] for t, row in zip(time, force))
+    return out.getvalue()

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""How jobs/handover.py ends when a run of its fails.
+
+    loop_runs.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from loops import Loops  # noqa: E402
+
+
+def check_failures(loops, deck):
+    """The program's own sentence and code, nothing of mpirun's and of traces; a rank that was
+    killed is called so."""
+    place = loops.folder / "failed"
+    for how, code, said in (
+            ("lost", 4, ["trackbed: a stone was lost; the last good checkpoint is checkpoint_3.h5",
+                         "failed: code 4; see"]),
+            ("input", 2, [":3: bed.height = -1 m: must be above 0 m", "failed: code 2; see"]),
+            ("kill", 137, ["failed: rank 1 was killed (signal 9, Killed); see"])):
+        lines = loops.ends(code, said[-1], deck, place, fails=f"weigh:{how}").splitlines()
+        if len(lines) != len(said) or not all(one in line for one, line in zip(said, lines)):
+            raise SystemExit(f"a run that ends by {how} must say {said}: {lines}")
+        log = (place / "round_0/weigh.log").read_text(encoding="utf-8")
+        if "exited on signal" not in log and ("progress of the run" not in log or
+                                              said[0] not in log):
+            raise SystemExit(f"the log must have all that the run said: {log}")
+    lines = loops.ends(0, "round 0: support 40.0 to 40.0", deck, place, "--rounds", "1")
+    if len(lines.splitlines()) != 1:
+        raise SystemExit(f"one round, one line: {lines}")
+
+
+def main():
+    program, source, folder = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    loops, deck = Loops(program, source, folder), source / "inputs/track/on_bed.toml"
+    check_failures(loops, deck)
+
+
+if __name__ == "__main__":
+    main()
