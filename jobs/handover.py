@@ -26,7 +26,8 @@ bed.log, round_0 and on, handover.csv, handover.png). A deck, a file that it nam
 among these is refused.
 
 What is wrong with words, deck or state is said before anything is written, code 2. A run that fails
-ends the loop with its own sentences and code (docs/running.md).
+ends the loop with its own sentences and code (docs/running.md). One loop works in a folder at a
+time, which holds handover.lock.
 
 A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
 rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
@@ -34,6 +35,7 @@ rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOL
 """
 import argparse
 import csv
+import fcntl
 import hashlib
 import json
 import os
@@ -54,8 +56,9 @@ import launch  # noqa: E402
 from loop_deck import RAMP, LoopDeck, table_of_seats  # noqa: E402
 
 OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
+LOCK = "handover.lock"
 # What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
-OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png)")
+OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png|lock)")
 PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
 COLUMNS = ("round", "x_m", "stiffness_N_m", "largest_seat_force_N", "largest_wheel_force_N",
            "settlement_per_train_m", "geometry_before_m")
@@ -88,9 +91,10 @@ class Loop:
         self.rows = []
         self.try_decks(done)
         launch.make_folder(given.folder)
+        self.lock = self.take_folder()
         if given.force:  # or a stop would leave later rounds to the command that goes on
             for old in given.folder.iterdir():
-                if OF_THE_LOOP.fullmatch(old.name):
+                if OF_THE_LOOP.fullmatch(old.name) and old.name != LOCK:
                     shutil.rmtree(old) if old.is_dir() and not old.is_symlink() else old.unlink()
         self.start = given.start or self.make_bed(done)
 
@@ -153,6 +157,25 @@ class Loop:
             if start.is_file() and not (self.given.force and not self.given.start):
                 values["start"] = str(start)
             check(values, table_of_seats([0, 1], np.zeros((2, len(self.x)))), "bed of the loop")
+
+    def take_folder(self):
+        """An open file, locked until the script ends, however it does: one that an earlier loop has
+        left behind hinders nobody."""
+        path = self.given.folder / LOCK
+        try:
+            file = open(path, "a+", encoding="utf-8")
+        except OSError as error:
+            launch.refuse(f"{path} cannot be written ({error.strerror}): take another folder")
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            launch.refuse(f"{self.given.folder}: another loop (process {file.read().strip()}) "
+                          "works in it: wait for its end, stop it, or take another folder")
+        file.truncate(0)
+        file.write(f"{os.getpid()}\n")
+        file.flush()
+        return file
 
     def program(self, folder, values, ranks, made_of=()):
         """Runs the deck `values` in `folder`, or what is still to do of it. The deck becomes the

@@ -142,7 +142,6 @@ def check_other_bed(source, program, folder):
                          check=False)
     if ran.returncode != 2 or "zones_x" not in ran.stderr or place.exists():
         raise SystemExit(f"a bed on another ground: {ran.returncode}, {ran.stdout}{ran.stderr}")
-    print(ran.stderr)
 
 
 def check_geometry(program, place, lost):
