@@ -8,7 +8,7 @@ alone, what this does to each sleeper goes back to the bed, round after round.
 DECK: a bed with the sections of rail and train, and [handover] (inputs/track/on_bed.toml): a stage
 `after` which the rounds begin, with sleepers that are bedded in, and numbers that words of the
 command line may replace. The bed is run up to that stage in FOLDER/bed; STATE, the stage_NAME.h5 of
-an earlier run of the deck, saves that. One round, in FOLDER/round_K:
+an earlier run of the deck, or the folder it is in, saves that. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
    load goes (the median of its parts) is the support stiffness of each sleeper.
@@ -23,7 +23,7 @@ The same command again goes on where the last one was stopped (SIGTERM, SIGHUP o
 after a checkpoint): what FOLDER holds of the same decks is taken as it is, what was stopped is
 resumed. --force begins anew: what a loop writes in FOLDER is removed first (bed, bed.toml,
 bed.log, round_0 and on, handover.csv, handover.png). A deck, a file that it names or a --start
-among these is refused.
+among these is refused. Rounds in handover.csv beyond N of --rounds stay there.
 
 What is wrong with words, deck or state is said before anything is written, code 2. A run that fails
 ends the loop with its own sentences and code (docs/running.md). One loop works in a folder at a
@@ -88,7 +88,7 @@ class Loop:
             self.deck.sleepers["count"])
         self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
         self.spare_inputs()
-        self.rows = []
+        self.table, self.rows = [] if given.force else self.old_table(), []
         self.try_decks(done)
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
@@ -115,6 +115,8 @@ class Loop:
         """The stage after which the rounds begin."""
         given, done = self.given, self.deck.loop["after"]
         if given.start:
+            if given.start.is_dir():
+                given.start /= f"stage_{done}.h5"
             if not given.start.is_file():
                 launch.refuse(f"{given.start} is not there")
             done = given.start.name.removeprefix("stage_").removesuffix(".h5")
@@ -137,6 +139,17 @@ class Loop:
         if given.force and given.start and place(given.start):
             launch.refuse(f"--force would remove {given.start}: copy it to another place, or take "
                           "another folder")
+
+    def old_table(self):
+        """Rows of handover.csv."""
+        path = self.given.folder / "handover.csv"
+        if not path.is_file():
+            return []
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = csv.DictReader(file)
+            if tuple(rows.fieldnames or ()) != COLUMNS:
+                launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
+            return list(rows)
 
     def try_decks(self, done):
         """Has the program check the decks of the first round, as far as they are known."""
@@ -289,9 +302,14 @@ class Loop:
               f"settlement per train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm "
               "(most)", flush=True)
 
+    def later_rows(self):
+        """Of rounds that handover.csv has beyond those of this command, if of the same loop."""
+        same = self.table[:len(self.rows)] == self.rows
+        return self.table[len(self.rows):] if same else []
+
     def write(self):
         path = self.given.folder / "handover.csv"
-        rows, part = self.rows, path.with_suffix(".csv.part")
+        rows, part = self.rows + self.later_rows(), path.with_suffix(".csv.part")
         with open(part, "w", newline="", encoding="utf-8") as out:
             table = csv.DictWriter(out, COLUMNS)
             table.writeheader()
@@ -317,6 +335,13 @@ class Loop:
         figure.savefig(self.given.folder / "handover.png", dpi=130)
         plt.close(figure)
 
+    def say_what_stays(self):
+        table, more = self.given.folder / "handover.csv", len(self.table) > len(self.rows)
+        if more and self.later_rows():
+            print(f"{table} keeps its rounds from {self.given.rounds} on, of an earlier command")
+        elif more:
+            print(f"{table} had more rounds, of another loop: they are left out")
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
@@ -324,7 +349,7 @@ def main():
     parser.add_argument("deck", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--start", type=Path, metavar="STATE", help="stage_NAME.h5 of an earlier "
-                        "run of the deck, instead of making the bed")
+                        "run of the deck, or the folder it is in, instead of making the bed")
     parser.add_argument("--rounds", type=int)
     parser.add_argument("--trains", type=int, help="computed in a round")
     parser.add_argument("--each", type=float, help="trains that one stands for")
@@ -334,6 +359,7 @@ def main():
     for number in range(loop.given.rounds):
         loop.round(number)
         loop.write()
+    loop.say_what_stays()
 
 
 if __name__ == "__main__":

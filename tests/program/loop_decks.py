@@ -46,6 +46,7 @@ def check_refused(loops, text):
         if list(kept.iterdir()) != [csv] or csv.read_text(encoding="utf-8") != "round\n":
             raise SystemExit(f"{words}: refused, but {list(kept.iterdir())}")
     deck.write_text(text, encoding="utf-8")
+    loops.ends(2, "handover.csv is no table of the loop", deck, kept)
     loops.ends(2, "there_is_no.h5 is not there", deck, loops.folder / "new", "--start",
                loops.folder / "there_is_no.h5")
     if (loops.folder / "new").exists():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How jobs/handover.py ends when a run of its fails, and that one loop works in a folder at a
-time.
+"""How jobs/handover.py ends when a run of its fails, that one loop works in a folder at a time, and
+what becomes of the rounds that a folder holds.
 
     loop_runs.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -10,6 +10,7 @@ import shutil
 import signal
 import sys
 import time
+import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from loops import Loops  # noqa: E402
@@ -63,6 +64,52 @@ def check_lock(loops, deck):
     loops.ends(0, "round 0", deck, place, "--rounds", "1")
 
 
+def contents(folder):
+    """Of all that a loop keeps."""
+    return {path: path.read_bytes() for path in folder.rglob("*")
+            if path.is_file() and path.name not in ("handover.lock", "handover.png")}
+
+
+def check_rounds(loops, deck):
+    """Fewer rounds leave the others in the table; what is refused late leaves all as it is."""
+    place = loops.folder / "rounds"
+    loops.ends(0, "round 2", deck, place)
+    first = contents(place)
+    loops.ends(0, "keeps its rounds from 1 on", deck, place, "--rounds", "1")
+    loops.ends(2, "round_1/track holds a run of another deck", deck, place, "--each", "10")
+    loops.ends(2, "round_0/weigh holds a run of another deck", deck, place, "--load", "20e3")
+    if changed := {path for path, _ in contents(place).items() ^ first.items()}:
+        raise SystemExit(f"what the folder held has changed: {changed}")
+    (place / "handover.csv").unlink()
+    loops.ends(0, "round 1", deck, place, "--rounds", "2")
+    if len((place / "handover.csv").read_text(encoding="utf-8").splitlines()) != 9:
+        raise SystemExit("a table that was removed has the rounds of the command")
+    loops.ends(0, "round 2", deck, place)
+    if contents(place) != first:
+        raise SystemExit("the table must grow to what it was")
+    # Rounds of another loop are no later rounds of this one.
+    table = place / "handover.csv"
+    text = table.read_text(encoding="utf-8")
+    table.write_text(text.replace("\n0,0.6,", "\n0,0.7,"), encoding="utf-8")
+    loops.ends(0, "had more rounds, of another loop", deck, place, "--rounds", "1")
+    if text.splitlines()[:5] != table.read_text(encoding="utf-8").splitlines():
+        raise SystemExit("the table must have the one round")
+
+
+def check_start(loops, deck):
+    """From the file of an earlier run, or the folder it is in; no bed is made then."""
+    earlier = loops.folder / "rounds/bed"
+    for name, start in (("file", earlier / "stage_bed_in.h5"), ("folder", earlier)):
+        place = loops.folder / f"start_{name}"
+        loops.ends(0, "round 0", deck, place, "--rounds", "1", "--start", start)
+        deck_of_round = (place / "round_0/weigh.toml").read_text(encoding="utf-8")
+        taken = place / "round_0" / tomllib.loads(deck_of_round)["start"]
+        if (place / "bed").exists() or taken.resolve() != earlier / "stage_bed_in.h5":
+            raise SystemExit(f"--start {start} must be what the rounds begin with, not {taken}")
+    loops.ends(2, "stage_bed_in.h5 is not there", deck, loops.folder / "none", "--start",
+               loops.folder)
+
+
 def main():
     program, source, folder = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -70,6 +117,8 @@ def main():
     loops, deck = Loops(program, source, folder), source / "inputs/track/on_bed.toml"
     check_failures(loops, deck)
     check_lock(loops, deck)
+    check_rounds(loops, deck)
+    check_start(loops, deck)
 
 
 if __name__ == "__main__":
