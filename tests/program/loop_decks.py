@@ -116,6 +116,22 @@ def check_files(loops, text):
         raise SystemExit("a loop that has moved is begun anew")
 
 
+def check_begun(loops, text):
+    """A bed that starts from a state does so in the loop; its rounds start from the bed."""
+    place = loops.folder / "begun"
+    place.mkdir()
+    (place / "stage_fill.h5").write_text("state", encoding="utf-8")
+    deck = place / "deck.toml"
+    deck.write_text('start = "stage_fill.h5"\n' + text, encoding="utf-8")
+    loops.ends(0, "", deck, place / "loop", "--rounds", "1")
+    starts = {name: one.get("start") for name, one in made(place / "loop").items()}
+    if starts != {"bed": "../stage_fill.h5", "round_0/weigh": "../bed/stage_bed_in.h5",
+                  "round_0/track": None, "round_0/trains": "weigh/stage_weigh_0.h5"}:
+        raise SystemExit(f"bed and rounds start from {starts}")
+    deck.write_text('start = "loop/bed/stage_bed_in.h5"\n' + text, encoding="utf-8")
+    loops.ends(2, "stage_bed_in.h5 is where the loop writes its own", deck, place / "loop")
+
+
 def check_train(loops, text):
     """The rounds' trains are the deck's, whatever its stage says of ground, stones and contacts."""
     own = {"seat_force": 4e3, "ground_moves": False, "friction": 0.5, "local_damping": 0.3}
@@ -141,6 +157,7 @@ def main():
     check_refused(loops, text)
     check_written_otherwise(loops, text)
     check_files(loops, text)
+    check_begun(loops, text)
     check_train(loops, text)
 
 
