@@ -178,6 +178,7 @@ double GroundBelow::seconds() const { return ground_.seconds(); }
 Json GroundBelow::balance() const {
   FineSum nodes = node_work_;
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
+  nodes.carry();
   return {{"force", force_off_},
           {"moment", moment_off_},
           {"work", ratio(std::abs(nodes.value() - work_), all_work_)}};
@@ -221,6 +222,7 @@ void GroundBelow::save(io::File& file) const {
   ground_.save(file, "ground");
   FineSum nodes = node_work_;
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
+  nodes.carry();
   const std::vector<std::int64_t> quanta(nodes.counts().begin(), nodes.counts().end());
   const std::vector<double> sums{work_, all_work_, force_off_, moment_off_};
   const auto root = [&](const auto& values) {
@@ -244,7 +246,8 @@ void GroundBelow::load(const io::File& file) {
     throw RunError(std::string(group) + "/force belongs to another number of sleepers");
   footprints_.press(force_, load_);
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
-  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
+  // Older states have whole quanta alone.
+  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.size() > 1 ? quanta[1] : 0};
   const auto sums = file.read_all<double>(std::string(group) + "/sums");
   work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2), moment_off_ = sums.at(3);
   std::vector<couple::Footprints::Values> values{{{}, largest_height}};

@@ -164,6 +164,7 @@ std::vector<std::vector<double>> Footprints::means(std::span<const Values> quant
       FineSum sum(quantities[q].largest);
       const std::size_t at = 2 * (q * count() + i);
       sum.counts() = {sums[at], sums[at + 1]};
+      sum.carry();
       means.back().push_back(sum.value());
     }
   }

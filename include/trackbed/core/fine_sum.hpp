@@ -15,20 +15,27 @@ namespace trackbed {
 
 class FineSum {
  public:
-  // `largest` as for exact_quantum, equal on all ranks; fewer than 2^31 terms.
+  // `largest` as for exact_quantum, equal on all ranks.
   explicit FineSum(double largest)
       : quantum_(exact_quantum(largest)), fine_(std::ldexp(quantum_, -32)) {}
   void add(double term) {
     const std::int64_t whole = std::llrint(term / quantum_);
     counts_[0] += whole;
     counts_[1] += std::llrint((term - static_cast<double>(whole) * quantum_) / fine_);
+    carry();
   }
   double value() const {
     return static_cast<double>(counts_[0]) * quantum_ + static_cast<double>(counts_[1]) * fine_;
   }
-  // Add up over ranks.
+  // Add up over ranks, and carry then.
   std::array<std::int64_t, 2>& counts() { return counts_; }
   const std::array<std::int64_t, 2>& counts() const { return counts_; }
+  // Whole quanta to the first count: the same two counts for the same sum.
+  void carry() {
+    const std::int64_t whole = counts_[1] >> 32;
+    counts_[0] += whole;
+    counts_[1] -= whole << 32;
+  }
 
  private:
   double quantum_, fine_;
