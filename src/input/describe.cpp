@@ -32,7 +32,10 @@ std::string kind_in_words(const Spec& spec) {
   if (spec.kind == "numbers")
     return spec.length == 0 ? "list of numbers" : fmt::format("list of {} numbers", spec.length);
   if (spec.kind != "choice") return spec.kind;
-  return fmt::format("one of {}", fmt::join(spec.choices, ", "));
+  std::vector<std::string> words = spec.choices;
+  for (std::string& word : words)
+    if (word.empty()) word = "\"\"";
+  return fmt::format("one of {}", fmt::join(words, ", "));
 }
 
 // As the value would be written in a deck, to be copied from the page.

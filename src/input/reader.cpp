@@ -39,12 +39,12 @@ std::string number_hint(const Node& node, const Limits& limits) {
                             : fmt::format("; give a number in {}", limits.unit);
 }
 
-// "a, b or c", as people write lists.
+// "a, b or c", as people write lists; a word that is empty as a deck has it.
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += words[i];
+    text += words[i].empty() ? "\"\"" : words[i];
   }
   return text;
 }

@@ -82,7 +82,8 @@ void WheelRailParameters::declare(input::Section& s) {
            "Hertz: F = C approach^1.5. Linear: F = stiffness approach. Both only push.");
   s.number("wheel_radius", bodies.wheel_radius, {.unit = "m", .above = 0, .usually_to = 1},
            "Rolling radius of the wheels (hertz).");
-  s.number("rail_radius", bodies.rail_radius, {.unit = "m", .above = 0, .usually_to = 1},
+  s.number("rail_radius", bodies.rail_radius,
+           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 1},
            "Radius of the rail head across the track (hertz).");
   s.number("young", bodies.young, {.unit = "Pa", .above = 0, .usually_from = 1e9},
            "Young's modulus of wheel and rail in their contact (hertz).");
