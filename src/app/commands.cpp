@@ -20,6 +20,7 @@
 #include "app/rules.hpp"
 #include "app/simulation.hpp"
 #include "app/spent.hpp"
+#include "app/track_rules.hpp"
 #include "app/track_run.hpp"
 #include "app/version.hpp"
 #include "trackbed/core/error.hpp"
@@ -44,12 +45,23 @@ void print(const par::Comm& comm, const std::string& text) {
   std::fflush(stdout);
 }
 
+// Warnings before a run begins: said at once, and kept for its summary. All ranks have the same.
+struct Warnings {
+  const par::Comm& comm;
+  std::vector<std::string> said = {};
+  void add(const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) {
+      print(comm, fmt::format("warning: {}\n", sentence));
+      said.push_back(sentence);
+    }
+  }
+};
+
 // Warnings are said and the run goes on; problems leave as InputError.
 // Collective; each rank parses alike and so has the same sentences.
-Model read_model(const par::Comm& comm, const input::Deck& deck) {
+Model read_model(const input::Deck& deck, Warnings& warnings) {
   Model model;
-  for (const std::string& sentence : deck.fill(declaration_of(model)))
-    print(comm, fmt::format("warning: {}\n", sentence));
+  warnings.add(deck.fill(declaration_of(model)));
   return model;
 }
 
@@ -72,10 +84,9 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
 
 // The file that a checkpoint's name or its folder's means; one that is passed over is worth a word.
 std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
-                             io::IfDamaged if_damaged) {
+                             io::IfDamaged if_damaged, Warnings& warnings) {
   const io::Chosen chosen = io::choose_checkpoint(comm, path, if_damaged);
-  for (const std::string& sentence : chosen.passed_over)
-    print(comm, fmt::format("warning: {}\n", sentence));
+  warnings.add(chosen.passed_over);
   if (!chosen.passed_over.empty()) print(comm, fmt::format("going on from {}\n", chosen.file));
   return chosen.file;
 }
@@ -95,10 +106,9 @@ GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input:
 }
 
 // Collective.
-GroundFile checked_ground(const par::Comm& comm, const Model& model, const input::Deck& deck) {
-  GroundFile file = ground_of_all(comm, model, deck);
-  for (const std::string& sentence : file.warnings)
-    print(comm, fmt::format("warning: {}\n", sentence));
+GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings) {
+  GroundFile file = ground_of_all(warnings.comm, model, deck);
+  warnings.add(file.warnings);
   return file;
 }
 
@@ -106,31 +116,30 @@ int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
 }
 
-void warn_of_springs(const par::Comm& comm, const io::File& file, const std::string& path,
-                     const Model& model, const input::Deck& deck) {
-  for (const std::string& sentence : changed_springs(file, path, effective_deck(model), deck))
-    print(comm, fmt::format("warning: {}\n", sentence));
+// Of the rail of a train on a bed; a track alone has read them when it is built.
+void look_at_profiles(const Model& model, Warnings& warnings) {
+  if (model.has_stages() && model.has_train()) warnings.add(doubts_of_files(model.track));
 }
 
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before
 // anything is made or removed.
-std::string checked_start(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+std::string checked_start(const Model& model, const input::Deck& deck, Warnings& warnings) {
   if (model.start.empty()) return "";
-  const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse);
+  const par::Comm& comm = warnings.comm;
+  const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse, warnings);
   const io::File file = io::open_checkpoint(comm, start);
   require_same_model(comm, file, start, effective_deck(model), deck);
-  for (const std::string& sentence :
-       spent_changes(comm, file, start, model, deck, GoesOn::in_another))
-    print(comm, fmt::format("warning: {}\n", sentence));
-  warn_of_springs(comm, file, start, model, deck);
+  warnings.add(spent_changes(comm, file, start, model, deck, GoesOn::in_another));
+  warnings.add(changed_springs(file, start, effective_deck(model), deck));
   return start;
 }
 
 // Of the cell that a bed is made of; what else must fit is looked at by `require_stones`.
-void look_at_cell(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+void look_at_cell(const Model& model, const input::Deck& deck, Warnings& warnings) {
   if (model.bed.cell.empty()) return;
+  const par::Comm& comm = warnings.comm;
   const std::string cell = io::choose_checkpoint(comm, model.bed.cell, io::IfDamaged::refuse).file;
-  warn_of_springs(comm, io::open_checkpoint(comm, cell), cell, model, deck);
+  warnings.add(changed_springs(io::open_checkpoint(comm, cell), cell, effective_deck(model), deck));
 }
 
 }  // namespace
@@ -147,26 +156,31 @@ std::string effective_deck(const Model& model) {
 // Without -o the folder has the name of the deck's file.
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
-  const Model model = read_model(comm, deck);
+  Warnings warnings{comm};
+  const Model model = read_model(deck, warnings);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
   const bool alone = !model.has_stages();
   if (alone) require_files(model.track);
-  const std::string start = checked_start(comm, model, deck);
-  checked_ground(comm, model, deck);
+  const std::string start = checked_start(model, deck, warnings);
+  checked_ground(model, deck, warnings);
   if (!alone) require_stones(comm, model, deck);
-  look_at_cell(comm, model, deck);
+  look_at_cell(model, deck, warnings);
+  look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
   const FolderLock lock =
       prepare_folder(comm, folder, arguments.force ? OldResults::remove : OldResults::refuse,
                      start.empty() ? model.bed.cell : start);
   if (alone)
-    return run_alone(
-        comm, model,
-        {.deck = arguments.deck, .effective = effective_deck(model), .folder = folder});
+    return run_alone(comm, model,
+                     {.deck = arguments.deck,
+                      .effective = effective_deck(model),
+                      .folder = folder,
+                      .warnings = warnings.said});
   Simulation simulation(comm, model, deck, arguments.deck, folder);
+  simulation.keep(warnings.said);
   if (!start.empty()) simulation.start_from(start);
   return finish(comm, simulation, folder);
 }
@@ -222,25 +236,26 @@ void require_newest(const par::Comm& comm, const std::string& checkpoint,
 
 // Damaged histories are refused: the run would replace them. Those that are not there were taken
 // away, so the run goes on without, and says so. Collective.
-void look_for_histories(const par::Comm& comm, const io::File& file,
-                        const std::string& checkpoint) {
+void look_for_histories(const io::File& file, const std::string& checkpoint, Warnings& warnings) {
   const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
   const std::int64_t rows = file.read_all<std::int64_t>("run/counts").at(5);
-  if (!observe::has_histories(comm, results, rows))
-    print(comm, fmt::format("warning: {}: does not exist; histories begin anew at the checkpoint, "
-                            "at {:.6g} s, those before it are lost\n",
-                            results, file.number_attribute("/", "time")));
+  if (!observe::has_histories(warnings.comm, results, rows))
+    warnings.add(
+        {fmt::format("{}: does not exist; histories begin anew at the checkpoint, "
+                     "at {:.6g} s, those before it are lost",
+                     results, file.number_attribute("/", "time"))});
 }
 
 // Whether there is something left to do for a run of stages. All problems are found before the
 // folder is touched. Collective.
-bool stages_left(const par::Comm& comm, const std::string& checkpoint, const Model& model,
-                 const input::Deck& deck, const Arguments& arguments) {
+bool stages_left(const std::string& checkpoint, const Model& model, const input::Deck& deck,
+                 const Arguments& arguments, Warnings& warnings) {
+  const par::Comm& comm = warnings.comm;
   const io::File file = io::open_checkpoint(comm, checkpoint);
   require_can_go_on(comm, file, checkpoint, model, deck);
   const std::string own = folder_of_checkpoint(checkpoint);
   if (!is_finished(comm, file, model, own)) {
-    look_for_histories(comm, file, checkpoint);
+    look_for_histories(file, checkpoint, warnings);
     return true;
   }
   if (!arguments.overrides.empty())
@@ -263,7 +278,9 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   std::optional<FolderLock> lock;
   if (at_home && !comm.broadcast(fs::exists(fs::path(own) / "latest") ? "there" : "").empty())
     lock.emplace(comm, folder);
-  const std::string checkpoint = checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over);
+  Warnings warnings{comm};
+  const std::string checkpoint =
+      checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over, warnings);
   std::string text, name;
   {
     const io::File file = io::open_checkpoint(comm, checkpoint);
@@ -272,12 +289,13 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   }
   const input::Deck deck =
       input::Deck::stored(text, "input stored in " + checkpoint, arguments.overrides);
-  const Model model = read_model(comm, deck);
+  const Model model = read_model(deck, warnings);
   const bool alone = !model.has_stages();
+  look_at_profiles(model, warnings);
   // In another folder the end of a track alone is worth doing again.
   const bool left =
       alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) || !at_home
-            : stages_left(comm, checkpoint, model, deck, arguments);
+            : stages_left(checkpoint, model, deck, arguments, warnings);
   if (!left) {
     print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
     return static_cast<int>(ExitCode::success);
@@ -297,8 +315,10 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
                      {.deck = name,
                       .effective = effective_deck(model),
                       .folder = folder,
-                      .checkpoint = checkpoint});
+                      .checkpoint = checkpoint,
+                      .warnings = warnings.said});
   Simulation simulation(comm, model, deck, name, folder);
+  simulation.keep(warnings.said);
   simulation.resume(checkpoint);
   return finish(comm, simulation, folder);
 }
@@ -308,19 +328,21 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
 // first fill; contacts come later and add to it.
 int check(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
-  const Model model = read_model(comm, deck);
+  Warnings warnings{comm};
+  const Model model = read_model(deck, warnings);
   if (!model.has_stages()) {
-    if (const GroundFile ground = checked_ground(comm, model, deck); !ground.size.empty())
+    if (const GroundFile ground = checked_ground(model, deck, warnings); !ground.size.empty())
       print(comm, ground.size + "\n");
     check_track(comm, model);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
   if (model.ground.present) fem::Petsc::try_options(comm, model.dimension);
-  const std::string start = checked_start(comm, model, deck);
-  const GroundFile ground = checked_ground(comm, model, deck);
+  const std::string start = checked_start(model, deck, warnings);
+  const GroundFile ground = checked_ground(model, deck, warnings);
   const StonesOfLayers stones = require_stones(comm, model, deck);
-  look_at_cell(comm, model, deck);
+  look_at_cell(model, deck, warnings);
+  look_at_profiles(model, warnings);
   World world(comm, model);
   StageActions actions(world, model);
   Progress progress(comm);
@@ -364,8 +386,10 @@ int schema(const par::Comm& comm, const Arguments&) {
 int info(const par::Comm& comm, const Arguments& arguments) {
   if (!fs::exists(arguments.file)) throw InputError({arguments.file + ": does not exist"});
   const bool results = fs::path(arguments.file).filename() == "results.h5";
+  Warnings warnings{comm};
   const std::string path =
-      results ? arguments.file : checkpoint_meant(comm, arguments.file, io::IfDamaged::refuse);
+      results ? arguments.file
+              : checkpoint_meant(comm, arguments.file, io::IfDamaged::refuse, warnings);
   const io::File file =
       results ? observe::open_results(comm, path) : io::open_checkpoint(comm, path);
   print(comm, fmt::format("{}: {}, written by trackbed {}\n", path,

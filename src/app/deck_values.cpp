@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <sstream>
 
 namespace trackbed::app {
@@ -29,12 +31,21 @@ Values values_of(const std::string& effective) {
   return values;
 }
 
+namespace {
+
+constexpr std::array when_to_stop = {"output.wall_time", "output.stop_after",
+                                     "output.checkpoint_interval"};
+
+}  // namespace
+
 // Both are decks of the same stages and tables: keys of one are those of the other.
 std::vector<std::string> changes(const Values& before, const Values& now) {
   std::vector<std::string> sentences;
   for (const auto& [key, value] : now) {
     const auto old = before.find(key);
-    if (old == before.end() || old->second == value || key.starts_with("output.")) continue;
+    if (old == before.end() || old->second == value ||
+        std::find(when_to_stop.begin(), when_to_stop.end(), key) != when_to_stop.end())
+      continue;
     sentences.push_back(fmt::format("{} = {}, before {}", key, value, old->second));
   }
   return sentences;

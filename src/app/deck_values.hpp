@@ -14,8 +14,8 @@ using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 
 // Local, on a text that all ranks have.
 Values values_of(const std::string& effective);
 
-// "key = new, before old" of each value that differs, parameters of [output] aside: they change
-// what is written, not what is computed.
+// "key = new, before old" of each value that differs, but for those of [output] that say when to
+// stop and to write a checkpoint.
 std::vector<std::string> changes(const Values& before, const Values& now);
 
 }  // namespace trackbed::app

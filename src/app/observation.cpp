@@ -27,6 +27,7 @@ void Simulation::write_summary(bool finished) {
                       .regions = model_.regions,
                       .timers = timers_,
                       .measured = measured_,
+                      .said = said_,
                       .wheels = actions_.train().wheel_forces(),
                       .wall_time = progress_.wall_time(),
                       .finished = finished});

@@ -8,8 +8,6 @@
 #include <cstdio>
 #include <string>
 
-#include "app/track_rules.hpp"
-
 namespace trackbed::app {
 
 namespace {
@@ -94,7 +92,6 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
       "sleepers carry {:g} rail{}\n",
       fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
       model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
-  for (const std::string& doubt : doubts_of_files(model.track)) warning(doubt);
 }
 
 // Memory of the fullest rank, since that one fails first.

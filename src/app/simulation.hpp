@@ -26,6 +26,8 @@ class Simulation {
   Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
              const std::string& name, const std::string& folder);
 
+  // Warnings that were said before, for the summary.
+  void keep(const std::vector<std::string>& said) { said_ = said; }
   // Goes on exactly where the checkpoint was written.
   void resume(const std::string& checkpoint);
   // Takes the state a checkpoint at the end of a stage holds; this deck's later stages follow.
@@ -80,6 +82,7 @@ class Simulation {
   observe::Results results_;
   Progress progress_;
   std::string last_checkpoint_, started_from_;
+  std::vector<std::string> said_;                  // warnings before the run began
   std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
   std::vector<double> seat_force_;                 // N, in the last window
   Measured measured_;                              // where the figures of the last stage begin

@@ -240,7 +240,9 @@ void write_summary(const SummaryOf& run) {
                      {"imbalance_now", run.world.particles.imbalance()}};
   json["stages"] = stage_list(run.course);
   if (!run.regions.empty()) json["regions"] = region_list(run);
-  json["warnings"] = run.course.warnings;
+  std::vector<std::string> warnings = run.said;
+  warnings.insert(warnings.end(), run.course.warnings.begin(), run.course.warnings.end());
+  json["warnings"] = warnings;
   write_summary_file(comm, run.folder, json.dump(2));
 }
 

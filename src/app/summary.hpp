@@ -26,6 +26,7 @@ struct SummaryOf {
   const std::vector<observe::Region>& regions;
   const Timers& timers;
   const Measured& measured;
+  const std::vector<std::string>& said;  // warnings before the run began
   const WheelExtremes& wheels;
   double wall_time;  // s
   bool finished;

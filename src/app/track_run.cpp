@@ -286,8 +286,8 @@ void Run::resume() {
 struct Went {
   std::string deck;
   bool finished;
-  double wall, stepping;  // s
-  std::vector<std::string> doubts;
+  double wall, stepping;                  // s
+  std::vector<std::string> said, doubts;  // of the deck, of its files
 };
 
 Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, const Went& went) {
@@ -310,7 +310,8 @@ Json summary_of(const par::Comm& comm, const Together& whole, const Run& run, co
     json["coupling"] = whole.below->balance();
     json["energy"] = whole.below->energies(run.built.passage);
   }
-  std::vector<std::string> warnings = went.doubts;
+  std::vector<std::string> warnings = went.said;
+  warnings.insert(warnings.end(), went.doubts.begin(), went.doubts.end());
   warnings.insert(warnings.end(), run.changed.begin(), run.changed.end());
   json["warnings"] = warnings;
   return json;
@@ -345,7 +346,8 @@ bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& of) 
   const double wall = comm.max(seconds_since(begin));
   write_summary_file(
       comm, of.folder,
-      summary_of(comm, whole, run, {of.deck, finished, wall, stepping, doubts}).dump(2));
+      summary_of(comm, whole, run, {of.deck, finished, wall, stepping, of.warnings, doubts})
+          .dump(2));
   const TrackModel& track = whole.track;
   if (finished) conclude(comm, track, run.built, run.wheels, run.histories.lowest());
   say(comm,

@@ -14,8 +14,9 @@ namespace trackbed::app {
 
 // What a run needs besides its model.
 struct TrackRunOf {
-  std::string deck, effective, folder;  // name, effective input, result folder
-  std::string checkpoint = "";          // to go on from; empty: from the begin
+  std::string deck, effective, folder;     // name, effective input, result folder
+  std::string checkpoint = "";             // to go on from; empty: from the begin
+  std::vector<std::string> warnings = {};  // said of the deck before
 };
 
 // Reads the files the deck names, so that a bad one is refused before anything is touched. Local;

@@ -70,8 +70,12 @@ def check_old_runs(program, made, other):
     ran = program(1, "resume", made / "stage_load.h5", other, "-o", made.parent / "elsewhere")
     expect(ran.returncode == 2 and "start has no effect" in ran.stderr,
            "a start with resume must be refused", ran)
-    program.done(1, "resume", made / "stage_load.h5", "dem.gravity=9.8", "--force")
+    program.done(1, "resume", made / "stage_load.h5", "dem.gravity=9.8",
+                 "output.surface_cell=0.08", "output.wall_time=1e5", "--force")
     warned = summary(made)["warnings"]
+    expect([text.partition("resumed: ")[2].split()[0] for text in warned
+            if "resumed: output." in text] == ["output.surface_cell"],
+           f"what is written, but not when to stop, not {warned}", ran)
     expect(any("where the run was resumed: dem.gravity = 9.8, before 9.81" in text.replace(
         "9.8000000000000007", "9.8").replace("9.8100000000000005", "9.81") for text in warned),
         f"a changed value must be kept with the results, not {warned}", ran)

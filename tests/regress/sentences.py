@@ -311,12 +311,24 @@ def check_doubts(program, deck, folder):
         place = folder / f"doubts_{number}"
         ran = program.done(1 + number % 2, "run", deck, *changes, "-o", place)
         said = [line[len("warning: "):] for line in ran.stdout.splitlines()
-                if re.match(r"warning: (?!\S*\.toml:\d+: |command line: )", line)]  # of the run
+                if line.startswith("warning: ")]
         expect(said == summary(place)["warnings"], "the summary must hold what was said", ran)
+        of_deck = [text for text in said if re.match(r"\S*\.toml:\d+: |command line: ", text)]
+        expect(said[:len(of_deck)] == of_deck, "what is said of the deck comes first", ran)
+        said = said[len(of_deck):]
         expect(len(said) == len(wanted) and all(map(str.__contains__, said, wanted)),
                f"{changes} must be worth {wanted}", ran)
     program.done(1, "resume", place / "stage_load.h5", "--force")
-    expect(summary(place)["warnings"] == said, "warnings must outlive a resume", ran)
+    kept = summary(place)["warnings"]
+    expect([text for text in kept if not text.startswith("input stored in ")] == said,
+           f"warnings must outlive a resume, not {kept}", ran)
+    place = folder / "odd"
+    ran = program.done(2, "run", deck, "output.stop_after=2", "-o", place, code=3)
+    for stop in (4, 6):
+        kept = summary(place)["warnings"]
+        expect(sum("load.start = -1.0: " in text for text in kept) == 1,
+               f"what is odd about a deck belongs to its results, not {kept}", ran)
+        ran = program.done(1, "resume", place, f"output.stop_after={stop}", code=3)
 
 
 def check_beds(program):
