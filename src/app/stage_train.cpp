@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* group = "train";  // of checkpoints
 
-track::Train train_of(const TrackModel& t) {
+track::Train train_over(const TrackModel& t) {
   return {t.train, t.vehicles, t.line.track.rails, t.line.track.wheel_gauge()};
 }
 
@@ -26,7 +26,7 @@ StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_
   const TrackModel& t = model.track;
   track::Irregularity(t.irregularity, t.line.track.length);
   if (const auto right = right_of(t)) track::Irregularity(*right, t.line.track.length);
-  const track::Train train = train_of(t);
+  const track::Train train = train_over(t);
   wheels_ = train.wheels().size();
   bodies_ = train.vehicles().size();
 }
@@ -34,7 +34,7 @@ StageTrain::StageTrain(World& world, const Model& model) : world_(world), model_
 // As for a track alone.
 double StageTrain::duration() const {
   const TrackModel& t = model_.track;
-  const track::Train train = train_of(t);
+  const track::Train train = train_over(t);
   return track::Motion(t.train).time_at(t.line.track.length + train.axle_distance());
 }
 

@@ -2,6 +2,8 @@
 // (a second rail, sleepers, sleepers that bend) and what seat loads stand for.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/track_rules.hpp"
 #include "trackbed/input/deck.hpp"
 
@@ -12,18 +14,22 @@ namespace {
 // Where a parameter acts: on a track of these, else it is idle. On a bed solid rails may take what
 // a beam does not.
 struct Acts {
-  bool two_rails, bends, sleepers, continuous, run_in, rail, shears;
+  bool two_rails, bends, sleepers, continuous, run_in, rail, shears, vehicles, rolls;
 };
 
 Acts acts_of(const TrackModel& model) {
   const track::TrackParameters& track = model.line.track;
+  const std::optional<track::Train> train = train_of(model);  // none: told as a problem
   return {.two_rails = track.dimension == Dimension::space,
           .bends = track.sleeper.model == track::SleeperModel::beam,
           .sleepers = model.on_bed || track.support == track::Support::sleepers,
           .continuous = track.support == track::Support::continuous,
           .run_in = track.run_in > 0,
           .rail = model.passage.loaded_by == track::LoadedBy::train,
-          .shears = model.on_bed || model.line.rail.theory == track::BeamTheory::timoshenko};
+          .shears = model.on_bed || model.line.rail.theory == track::BeamTheory::timoshenko,
+          .vehicles = !model.train.vehicles.empty(),
+          .rolls = !train || std::any_of(train->wheels().begin(), train->wheels().end(),
+                                         [](const auto& wheel) { return wheel.unknown >= 0; })};
 }
 
 constexpr const char* one_rail = "there is one rail (track.dimension)";
@@ -33,6 +39,8 @@ constexpr const char* no_bed = "the rail lies on no continuous bed (track.suppor
 constexpr const char* no_run_in = "there is no run-in (track.run_in)";
 constexpr const char* stiff = "the rail is rigid in shear (rail.theory)";
 constexpr const char* no_rail = "seat loads stand for rail and train (passage.loaded_by)";
+constexpr const char* no_vehicles = "there are no vehicles (train.vehicles)";
+constexpr const char* no_wheels = "axles of constant force do not roll (train.vehicles)";
 
 // Warns of `key` if it is given but idle.
 struct Idle {
@@ -40,7 +48,8 @@ struct Idle {
   void operator()(const std::string& key, bool given, bool acts, const char* why) const {
     s.rule(key, acts || !given, fmt::format("has no effect: {}", why),
            {.weight = input::Weight::warning,
-            .reads = {"track", "vehicle", "passage.loaded_by", key.substr(0, key.find('.'))}});
+            .reads = {"track", "train", "vehicle", "passage.loaded_by",
+                      key.substr(0, key.find('.'))}});
   }
 };
 
@@ -62,11 +71,13 @@ void declare_idle_sections(const TrackModel& model, const Acts& acts, const Idle
   const track::RailParameters &rail = model.line.rail, none;
   idle("rail.poisson", rail.poisson != none.poisson, acts.shears, stiff);
   idle("rail.shear_factor", rail.shear_factor != none.shear_factor, acts.shears, stiff);
-  idle("wheel_rail", is_given(model.wheel_rail), acts.rail, no_rail);
+  const bool rolls = acts.rail && acts.rolls;
+  const char* why = !acts.rail ? no_rail : acts.vehicles ? no_wheels : no_vehicles;
+  idle("wheel_rail", is_given(model.wheel_rail), rolls, why);
   for (const auto& [key, one] : {std::pair{"irregularity.kind", model.irregularity.kind},
                                  {"irregularity_right.kind", model.irregularity_right.kind}})
-    idle(key, one != track::IrregularityKind::none && one != track::IrregularityKind::same,
-         acts.rail, no_rail);
+    idle(key, one != track::IrregularityKind::none && one != track::IrregularityKind::same, rolls,
+         why);
 }
 
 // In [track]: each with where it acts.
@@ -113,9 +124,11 @@ void declare_idle_vehicle(const track::VehicleParameters& vehicle, const std::st
 
 void declare_idle_train(const track::TrainParameters& train, const Acts& acts, const Idle& idle) {
   const track::TrainParameters none;
-  idle("train.speed", train.speed != none.speed, acts.rail, no_rail);
-  idle("train.start", train.start != none.start, acts.rail, no_rail);
-  idle("train.times", !train.times.empty(), acts.rail, no_rail);
+  const bool runs = acts.rail && acts.vehicles;
+  const char* why = acts.rail ? no_vehicles : no_rail;
+  idle("train.speed", train.speed != none.speed, runs, why);
+  idle("train.start", train.start != none.start, runs, why);
+  idle("train.times", !train.times.empty(), runs, why);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/track_rules.hpp"
 #include "trackbed/core/error.hpp"
@@ -94,9 +95,18 @@ void declare_force_at_end(const track::RailForce& force, const std::string& name
          {.weight = input::Weight::warning, .reads = {"force", "track"}});
 }
 
+// s, until the last axle has left unless it is given; infinite if it never does.
+double duration_of(const TrackModel& model) {
+  if (model.passage.duration > 0) return model.passage.duration;
+  const std::optional<track::Train> train = train_of(model);
+  if (!train || train->wheels().empty() || !model.train.changes_are_clear())
+    return std::numeric_limits<double>::infinity();
+  return track::Motion(model.train).time_at(model.line.track.length + train->axle_distance());
+}
+
 // Without vehicles nobody knows when a run is over.
 void declare_forces(const TrackModel& model, input::Section& s) {
-  const double length = model.line.track.length;
+  const double length = model.line.track.length, lasts = duration_of(model);
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
     s.rule(fmt::format("force[{}].at", i), model.passage.forces[i].at <= length,
            fmt::format("lies beyond the track, which is {:g} m long", length),
@@ -105,6 +115,10 @@ void declare_forces(const TrackModel& model, input::Section& s) {
     const std::string name = fmt::format("force[{}]", i);
     declare_force_in_time(model.passage.forces[i], name, model.passage.step, s);
     declare_force_at_end(model.passage.forces[i], name, model.line.track, s);
+    s.rule(name + ".begin", model.passage.forces[i].begin < lasts,
+           fmt::format("lies beyond the run, which takes {:.4g} s: the force has no effect", lasts),
+           {.weight = input::Weight::warning,
+            .reads = {"force", "passage.duration", "train", "vehicle", "track"}});
   }
   s.rule("force", !model.on_bed || model.passage.forces.empty(),
          "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
@@ -168,15 +182,6 @@ void declare_uplift(const TrackModel& model, input::Section& s) {
          about);
   s.rule("pad.uplift", !by_seats(model),
          "needs a rail: seat loads stand for it (passage.loaded_by = \"seats\")", about);
-}
-
-// None that cannot be built: what it lacks is said already.
-std::optional<track::Train> train_of(const TrackModel& model) {
-  try {
-    return track::Train(model.train, model.vehicles, 1);
-  } catch (const InputError&) {
-    return {};
-  }
 }
 
 void declare_flat(const TrackModel& model, input::Section& s) {
@@ -257,9 +262,35 @@ void TrackModel::declare(input::Section& s) {
                      "leaves the track (train.speeds)",
                      rests.value_or(0)),
          {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
+  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
+         "is shorter than a time step (passage.step), of which at least one is taken",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
   s.rule("passage.history_interval", passage.history_interval >= passage.step,
          "is less than a time step; every step makes a row",
          {.weight = input::Weight::warning, .reads = {"passage"}});
+}
+
+std::optional<track::Train> train_of(const TrackModel& model) {
+  try {
+    return track::Train(model.train, model.vehicles, 1);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+// A run without a duration goes on until the last axle has left, one of a bed as long as its stage.
+std::optional<Way> way_of_wheels(const TrackModel& model) {
+  const std::optional<track::Train> train = train_of(model);
+  if (!train || !model.train.changes_are_clear()) return {};
+  constexpr double far = std::numeric_limits<double>::infinity();
+  double nearest = far, furthest = -far;  // m behind the first axle
+  for (const track::Train::Wheel& wheel : train->wheels())
+    if (wheel.unknown >= 0)
+      nearest = std::min(nearest, wheel.behind), furthest = std::max(furthest, wheel.behind);
+  if (nearest > furthest) return {};
+  const double lasts = model.on_bed ? 0 : model.passage.duration;
+  const double reached = lasts > 0 ? track::Motion(model.train).x(lasts) : far;
+  return Way{model.train.start - furthest, reached - nearest};
 }
 
 std::optional<double> TrackModel::stop() const {

@@ -38,6 +38,15 @@ struct TrackModel {
   bool untouched() const;
 };
 
+// None that cannot be built: what it lacks is a problem of its own.
+std::optional<track::Train> train_of(const TrackModel& model);
+// From the hindmost wheel that rolls at the begin of the run to the foremost one at its end, m;
+// none if none rolls.
+struct Way {
+  double from, to;
+};
+std::optional<Way> way_of_wheels(const TrackModel& model);
+
 // None unless it is loaded by seats. Reads the file of a table; throws InputError for a bad one.
 std::optional<track::SeatLoad> seats_of(const TrackModel& model);
 

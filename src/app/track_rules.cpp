@@ -33,6 +33,8 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
       fmt::format("begins a zone beyond the track, which reaches from 0 to {:g} m", track.length),
       about);
   if (!on) return;
+  s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0,
+         "begins a zone that changes nothing: rail and bed are 1, gap is 0", about);
   const double element = track.spacing / static_cast<double>(track.elements);
   const bool elements = holds_place(zone, track.length, element / 2, element);
   s.rule(from, zone.rail == 1 || elements,
@@ -134,8 +136,9 @@ void declare_unused(const track::IrregularityParameters& p, const std::string& s
   unused("file", !p.file.empty(), p.kind == Kind::file);
 }
 
-void declare_irregularity(const track::IrregularityParameters& p, const std::string& section,
-                          double length, input::Section& s) {
+void declare_irregularity(const TrackModel& model, const track::IrregularityParameters& p,
+                          const std::string& section, input::Section& s) {
+  const double length = model.line.track.length;
   declare_unused(p, section, s);
   const std::vector<std::string> reads = {section, "track.length"};
   const bool waves = p.kind == Kind::waves;
@@ -146,6 +149,16 @@ void declare_irregularity(const track::IrregularityParameters& p, const std::str
   s.rule(section + ".at", !closed || (begin < length && end > 0),
          fmt::format("puts it beyond the track, which is {:g} m long", length),
          {.weight = input::Weight::warning, .reads = reads});
+  // What nothing rolls over is told elsewhere.
+  if (const std::optional<Way> way = way_of_wheels(model);
+      way && closed && begin < length && end > 0)
+    s.rule(section + ".at",
+           end > way->from && begin<way->to, end> way->from
+               ? fmt::format("puts it where no wheel gets: they roll up to {:g} m", way->to)
+               : fmt::format("puts it where no wheel gets: they roll from {:g} m on (train.start)",
+                             way->from),
+           {.weight = input::Weight::warning,
+            .reads = {section, "track.length", "train", "vehicle", "passage.duration"}});
   s.rule(section + ".fade", p.kind != Kind::spectrum || p.fade > 0,
          "is 0: wheels meet the random profile with a step at x = 0",
          {.weight = input::Weight::warning, .reads = reads});
@@ -234,8 +247,8 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   if (!model.on_bed) declare_support(track, s);
   declare_seat_zones(model, s);
   declare_under_sleeper(model.line, s);
-  declare_irregularity(model.irregularity, "irregularity", track.length, s);
-  declare_irregularity(model.irregularity_right, "irregularity_right", track.length, s);
+  declare_irregularity(model, model.irregularity, "irregularity", s);
+  declare_irregularity(model, model.irregularity_right, "irregularity_right", s);
   declare_alike(model, s);
   declare_step(model, s);
 }

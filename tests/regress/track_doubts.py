@@ -81,6 +81,21 @@ WARNED = [
     (['train.vehicles=["hxd1_unit"]', "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.05"], "",
      "is one of constant force, which does not roll"),
     ([], ZONE.format(70, 80, "bed = 2"), "begins a zone beyond the track"),
+    ([], ZONE.format(20, 30, "bed = 1.0"), "begins a zone that changes nothing"),
+    (["passage.duration=0.1"], FORCE + "begin = 0.1\n", "lies beyond the run, which takes 0.1 s"),
+    ([], FORCE + "begin = 2\n", "lies beyond the run, which takes 1.631 s"),
+    (NO_TRAIN, FORCE, "train.start = 0: has no effect: there are no vehicles"),
+    (NO_TRAIN, FORCE, 'irregularity.kind = "spectrum": has no effect: there are no vehicles'),
+    ([*NO_TRAIN, "train.speed=40"], FORCE,
+     "train.speed = 40: has no effect: there are no vehicles"),
+    ([*NO_TRAIN, "train.times=[0.1]", "train.speeds=[49.9]"], FORCE,
+     "train.times = [0.1]: has no effect: there are no vehicles"),
+    ([*NO_TRAIN, "wheel_rail.wheel_radius=0.5"], FORCE, "has no effect: there are no vehicles"),
+    (["passage.duration=1e-4"], "", "is shorter than a time step (passage.step)"),
+    (["irregularity.kind=vee", "irregularity.at=5", "train.start=40"], "",
+     "irregularity.at = 5: puts it where no wheel gets: they roll from 18.44 m on"),
+    (["irregularity.kind=waves", "irregularity.at=20", "passage.duration=0.3"], "",
+     "irregularity.at = 20: puts it where no wheel gets: they roll up to 15 m"),
     ([], ZONE.format(30.1, 30.5, "bed = 2"), "without a sleeper: `bed` and `gap` have no effect"),
     ([], ZONE.format(30.1, 30.2, "rail = 2"), "without the middle of an element of the rail"),
     ([], ZONE.format(0, 60, "bed = 0"), "leaves nothing to carry the rail between its pinned ends"),
@@ -148,6 +163,11 @@ IDLE = [
      {"pad": "pad.damping=20e3", "rail": "rail.section=54E1", "train.speed": "train.speed=40",
       "train.start": "train.start=0", "wheel_rail": "wheel_rail.wheel_radius=0.5",
       "irregularity.kind": "irregularity.kind=vee"}),
+    ("axles of constant force do not roll",
+     ['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10",
+      "track.dimension=space"], ['train.vehicles=["hxd1_unit","manchester_1"]'],
+     {"wheel_rail": "wheel_rail.wheel_radius=0.5", "irregularity.kind": "irregularity.kind=vee",
+      "irregularity_right.kind": "irregularity_right.kind=joint"}),
 ]
 # What must be said of nothing.
 SOUND = [
@@ -163,8 +183,10 @@ SOUND = [
                         'wheelbase = 2.5')),
     (["irregularity.kind=waves", "irregularity.at=20", "irregularity.fade=10"], ""),
     # No vehicle: where it would start does not matter.
-    (["train.vehicles=[]", "track.length=6", "track.run_in=2", "passage.duration=0.01",
-      "passage.points=[3]"], FORCE),
+    (["train.vehicles=[]", "train.start=10", "irregularity.kind=none", "irregularity.fade=10",
+      "track.length=6", "track.run_in=2", "passage.duration=0.01", "passage.points=[3]"], FORCE),
+    (['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10"], ""),
+    (["irregularity.kind=vee", "train.start=35"], ""),
 ]
 
 
