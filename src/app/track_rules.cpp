@@ -7,8 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "trackbed/input/table.hpp"
+#include "app/profile_doubts.hpp"
 
 namespace trackbed::app {
 
@@ -198,47 +199,6 @@ void declare_step(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"passage.step", "train", "track"}});
 }
 
-// Whether a wheel that rolls comes from the rigid rail before the track.
-bool comes_on(const TrackModel& model) {
-  if (model.train.vehicles.empty()) return false;
-  const track::Train train(model.train, model.vehicles, 1);
-  return std::any_of(train.wheels().begin(), train.wheels().end(), [&](const auto& wheel) {
-    return wheel.unknown >= 0 && model.train.start <= wheel.behind;
-  });
-}
-
-// The rail before the track is even: what a profile has at x = 0, wheels meet within one step.
-std::string step_at_begin(const TrackModel& model, const track::IrregularityParameters& p) {
-  constexpr double felt = 1e-7;      // m: a hundredth of what wheel and rail approach by
-  constexpr double behind_0 = 1e-9;  // m
-  const double step = track::Irregularity(p, model.line.track.length).at(behind_0);
-  if (std::abs(step) <= felt || !comes_on(model)) return {};
-  return fmt::format(
-      "{} begins with a step of {:.3g} mm at x = 0, where wheels come from an even rail: let it "
-      "fade in (fade), or begin at 0",
-      p.file, 1e3 * step);
-}
-
-void add_doubts(const TrackModel& model, const track::IrregularityParameters& p,
-                const std::string& section, std::vector<std::string>& to) {
-  if (p.kind != Kind::file) return;
-  const double length = model.line.track.length;
-  constexpr double high = 0.1;  // m: more can only be millimetres
-  const auto columns = input::read_table(p.file, {"x_m", "z_m"}, "x_m");
-  double most = 0;
-  for (const double z : columns[1]) most = std::max(most, std::abs(z));
-  if (most > high)
-    to.push_back(fmt::format("{}.file: {} is up to {:g} m high; are heights in millimetres?",
-                             section, p.file, most));
-  if (!columns[0].empty() && (columns[0].back() < length || columns[0].front() > p.fade))
-    to.push_back(
-        fmt::format("{}.file: {} reaches from {:g} to {:g} m, the track to {:g} m; beyond "
-                    "its rows the rail is level",
-                    section, p.file, columns[0].front(), columns[0].back(), length));
-  if (const std::string step = step_at_begin(model, p); !step.empty())
-    to.push_back(fmt::format("{}.file: {}", section, step));
-}
-
 }  // namespace
 
 void declare_track_rules(const TrackModel& model, input::Section& s) {
@@ -255,8 +215,13 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
 
 std::vector<std::string> doubts_of_files(const TrackModel& model) {
   std::vector<std::string> doubts;
-  add_doubts(model, model.irregularity, "irregularity", doubts);
-  add_doubts(model, model.irregularity_right, "irregularity_right", doubts);
+  for (const auto& [p, section] : {std::pair{&model.irregularity, "irregularity"},
+                                   {&model.irregularity_right, "irregularity_right"}}) {
+    if (p->kind != Kind::file) continue;
+    const track::Irregularity profile(*p, model.line.track.length);
+    for (const std::string& doubt : doubts_of_profile(model, profile, *p))
+      doubts.push_back(fmt::format("{}.file: {}", section, doubt));
+  }
   return doubts;
 }
 

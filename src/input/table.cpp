@@ -23,28 +23,29 @@ namespace {
 // Spreadsheets put it in front of a text in UTF-8 (U+FEFF); it would become part of the first name.
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-std::string stripped(const std::string& text) {
-  constexpr const char* blank = " \t\r\"";  // quotes around a name or number are allowed
-  const std::size_t first = text.find_first_not_of(blank);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(blank) - first + 1);
+std::string_view stripped(std::string_view text) {
+  // Quotes around a name or number are allowed.
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
-// An empty last cell counts: a row that ends with a comma has one column more.
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
+// An empty last cell counts: a row that ends with a comma has one column more. Views of the line: a
+// profile of some kilometres has millions of cells.
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
     cells.push_back(stripped(line.substr(begin, end - begin)));
     begin = end + 1;
   }
-  return cells;
 }
 
 // from_chars, not strtod: the decimal point must not hang on the user's locale. It refuses a
 // leading plus, which spreadsheets write.
 // NaN and infinity, which from_chars takes, are no numbers of a table.
-bool is_number(const std::string& cell, double& value) {
+bool is_number(std::string_view cell, double& value) {
   const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
   const char* end = cell.data() + cell.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
@@ -61,12 +62,13 @@ struct Table {
   std::vector<std::vector<double>> columns{};
   std::vector<int> lines{};  // of the file, of each row
   std::vector<std::string> problems{};
+  std::vector<std::string_view> cells{};  // of the present line
 
   // Spreadsheets of languages whose decimal sign is a comma put semicolons between columns. Said
   // once, of the first line: every row would be wrong in the same way. Whether it is so.
-  bool has_other_separators(int line, const std::string& text) {
+  bool has_other_separators(int line, std::string_view text) {
     const std::size_t at = text.find_first_of(";\t");
-    if (at == std::string::npos || text.find(',') != std::string::npos) return false;
+    if (at == text.npos || text.find(',') != text.npos) return false;
     problems.push_back(
         fmt::format("{}:{}: has {} between columns; commas are wanted there, and "
                     "points as decimal signs",
@@ -75,8 +77,9 @@ struct Table {
   }
 
   // Names are compared letter by letter; a near one is suggested.
-  void header(int line, const std::string& text) {
-    const std::vector<std::string> found = cells_of(text);
+  void header(int line, std::string_view text) {
+    split(text, cells);
+    const std::vector<std::string> found(cells.begin(), cells.end());
     width = found.size();
     for (const std::string& name : names) {
       const auto at = std::find(found.begin(), found.end(), name);
@@ -90,8 +93,8 @@ struct Table {
   }
 
   // After a problem columns may differ in length: they are then thrown away with the exception.
-  void row(int line, const std::string& text) {
-    const std::vector<std::string> cells = cells_of(text);
+  void row(int line, std::string_view text) {
+    split(text, cells);
     // A cell too few would shift all that follow it: the row is not read at all.
     if (cells.size() != width) {
       problems.push_back(fmt::format("{}:{}: has {} columns, the first line has {}", path, line,
@@ -134,7 +137,7 @@ std::vector<std::vector<double>> read_table(const std::string& path,
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
     if (line == 1 && text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
-    const std::string content = stripped(text);
+    const std::string_view content = stripped(text);
     if (content.empty() || content.starts_with('#')) continue;
     if (table.width == 0 && table.has_other_separators(line, content)) break;
     if (table.width == 0)

@@ -4,6 +4,8 @@ cannot be computed is refused before anything runs.
 
     track_doubts.py PROGRAM DECKS FOLDER
 """
+import math
+import os
 import pathlib
 import shutil
 import sys
@@ -271,6 +273,69 @@ def check_steps(program, decks, folder):
             raise SystemExit(f"{rows} {changes}: '{step}' is wanted, not {said}")
 
 
+def check_profiles(program, decks, folder):
+    """What wheels cannot be meant to follow: jumps between rows and changes of slope, but no slope
+    by itself, however steep and long, and nothing where no wheel gets."""
+    table = folder / "struck.csv"
+    words = ["irregularity.kind=file", f"irregularity.file={table.resolve()}",
+             "passage.duration=0.6", "irregularity.fade=0"]
+    fine = "".join(f"{i / 1000:.3f},{{}}\n" for i in range(60001))
+    smooth = [1e-3 * (1 - math.cos(2 * math.pi * i / 1000)) for i in range(60001)]
+    jumped = [z + (3e-4 if i > 20000 else 0) for i, z in enumerate(smooth)]
+    jump, kink = "jumps by {} mm at x = {} m", "changes its slope by {} mrad at x = {} m"
+    for rows, changes, wanted in (
+            ("0,0\n20,0\n20.001,1e-3\n60,1e-3\n", [], jump.format(1, 20)),
+            ("0,0\n20,0\n20.002,-3e-4\n60,0\n", [], jump.format(0.3, 20)),
+            ("0,0\n20,0\n20.001,1e-3\n20.002,0\n60,0\n", [], "m: "),
+            ("0,0\n25,0\n60,0\n", [], ""),
+            ("0,0\n10,0.05\n20,0\n60,0\n", [], ""),
+            ("0,0\n19.9,0\n20,-5e-3\n20.1,0\n60,0\n", [], kink.format(100, 20)),
+            ("0,0\n19.9,0\n20,-5e-3\n20.1,0\n60,0\n", ["train.speed=15"], ""),
+            ("0,0\n19.9,0\n20,-5e-3\n20.1,0\n60,0\n", ["train.start=45"], ""),
+            ("0,0\n19.9,0\n20,-5e-3\n20.1,0\n60,0\n", ["passage.duration=0.3"], ""),
+            ("0,0\n19.9,0\n20,-5e-3\n20.1,0\n60,0\n", ['train.vehicles=["hxd1_unit"]'], ""),
+            (fine.format(*smooth), [], ""), (fine.format(*jumped), [], "mm at x = 20 m: wheels")):
+        table.write_text("x_m,z_m\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", decks / "plain.toml", *words, *changes)
+        said = [line for line in ran.stdout.splitlines() if line.startswith("warning: ") and
+                "no effect" not in line]
+        if len(said) != (wanted != "") or not all(wanted in line for line in said):
+            raise SystemExit(f"{rows[:80]} {changes}: '{wanted}' is wanted, not {said}")
+
+
+def check_long_profile(program, decks, folder):
+    """Two kilometres in rows of 1 mm cost a moment: the processor time that they add."""
+    table = folder / "long.csv"
+    rows = (f"{i / 1000:.3f},{1e-3 * math.sin(i / 500):.9f}\n" for i in range(2000001))
+    table.write_text("x_m,z_m\n" + "".join(rows), encoding="utf-8")
+    spent = []
+    for words in (["irregularity.kind=none", "irregularity.fade=10"],
+                  ["irregularity.kind=file", f"irregularity.file={table.resolve()}"]):
+        begin = os.times().children_user + os.times().children_system
+        program.done(1, "check", decks / "plain.toml", "track.length=1999.8", *words)
+        spent.append(os.times().children_user + os.times().children_system - begin)
+    if spent[1] - spent[0] > 1:
+        raise SystemExit(f"check took {spent} s of processor time without and with a profile")
+    print(f"a profile of two million rows: {spent[1] - spent[0]:.2f} s of processor time")
+
+
+def check_kept(program, decks, folder):
+    """What check warns of stands in the summary of the run, also of one that was stopped."""
+    place = folder / "kept"
+    words = ["ballast.below_stiffness=70e6", "irregularity.depth=2e-3"]
+    ran = program.done(1, "check", decks / "plain.toml", *words)
+    said = [line[len("warning: "):] for line in ran.stdout.splitlines()
+            if line.startswith("warning: ")]
+    program.done(1, "run", decks / "plain.toml", *words, "passage.duration=0.01",
+                 "passage.stop_after=20", "-o", place, code=3)
+    if len(said) != 2 or summary(place)["warnings"] != said:
+        raise SystemExit(f"check warns of {said}, the run keeps {summary(place)['warnings']}")
+    program.done(1, "resume", place)
+    kept = [text.partition(": ballast")[2] for text in summary(place)["warnings"]]
+    if len(kept) != 2 or ".below_stiffness = " not in "".join(kept):
+        raise SystemExit(f"a resumed run keeps {summary(place)['warnings']}, not {said}")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -280,6 +345,9 @@ def main():
     check_idle(program, decks, folder)
     check_files(program, decks, folder)
     check_steps(program, decks, folder)
+    check_profiles(program, decks, folder)
+    check_long_profile(program, decks, folder)
+    check_kept(program, decks, folder)
 
 
 if __name__ == "__main__":

@@ -40,6 +40,9 @@ class Irregularity {
   // bad file.
   Irregularity(const IrregularityParameters& parameters, double length);
   double at(double x) const;  // m, upwards
+  // m, x and height of each row of a file, as they stand there.
+  const std::vector<double>& rows() const { return row_; }
+  const std::vector<double>& heights() const { return height_; }
   // How many samples a spectrum with this shortest wave takes on a track of `length` m.
   static double samples_for(double shortest, double length);
   // m, root mean square of its part between 3 and 25 m (D1 of EN 13848-1) on the track beyond
