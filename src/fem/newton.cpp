@@ -14,6 +14,11 @@
 // they begin with (Dembo, Eisenstat, Steihaug 1982, doi:10.1137/0719025). A step of Newton that
 // makes the residual grow is shortened. What does not converge ends the run: time steps are the
 // deck's, and shorter ones taken here in silence would be another run than the one asked for.
+//
+// Without a potential (dilation below friction) a zone may have several ends, or one that jumps as
+// its nodes move, and rounds go in circles about the jump. Such a step is taken anew with enhanced
+// strains that follow what flows in the next one, as they do in all explicit steps: stresses of its
+// end then lie beyond the strength by what the next step takes back.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,21 +34,33 @@ namespace {
 // Rounds end at this many times the tolerance of linear solves, which would else have to be met by
 // stresses in corners of the surface. Mostly the last round leaves far less.
 constexpr double looser = 100;
-// Ten are many; what still grows then has no end.
-constexpr int most_rounds_of_a_step = 50;
+// Ten are many. Where enhanced strains follow at once, rounds that have not come to an end by then
+// go in circles; else it is worth waiting for.
+constexpr int most_rounds_at_once = 20, most_rounds_of_a_step = 50;
+// Beyond it strains are not those of small displacements, whatever balances.
+constexpr double largest_strain = 1;
+// Of a step whose enhanced strains lag. Explicit steps gain less; a collapse, which such a step
+// would carry by stresses beyond the strength, gains tens of times as much.
+constexpr double largest_gain = 0.02;
 
-std::string no_end(int rounds, double left, std::int64_t lost) {
+}  // namespace
+
+std::string Ground::Room::no_end(const NewtonStep& step) {
+  if (step.ended)
+    return fmt::format(
+        "the ground flows apart: plastic strains reach {:.2g} at the end of an implicit step, and "
+        "elements of small displacements know none above {:g}; take layers that carry what lies "
+        "on them, or a weaker wave or load",
+        step.strain, largest_strain);
   const std::string why =
-      lost > 0
-          ? fmt::format("in {} zones no stress fits both their strain and their strength", lost)
-          : fmt::format("{:.2g} of its forces are out of balance", left);
+      step.lost > 0 ? fmt::format("in {} zones no stress fits both their strain and their strength",
+                                  step.lost)
+                    : fmt::format("{:.2g} of its forces are out of balance", step.left);
   return fmt::format(
       "the ground finds no end of an implicit step: after {} rounds of Newton {}; take a shorter "
       "time.window, integrator = \"explicit\", or layers that carry what lies on them",
-      rounds, why);
+      step.rounds, why);
 }
-
-}  // namespace
 
 // Lets the zones flow to the end that these accelerations give, into residual_ what is then
 // missing. Afterwards right_ of the equation with the present plastic strain is in mixed_.
@@ -77,34 +94,59 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) mixed_[c][n] = right_[c][n] - begin_force_[c][n];
   newton_step_.fill(0);
-  const double all = implicit_->residual(mixed_, newton_step_, residual_);
-  const double enough = looser * parameters.tolerance * all + rounding;
-  const double share = (1 - s.alpha_f) * s.beta * dt * dt;
+  NewtonStep step{dt, s, rounding};
+  step.all = implicit_->residual(mixed_, newton_step_, residual_);
+  ++newton_steps;
+  iterations += implicit_->solve(mixed_, state.acceleration, rounding);
+  if (plastic_step_->has_potential()) {
+    if (!comes_to_an_end(step, PlasticStep::Follow::at_once, most_rounds_of_a_step))
+      throw RunError(no_end(step));
+  } else {
+    const Nodal first = state.acceleration;
+    if (!comes_to_an_end(step, PlasticStep::Follow::at_once, most_rounds_at_once)) {
+      const NewtonStep before = step;
+      state.acceleration = first;
+      if (!comes_to_an_end(step, PlasticStep::Follow::next_step, most_rounds_of_a_step) ||
+          mesh.comm.max(plastic_step_->largest_gain()) > largest_gain)
+        throw RunError(no_end(before));
+    }
+  }
+  plastic_step_->keep(blend_);
+}
+
+// Whether rounds, so many at most, come to an end that is one of small displacements.
+bool Ground::Room::comes_to_an_end(NewtonStep& step, PlasticStep::Follow when, int most) {
+  plastic_step_->follow(when);
+  step.ended = newton_rounds(step, most);
+  step.strain = mesh.comm.max(plastic_step_->largest_strain());
+  return step.ended && step.strain <= largest_strain;
+}
+
+// Returns whether they end.
+bool Ground::Room::newton_rounds(NewtonStep& step, int most) {
+  const double enough = looser * parameters.tolerance * step.all + step.rounding;
+  const double share = (1 - step.scheme.alpha_f) * step.scheme.beta * step.dt * step.dt;
   const auto add = [&](const LinearSystem::Add& to) {
     plastic_step_->tangent(
         [&](std::size_t zone, const Eigen::MatrixXd& k) { to(zone, share * k); });
   };
   left.clear();
-  ++newton_steps;
-  Nodal& a = state.acceleration;
-  iterations += implicit_->solve(mixed_, a, rounding);
-  double open = out_of_balance(dt, s, a);
-  for (int round = 1;; ++round) {
+  double open = out_of_balance(step.dt, step.scheme, state.acceleration);
+  for (step.rounds = 1;; ++step.rounds) {
     ++solves, ++rounds;
-    most_rounds = std::max<std::int64_t>(most_rounds, round);
-    left.push_back(all > 0 ? open / all : 0);
-    const std::int64_t lost = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->lost()));
-    if (lost == 0 && open <= enough) break;
-    const bool stuck = lost > 0 && open <= enough;  // no step would change it
-    if (stuck || round == most_rounds_of_a_step || !std::isfinite(open))
-      throw RunError(no_end(round, left.back(), lost));
-    const double exact = std::max(std::min(open / all, 1e-2), 0.1 * enough / open);
+    most_rounds = std::max<std::int64_t>(most_rounds, step.rounds);
+    left.push_back(step.all > 0 ? open / step.all : 0);
+    step.left = left.back();
+    step.lost = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->lost()));
+    if (step.lost == 0 && open <= enough) return true;
+    const bool stuck = step.lost > 0 && open <= enough;  // no step would change it
+    if (stuck || step.rounds == most || !std::isfinite(open)) return false;
+    const double exact = std::max(std::min(open / step.all, 1e-2), 0.1 * enough / open);
     const int spent = implicit_->solve_changed(add, residual_, exact, newton_step_);
-    if (spent < 0) throw RunError(no_end(round, left.back(), lost));
+    if (spent < 0) return false;
     iterations += spent;
-    open = line_search(dt, s, newton_step_, open);
+    open = line_search(step.dt, step.scheme, newton_step_, open);
   }
-  plastic_step_->keep(blend_);
 }
 
 // The longest of 1, 1/2, 1/4 ... of the step that makes the residual fall; the last one otherwise,

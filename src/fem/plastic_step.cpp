@@ -5,6 +5,7 @@
 // enhanced strains, E^T sigma = 0, is x = Z^T d.
 #include "plastic_step.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tetrahedron.hpp"
@@ -77,7 +78,9 @@ Matrix by_points(const Matrix& of_points, const Matrix& rows) {
 PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
   const Elastic& elastic = mesh.solids.solid[solid];
-  Law law{{elastic, mesh.solids.strength[solid]},
+  Law law{elastic,
+          mesh.solids.strength[solid],
+          {elastic, mesh.solids.strength[solid]},
           mesh.imported ? ZonePoints{} : zone_points(mesh.solids.size[solid], elastic, dimension),
           {},
           {},
@@ -108,17 +111,26 @@ PlasticStep::Law PlasticStep::law_of(const Mesh& mesh, std::size_t solid) {
   return law;
 }
 
+MohrCoulomb PlasticStep::Law::dilating(double share) const {
+  Strength more = strength;
+  more.dilation_angle += share * (strength.friction_angle - strength.dilation_angle);
+  return {elastic, more};
+}
+
 // Newton on x - Z^T d(x), the enhanced strains of a zone.
 struct PlasticStep::Search {
-  static constexpr int most = 100;  // rounds of each way
+  // What is left lags as in explicit steps: the balance of the nodes holds without it, and as
+  // stress beyond the strength it is the next step's to take up.
+  static constexpr double little = 1e-4;
   const Law& law;
   Flow& flow;
+  MohrCoulomb surface = law.surface;
   Returned at = evaluate();
   double scale = law.modes.cwiseAbs().maxCoeff();
   double rounding = 1e-15 * flow.elastic.norm() / law.elasticity(0, 0);
 
   Returned evaluate() const {
-    return bring_back(law.surface, law.points, flow.elastic + law.modes * flow.modes, true);
+    return bring_back(surface, law.points, flow.elastic + law.modes * flow.modes, true);
   }
   void move_to(const Vector& modes) {
     flow.modes = modes;
@@ -140,6 +152,7 @@ struct PlasticStep::Search {
   // its slope.
   void go_along_steps() {
     constexpr double enough = 1e-12, damping = 1e-10;
+    constexpr int most = 100;
     for (int k = 0; k < most && !is_below(enough); ++k) {
       const Vector open = left(), from = flow.modes, way = step(slope(), open, damping);
       const auto along = [&](double share) {  // slope of the potential, 1 at the begin
@@ -150,10 +163,11 @@ struct PlasticStep::Search {
     }
   }
 
-  // Without dilation there is no potential, and steps along it may go in circles: from the begin
-  // by what gets nearer, a share of the identity added (Levenberg 1944, doi:10.1090/qam/10666).
-  void go_damped(double enough) {
-    move_to(Vector::Zero(flow.modes.size()));
+  // Without a potential steps are taken that get nearer, if need be with a share of the identity
+  // added (Levenberg 1944, doi:10.1090/qam/10666).
+  void go_damped() {
+    constexpr double enough = 1e-10;
+    constexpr int most = 30;
     for (int k = 0; k < most && !is_below(enough); ++k) {
       const Vector open = left(), from = flow.modes;
       const Matrix here = slope();
@@ -163,6 +177,31 @@ struct PlasticStep::Search {
       }
     }
   }
+
+  // With less dilation than friction there is no potential: steps along it may go in circles, and
+  // what is left may have a least value that is no end. So the end with dilation = friction, where
+  // there is one, is followed as dilation falls to what it is, in shares of the way that damped
+  // steps manage (continuation: Allgower, Georg 1990, doi:10.1007/978-3-642-61257-2). Mostly four
+  // are enough.
+  void go_by_dilation() {
+    constexpr double shortest = 1e-3;
+    surface = law.dilating(1);
+    move_to(Vector::Zero(flow.modes.size()));
+    go_along_steps();
+    for (double apart = 1, stride = 0.25; apart > 0 && stride > shortest;) {
+      const Vector from = flow.modes;
+      const double next = std::max(0.0, apart - stride);
+      surface = law.dilating(next);
+      move_to(from);
+      go_damped();
+      const bool there = is_below(little);
+      if (!there) flow.modes = from;
+      apart = there ? next : apart;
+      stride *= there ? 2 : 0.5;
+    }
+    surface = law.surface;
+    move_to(flow.modes);
+  }
 };
 
 PlasticStep::PlasticStep(const Mesh& mesh, Plasticity& plasticity)
@@ -170,21 +209,18 @@ PlasticStep::PlasticStep(const Mesh& mesh, Plasticity& plasticity)
   for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s) laws_.push_back(law_of(mesh, s));
 }
 
-// Two ways, one after the other. A little of what is left lags as in explicit steps: the balance of
-// the nodes holds without it, and as stress beyond the strength it is the next step's to take up.
-// Returns whether no more is left.
+// Two ways, one after the other. Returns whether no more than a little is left.
 bool PlasticStep::seek(Flow& flow) const {
-  constexpr double little = 1e-4;
   const Law& l = law(flow);
-  if (l.modes.cols() == 0) {
+  if (l.modes.cols() == 0 || when_ == Follow::next_step) {
     flow.gained = bring_back(l.surface, l.points, flow.elastic, false).gained;
     return true;
   }
   Search search{l, flow};
   search.go_along_steps();
-  if (!search.is_below(little)) search.go_damped(little);
+  if (!search.is_below(Search::little)) search.go_by_dilation();
   flow.gained = search.at.gained;
-  return search.is_below(little);
+  return search.is_below(Search::little);
 }
 
 // Enhanced strains are sought from none: those of the last try may have been far off, and from
@@ -226,7 +262,7 @@ void PlasticStep::tangent(const Visit& visit) const {
     const Returned at = bring_back(l.surface, l.points, flow.elastic + l.modes * flow.modes, true);
     const ZonePoints of = points(flow);
     Matrix stress = by_points(at.slope, of.recovery);
-    if (l.modes.cols() > 0) {
+    if (l.modes.cols() > 0 && when_ == Follow::at_once) {
       const Matrix of_modes = by_points(at.slope, l.modes);
       const Matrix slope = l.strains.transpose() * of_modes;
       // At an apex nothing resists some of the enhanced strains: least norm.
@@ -237,6 +273,28 @@ void PlasticStep::tangent(const Visit& visit) const {
     const Matrix force = of.weighted(by_points(l.compliance, of.recovery)).transpose();
     visit(plasticity_.zones()[flow.number], force * (stress - of.recovery));
   }
+}
+
+double PlasticStep::largest_strain() const {
+  double most = 0;
+  for (const Flow& flow : flows_) {
+    const double* strain = plasticity_.zone(flow.number).strain;
+    for (std::size_t k = 0; k < plasticity_.width(); ++k)
+      most = std::max(most, std::abs(strain[k]));
+  }
+  return most;
+}
+
+double PlasticStep::largest_gain() const {
+  double most = 0;
+  for (const Flow& flow : flows_) most = std::max(most, flow.gained.cwiseAbs().maxCoeff());
+  return most;
+}
+
+bool PlasticStep::has_potential() const {
+  return std::none_of(laws_.begin(), laws_.end(), [](const Law& law) {
+    return law.modes.cols() > 0 && law.strength.dilation_angle < law.strength.friction_angle;
+  });
 }
 
 void PlasticStep::keep(const Nodal& u) {

@@ -126,7 +126,19 @@ struct Ground::Room {
   void yield(bool ghosts_current);  // flow under the present displacement, and its forces
   void extrapolate();
   double balance(const AlphaScheme& scheme, const Nodal& load_before);
+  // A step in time. N: its rounding and what it is measured by; where its rounds have come to.
+  struct NewtonStep {
+    double dt;
+    const AlphaScheme& scheme;
+    double rounding, all = 0, left = 0, strain = 0;
+    std::int64_t lost = 0;
+    int rounds = 0;
+    bool ended = false;
+  };
   void newton(double dt, const AlphaScheme& scheme, double rounding);
+  bool comes_to_an_end(NewtonStep& step, PlasticStep::Follow when, int most);
+  bool newton_rounds(NewtonStep& step, int most);
+  static std::string no_end(const NewtonStep& step);
   double out_of_balance(double dt, const AlphaScheme& scheme, const Nodal& acceleration);
   double line_search(double dt, const AlphaScheme& scheme, const Nodal& step, double open);
   void elastic_rest(const Nodal& right);

@@ -302,6 +302,26 @@ TEST(Collapse, EndsWithASentence) {
   }
 }
 
+// Without weight to come back to, a slab that is thrown up leaves the rest of its column behind.
+TEST(Collapse, StrainsAboveOneAreNone) {
+  GroundParameters p = box({1, 1, 4}, {2, 1, 8}, {20e6, 0.2, 2000});
+  p.plane = PlaneState::strain;
+  p.base = Base::fixed;
+  p.integrator = Integrator::newmark;
+  p.layers[0].strength = {Yield::mohr_coulomb, 100, 30, 0, 0};
+  Ground ground(Comm::world(), p, Dimension::plane, 1.0);
+  ground.settle(pressure(ground, 0));
+  const std::vector<Vec3> pull = pressure(ground, -200e3);
+  try {
+    for (int w = 0; w < 1000; ++w) ground.advance(1e-3, pull);
+    FAIL() << "what is drawn apart for a second holds together";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("the ground flows apart: plastic strains reach 1"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 // A deep ground that yields at rest: rounding of its whole stress is all there is to balance.
 TEST(Unloaded, NothingHappensWhereNothingChanges) {
   for (const double change : {0.0, 1e-12, 1e-6, 1e-3}) {
