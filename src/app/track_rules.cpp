@@ -68,6 +68,18 @@ void declare_seat_zones(const TrackModel& model, input::Section& s) {
   }
 }
 
+// A ballast mass stands on its own spring alone, which zones multiply.
+void declare_ballast_mass(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  if (model.on_bed || model.line.ballast.mass == 0 || track.support != track::Support::sleepers)
+    return;
+  for (std::size_t i = 0; i < track.zones.size(); ++i)
+    s.rule(fmt::format("track.zone[{}].bed", i),
+           track.zones[i].bed > 0 || !holds_place(track.zones[i], track.length, 0, track.spacing),
+           "must be above 0 with a mass of the ballast: nothing else holds it (ballast.mass)",
+           {.reads = {"track", "ballast"}});
+}
+
 // Sleepers, or elements of a continuous bed, of this side that lie on something while nothing is on
 // the track.
 std::int64_t carried(const track::TrackParameters& track, std::size_t side) {
@@ -206,6 +218,7 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
   if (!model.on_bed) declare_support(track, s);
   declare_seat_zones(model, s);
+  declare_ballast_mass(model, s);
   declare_under_sleeper(model.line, s);
   declare_irregularity(model, model.irregularity, "irregularity", s);
   declare_irregularity(model, model.irregularity_right, "irregularity_right", s);

@@ -55,6 +55,8 @@ REFUSED = [
      "track.zone[0].bed = 0.0: must be above 0 if seats are loaded"),
     ([*SEATS, "track.sleeper.model=beam"], ZONE.format(10, 10.7, "bed = 0.0"),
      "track.zone[0].bed = 0.0: must be above 0 if seats are loaded"),
+    (["ballast.mass=500"], ZONE.format(10, 10.7, "bed = 0.0"),
+     "track.zone[0].bed = 0.0: must be above 0 with a mass of the ballast"),
     (["track.spacing=1e-5"], "", "makes 2.4e+07 elements of 60 m of rail"),
     (["track.spacing=1e-17"], ZONE.format(0, 60, "bed = 2"), "elements of 60 m of rail"),
     (["track.run_in_factor=1e7"], "", "must be at least 1 and at most 1000000"),
