@@ -92,6 +92,8 @@ class Loop:
         self.try_decks(done)
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
+        if not given.force:
+            self.table = self.old_table()  # another loop may have ended while decks were tried
         if given.force:  # or a stop would leave later rounds to the command that goes on
             for old in given.folder.iterdir():
                 if OF_THE_LOOP.fullmatch(old.name) and old.name != LOCK:
@@ -104,8 +106,8 @@ class Loop:
         ran = launch.run([self.given.program, "check", deck], self.then,
                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if ran.returncode and what:
-            ran.stderr = re.sub(rf"{re.escape(str(deck))}:(\d+:)?", f"{self.given.deck}, {what}:",
-                                ran.stderr)
+            ran.stderr = re.sub(rf"{re.escape(str(deck))}:(\d+:)?",
+                                lambda _: f"{self.given.deck}, {what}:", ran.stderr)
         if ran.returncode == launch.BAD_INPUT:
             launch.refuse(ran.stderr.rstrip())
         if ran.returncode:

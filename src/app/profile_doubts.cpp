@@ -4,7 +4,9 @@
 // profile departs from a straight line before either gives way: about the time sqrt(m/k) of their
 // contact (m 150 kg of wheel and rail together, k 1.4 GN/m), in which it goes w = v sqrt(m/k),
 //   D(x) = z(x + w) - 2 z(x) + z(x - w),   F = C_H D^1.5      m, N
-// which is w times a change of slope, and all of a jump; even ramps have none, however steep.
+// which is w times a change of slope, and all of a jump; even ramps have none, however steep. It is
+// the most there may be: runs have a third to a half of it at a V, and a wheel that a rail falls
+// away from flies over what follows. So only what rises, or falls less than before, counts.
 // Rejected: slopes alone, which are those of ramps too; the force of a run, which comes too late.
 #include "app/profile_doubts.hpp"
 
@@ -26,30 +28,17 @@ constexpr double no_wheel_bears = 1e6;   // N, ten times what a heavy wheel carr
 constexpr double as_heavy = 1e5;         // N, of a jump: as much again as a heavy wheel carries
 constexpr double high = 0.1;             // m: more can only be millimetres
 
-// Rows as wheels meet them, straight lines between: where is asked with rising x, in constant time.
+// Heights as wheels meet them: where is asked with rising x, in constant time.
 class Rows {
  public:
-  Rows(const track::Irregularity& of, double fade) : x_(of.rows()), z_(of.heights()), fade_(fade) {}
+  explicit Rows(const track::Irregularity& of) : of_(of) {}
   double at(double x) {
-    if (x <= 0) return 0;
-    while (next_ < x_.size() && x_[next_] <= x) ++next_;
-    return faded(x) * line(x);
+    while (next_ < of_.rows().size() && of_.rows()[next_] <= x) ++next_;
+    return of_.before_row(next_, x);
   }
 
  private:
-  double line(double x) const {
-    if (next_ == 0) return z_.front();
-    if (next_ == x_.size()) return z_.back();
-    const double share = (x - x_[next_ - 1]) / (x_[next_] - x_[next_ - 1]);
-    return z_[next_ - 1] + share * (z_[next_] - z_[next_ - 1]);
-  }
-  double faded(double x) const {
-    if (x >= fade_) return 1;
-    const double t = x / fade_;
-    return t * t * (3 - 2 * t);
-  }
-  const std::vector<double>&x_, &z_;
-  double fade_;
+  const track::Irregularity& of_;
   std::size_t next_ = 0;
 };
 
@@ -82,16 +71,21 @@ struct Places {
   }
 };
 
-// Of a rise over `reach` m the part that neither the slope before it nor that behind it has.
-Places jumps_of(const std::vector<double>& rows, const std::array<Rows, 4>& made, double reach,
-                Places found) {
-  auto [before, here, behind, far] = made;
+// Of a rise over `reach` m, from a row or up to it, the part that neither the slope before it nor
+// that behind it has.
+Places jumps_of(const std::vector<double>& rows, const Rows& made, double reach, Places found) {
+  std::array<Rows, 5> around = {made, made, made, made, made};
   for (const double x : rows) {
-    const double z = here.at(x), next = behind.at(x + reach);
-    const double first = next - 2 * z + before.at(x - reach);
-    const double second = z - 2 * next + far.at(x + 2 * reach);
-    // Bent up and down again, or the other way round.
-    if (first * second < 0) found.see(x, std::min(std::abs(first), std::abs(second)));
+    std::array<double, 5> z;
+    for (std::size_t k = 0; k < z.size(); ++k)
+      z[k] = around[k].at(x + (static_cast<double>(k) - 2) * reach);
+    std::array<double, 3> bent;
+    for (std::size_t k = 0; k < bent.size(); ++k) bent[k] = z[k] - 2 * z[k + 1] + z[k + 2];
+    // Bent up and down again; up to a row only what no row before it has seen: a peak.
+    const auto rises = [&](std::size_t k) { return std::min(bent[k], -bent[k + 1]); };
+    const bool is_seen = !found.found.empty() && x - found.found.back() <= found.apart;
+    if (!is_seen) found.see(x, rises(0));
+    found.see(x, rises(1));
   }
   return found;
 }
@@ -100,7 +94,7 @@ Places kinks_of(const std::vector<double>& rows, const std::array<Rows, 3>& made
                 const Places& jumps, Places found) {
   auto [before, here, behind] = made;
   for (const double x : rows) {
-    const double bent = std::abs(behind.at(x + reach) - 2 * here.at(x) + before.at(x - reach));
+    const double bent = behind.at(x + reach) - 2 * here.at(x) + before.at(x - reach);
     if (bent > found.bound && !jumps.is_near(x)) found.see(x, bent);
   }
   return found;
@@ -133,17 +127,17 @@ void doubt_strikes(const TrackModel& model, const track::Irregularity& profile,
                    const track::IrregularityParameters& p, const Way& way,
                    std::vector<std::string>& to) {
   const double speed = largest_speed(model.train);
-  const double w = speed * std::max(contact_time, model.passage.step);
+  const double w = speed * contact_time;
   const track::WheelRail law(model.wheel_rail);
   const std::vector<double>& all = profile.rows();
   const auto begin = std::lower_bound(all.begin(), all.end(), way.from);
   const std::vector<double> rows(begin, std::upper_bound(begin, all.end(), way.to));
-  const Rows made(profile, p.fade);
-  const Places jumps = jumps_of(rows, {made, made, made, made}, w / 4,
-                                {.bound = law.approach(as_heavy), .apart = 2 * w});
+  const Rows made(profile);
+  const Places jumps =
+      jumps_of(rows, made, w / 4, {.bound = law.approach(as_heavy), .apart = 2 * w});
   if (jumps.worst > 0)
     to.push_back(fmt::format(
-        "{} jumps by {:.3g} mm at x = {:.10g} m{}: wheels would strike it with about "
+        "{} jumps by {:.3g} mm at x = {:.10g} m{}: wheels would strike it with up to "
         "{:.3g} kN; is a row wrong?",
         p.file, 1e3 * jumps.worst, jumps.at, jumps.others(), law.force(jumps.worst) / 1e3));
   const Places kinks = kinks_of(rows, {made, made, made}, w, jumps,
@@ -151,7 +145,7 @@ void doubt_strikes(const TrackModel& model, const track::Irregularity& profile,
   if (kinks.worst > 0)
     to.push_back(
         fmt::format("{} changes its slope by {:.3g} mrad at x = {:.10g} m{}: at {:g} m/s wheels "
-                    "would strike it with about {:.3g} kN, more than any wheel bears",
+                    "that follow it would strike with up to {:.3g} kN, more than any wheel bears",
                     p.file, 1e3 * kinks.worst / w, kinks.at, kinks.others(), speed,
                     law.force(kinks.worst) / 1e3));
 }
@@ -175,7 +169,7 @@ std::vector<std::string> doubts_of_profile(const TrackModel& model,
         fmt::format("{} begins with a step of {:.3g} mm at x = 0, where wheels come from an even "
                     "rail: let it fade in (fade), or begin at 0",
                     p.file, 1e3 * step));
-    way->from = largest_speed(model.train) * 2 * std::max(contact_time, model.passage.step);
+    way->from = largest_speed(model.train) * 2 * contact_time;
   }
   doubt_strikes(model, profile, p, *way, doubts);
   return doubts;

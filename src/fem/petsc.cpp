@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <petscsys.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <sstream>
@@ -32,12 +33,16 @@ std::string& last_words() {
   return words;
 }
 
-std::vector<std::string> of_environment() {
-  const char* text = std::getenv(variable);
-  std::istringstream stream(text == nullptr ? "" : text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
+// Of rank 0, as PETSc takes them: mpirun may give the others none.
+std::vector<std::string>& of_environment() {
+  static std::vector<std::string> words;
   return words;
+}
+void read_environment(const par::Comm& comm) {
+  const char* text = std::getenv(variable);
+  std::istringstream stream(comm.broadcast(text == nullptr ? "" : text));
+  of_environment().clear();
+  for (std::string word; stream >> word;) of_environment().push_back(word);
 }
 
 // Returns the code instead of a traceback on the screen; the first of an error's callers knows what
@@ -63,7 +68,7 @@ const char* source() { return given().empty() ? variable : "command line"; }
 void refuse(int code, const char* what) {
   std::vector<std::string> places;
   if (!given().empty()) places.push_back(fmt::format("after -- ({})", fmt::join(given(), " ")));
-  if (const auto words = of_environment(); !words.empty())
+  if (const auto& words = of_environment(); !words.empty())
     places.push_back(fmt::format("of {} ({})", variable, fmt::join(words, " ")));
   if (places.empty()) return check(code, what);
   throw InputError({fmt::format("{}: PETSc does not take the options {}: {}", source(),
@@ -109,6 +114,7 @@ void require_option(const std::vector<std::string>& options) {
 void start(const std::vector<std::string>& options) {
   require_option(options);
   given() = options;
+  read_environment(par::Comm::world());
   std::string problem = unusable_file(options, "command line");
   if (problem.empty()) problem = unusable_file(of_environment(), variable);
   if (problem = par::Comm::world().first_problem(problem); !problem.empty())

@@ -189,11 +189,15 @@ double Irregularity::sampled(double x) const {
 // the slopes of their own chords. A cubic through uneven rows would swing over the long stretches:
 // rows that are far apart mean a straight line.
 double Irregularity::measured(double x) const {
-  if (x <= 0) return 0;
   const auto next = std::upper_bound(row_.begin(), row_.end(), x);
-  if (next == row_.begin()) return faded(x, height_.front());
-  if (next == row_.end()) return faded(x, height_.back());
-  const auto k = static_cast<std::size_t>(next - row_.begin()) - 1;
+  return before_row(static_cast<std::size_t>(next - row_.begin()), x);
+}
+
+double Irregularity::before_row(std::size_t next, double x) const {
+  if (x <= 0) return 0;
+  if (next == 0) return faded(x, height_.front());
+  if (next == row_.size()) return faded(x, height_.back());
+  const std::size_t k = next - 1;
   const double length = row_[k + 1] - row_[k], chord = (height_[k + 1] - height_[k]) / length;
   const auto slope = [&](std::size_t at) {
     if (at == 0 || at + 1 == row_.size()) return chord;

@@ -304,16 +304,22 @@ double Passage::ground_force(std::size_t i) const {
                        room.approach[room.wheels_rolling() + stop], room.stop_rate[stop]);
 }
 
-// Nodes do not show what the rail gives way between them: of a wheel there force^2 local/2.
+// Nodes do not show what the rail gives way between them: of a force there force^2 local/2.
 double Passage::track_energy() const {
   const Room& room = *room_;
   double energy = room.track.energy();
+  const auto give_way = [&](double x, std::size_t side, double force) {
+    energy += force * force * room.line.at(x, side).local / 2;
+  };
   for (Eigen::Index i = 0; i < room.wheels_rolling(); ++i) {
     const std::size_t wheel = room.rolling[static_cast<std::size_t>(i)];
-    const double force = room.law.force(room.approach[i]);
-    const double local = room.line.at(room.x(wheel), room.train.wheels()[wheel].side).local;
-    energy += force * force * local / 2;
+    give_way(room.x(wheel), room.train.wheels()[wheel].side, room.law.force(room.approach[i]));
   }
+  for (std::size_t k = 0; k < room.train.wheels().size(); ++k)
+    if (const auto& wheel = room.train.wheels()[k]; wheel.unknown < 0)
+      give_way(room.x(k), wheel.side, wheel.force);
+  for (const RailForce& one : room.parameters.forces)
+    give_way(one.at, one.number(), one.force(room.time()));
   for (std::size_t k = 0; k < room.line.stops().size(); ++k)
     energy += room.line.stops()[k].energy(
         room.approach[room.wheels_rolling() + static_cast<Eigen::Index>(k)]);

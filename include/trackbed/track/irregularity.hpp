@@ -43,6 +43,8 @@ class Irregularity {
   // m, x and height of each row of a file, as they stand there.
   const std::vector<double>& rows() const { return row_; }
   const std::vector<double>& heights() const { return height_; }
+  // m, as at(x) of a file; `next` is the number of the first row behind x, which spares the search.
+  double before_row(std::size_t next, double x) const;
   // How many samples a spectrum with this shortest wave takes on a track of `length` m.
   static double samples_for(double shortest, double length);
   // m, root mean square of its part between 3 and 25 m (D1 of EN 13848-1) on the track beyond

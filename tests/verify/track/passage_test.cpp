@@ -49,6 +49,23 @@ TEST(Passage, TrackHoldsHalfTheWorkOfAWheelAtRest) {
                  1e-9);
 }
 
+// Constant forces between nodes too: the energy does not hang on where nodes are.
+TEST(Passage, TrackHoldsTheSameWithFinerElements) {
+  const auto energy = [](std::int64_t elements) {
+    LineParameters parameters;
+    parameters.track.elements = elements;
+    const Line line(parameters);
+    const TrainParameters motion{.vehicles = {"force"}, .speed = 1e-12, .start = 30.075};
+    const VehicleParameters force{
+        .name = "force", .kind = VehicleKind::forces, .length = 1, .axles = {0.5}, .loads = {2e5}};
+    const Train train(motion, {force}, 2);
+    const WheelRail law((WheelRailParameters()));
+    const Passage passage(line, train, law, Irregularity({}, 60), motion, {.duration = 1});
+    return passage.track_energy();
+  };
+  EXPECT_NEAR(energy(1) / energy(8), 1, 1e-7);
+}
+
 // Newmark's period error at dt/T = 0.1, (2 pi/(w dt) of the discrete oscillator)/T - 1; no damping.
 TEST(Newmark, PeriodAndEnergyOfAnOscillator) {
   const double w = 2 * std::numbers::pi;  // rad/s: a period of 1 s
