@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Waves that open zones in tension: implicit steps come to their end, with heave and plastic work
-as explicit ones, whatever the scheme and the window; in a loose soil that is drawn and sheared,
-too.
+as explicit ones, of all schemes in windows short against the wave; in a loose soil that is drawn
+and sheared, too.
 
     drawn_apart.py PROGRAM DECK FOLDER
 """

@@ -21,8 +21,9 @@ class Petsc {
 
   // Starts PETSc if nobody did. Collective over the world.
   static void ensure();
-  // Sets up the solvers of a ground of some zones, so that options which they refuse are known
-  // before a run. Nothing if none were given. Collective; InputError.
+  // Sets up the solvers of a ground of some zones, so that most options which they refuse are
+  // known without a run (not those of the tangent). Nothing if none were given. Collective;
+  // InputError.
   static void try_options(const par::Comm& comm, Dimension dimension);
   // Names of options that were given and that nothing has asked for so far: mostly misspelt.
   static std::vector<std::string> unused_options();
