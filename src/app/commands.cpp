@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -65,15 +66,20 @@ Model read_model(const input::Deck& deck, Warnings& warnings) {
   return model;
 }
 
-// The exit code tells a script whether to run `resume`; the sentence tells a person.
-int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
-  const Outcome outcome = simulation.run();
+// At the end of a run, which alone knows.
+void warn_of_unused_options(const par::Comm& comm) {
   for (const std::string& option : fem::Petsc::unused_options())
     if (option != "no_signal_handler")
       print(comm,
             fmt::format("warning: the PETSc option -{} was asked for by nothing (those of the "
                         "ground begin with -ground_)\n",
                         option));
+}
+
+// The exit code tells a script whether to run `resume`; the sentence tells a person.
+int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
+  const Outcome outcome = simulation.run();
+  warn_of_unused_options(comm);
   if (outcome == Outcome::finished) {
     print(comm, "results: " + folder + "\n");
     return static_cast<int>(ExitCode::success);
@@ -112,8 +118,21 @@ GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings&
   return file;
 }
 
+// Options that PETSc does not take are refused before anything is made or removed. A ground that
+// never moves has no use for them. Collective.
+void try_options(const par::Comm& comm, const Model& model) {
+  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [](const Stage& stage) { return stage.ground_moves; });
+  constexpr double usual = 1e-4;  // s, of windows that only the stones tell
+  if (model.has_stages() && model.ground.present && moves)
+    fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
+                            model.time.window > 0 ? model.time.window : usual);
+}
+
 int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
-  return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
+  const bool finished = run_track(comm, model, of);
+  warn_of_unused_options(comm);
+  return static_cast<int>(finished ? ExitCode::success : ExitCode::stopped);
 }
 
 // Of the rail of a train on a bed; a track alone has read them when it is built.
@@ -165,6 +184,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   if (alone) require_files(model.track);
   const std::string start = checked_start(model, deck, warnings);
   checked_ground(model, deck, warnings);
+  try_options(comm, model);
   if (!alone) require_stones(comm, model, deck);
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
@@ -302,6 +322,7 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   }
   if (at_home && !arguments.force && !fs::is_directory(arguments.file))
     require_newest(comm, checkpoint, own);
+  try_options(comm, model);
   // Closed by now: the file must not stay open while new checkpoints may replace it.
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
   // run.
@@ -337,9 +358,9 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
-  if (model.ground.present) fem::Petsc::try_options(comm, model.dimension);
   const std::string start = checked_start(model, deck, warnings);
   const GroundFile ground = checked_ground(model, deck, warnings);
+  try_options(comm, model);
   const StonesOfLayers stones = require_stones(comm, model, deck);
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);

@@ -209,6 +209,7 @@ const std::vector<int>& Ground::top_owner() const { return room_->mesh.top_owner
 std::string Ground::trouble() const { return room_->trouble; }
 
 void Ground::settle(std::span<const Vec3> top_force) { room_->settle(top_force); }
+void Ground::try_solvers(double dt) { room_->try_solvers(dt); }
 
 // Collective. The load of the whole window is the stones' mean of the last one; see app's
 // simulation for the scheme.

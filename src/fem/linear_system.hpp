@@ -48,11 +48,14 @@ class LinearSystem {
   // ranks that share a zone must say the same.
   using Add = std::function<void(std::size_t, const Eigen::MatrixXd&)>;
   using Changes = std::function<void(const Add&)>;
-  // Solves the changed system from x = 0 until the residual is `tolerance` of the right side: GMRES
+  // Solves the changed system from x = 0 until the residual is `tolerance` of the right side (or
+  // what -ground_tangent_ksp_rtol says): GMRES
   // (Saad, Schultz 1986, doi:10.1137/0907058), options with the prefix `ground_tangent_`, on the
   // preconditioner of the matrix, which is not set up anew. Returns the iterations, -1 on all ranks
   // if the system is singular.
   int solve_changed(const Changes& changes, const Nodal& right_side, double tolerance, Nodal& x);
+  // Sets up its solvers but the last resort, whose options alone are read. Collective.
+  void try_changed();
   // Sum of s K alone on its diagonal, of own freedoms that are not held; others 0.
   Nodal stiffness_diagonal() const;
   // right_side - matrix x on own freedoms, 0 on held ones; returns its norm, N. Collective.

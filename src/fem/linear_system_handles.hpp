@@ -53,6 +53,7 @@ struct LinearSystem::Handles {
   const char* chosen(Use use);  // preconditioner, unless the user chooses
   void make_solver(const Spec& spec);
   void make_tangent();
+  void set_up_tangent();
   void make_direct();
   bool is_held(std::int32_t node, int c) const {
     return (held[static_cast<std::size_t>(node)] >> c & 1) != 0;
@@ -77,6 +78,7 @@ struct LinearSystem::Handles {
   Nodal motion, force, damped;              // scratch of a product
   double stiff = 0;                         // N/m, of the rows of held freedoms
   double tolerance = 0;                     // residual over right-hand side, the user's if given
+  double of_tangent = 0;                    // the same of its solver; 0: not given
   Mat matrix = nullptr, product = nullptr;  // assembled; by the kernel
   Mat tangent = nullptr;                    // with its solver once asked for
   KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;

@@ -43,6 +43,18 @@ void LinearSystem::Handles::make_tangent() {
   check(PCShellSetContext(shell, elastic), "set a preconditioner");
   check(PCShellSetApply(shell, apply_elastic), "set a preconditioner");
   take_options(tangent_solver);
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, "ground_tangent_", "-ksp_rtol", &given), "read its options");
+  if (given == PETSC_TRUE)
+    check(KSPGetTolerances(tangent_solver, &of_tangent, nullptr, nullptr, nullptr),
+          "ask for the tolerance");
+}
+
+void LinearSystem::Handles::set_up_tangent() {
+  check(MatAssemblyBegin(tangent, MAT_FINAL_ASSEMBLY), "assemble a matrix");
+  check(MatAssemblyEnd(tangent, MAT_FINAL_ASSEMBLY), "assemble a matrix");
+  check(KSPSetOperators(tangent_solver, tangent, tangent), "give a solver its matrix");
+  set_up(tangent_solver);
 }
 
 void LinearSystem::Handles::make_direct() {
@@ -57,19 +69,28 @@ void LinearSystem::Handles::make_direct() {
   take_options(direct);
 }
 
+// Who factorises is found without factorising.
+void LinearSystem::try_changed() {
+  Handles& h = *handles_;
+  h.make_tangent();
+  check(MatCopy(h.matrix, h.tangent, SAME_NONZERO_PATTERN), "copy a matrix");
+  h.set_up_tangent();
+  h.make_direct();
+  check(KSPSetOperators(h.direct, h.tangent, h.tangent), "give a solver its matrix");
+  find_factors(h.direct);
+}
+
 int LinearSystem::solve_changed(const Changes& changes, const Nodal& right_side, double tolerance,
                                 Nodal& x) {
   Handles& h = *handles_;
   h.make_tangent();
   check(MatCopy(h.matrix, h.tangent, SAME_NONZERO_PATTERN), "copy a matrix");
   changes([&](std::size_t zone, const Eigen::MatrixXd& k) { h.add_zone(h.tangent, zone, k, 1); });
-  check(MatAssemblyBegin(h.tangent, MAT_FINAL_ASSEMBLY), "assemble a matrix");
-  check(MatAssemblyEnd(h.tangent, MAT_FINAL_ASSEMBLY), "assemble a matrix");
-  check(KSPSetOperators(h.tangent_solver, h.tangent, h.tangent), "give a solver its matrix");
-  check(KSPSetTolerances(h.tangent_solver, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT),
+  h.set_up_tangent();
+  check(KSPSetTolerances(h.tangent_solver, h.of_tangent > 0 ? h.of_tangent : tolerance,
+                         PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT),
         "set the tolerance");
   h.give(right_side, h.right);
-  set_up(h.tangent_solver);
   check(KSPSolve(h.tangent_solver, h.right, h.solution), "solve the ground");
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(h.tangent_solver, &reason), "say why it stopped");

@@ -14,7 +14,6 @@
 
 #include "petsc_check.hpp"
 #include "petsc_files.hpp"
-#include "trackbed/fem/ground.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::fem {
@@ -77,8 +76,9 @@ void refuse(int code, const char* what) {
 
 // Not an option's fault.
 bool is_trouble(int code) {
-  constexpr std::array all = {PETSC_ERR_MEM, PETSC_ERR_LIB, PETSC_ERR_FP,
-                              PETSC_ERR_SIG, PETSC_ERR_MPI, PETSC_ERR_NOT_CONVERGED};
+  constexpr std::array all = {
+      PETSC_ERR_MEM, PETSC_ERR_LIB,           PETSC_ERR_FP,           PETSC_ERR_SIG,
+      PETSC_ERR_MPI, PETSC_ERR_NOT_CONVERGED, PETSC_ERR_MAT_LU_ZRPVT, PETSC_ERR_MAT_CH_ZRPVT};
   return std::find(all.begin(), all.end(), code) != all.end();
 }
 
@@ -165,6 +165,14 @@ void set_up(KSP solver) {
                                 : refuse(code, "set up the linear solver");
 }
 
+void find_factors(KSP solver) {
+  PC factors = nullptr;
+  check(KSPGetPC(solver, &factors), "find a preconditioner");
+  last_words().clear();
+  if (const int code = PCFactorSetUpMatSolverType(factors); code != 0)
+    refuse(code, "choose who factorises");
+}
+
 Petsc::Petsc(const std::vector<std::string>& options) { start(options); }
 Petsc::~Petsc() { finish(); }
 
@@ -179,20 +187,6 @@ std::vector<std::string> Petsc::unused_options() {
   for (PetscInt i = 0; i < count; ++i) unused.emplace_back(names[i]);
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values), "give back its options");
   return unused;
-}
-
-void Petsc::try_options(const par::Comm& comm, Dimension dimension) {
-  if (given().empty() && of_environment().empty()) return;
-  GroundParameters p;
-  const double length = 4.0 * comm.size();
-  p.x = {0, length};
-  p.y = {0, 2};
-  p.zones_x = 4 * comm.size(), p.zones_y = p.zones_z = 2;
-  p.layers = {{.name = "all", .thickness = 2, .solid = {}}};
-  p.base = Base::fixed;
-  p.integrator = Integrator::newmark;
-  Ground ground(comm, p, dimension, 1);
-  ground.advance(1e-3, std::vector<Vec3>(ground.top().nodes(), Vec3::Zero()));
 }
 
 void Petsc::ensure() {

@@ -14,5 +14,7 @@ void check(int code, const char* what);
 void take_options(KSP solver);
 // Before the first solve, where PETSc finds what of the options does not go together. Collective.
 void set_up(KSP solver);
+// Of that only who factorises, for a solver that may never be set up. Collective.
+void find_factors(KSP solver);
 
 }  // namespace trackbed::fem

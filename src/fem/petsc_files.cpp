@@ -28,7 +28,8 @@ bool is_writable(const std::string& path) {
   return fs::is_directory(at, error) && access(at.c_str(), W_OK) == 0;
 }
 
-// The file of a viewer, type:file:format:mode, or nothing; of screens and sockets nothing.
+// The file of a viewer, type:file:format:mode, or nothing; of screens and sockets nothing. Of -info
+// the file stands first: file:classes.
 std::string viewed(const std::string& value) {
   const std::size_t colon = value.find(':');
   if (colon == std::string::npos) return "";
@@ -43,15 +44,28 @@ std::string viewed(const std::string& value) {
 std::string unusable_file(const std::vector<std::string>& words, const std::string& source) {
   for (std::size_t k = 0; k + 1 < words.size(); ++k) {
     const std::string &option = words[k], &value = words[k + 1];
-    if (!option.starts_with('-')) continue;
+    if (!option.starts_with('-') || value.starts_with('-')) continue;
     const bool is_read = option == "-options_file" || option == "-options_file_yaml";
     if (is_read && !is_readable(value))
       return fmt::format("{}: the file of {} {} cannot be read", source, option, value);
-    const std::string written = option == "-log_trace" ? value : viewed(value);
+    const std::string written = option == "-log_trace" ? value
+                                : option == "-info"    ? value.substr(0, value.find(':'))
+                                                       : viewed(value);
     if (!is_read && !written.empty() && !is_writable(written))
       return fmt::format("{}: the file of {} {} cannot be written", source, option, value);
   }
   return "";
+}
+
+// Of other types than ascii PETSc makes a second file beside the one named, or opens a window.
+std::optional<std::string> unwritten(const std::string& name, const std::string& value) {
+  if (!name.ends_with("_view") && viewed(value).empty()) return value;
+  const std::size_t type = std::min(value.find(':'), value.size());
+  if (type > 0 && value.substr(0, type) != "ascii") return std::nullopt;
+  const std::size_t file = value.find(':', std::min(type + 1, value.size()));
+  std::string nowhere = "ascii:/dev/null";
+  if (file != std::string::npos) nowhere += value.substr(file);
+  return nowhere;
 }
 
 }  // namespace trackbed::fem

@@ -2,6 +2,7 @@
 // cannot be opened there PETSc leaves the others waiting.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,5 +11,9 @@ namespace trackbed::fem {
 // A sentence on the first file among these words that cannot be read, or written, or nothing.
 // `source`: where the words stand, for the sentence. Makes no file.
 std::string unusable_file(const std::vector<std::string>& words, const std::string& source);
+
+// An option's value for a solver that is only tried: what would be written goes nowhere. Nothing if
+// the option has to be left out for that.
+std::optional<std::string> unwritten(const std::string& name, const std::string& value);
 
 }  // namespace trackbed::fem

@@ -56,13 +56,25 @@ void Ground::Room::settle(std::span<const Vec3> top_force) {
 }
 
 // Plain K: damping and mass have no part in rest.
-void Ground::Room::elastic_rest(const Nodal& right) {
+LinearSystem::Spec Ground::Room::rest_spec() const {
   LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
                           Nodal(components(), mesh.nodes()), terms.held_at_rest,
                           parameters.tolerance};
   for (const Spring& spring : terms.springs)
     for (int c = 0; c < components(); ++c) spec.diagonal[c][spring.node] += spring.stiffness;
-  LinearSystem statics(mesh, stiffness, spec);
+  return spec;
+}
+
+// Collective. The rest of a ground that yields is no matter of PETSc's (rest_solver.hpp).
+void Ground::Room::try_solvers(double dt) {
+  if (!plasticity) LinearSystem(mesh, stiffness, rest_spec());
+  if (parameters.integrator == Integrator::explicit_) return;
+  prepare_window(dt, alpha_scheme(parameters));
+  if (plasticity) implicit_->try_changed();
+}
+
+void Ground::Room::elastic_rest(const Nodal& right) {
+  LinearSystem statics(mesh, stiffness, rest_spec());
   // The old static solution is the first guess: settling twice under nearly the same load is cheap.
   iterations += statics.solve(right, state.rest);
   ++solves;

@@ -79,6 +79,7 @@ struct Ground::Room {
   void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);
   void settle(std::span<const Vec3> top_force);
+  void try_solvers(double dt);
   // Local; of the model's state, whatever is asked: Pa since rest or at rest.
   Vec6 stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const;
   // Collective.
@@ -141,6 +142,7 @@ struct Ground::Room {
   static std::string no_end(const NewtonStep& step);
   double out_of_balance(double dt, const AlphaScheme& scheme, const Nodal& acceleration);
   double line_search(double dt, const AlphaScheme& scheme, const Nodal& step, double open);
+  LinearSystem::Spec rest_spec() const;
   void elastic_rest(const Nodal& right);
   void yielding_rest(const Nodal& right);
   enum class Part { drift, kick_and_drift, kick };

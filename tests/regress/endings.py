@@ -214,6 +214,52 @@ def check_solver_options(program, deck, folder):
         del os.environ["PETSC_OPTIONS"]
         expect(ran.returncode == 2 and words in ran.stderr, f"PETSC_OPTIONS={options}", ran)
     program.done(1, "check", deck, start, "--", "-log_view", f":{folder}/log.txt")
+    check_refused_options_remove_nothing(program, deck, folder, start)
+    check_tried_options(program, deck, folder, start)
+
+
+def check_refused_options_remove_nothing(program, deck, folder, start):
+    """Whatever PETSc refuses it refuses before old results go; trouble of the numbers too."""
+    place = folder / "kept"
+    shutil.copytree(folder / "made", place)
+    before = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
+    singular = ["-ground_pc_type", "lu", "-ground_pc_factor_zeropivot", "1e30",
+                "-ground_ksp_error_if_not_converged"]
+    commands = (["run", deck, start], ["resume", folder / "made/stage_sleepers.h5"])
+    for options, code in ((["-ground_ksp_type", "nosuch"], 2), (singular, 4)):
+        for command in commands:
+            ran = program(1, *command, "-o", place, "--force", "--", *options)
+            expect(ran.returncode == code and "PETSC ERROR" not in ran.stderr,
+                   f"{command[0]} with {options} must end with {code}", ran)
+            expect({path: path.stat().st_mtime_ns for path in place.rglob("*")} == before,
+                   f"{command[0]} with {options} must leave old results as they are", ran)
+
+
+def check_tried_options(program, deck, folder, start):
+    """What is tried is the run's own ground and solvers, and what options write is the run's."""
+    blocks = ["-ground_pc_type", "bjacobi", "-ground_pc_bjacobi_blocks"]
+    implicit = ["ground.integrator=newmark", "ground.plane=strain",
+                "ground.layer.soil.yield=mohr_coulomb"]
+    run = ["run", deck, start, "-o", folder / "tried", "--force"]
+    for command in (run, ["check", deck, start]):
+        program.done(1, *command, "--", *blocks, "40")
+        program.done(1, *command, "--", *blocks, "100000", code=2)
+        for name in ("ksp_type", "direct_pc_factor_mat_solver_type"):
+            option = f"-ground_tangent_{name}"
+            ran = program(1, *command, *implicit, "--", option, "nosuch")
+            expect(ran.returncode == 2 and f"({option} nosuch)" in ran.stderr,
+                   f"{command[0]}: {option} must be refused", ran)
+    view, matrix = folder / "view.txt", folder / "matrix.txt"
+    options = ["-ground_ksp_view", f"ascii:{view}", "-mat_view", f":{matrix}"]
+    ran = program.done(1, "check", deck, start, "--", *options)
+    expect(not view.exists() and not matrix.exists(), "check must write no files", ran)
+    ran = program.done(1, *run, "--", *options[:2], "-ground_ksp_tpye", "cg")
+    expect("KSP Object" in view.read_text(), "the run writes them", ran)
+    for option, unused in (("ground_ksp_tpye", True), ("ground_ksp_view", False)):
+        expect((f"the PETSc option -{option} was asked for by nothing" in ran.stdout) == unused,
+               f"-{option}: what a trial has asked for the run may not", ran)
+    program.done(1, "check", deck, start, "--", "-info", ":/nonexistent/ksp")
+    program.done(1, "check", deck, start, "--", "-info", "/nonexistent/file:ksp", code=2)
 
 
 def main():

@@ -85,6 +85,14 @@ def check_resume(program, deck, folder):
         raise SystemExit(f"another ground must be refused: {ran.stdout}{ran.stderr}")
 
 
+def check_unused_options(program, deck, folder):
+    """Nothing here asks PETSc for a solver: said as of a bed."""
+    ran = program.done(1, "run", deck, "passage.duration=0.01", "-o", folder / "options", "--",
+                       "-ground_ksp_type", "cg")
+    if "warning: the PETSc option -ground_ksp_type was asked for by nothing" not in ran.stdout:
+        raise SystemExit(f"an option without use must be named:\n{ran.stdout}")
+
+
 def check_knobs(program, deck, folder):
     def seen(words):
         place = folder / "knob"
@@ -181,6 +189,7 @@ def main():
     check_refusals(program, deck)
     check_ranks(program, deck, folder)
     check_resume(program, deck, folder)
+    check_unused_options(program, deck, folder)
     check_knobs(program, deck, folder)
     check_hanging(program, deck, folder)
     check_bending_sleepers(program, deck, folder)

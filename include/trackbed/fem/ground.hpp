@@ -194,6 +194,9 @@ class Ground {
   // Base and side reactions become loads, so that quiet boundaries neither creep nor jump.
   // The shape in this state is the reference: displacement counts from it, top() does not jump.
   void settle(std::span<const Vec3> top_force);
+  // Sets up what `settle` and steps of dt need of PETSc, and solves nothing. InputError if it does
+  // not take its options. Collective.
+  void try_solvers(double dt);
   // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit
   // step. Afterwards top() holds position at the start and motion over the window. Explicit steps
   // are of second order, with damping by stiffness, which acts half a step late, of first.

@@ -11,6 +11,8 @@
 
 namespace trackbed::fem {
 
+struct GroundParameters;
+
 class Petsc {
  public:
   // Solver options begin with `ground_`: {"-ground_ksp_type", "gmres"}.
@@ -21,10 +23,11 @@ class Petsc {
 
   // Starts PETSc if nobody did. Collective over the world.
   static void ensure();
-  // Sets up the solvers of a ground of some zones, so that most options which they refuse are
-  // known without a run (not those of the tangent). Nothing if none were given. Collective;
-  // InputError.
-  static void try_options(const par::Comm& comm, Dimension dimension);
+  // Sets up the solvers that this ground needs in steps of `window` s, so that options which they
+  // refuse are known before a run. Nothing if none were given. What options write, into files or
+  // on the screen, is left to the run. Collective; InputError.
+  static void try_options(const par::Comm& comm, const GroundParameters& parameters,
+                          Dimension dimension, double thickness, double window);
   // Names of options that were given and that nothing has asked for so far: mostly misspelt.
   static std::vector<std::string> unused_options();
 };

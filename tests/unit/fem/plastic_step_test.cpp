@@ -3,11 +3,13 @@
 #include "fem/plastic_step.hpp"
 
 #include <gtest/gtest.h>
+#include <petscsys.h>
 
 #include <cmath>
 #include <random>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/yielding_scene.hpp"
 
@@ -279,6 +281,22 @@ TEST_P(Step, AgreesWithTheExplicitScheme) {
     EXPECT_LT(fine, 0.01) << static_cast<int>(scheme);
     EXPECT_LT(fine, 0.5 * coarse) << static_cast<int>(scheme);
   }
+}
+
+// Newton asks for as much as a round is worth; what the user gives is more to him.
+TEST(Tangent, TakesTheToleranceGiven) {
+  constexpr const char* option = "-ground_tangent_ksp_rtol";
+  const auto rounds = [&](const char* tolerance) {
+    Petsc::ensure();
+    if (tolerance != nullptr) PetscOptionsSetValue(nullptr, option, tolerance);
+    const Comm self = Comm::self();
+    Ground ground(self, scene(), Dimension::plane, 1.0);
+    ground.settle(settled(ground.top()));
+    go(ground, 0, 5);
+    PetscOptionsClearValue(nullptr, option);
+    return ground.totals().rounds_mean;
+  };
+  EXPECT_GT(rounds("0.5"), 1.5 * rounds(nullptr));
 }
 
 // Half of a strip under twice what it carries, at once and for so long that inertia does not help:
