@@ -81,6 +81,7 @@ Json ground_figures(const SummaryOf& run) {
           {"iterations_mean", totals.iterations_mean},
           {"newton_rounds_mean", totals.rounds_mean},
           {"newton_rounds_most", totals.rounds_most},
+          {"newton_steps_lagging", totals.lagging_steps},
           {"seconds_per_step", ratio(seconds, steps)},
           {"kinetic_j", totals.kinetic},
           {"elastic_j", totals.elastic},

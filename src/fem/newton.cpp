@@ -105,10 +105,12 @@ void Ground::Room::newton(double dt, const AlphaScheme& s, double rounding) {
     const Nodal first = state.acceleration;
     if (!comes_to_an_end(step, PlasticStep::Follow::at_once, most_rounds_at_once)) {
       const NewtonStep before = step;
+      step.tried = step.rounds;
       state.acceleration = first;
       if (!comes_to_an_end(step, PlasticStep::Follow::next_step, most_rounds_of_a_step) ||
           mesh.comm.max(plastic_step_->largest_gain()) > largest_gain)
         throw RunError(no_end(before));
+      ++lagging_steps;
     }
   }
   plastic_step_->keep(blend_);
@@ -134,7 +136,7 @@ bool Ground::Room::newton_rounds(NewtonStep& step, int most) {
   double open = out_of_balance(step.dt, step.scheme, state.acceleration);
   for (step.rounds = 1;; ++step.rounds) {
     ++solves, ++rounds;
-    most_rounds = std::max<std::int64_t>(most_rounds, step.rounds);
+    most_rounds = std::max<std::int64_t>(most_rounds, step.tried + step.rounds);
     left.push_back(step.all > 0 ? open / step.all : 0);
     step.left = left.back();
     step.lost = mesh.comm.sum(static_cast<std::int64_t>(plastic_step_->lost()));

@@ -120,6 +120,7 @@ GroundTotals Ground::totals() const {
   if (room.newton_steps > 0)
     totals.rounds_mean = static_cast<double>(room.rounds) / static_cast<double>(room.newton_steps);
   totals.rounds_most = static_cast<double>(room.most_rounds);
+  totals.lagging_steps = room.lagging_steps;
   totals.rounds_left = room.left;
   // Energies of the motion since rest: 1/2 v M v and 1/2 u K u with the springs.
   Nodal force(room.components(), mesh.nodes());

@@ -113,8 +113,9 @@ struct Ground::Room {
   double critical = 0;                  // s, without safety
   std::string limit, trouble;
   std::int64_t steps = 0, solves = 0, iterations = 0;
-  // Newton's: rounds of all implicit steps, most of one, what the last one left round by round.
-  std::int64_t newton_steps = 0, rounds = 0, most_rounds = 0;
+  // Newton's: rounds of all implicit steps, most of one, steps whose enhanced strains lag; what the
+  // last one left round by round.
+  std::int64_t newton_steps = 0, rounds = 0, most_rounds = 0, lagging_steps = 0;
   std::vector<double> left;  // residual over the forces of the step
   double seconds = 0;
 
@@ -133,7 +134,7 @@ struct Ground::Room {
     const AlphaScheme& scheme;
     double rounding, all = 0, left = 0, strain = 0;
     std::int64_t lost = 0;
-    int rounds = 0;
+    int rounds = 0, tried = 0;  // of this try, of those before
     bool ended = false;
   };
   void newton(double dt, const AlphaScheme& scheme, double rounding);

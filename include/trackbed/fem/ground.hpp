@@ -172,6 +172,7 @@ struct GroundTotals {
   // Newton's in implicit steps of a ground that yields: mean and most in a step, and what the last
   // step left of its forces from round to round.
   double rounds_mean = 0, rounds_most = 0;
+  std::int64_t lagging_steps = 0;  // of those, whose enhanced strains lag
   std::vector<double> rounds_left = {};
 };
 
