@@ -198,7 +198,7 @@ Json GroundBelow::energies(const track::Passage& passage) const {
         line.ground_force(first_ + i, motion.displacement, still, {.height = mean_[i]});
     track += mean_[i] * (spring - line.ground_spring(first_ + i)[0] * mean_[i] / 2);
   }
-  return {{"track_j", track},
+  return {{"track_j", rails_ * track},
           {"given_to_ground_j", work_},
           {"ground_kinetic_j", totals.kinetic},
           {"ground_elastic_j", totals.elastic}};

@@ -34,7 +34,7 @@ class GroundBelow {
   // For summary.json. Collective.
   nlohmann::ordered_json figures() const;  // of the ground itself
   nlohmann::ordered_json balance() const;  // largest relative imbalance of any step; of all work
-  // J, of ground and track, the springs between them counted with the track.
+  // J, of the ground and of all the rails above it, the springs between them counted with these.
   nlohmann::ordered_json energies(const track::Passage& passage) const;
   std::uint64_t state_hash() const;  // of the motion of the top; on any number of ranks
 

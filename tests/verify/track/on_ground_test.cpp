@@ -180,6 +180,28 @@ TEST(TrackOnGround, IsOfSecondOrder) {
   }
 }
 
+// The ground carries both rails of a track that is computed once: its energy is that of both, or
+// the sum would move by half of what goes into the ground and comes back.
+TEST(TrackOnGround, KeepsEnergyOfBothRails) {
+  Model m = model_of(5, {60e6, 0.3, 2000});
+  m.track.line.ballast.damping = m.track.line.pad.damping = 0;
+  m.footing.rails = 2;
+  m.track.passage.step = 2e-5;
+  Pair pair(m);
+  pair.run(0.0101);
+  const double after = pair.energy();
+  double furthest = 0, in_ground = 0;
+  for (int n = 0; n < 2500; ++n) {
+    pair.step();
+    const auto of = pair.whole.below->energies(pair.built.passage);
+    furthest = std::max(furthest, std::abs(pair.energy() - after));
+    in_ground = std::max(
+        in_ground, of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>());
+  }
+  verified::above("largest share of the energy in the ground", "-", in_ground / after, 0.1);
+  verified::below("largest change of energy in 50 ms", "-", furthest / after, 5e-5);
+}
+
 // Without dampers energy stays what the blow gave, at the longest step that the program takes, for
 // 40000 steps of it; leapfrog keeps an energy that differs from this one by (h w/2)^2.
 TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
