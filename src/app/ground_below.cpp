@@ -246,8 +246,7 @@ void GroundBelow::load(const io::File& file) {
     throw RunError(std::string(group) + "/force belongs to another number of sleepers");
   footprints_.press(force_, load_);
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
-  // Older states have whole quanta alone.
-  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.size() > 1 ? quanta[1] : 0};
+  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
   const auto sums = file.read_all<double>(std::string(group) + "/sums");
   work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2), moment_off_ = sums.at(3);
   std::vector<couple::Footprints::Values> values{{{}, largest_height}};

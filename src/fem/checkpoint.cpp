@@ -4,7 +4,6 @@
 // What is in the file is State and the count of steps: mesh, operators and borders follow from the
 // deck. Collective.
 #include <algorithm>
-#include <string_view>
 
 #include "room.hpp"
 #include "trackbed/core/error.hpp"
@@ -68,8 +67,6 @@ void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& f
     const auto names = file.read_rows<std::int64_t>(group + "/plastic/zone", begin, count);
     plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
                         std::vector<double>& values) {
-      // Older states know nothing of what has opened.
-      if (std::string_view(name) == "plastic/opened" && !file.has(group + "/" + name)) return;
       const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
       for (std::size_t r = 0; r < count; ++r) {
         const std::int64_t zone = mesh.local_zone(names[r]);

@@ -11,7 +11,7 @@
 
 namespace trackbed::io {
 
-inline constexpr std::int64_t checkpoint_format = 3;
+inline constexpr std::int64_t checkpoint_format = 4;
 
 // Writes `folder/name` by calling `fill` with the open file, verifies it and updates
 // `folder/latest`. Throws RunError (on all ranks) and leaves the previous one untouched on failure.
