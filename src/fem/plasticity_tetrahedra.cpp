@@ -39,10 +39,7 @@ void Plasticity::make_groups() {
     }
     number_[z] = static_cast<std::int64_t>(zone_.size());
     zone_.push_back(z);
-    TenNodes nodes;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      nodes[k] = mesh_.position(mesh_.corner(z, static_cast<int>(k)));
-    const TenNumbers load = tetrahedron_load(nodes);
+    const TenNumbers load = tetrahedron_load(tetrahedra_->nodes_of(z));
     const double heavy =
         gravity * mesh_.solids.solid[static_cast<std::size_t>(mesh_.solid[z])].density;
     auto& moves = to_mass_.emplace_back();
@@ -139,9 +136,11 @@ void Plasticity::act_groups(Nodal& internal) const {
     tetrahedra_->take_off(group.number, stress, flowed, internal);
   }
   // After them all: which elements share a group hangs on the rank.
-  for (std::size_t number = 0; number < zone_.size(); ++number)
-    for (int k = 0; opened_[number] != 0 && k < 10; ++k)
+  for (std::size_t number = 0; number < zone_.size(); ++number) {
+    if (opened_[number] == 0) continue;
+    for (int k = 0; k < 10; ++k)
       internal[2][mesh_.corner(zone_[number], k)] -= to_mass_[number][static_cast<std::size_t>(k)];
+  }
 }
 
 // Linear through the points: exact for the stress of a straight element.

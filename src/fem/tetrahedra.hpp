@@ -43,6 +43,7 @@ class Tetrahedra {
     return groups_[element / lanes].volume[point][static_cast<int>(element % lanes)];
   }
   ZonePoints points(std::size_t element) const;
+  TenNodes nodes_of(std::size_t element) const;  // m
   std::size_t bytes() const { return groups_.capacity() * sizeof(Group); }
 
  private:
@@ -53,7 +54,6 @@ class Tetrahedra {
   };
   void fill(std::size_t element, Group& group, std::size_t lane, double common_damping) const;
   void run(const Nodal& u, Nodal& f, bool damping) const;
-  TenNodes nodes_of(std::size_t element) const;
 
   const Mesh& mesh_;
   std::vector<Group> groups_;

@@ -25,7 +25,8 @@ class Footprints {
     double weight;  // of the nodes of a footprint: sums to 1 if all of it lies on the surface
   };
   // Weights follow from where the nodes are now, the same on all ranks. `own`: nodes this rank
-  // moves, in the order in which values of them are given below. Cost: rectangles times triangles.
+  // moves, in the order in which values of them are given below. Cost: rectangles times faces,
+  // which are the whole ones of zones and triangles of all else.
   Footprints(const par::Comm& comm, const Surface& surface, std::vector<std::int32_t> own,
              const std::vector<Rectangle>& rectangles);
 
