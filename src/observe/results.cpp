@@ -35,12 +35,6 @@ std::vector<Column> sleeper_columns() {
       {"history/sleeper/reaction", {"N", "vertical, from stones, mean of the last window"}}};
 }
 
-// From the state of rest: displacement and stress of the deviation.
-std::vector<Column> ground_columns() {
-  return {{"history/ground/displacement", {"m", "vertical, from the state when it was let go"}},
-          {"history/ground/sigma_z", {"Pa", "vertical stress, tension positive, since then"}}};
-}
-
 std::vector<Column> energy_columns() {
   return {{"history/energy/kinetic", {"J", "of the stones"}},
           {"history/energy/potential", {"J", "of the stones, zero at z = 0"}},
@@ -102,10 +96,7 @@ void Results::watch(const Scene& scene, const std::vector<std::int32_t>& nodes,
   room.regions = regions;
   for (const Region& region : regions)
     for (const Column& column : region_columns(region.name)) room.region.push_back(column);
-  if (scene.ground) {
-    room.nodes = nodes;
-    room.ground = ground_columns();
-  }
+  if (scene.ground) room.watch_ground(nodes, scene.particles.domain().dimension);
   // The columns above are needed in any case; the head and the places are in the file already.
   if (room.goes_on) return;
   room.begin_file();
@@ -276,23 +267,6 @@ void Results::Room::sample_regions(const dem::Particles& particles) {
     for (const auto tensor : {&Measured::stress, &Measured::fabric})
       put(6, [&](const Measured& cell) { return (cell.*tensor).data(); });
   }
-}
-
-// A node's state is known to its owner alone, the others add zero: the sum is exact.
-void Results::Room::sample_ground(const fem::Ground& solid) {
-  const auto& owner = solid.top_owner();
-  std::vector<double> values(2 * nodes.size(), 0.0);
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (owner[static_cast<std::size_t>(nodes[k])] != comm.rank()) continue;
-    const auto state = solid.top_state(nodes[k]);
-    values[k] = state.displacement.z();
-    values[nodes.size() + k] = state.sigma_z;
-  }
-  comm.sum(std::span(values));
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(nodes.size());
-  for (Column& column : ground) column.width = nodes.size();
-  ground[0].values.insert(ground[0].values.end(), values.begin(), half);
-  ground[1].values.insert(ground[1].values.end(), half, values.end());
 }
 
 }  // namespace trackbed::observe

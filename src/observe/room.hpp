@@ -32,6 +32,7 @@ struct Results::Room {
   void append_to(io::File& file);
   void sample_energy(const dem::Totals& totals);
   void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
+  void watch_ground(const std::vector<std::int32_t>& nodes, Dimension dimension);
   void sample_ground(const fem::Ground& ground);
   void sample_walls(std::span<const WallState> walls);
   void sample_solids(const SolidState& state);
@@ -47,6 +48,7 @@ struct Results::Room {
   std::vector<double> times;  // s, of rows in memory
   std::vector<std::int64_t> stages;
   std::vector<std::int32_t> nodes;  // of the ground's top
+  std::vector<int> axes;            // of their motion, the vertical first
   std::vector<Region> regions;
   std::vector<Column> energy, sleeper, ground;
   std::vector<Column> platen, train, solid;

@@ -10,6 +10,8 @@ import pathlib
 import shutil
 import sys
 
+import numpy as np
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from results import datasets  # noqa: E402
@@ -28,6 +30,20 @@ def write_waves(table, along, up):
     table.write_text("time_s,vx_m_s,vz_m_s\n" + "".join(rows), encoding="utf-8")
 
 
+def check_motion(found, scheme, window):
+    """Rows are windows: Newmark's motion of the top is that of the trapezoidal rule, along x too."""
+    if scheme != "newmark":
+        return
+    moving = found["history/stage"] == found["history/stage"].max()
+    for end in ("", "_x"):
+        u, v, a = (found[f"history/ground/{name}{end}"][moving][1:]
+                   for name in ("displacement", "velocity", "acceleration"))
+        for rate, of in ((v, u), (a, v)):
+            off = np.abs(np.diff(of, axis=0) - window / 2 * (rate[1:] + rate[:-1])).max()
+            if np.abs(of).max() < 1e-5 or off > 1e-9 * np.abs(of).max():
+                raise SystemExit(f"{end}: {off} off the rule, of {np.abs(of).max()}")
+
+
 def main():
     program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
@@ -40,7 +56,10 @@ def main():
         program.done(1, "run", deck, f"ground.base_motion={folder.resolve() / name}.csv",
                      f"time.window={window}", f"ground.integrator={scheme}",
                      *(f"ground.layer.soil.{change}" for change in soil), "-o", place)
-        top = datasets(place / "results.h5")["history/ground/displacement"].mean(axis=1)
+        found = datasets(place / "results.h5")
+        if name == "loose":
+            check_motion(found, scheme, window)
+        top = found["history/ground/displacement"].mean(axis=1)
         ground = summary(place)["ground"]
         lagging, most = ground["newton_steps_lagging"], ground["newton_rounds_most"]
         # Taken anew after 20 rounds, whose number goes on.

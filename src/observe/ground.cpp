@@ -1,0 +1,64 @@
+// Histories of the ground's top, at the line of nodes that is watched: motion in all directions
+// that the model has, from the state of rest, and vertical stress.
+#include <array>
+
+#include "observe/room.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+using TopState = fem::Ground::TopState;
+
+struct Motion {
+  const char *name, *unit, *words;
+  Vec3 TopState::*of;
+};
+constexpr std::array motions = {
+    Motion{"displacement", "m", "from the state when it was let go", &TopState::displacement},
+    Motion{"velocity", "m/s", "of its last window", &TopState::velocity},
+    Motion{"acceleration", "m/s2", "of its last window, no filter", &TopState::acceleration}};
+
+}  // namespace
+
+// The vertical has the plain name, as of sleepers.
+void Results::Room::watch_ground(const std::vector<std::int32_t>& watched, Dimension dimension) {
+  nodes = watched;
+  axes = dimension == Dimension::plane ? std::vector{2, 0} : std::vector{2, 0, 1};
+  constexpr std::array ends = {"_x", "_y", ""};
+  constexpr std::array words = {"along x, ", "along y, ", "vertical, "};
+  for (const int axis : axes)
+    for (const Motion& motion : motions)
+      ground.push_back(
+          {std::string("history/ground/") + motion.name + ends.at(static_cast<std::size_t>(axis)),
+           {motion.unit, words.at(static_cast<std::size_t>(axis)) + std::string(motion.words)}});
+  ground.push_back(
+      {"history/ground/sigma_z", {"Pa", "vertical stress, tension positive, since it was let go"}});
+}
+
+// A node's state is known to its owner alone, the others add zero: the sum is exact.
+void Results::Room::sample_ground(const fem::Ground& solid) {
+  const auto& owner = solid.top_owner();
+  std::vector<double> values(ground.size() * nodes.size(), 0.0);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (owner[static_cast<std::size_t>(nodes[k])] != comm.rank()) continue;
+    const TopState state = solid.top_state(nodes[k]);
+    std::size_t at = k;
+    for (const int axis : axes)
+      for (const Motion& motion : motions) {
+        values[at] = (state.*motion.of)[axis];
+        at += nodes.size();
+      }
+    values[at] = state.sigma_z;
+  }
+  comm.sum(std::span(values));
+  auto from = values.begin();
+  for (Column& column : ground) {
+    const auto end = from + static_cast<std::ptrdiff_t>(nodes.size());
+    column.width = nodes.size();
+    column.values.insert(column.values.end(), from, end);
+    from = end;
+  }
+}
+
+}  // namespace trackbed::observe
