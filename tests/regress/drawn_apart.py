@@ -31,7 +31,8 @@ def write_waves(table, along, up):
 
 
 def check_motion(found, scheme, window):
-    """Rows are windows: Newmark's motion of the top is that of the trapezoidal rule, along x too."""
+    """Rows are windows: Newmark's motion of the top is that of the trapezoidal rule, also along
+    x."""
     if scheme != "newmark":
         return
     moving = found["history/stage"] == found["history/stage"].max()
