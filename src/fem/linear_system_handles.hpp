@@ -48,6 +48,7 @@ struct LinearSystem::Handles {
   void add_zone(Mat to, std::size_t zone, const Eigen::MatrixXd& stiffness, double factor);
   void tell_rigid_motions();
   void make_product();
+  void list_rows();
   void multiply(Vec from, Vec to);
   static int multiply_shell(Mat shell, Vec from, Vec to);
   const char* chosen(Use use);  // preconditioner, unless the user chooses
@@ -74,13 +75,19 @@ struct LinearSystem::Handles {
   std::vector<std::int64_t> number;  // of local nodes among all ranks' own nodes
   std::vector<std::uint8_t> held;
   Nodal diagonal;
-  double common, damping;                   // factors of Stiffness::apply and add_damping
-  Nodal motion, force, damped;              // scratch of a product
-  double stiff = 0;                         // N/m, of the rows of held freedoms
-  double tolerance = 0;                     // residual over right-hand side, the user's if given
-  double of_tangent = 0;                    // the same of its solver; 0: not given
-  Mat matrix = nullptr, product = nullptr;  // assembled; by the kernel
-  Mat tangent = nullptr;                    // with its solver once asked for
+  double common, damping;       // factors of Stiffness::apply and add_damping
+  Nodal motion, force, damped;  // scratch of a product
+  struct Rows {
+    std::int32_t node, nodes;  // own nodes that follow one another
+    std::size_t at;            // first row of this rank
+  };
+  std::vector<Rows> rows;
+  std::vector<double> free_row, on_diagonal;  // of each row: 0 if held, else 1; N/m
+  double stiff = 0;                           // N/m, of the rows of held freedoms
+  double tolerance = 0;                       // residual over right-hand side, the user's if given
+  double of_tangent = 0;                      // the same of its solver; 0: not given
+  Mat matrix = nullptr, product = nullptr;    // assembled; by the kernel
+  Mat tangent = nullptr;                      // with its solver once asked for
   KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;
   Vec right = nullptr, solution = nullptr, open = nullptr, correction = nullptr;
 };

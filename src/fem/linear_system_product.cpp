@@ -3,12 +3,39 @@
 // 312 flops a zone in space and no matrix to load: steps take a half to a tenth of the time that
 // multigrid needs (docs/decisions/ground_elements.md). Bits are not those of the assembled matrix,
 // which preconditioners and direct solvers still get.
+#include <array>
+
 #include "linear_system_handles.hpp"
 #include "petsc_check.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/par/mpi.hpp"
 
 namespace trackbed::fem {
+
+namespace {
+
+// PETSc's vectors hold the components of a node together, Nodal apart; own nodes that follow one
+// another do so in both. Loops without branches, over whole vectors.
+
+// to[c][n] = factor * x
+template <int D>
+void spread(std::int32_t nodes, const double* __restrict x, const double* __restrict factor,
+            const std::array<double*, 3>& to) {
+  for (std::int32_t n = 0; n < nodes; ++n)
+    for (int c = 0; c < D; ++c) to[c][n] = factor[D * n + c] * x[D * n + c];
+}
+
+// y = factor * scale * from[c][n] + diagonal * x
+template <int D>
+void gather(std::int32_t nodes, const std::array<const double*, 3>& from, double scale,
+            const double* __restrict factor, const double* __restrict diagonal,
+            const double* __restrict x, double* __restrict y) {
+  for (std::int32_t n = 0; n < nodes; ++n)
+    for (int c = 0; c < D; ++c)
+      y[D * n + c] = factor[D * n + c] * (scale * from[c][n]) + diagonal[D * n + c] * x[D * n + c];
+}
+
+}  // namespace
 
 // PETSc's way of asking; no exception may pass through it.
 int LinearSystem::Handles::multiply_shell(Mat shell, Vec from, Vec to) {
@@ -33,29 +60,51 @@ void LinearSystem::Handles::make_product() {
   check(MatShellSetOperation(product, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_shell)),
         "create a matrix");
   check(MatSetOption(product, MAT_SPD, PETSC_TRUE), "mark a matrix");
+  list_rows();
 }
 
-// Held freedoms are 0 in `motion` and have a row of their own.
+// Held freedoms have a row of their own.
+void LinearSystem::Handles::list_rows() {
+  const auto of_each = static_cast<std::size_t>(components);
+  free_row.resize(mesh.own.size() * of_each);
+  on_diagonal.resize(free_row.size());
+  std::size_t at = 0;
+  for (const std::int32_t n : mesh.own) {
+    if (rows.empty() || rows.back().node + rows.back().nodes != n) rows.push_back({n, 0, at});
+    ++rows.back().nodes;
+    for (int c = 0; c < components; ++c, ++at) {
+      free_row[at] = is_held(n, c) ? 0 : 1;
+      on_diagonal[at] = is_held(n, c) ? stiff : diagonal[c][n];
+    }
+  }
+}
+
+// Held freedoms are 0 in `motion`.
 void LinearSystem::Handles::multiply(Vec from, Vec to) {
   const PetscScalar* x = nullptr;
   PetscScalar* y = nullptr;
   check(VecGetArrayRead(from, &x), "open a vector");
-  std::size_t at = 0;
-  for (const std::int32_t n : mesh.own)
-    for (int c = 0; c < components; ++c, ++at) motion[c][n] = is_held(n, c) ? 0 : x[at];
+  for (const Rows& r : rows)
+    (components == 3 ? spread<3>
+                     : spread<2>)(r.nodes, x + r.at, free_row.data() + r.at,
+                                  {motion[0] + r.node, motion[1] + r.node, motion[2] + r.node});
   mesh.exchange(motion);
   stiffness.apply(motion, force);
-  if (stiffness.damps() && damping != 0) {
+  const bool damps = stiffness.damps() && damping != 0;
+  if (damps) {
     damped.fill(0);
     stiffness.add_damping(motion, damped);
+    for (int c = 0; c < components; ++c)
+      for (std::size_t n = 0; n < mesh.nodes(); ++n)
+        force[c][n] = common * force[c][n] + damping * damped[c][n];
   }
   check(VecGetArray(to, &y), "open a vector");
-  at = 0;
-  for (const std::int32_t n : mesh.own)
-    for (int c = 0; c < components; ++c, ++at)
-      y[at] = is_held(n, c)
-                  ? stiff * x[at]
-                  : common * force[c][n] + damping * damped[c][n] + diagonal[c][n] * motion[c][n];
+  for (const Rows& r : rows)
+    (components == 3 ? gather<3>
+                     : gather<2>)(r.nodes,
+                                  {force[0] + r.node, force[1] + r.node, force[2] + r.node},
+                                  damps ? 1 : common, free_row.data() + r.at,
+                                  on_diagonal.data() + r.at, x + r.at, y + r.at);
   check(VecRestoreArray(to, &y), "close a vector");
   check(VecRestoreArrayRead(from, &x), "close a vector");
 }
