@@ -238,7 +238,8 @@ void declare_oddities(const Model& model, input::Section& s) {
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const Stage& stage) { return stage.ground_moves; });
   s.rule("ground.base_stiffness",
-         !ground.present || !moves || ground.base != fem::Base::quiet || ground.base_stiffness != 0,
+         !ground.present || !moves || ground.base != fem::Base::quiet ||
+             ground.base_stiffness != 0 || !ground.base_motion.empty(),
          "a quiet base without springs carries no load that stays: the ground sinks for as long as "
          "a train is on it; give the springs' stiffness, a value below 0 to have it chosen, or "
          "base = \"fixed\"",

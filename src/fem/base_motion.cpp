@@ -25,64 +25,55 @@ BaseMotion::BaseMotion(const std::string& path) {
   times_ = columns[0];
   if (times_.size() < 2) throw InputError({fmt::format("{}: needs at least two rows", path)});
   for (std::size_t r = 0; r < times_.size(); ++r)
-    rows_.push_back({Vec3(columns[1][r], 0, columns[2][r]), Vec3::Zero()});
+    rows_.emplace_back(columns[1][r], 0, columns[2][r]);
   require_rest(path, lines);
-  for (std::size_t r = 1; r < rows_.size(); ++r)
-    rows_[r].displacement =
-        rows_[r - 1].displacement +
-        0.5 * (times_[r] - times_[r - 1]) * (rows_[r - 1].velocity + rows_[r].velocity);
-  const Vec3 let_go = at(0).displacement;
-  for (Motion& row : rows_) row.displacement -= let_go;
 }
 
 // At both ends what counts as rest becomes rest to the bit, all rows of it: what is left would go
 // on in `at`, and move where the wave begins and ends.
 void BaseMotion::require_rest(const std::string& path, const std::vector<int>& lines) {
   double largest = 0;  // m/s
-  for (const Motion& row : rows_) largest = std::max(largest, row.velocity.norm());
-  const auto moves = [&](const Motion& row) { return row.velocity.norm() > at_rest * largest; };
+  for (const Vec3& row : rows_) largest = std::max(largest, row.norm());
+  const auto moves = [&](const Vec3& row) { return row.norm() > at_rest * largest; };
   const auto first = std::find_if(rows_.begin(), rows_.end(), moves);
   const auto last = std::find_if(rows_.rbegin(), rows_.rend(), moves).base();
   for (const std::size_t r : {std::size_t{0}, rows_.size() - 1}) {
     if (!moves(rows_[r])) continue;
-    const Vec3& v = rows_[r].velocity;
+    const Vec3& v = rows_[r];
     throw InputError({fmt::format(
         "{}:{}: vx_m_s = {:g}, vz_m_s = {:g}: must begin and end at rest: the {} row may move with "
         "{:g} of the largest speed ({:g} m/s) at most",
         path, lines[r], v.x(), v.z(), r == 0 ? "first" : "last", at_rest, largest)});
   }
-  const auto stop = [](Motion& row) { row.velocity.setZero(); };
+  const auto stop = [](Vec3& row) { row.setZero(); };
   std::for_each(rows_.begin(), first, stop);
   std::for_each(std::max(first, last), rows_.end(), stop);
 }
 
 double BaseMotion::begin() const {
   std::size_t r = 0;
-  while (r + 1 < rows_.size() && rows_[r + 1].velocity.isZero(0)) ++r;
+  while (r + 1 < rows_.size() && rows_[r + 1].isZero(0)) ++r;
   return times_[r];
 }
 
 double BaseMotion::end() const {
   std::size_t r = rows_.size() - 1;
-  while (r > 0 && rows_[r - 1].velocity.isZero(0)) --r;
+  while (r > 0 && rows_[r - 1].isZero(0)) --r;
   return r > 0 ? times_[r] : times_.back();
 }
 
 bool BaseMotion::moves(int axis) const {
-  return std::any_of(rows_.begin(), rows_.end(),
-                     [&](const Motion& row) { return row.velocity[axis] != 0; });
+  return std::any_of(rows_.begin(), rows_.end(), [&](const Vec3& row) { return row[axis] != 0; });
 }
 
 // Local and without state: any time may be asked in any order.
-BaseMotion::Motion BaseMotion::at(double time) const {
+Vec3 BaseMotion::at(double time) const {
   if (time <= times_.front()) return rows_.front();
   if (time >= times_.back()) return rows_.back();
   const auto hi = static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), time) -
                                            times_.begin());
-  const Motion &before = rows_[hi - 1], &after = rows_[hi];
-  const double since = time - times_[hi - 1], share = since / (times_[hi] - times_[hi - 1]);
-  const Vec3 velocity = before.velocity + share * (after.velocity - before.velocity);
-  return {velocity, before.displacement + 0.5 * since * (before.velocity + velocity)};
+  const double share = (time - times_[hi - 1]) / (times_[hi] - times_[hi - 1]);
+  return rows_[hi - 1] + share * (rows_[hi] - rows_[hi - 1]);
 }
 
 }  // namespace trackbed::fem

@@ -1,8 +1,7 @@
 // The wave that comes up through a quiet base: its velocity at the base as a function of time.
 //
 // Given is the motion of the wave alone, as it would pass in a ground that goes on below: half of
-// what an outcrop of that ground shows. Its displacement, for the springs, is the exact integral of
-// the linearly interpolated velocity.
+// what an outcrop of that ground shows.
 #pragma once
 
 #include <string>
@@ -19,12 +18,8 @@ class BaseMotion {
   // reads it.
   explicit BaseMotion(const std::string& path);
 
-  struct Motion {
-    Vec3 velocity, displacement;  // m/s, m
-  };
-  // `time` (s) since the ground was let go. Before the table rest, after it the last place.
-  // Displacement counts from time 0, whatever the wave did before: the ground is let go at rest.
-  Motion at(double time) const;
+  // m/s at `time` (s) since the ground was let go: linear between rows, 0 before and after them.
+  Vec3 at(double time) const;
   bool moves(int axis) const;  // whether ever along x (0) or z (2)
   // s, outside of which all is at rest; without any motion the last time of the table twice.
   double begin() const;
@@ -34,7 +29,7 @@ class BaseMotion {
   void require_rest(const std::string& path, const std::vector<int>& lines);
 
   std::vector<double> times_;
-  std::vector<Motion> rows_;
+  std::vector<Vec3> rows_;  // m/s
 };
 
 }  // namespace trackbed::fem

@@ -16,10 +16,12 @@ namespace {
 constexpr std::array<int, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
 
 // Points are all nodes this rank holds; those of ghosts that no own cell uses do no harm.
-void add_points(const auto& room, const Nodal& velocity_everywhere, io::Grid& grid) {
+void add_points(const auto& room, const Nodal& velocity_everywhere,
+                const Nodal& acceleration_everywhere, io::Grid& grid) {
   const Mesh& mesh = room.mesh;
   const Lattice& lattice = mesh.lattice;
-  io::FieldData displacement{"displacement (m)", 3, {}}, velocity{"velocity (m/s)", 3, {}};
+  io::FieldData displacement{"displacement (m)", 3, {}}, velocity{"velocity (m/s)", 3, {}},
+      acceleration{"acceleration (m/s^2)", 3, {}};
   const std::size_t faces = lattice.plane ? 2 : 1;  // a plane node stands on both faces
   for (std::size_t n = 0; n < mesh.nodes(); ++n)
     for (std::size_t face = 0; face < faces; ++face) {
@@ -28,11 +30,13 @@ void add_points(const auto& room, const Nodal& velocity_everywhere, io::Grid& gr
       if (lattice.plane) x.y() = lattice.low.y() + static_cast<double>(face) * lattice.size.y();
       const Vec3 u = room.vector(room.state.displacement, node);
       const Vec3 v = room.vector(velocity_everywhere, node);
+      const Vec3 a = room.vector(acceleration_everywhere, node);
       grid.points.push_back(x);
       displacement.values.insert(displacement.values.end(), u.begin(), u.end());
       velocity.values.insert(velocity.values.end(), v.begin(), v.end());
+      acceleration.values.insert(acceleration.values.end(), a.begin(), a.end());
     }
-  grid.point_data = {displacement, velocity};
+  grid.point_data = {displacement, velocity, acceleration};
 }
 
 void add_cell(const Mesh& mesh, std::size_t zone, io::Grid& grid) {
@@ -95,15 +99,16 @@ void Ground::take_extremes() {
                               room_->stress(z, Plasticity::Where::centre, Plasticity::When::since));
 }
 
-// Collective because of the velocities of ghosts, which do not matter to the run; points of zones
-// at rank borders show them.
+// Collective because of velocities and accelerations of ghosts, which do not matter to the run;
+// points of zones at rank borders show them.
 io::Grid Ground::fields() const {
   const Mesh& mesh = room_->mesh;
   io::Grid grid;
   grid.kind = mesh.imported ? io::CellKind::quadratic_tetrahedron : io::CellKind::hexahedron;
-  Nodal velocity = room_->state.velocity;
+  Nodal velocity = room_->state.velocity, acceleration = room_->state.acceleration;
   room_->mesh.exchange(velocity);
-  add_points(*room_, velocity, grid);
+  room_->mesh.exchange(acceleration);
+  add_points(*room_, velocity, acceleration, grid);
   io::FieldData stress{"stress since settling, xx yy zz xy yz zx (Pa)", 6, {}};
   io::FieldData rest{"stress at rest, xx yy zz xy yz zx (Pa)", 6, {}}, solid{"solid", 1, {}};
   io::FieldData principals{"principal stresses, rest and since, largest first (Pa)", 3, {}};

@@ -90,7 +90,6 @@ void FreeField::make_column(const Mesh& mesh, const GroundParameters& parameters
     foot_.push_back(half * border.dashpot(low, components_ - 1, c));
     damping_[index(columns_, 0, c)] += foot_.back();
   }
-  spring_.push_back(half * border.spring(low));
   ++columns_;
 }
 
@@ -100,7 +99,7 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
   const Border border(mesh, parameters);
   const int up = components_ - 1;
   if (mesh.imported) {
-    for (const BasePart& part : quiet_base(mesh, parameters))
+    for (const BasePart& part : quiet_base(mesh))
       if (mesh.owned[static_cast<std::size_t>(part.node)] != 0) base_.push_back(part);
     return;
   }
@@ -123,7 +122,7 @@ void FreeField::find_corners(const Mesh& mesh, const GroundParameters& parameter
         for (int c = 0; c <= up; ++c) side.dashpots[c] = border.dashpot(solid, n, c);
       }
       if (!border.on_base(at, k)) continue;
-      BasePart low{node, {}, border.spring(solid)};
+      BasePart low{node, {}};
       for (int c = 0; c <= up; ++c) low.dashpots[c] = border.dashpot(solid, up, c);
       base_.push_back(low);
     }
@@ -145,20 +144,18 @@ void FreeField::list(const Visit& visit) {
   visit("acceleration", "m/s^2", acceleration_);
 }
 
-// force_ from what is seen: chains, spring and wave at the foot; dashpots of the column itself are
+// force_ from what is seen: chains, and the wave at the foot; dashpots of the column itself are
 // left to the schemes. A wave v_in stretches the foot's dashpots by 2 v_in - v, since the ground
-// below both brings it and lets it out (Joyner, Chen 1975); the springs by u_in - u.
+// below both brings it and lets it out (Joyner, Chen 1975). There are no springs below a wave.
 void FreeField::pull() {
   std::fill(force_.begin(), force_.end(), 0.0);
-  const BaseMotion::Motion& wave = seen_.wave;
   for (std::size_t column = 0; column < columns_; ++column)
     for (int c = 0; c < components_; ++c) {
       const int axis = components_ == 3 ? c : 2 * c;
       const std::size_t foot = index(column, 0, c);
       const std::size_t at =
           column * static_cast<std::size_t>(components_) + static_cast<std::size_t>(c);
-      force_[foot] = 2 * foot_[at] * wave.velocity[axis] +
-                     spring_[column] * (wave.displacement[axis] - seen_.displacement[foot]);
+      force_[foot] = 2 * foot_[at] * seen_.wave[axis];
       for (std::size_t k = 0; k < zones_; ++k) {
         const Chain& chain = chains_[column * zones_ + k];
         const std::size_t low = index(column, k, c), high = index(column, k + 1, c);
@@ -195,9 +192,7 @@ void FreeField::explicit_step(double h, double end) {
 // As implicit.cpp: the column's equation is the model's, with chains for zones.
 void FreeField::implicit_step(double dt, const AlphaScheme& s, double end) {
   const double f = 1 - s.alpha_f, g = s.alpha_f;
-  const BaseMotion::Motion now = motion_.at(end), before = motion_.at(end - dt);
-  seen_.wave = {f * now.velocity + g * before.velocity,
-                f * now.displacement + g * before.displacement};
+  seen_.wave = f * motion_.at(end) + g * motion_.at(end - dt);
   displacement_before_ = displacement_, velocity_before_ = velocity_;
   for (std::size_t n = 0; n < mass_.size(); ++n) {
     displacement_[n] += dt * velocity_[n] + dt * dt * (0.5 - s.beta) * acceleration_[n];
@@ -230,7 +225,6 @@ void FreeField::solve(std::size_t column, int c, double dt, const AlphaScheme& s
     const std::size_t n = index(column, level, c);
     diagonal[level] = (1 - s.alpha_m) * mass_[n] + f * s.gamma * dt * damping_[n];
   }
-  diagonal[0] += f * s.beta * dt * dt * spring_[column];
   for (std::size_t k = 0; k < zones_; ++k) {
     const Chain& chain = chains_[column * zones_ + k];
     const double stiff = f * (s.beta * dt * dt + s.gamma * dt * chain.damping) * chain.stiffness[c];
@@ -272,8 +266,7 @@ void FreeField::act_on(Nodal& internal) const {
   for (const BasePart& base : base_)
     for (int c = 0; c < components_; ++c) {
       const int axis = components_ == 3 ? c : 2 * c;
-      internal[c][base.node] -= 2 * base.dashpots[c] * seen_.wave.velocity[axis] +
-                                base.spring * seen_.wave.displacement[axis];
+      internal[c][base.node] -= 2 * base.dashpots[c] * seen_.wave[axis];
     }
 }
 

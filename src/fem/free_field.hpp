@@ -60,7 +60,7 @@ class FreeField {
   // What zones, dashpots and base see of the motion in the equation being solved.
   struct Seen {
     std::vector<double> displacement, damped, velocity;
-    BaseMotion::Motion wave;
+    Vec3 wave;  // m/s
   };
 
   void make_column(const Mesh& mesh, const GroundParameters& parameters, const Stiffness& stiffness,
@@ -78,7 +78,6 @@ class FreeField {
   std::size_t zones_, columns_ = 0;     // zones of a column
   std::vector<Chain> chains_;           // column by column, from the base up
   std::vector<double> mass_, damping_;  // kg, N s/m per number of the state (mass damping, base)
-  std::vector<double> spring_;          // N/m of each column's foot
   std::vector<double> foot_;            // N s/m, dashpots of each column's foot, per component
   // Of each solid, for each normal: forces on corners from the motion of two levels.
   std::vector<Eigen::MatrixXd> hold_;

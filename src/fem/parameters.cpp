@@ -336,7 +336,12 @@ void GroundParameters::declare(Section& s) {
            "Lower border; fixed: held; quiet: Lysmer-Kuhlemeyer dashpots that let waves out.");
   s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
            "Springs beside the dashpots of a quiet base: the ground below; below 0: shear modulus "
-           "at the base over its depth; 0: none, so it sinks for as long as a load is there.");
+           "at the base over its depth; 0: none, so it sinks for as long as a load is there. With "
+           "base_motion there are none.");
+  s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
+         "must be 0, or left out, with base_motion: springs would hold back the ground, which a "
+         "wave moves twice as far as it goes itself",
+         {.reads = {"base_stiffness", "base_motion"}});
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is next to nothing below a track: is it in Pa/m?",
          {.weight = input::Weight::warning, .reads = {"base_stiffness"}});

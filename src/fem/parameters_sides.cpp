@@ -141,7 +141,7 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, doubl
         fmt::format("the wave begins at {:g} s, and the ground moves for {:g} s at most: it "
                     "does nothing",
                     wave.begin(), time)};
-  const Vec3 now = wave.at(0).velocity;
+  const Vec3 now = wave.at(0);
   if (now.isZero(0)) return {};
   return {
       fmt::format("at 0 s, when the ground is let go at rest, the wave is under way with "

@@ -107,8 +107,11 @@ void merge(std::vector<Spring>& springs) {
 }
 
 // Pa/m. A layer of depth H below the base, held at its foot, would resist a shear with G/H; the
-// ground's own depth is taken for H, for want of a better one.
+// ground's own depth is taken for H, for want of a better one. None below a wave: that of 1 Hz
+// below 20 m of soil would leave them by 24 % more at the top, whether they count from the wave's
+// own way or from the place of rest, as the wave thrown back by the top moves the base too.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth) {
+  if (!parameters.base_motion.empty()) return 0;
   return parameters.base_stiffness < 0 ? lame_of(solid).shear / depth : parameters.base_stiffness;
 }
 
@@ -174,7 +177,8 @@ double critical_step(const Mesh& mesh, const GroundParameters& parameters,
   if (mesh.imported) return critical_step_of_tetrahedra(mesh, parameters, stiffness, limit);
   const Lattice& lattice = mesh.lattice;
   const Border border(mesh, parameters);
-  const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0;
+  const bool springs = parameters.base == Base::quiet && parameters.base_stiffness != 0 &&
+                       parameters.base_motion.empty();
   double shortest = std::numeric_limits<double>::infinity();  // s
   // Every rank looks at all solids that occur anywhere: a few small eigenvalue problems.
   const std::size_t solids = mesh.solids.solid.size();

@@ -64,9 +64,9 @@ struct Terms {
 // What the quiet faces of a mesh file that look down are to a node, for a wave from below.
 struct BasePart {
   std::int32_t node;
-  double dashpots[3], spring;  // N s/m, N/m
+  double dashpots[3];  // N s/m
 };
-std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& parameters);
+std::vector<BasePart> quiet_base(const Mesh& mesh);
 
 // Impedances of a half space, Pa s/m (Lysmer, Kuhlemeyer 1969, doi:10.1061/JMCEA3.0001144).
 struct Impedance {

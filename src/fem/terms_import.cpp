@@ -133,7 +133,7 @@ void Terms::add_tetrahedra(const Mesh& mesh, const GroundParameters& parameters)
 }
 
 // Faces in ascending order, as above.
-std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& parameters) {
+std::vector<BasePart> quiet_base(const Mesh& mesh) {
   std::vector<BasePart> parts;
   for (const Imported::Face& face : mesh.imported->borders) {
     if (face.holds != BorderKind::quiet || face.axis != 2 || !face.low) continue;
@@ -141,9 +141,7 @@ std::vector<BasePart> quiet_base(const Mesh& mesh, const GroundParameters& param
     const Impedance of = impedance(solid_of(mesh, face.zone), false);
     for (int m = 0; m < 3; ++m) {
       const double across = share.area[m] * of.tangential, along = share.area[m] * of.normal;
-      parts.push_back({share.node[static_cast<std::size_t>(3 + m)],
-                       {across, across, along},
-                       share.area[m] * spring_of(mesh, parameters, face)});
+      parts.push_back({share.node[static_cast<std::size_t>(3 + m)], {across, across, along}});
     }
   }
   return parts;

@@ -81,6 +81,32 @@ std::vector<Vec3> push(const Surface& top, int window) {
   return force;
 }
 
+// Of every point, ghosts too: what each integrator makes of its accelerations in one step,
+//   v_1 = v_0 + h/2 (a_0 + a_1)
+// under a load that stays: explicit steps begin with the load of their window.
+TEST_P(Fields, AccelerationIsThatOfTheVelocity) {
+  for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
+    GroundParameters p = shaken();
+    p.integrator = integrator;
+    Ground ground(Comm::world(), p, GetParam(), 1.0);
+    const double h = integrator == Integrator::explicit_ ? ground.stable_step() : 1e-3;
+    ground.settle(push(ground.top(), 0));
+    ground.advance(h, push(ground.top(), 1));
+    const auto before = ground.fields().point_data;
+    ground.advance(h, push(ground.top(), 1));
+    const auto after = ground.fields().point_data;
+    ASSERT_EQ(after[2].name, "acceleration (m/s^2)");
+    double off = 0, most = 0;
+    for (std::size_t k = 0; k < after[1].values.size(); ++k) {
+      const double kick = h / 2 * (before[2].values[k] + after[2].values[k]);
+      off = std::max(off, std::abs(after[1].values[k] - before[1].values[k] - kick));
+      most = std::max(most, std::abs(kick));
+    }
+    EXPECT_GT(most, 1e-6);
+    EXPECT_LT(off, 1e-10 * most);  // rounding of the velocity
+  }
+}
+
 // What is shown is the largest and least of what was shown at each instant; later instants count
 // once they are taken, and a new begin forgets.
 TEST_P(Fields, ExtremesAreThoseOfTheInstants) {

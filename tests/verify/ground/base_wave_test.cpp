@@ -22,7 +22,6 @@ constexpr Ricker wave{10, 0.15};                 // Hz, s
 GroundParameters hill(const Comm& comm, double centre) {
   GroundParameters p = box({60, 20, height}, {12, 4, 140}, rock);
   p.plane = PlaneState::strain;
-  p.base_stiffness = 0;
   p.sides = Sides::free_field;
   p.base_motion = wave_table(comm, fmt::format("ricker_{:g}", centre), {wave.frequency, centre},
                              standard, 0, 2.5e-4);
@@ -102,7 +101,6 @@ std::vector<double> middle_of_block(const Comm& comm, std::int64_t zones, Sides 
   p.layers[0].solid = {100e6, 0.3, 1900};
   p.blocks = {{"block", true, {-4, 0, 4, 0, 4, -6, -4, -6}, {30e9, 0.2, 2400}}};
   p.plane = PlaneState::strain;
-  p.base_stiffness = 0;
   p.sides = sides;
   p.base_motion = wave_table(comm, "block", {6, 0.25}, 1.0, 0, 1e-3);
   Ground ground(comm, p, Dimension::plane, 1.0);
