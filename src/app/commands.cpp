@@ -84,7 +84,9 @@ int finish(const par::Comm& comm, Simulation& simulation, const std::string& fol
     print(comm, "results: " + folder + "\n");
     return static_cast<int>(ExitCode::success);
   }
-  print(comm, "stopped early; go on with: trackbed resume " + folder + "\n");
+  print(comm, simulation.last_checkpoint().empty()
+                  ? "stopped early, before there was a checkpoint: run it again\n"
+                  : "stopped early; go on with: trackbed resume " + folder + "\n");
   return static_cast<int>(ExitCode::stopped);
 }
 

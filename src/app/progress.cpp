@@ -128,6 +128,12 @@ void Progress::line(const Course& course, const Model& model, const World& world
   last_line_ = wall, last_time_ = course.clock.time();
 }
 
+void Progress::rest(int rounds, double flows) {
+  say(comm_, "  rest of the ground: after {} rounds {:.2g} of all forces still flow\n", rounds,
+      flows);
+  last_line_ = wall_time();
+}
+
 void Progress::stage_ends(const StageRecord& record) {
   say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3{}, {:.1f} s of wall time\n",
       record.name, record.time, record.bulk_density,

@@ -29,6 +29,7 @@ class Progress {
   void start(World& world, const Model& model, const std::string& name);
   void stage_begins(const Stage& stage, const Course& course, World& world);
   void line(const Course& course, const Model& model, const World& world);
+  void rest(int rounds, double flows);  // of the search for that of the ground; rank 0 alone
   void stage_ends(const StageRecord& record);
   void warning(const std::string& sentence);
   void timer_table(const Timers& timers);

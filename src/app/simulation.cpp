@@ -191,7 +191,10 @@ Outcome Simulation::run_stages() {
   results_.watch(world_.scene(), world_.watched, sleeper_x, model_.regions);
   // A checkpoint is written after the window's row and agreement: a resumed run repeats neither.
   while (course_.stage < model_.stages.size()) {
-    if (!course_.begun) begin_stage();
+    if (!course_.begun && !begin_stage()) {
+      write_summary(false);
+      return Outcome::stopped;
+    }
     while (runs()) {
       window();
       course_.clock.tick(), ++course_.windows;
@@ -232,8 +235,10 @@ bool Simulation::is_last_passage() const {
 // The clock of a stage counts its windows from 0, so that stages of different windows follow each
 // other without rounding.
 // Steps are chosen after the stage's own stones and bodies are there: they are what limits them.
-void Simulation::begin_stage() {
+// False if the run is to stop instead, with nothing done that a checkpoint could hold.
+bool Simulation::begin_stage() {
   const double time = course_.clock.time();
+  if (!settle_ground()) return false;
   actions_.begin(stage());
   begin_extremes();
   course_.steps = choose_steps(world_, step_of(world_), stage(), deck_);
@@ -246,6 +251,20 @@ void Simulation::begin_stage() {
   measured_ = measure_from(stage().name, timers_, world_);
   stage_begin_ = progress_.wall_time();
   progress_.stage_begins(stage(), course_, world_);
+  return true;
+}
+
+// The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
+// it starts to move. Layers that yield may take their time, which is told, and may be stopped.
+// Collective.
+bool Simulation::settle_ground() {
+  if (!stage().ground_moves || !world_.ground || world_.ground_settled) return true;
+  const auto timing = timers_.scope(Verb::ground);
+  world_.ground_settled = world_.ground->settle(world_.support, [this](int rounds, double flows) {
+    if (comm_.root() && progress_.due()) progress_.rest(rounds, flows);
+    return comm_.max(std::int64_t{is_to_stop()}) == 0;
+  });
+  return world_.ground_settled;
 }
 
 // The checkpoint comes last: it holds the state after the end of the stage.
@@ -296,8 +315,14 @@ void Simulation::warn(const std::string& sentence) {
   progress_.warning(sentence);
 }
 
-// The one agreement of a window: trouble anywhere, a wish to stop, a report due.
 // Signals may reach any rank; time is asked on rank 0 alone, since clocks of nodes differ.
+bool Simulation::is_to_stop() const {
+  const bool out_of_time = comm_.root() && model_.output.wall_time > 0 &&
+                           progress_.wall_time() > model_.output.wall_time;
+  return interrupted() || out_of_time;
+}
+
+// The one agreement of a window: trouble anywhere, a wish to stop, a report due.
 Simulation::Verdict Simulation::agree() {
   std::string problem = world_.particles.trouble();
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
@@ -306,11 +331,9 @@ Simulation::Verdict Simulation::agree() {
   // Ordered by weight, so that the maximum over ranks is what happens: trouble before all.
   Verdict mine = Verdict::go_on;
   if (comm_.root() && progress_.due()) mine = Verdict::report;
-  const bool out_of_time = comm_.root() && model_.output.wall_time > 0 &&
-                           progress_.wall_time() > model_.output.wall_time;
   const bool far_enough =
       model_.output.stop_after > 0 && course_.windows == model_.output.stop_after;
-  if (interrupted() || out_of_time || far_enough) mine = Verdict::stop;
+  if (is_to_stop() || far_enough) mine = Verdict::stop;
   if (!problem.empty()) mine = Verdict::trouble;
   const auto verdict = static_cast<Verdict>(comm_.max(static_cast<std::int64_t>(mine)));
   // The text travels only now; throws on every rank.

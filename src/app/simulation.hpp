@@ -33,6 +33,8 @@ class Simulation {
   // Takes the state a checkpoint at the end of a stage holds; this deck's later stages follow.
   void start_from(const std::string& checkpoint);
   Outcome run();
+  // Of this run, or what it went on from; empty: none.
+  const std::string& last_checkpoint() const { return last_checkpoint_; }
 
  private:
   // In rising weight: the largest over all ranks is what happens.
@@ -47,13 +49,15 @@ class Simulation {
   void average_support(double dt);
 
   const Stage& stage() const { return model_.stages[course_.stage]; }
+  bool settle_ground();
   bool runs() const;
   bool is_last_passage() const;
-  void begin_stage();
+  bool begin_stage();
   void end_stage();
   void judge(const StageRecord& record, const std::string& shortfall);
   void warn(const std::string& sentence);
   Outcome run_stages();
+  bool is_to_stop() const;
   Verdict agree();
   void observe();
   void sample();

@@ -68,10 +68,8 @@ StageActions::StageActions(World& world, const Model& model)
                  static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
       train_(world, model) {}
 
-// The ground is let go under the averaged load of the bed, so that it neither jumps nor sinks when
-// it starts to move. Done before `meet`, which sends the top to the ranks that touch it.
-// Collective. Order: damping and friction, then bodies that go, bodies that come, then the ground,
-// and `meet` last.
+// Collective. Order: damping and friction, then bodies that go, bodies that come, and `meet` last,
+// which sends the ground's top to the ranks that touch it.
 void StageActions::begin(const Stage& stage) {
   world_.particles.set_local_damping(stage.local_damping);
   world_.particles.set_friction(stage.friction);
@@ -83,10 +81,6 @@ void StageActions::begin(const Stage& stage) {
   if (stage.kind == StageKind::cribs) fill_cribs(stage);
   if (stage.kind == StageKind::tamp) world_.place_tines();
   if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
-  if (stage.ground_moves && world_.ground && !world_.ground_settled) {
-    world_.ground->settle(world_.support);
-    world_.ground_settled = true;
-  }
   if (stage.kind == StageKind::compact && !world_.platen)
     world_.place_platen(world_.top_of_stones());  // meets
   else

@@ -208,7 +208,9 @@ Surface& Ground::top() { return room_->surface; }
 const std::vector<int>& Ground::top_owner() const { return room_->mesh.top_owner; }
 std::string Ground::trouble() const { return room_->trouble; }
 
-void Ground::settle(std::span<const Vec3> top_force) { room_->settle(top_force); }
+bool Ground::settle(std::span<const Vec3> top_force, const GoOn& go_on) {
+  return room_->settle(top_force, go_on);
+}
 void Ground::try_solvers(double dt) { room_->try_solvers(dt); }
 
 // Collective. The load of the whole window is the stones' mean of the last one; see app's

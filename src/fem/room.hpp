@@ -78,7 +78,7 @@ struct Ground::Room {
   void begin_step(double h);
   void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);
-  void settle(std::span<const Vec3> top_force);
+  bool settle(std::span<const Vec3> top_force, const Ground::GoOn& go_on);
   void try_solvers(double dt);
   // Local; of the model's state, whatever is asked: Pa since rest or at rest.
   Vec6 stress(std::size_t zone, Plasticity::Where where, Plasticity::When when) const;
@@ -145,7 +145,7 @@ struct Ground::Room {
   double line_search(double dt, const AlphaScheme& scheme, const Nodal& step, double open);
   LinearSystem::Spec rest_spec() const;
   void elastic_rest(const Nodal& right);
-  void yielding_rest(const Nodal& right);
+  bool yielding_rest(const Nodal& right, const Ground::GoOn& go_on);
   enum class Part { drift, kick_and_drift, kick };
   void move(Part part, double h);
   void pull_back(double h, double at);  // internal forces once the nodes have moved

@@ -169,6 +169,7 @@ KNOBS = {
     "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
     "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
+    "ground.rest_rounds": ("ground.rest_rounds=1", YIELDS["layer"]),
     "sleepers.count": ("sleepers.count=2", ["sleepers.width=0.15", "sleepers.spacing=0.2"]),
     "sleepers.first": ("sleepers.first=0.2", []),
     "sleepers.spacing": ("sleepers.spacing=0.22", ["sleepers.width=0.15", "sleepers.count=2",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -121,10 +122,11 @@ struct GroundParameters {
   Integrator integrator = Integrator::explicit_;
   double safety = 0.8;  // explicit step over the critical one
   double newmark_beta = 0.25, newmark_gamma = 0.5;
-  double alpha = -0.1;      // hht, bossak
-  double rho_inf = 0.8;     // generalized_alpha: spectral radius at infinite frequency
-  double tolerance = 1e-8;  // relative residual of linear solves
-  bool yields() const;      // whether any layer or block that is there does
+  double alpha = -0.1;             // hht, bossak
+  double rho_inf = 0.8;            // generalized_alpha: spectral radius at infinite frequency
+  double tolerance = 1e-8;         // relative residual of linear solves
+  std::int64_t rest_rounds = 300;  // in which what flows on the way to rest must halve
+  bool yields() const;             // whether any layer or block that is there does
   bool layers_have_zones() const;
   bool of_tetrahedra() const { return !mesh.empty() || !sections.empty(); }
   // Of an embankment at x, with its height; sections must be ascending and at least one.
@@ -194,7 +196,11 @@ class Ground {
   // Static equilibrium under self weight and `top_force` (N per top node; only own nodes are read).
   // Base and side reactions become loads, so that quiet boundaries neither creep nor jump.
   // The shape in this state is the reference: displacement counts from it, top() does not jump.
-  void settle(std::span<const Vec3> top_force);
+  // Layers that yield take rounds, after each of which `go_on` is asked with their number and the
+  // share of all forces that still flows, on all ranks, which must answer alike. False if it said
+  // no: the ground then is of no use but to begin again. Throws RunError if there seems to be none.
+  using GoOn = std::function<bool(int rounds, double flows)>;
+  bool settle(std::span<const Vec3> top_force, const GoOn& go_on = {});
   // Sets up what `settle` and steps of dt need of PETSc, and solves nothing. InputError if it does
   // not take its options. Collective.
   void try_solvers(double dt);
