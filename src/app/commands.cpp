@@ -57,6 +57,12 @@ struct Warnings {
   }
 };
 
+std::vector<std::string> joined(std::vector<std::string> some,
+                                const std::vector<std::string>& more) {
+  some.insert(some.end(), more.begin(), more.end());
+  return some;
+}
+
 // Warnings are said and the run goes on; problems leave as InputError.
 // Collective; each rank parses alike and so has the same sentences.
 Model read_model(const input::Deck& deck, Warnings& warnings) {
@@ -156,17 +162,17 @@ std::string effective_deck(const Model& model) {
 // Without -o the folder has the name of the deck's file.
 int run(const par::Comm& comm, const Arguments& arguments) {
   const input::Deck deck = input::Deck::read(comm, arguments.deck, arguments.overrides);
-  Warnings warnings{comm};
+  Warnings warnings{comm}, origin{comm};
   const Model model = read_model(deck, warnings);
   const std::string folder = arguments.folder.empty()
                                  ? "results/" + fs::path(arguments.deck).stem().string()
                                  : arguments.folder;
   const bool alone = !model.has_stages();
   if (alone) require_files(model.track);
-  const std::string start = checked_start(model, deck, warnings);
+  const std::string start = checked_start(model, deck, origin);
   checked_ground(model, deck, warnings);
   if (!alone) require_stones(comm, model, deck);
-  look_at_cell(model, deck, warnings);
+  look_at_cell(model, deck, origin);
   look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
   // that cannot be made costs no time.
@@ -182,6 +188,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   simulation.keep(warnings.said);
   if (!start.empty()) simulation.start_from(start);
+  simulation.keep_in_state(origin.said);
   return finish(comm, simulation, folder);
 }
 
@@ -278,9 +285,9 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   std::optional<FolderLock> lock;
   if (at_home && !comm.broadcast(fs::exists(fs::path(own) / "latest") ? "there" : "").empty())
     lock.emplace(comm, folder);
-  Warnings warnings{comm};
+  Warnings warnings{comm}, origin{comm};
   const std::string checkpoint =
-      checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over, warnings);
+      checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over, origin);
   std::string text, name;
   {
     const io::File file = io::open_checkpoint(comm, checkpoint);
@@ -291,17 +298,19 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
       input::Deck::stored(text, "input stored in " + checkpoint, arguments.overrides);
   const Model model = read_model(deck, warnings);
   const bool alone = !model.has_stages();
-  look_at_profiles(model, warnings);
   // In another folder the end of a track alone is worth doing again.
   const bool left =
       alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) || !at_home
-            : stages_left(checkpoint, model, deck, arguments, warnings);
+            : stages_left(checkpoint, model, deck, arguments, origin);
   if (!left) {
     print(comm, checkpoint + ": the run is finished; nothing is left to do\n");
     return static_cast<int>(ExitCode::success);
   }
   if (at_home && !arguments.force && !fs::is_directory(arguments.file))
     require_newest(comm, checkpoint, own);
+  // Their files are those that the run began with.
+  checked_ground(model, deck, warnings);
+  look_at_profiles(model, warnings);
   // Closed by now: the file must not stay open while new checkpoints may replace it.
   // Results beside the checkpoint are those of this run; any other folder is as new to it as to
   // run.
@@ -316,10 +325,11 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
                       .effective = effective_deck(model),
                       .folder = folder,
                       .checkpoint = checkpoint,
-                      .warnings = warnings.said});
+                      .warnings = joined(warnings.said, origin.said)});
   Simulation simulation(comm, model, deck, name, folder);
   simulation.keep(warnings.said);
   simulation.resume(checkpoint);
+  simulation.keep_in_state(origin.said);
   return finish(comm, simulation, folder);
 }
 
