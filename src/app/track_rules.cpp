@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "app/profile_doubts.hpp"
 
@@ -189,8 +188,7 @@ void declare_alike(const TrackModel& model, input::Section& s) {
 void declare_step(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   const double element = track.spacing / static_cast<double>(track.elements);
-  double speed = model.train.speed;
-  for (const double later : model.train.speeds) speed = std::max(speed, later);
+  const double speed = largest_speed(model.train);
   s.rule("passage.step",
          model.train.vehicles.empty() || speed * model.passage.step <= element * (1 + 1e-9),
          fmt::format("lets wheels go {:.3g} m in a step, further than an element of the rail "
@@ -235,15 +233,12 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
 }
 
 std::vector<std::string> doubts_of_files(const TrackModel& model) {
-  std::vector<std::string> doubts;
-  for (const auto& [p, section] : {std::pair{&model.irregularity, "irregularity"},
-                                   {&model.irregularity_right, "irregularity_right"}}) {
-    if (p->kind != Kind::file) continue;
-    const track::Irregularity profile(*p, model.line.track.length);
-    for (const std::string& doubt : doubts_of_profile(model, profile, *p))
-      doubts.push_back(fmt::format("{}.file: {}", section, doubt));
-  }
-  return doubts;
+  const auto read = [&](const track::IrregularityParameters& p) {
+    return track::Irregularity(p, model.line.track.length);
+  };
+  std::optional<track::Irregularity> right;
+  if (model.irregularity_right.kind != Kind::same) right = read(model.irregularity_right);
+  return doubts_of_profiles(model, {read(model.irregularity), right});
 }
 
 }  // namespace trackbed::app
