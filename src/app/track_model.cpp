@@ -202,6 +202,31 @@ void declare_flat(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"wheel_rail", "train", "vehicle"}});
 }
 
+// What of the run of a track alone lies on the track and in its time.
+void declare_run(const TrackModel& model, input::Section& s) {
+  const TrackOutput& passage = model.passage;
+  const double length = model.line.track.length;
+  for (const double x : passage.points)
+    s.rule("passage.points", x <= length,
+           fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
+           {.reads = {"passage.points", "track.length"}});
+  s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
+         fmt::format("lies beyond the track, which is {:g} m long", length),
+         {.reads = {"train.start", "train.vehicles", "track.length"}});
+  const std::optional<double> rests = model.stop();
+  s.rule("passage.duration", passage.duration > 0 || !rests,
+         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
+                     "leaves the track (train.speeds)",
+                     rests.value_or(0)),
+         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
+  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
+         "is shorter than a time step (passage.step), of which at least one is taken",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
+  s.rule("passage.history_interval", passage.history_interval >= passage.step,
+         "is less than a time step; every step makes a row",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
+}
+
 }  // namespace
 
 void TrackOutput::declare(input::Section& s) {
@@ -250,27 +275,7 @@ void TrackModel::declare(input::Section& s) {
   declare_flat(*this, s);
   declare_idle(*this, s);
   if (is_countable()) declare_track_rules(*this, s);
-  const double length = line.track.length;
-  if (on_bed) return;
-  for (const double x : passage.points)
-    s.rule("passage.points", x <= length,
-           fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
-           {.reads = {"passage.points", "track.length"}});
-  s.rule("train.start", train.vehicles.empty() || train.start < length,
-         fmt::format("lies beyond the track, which is {:g} m long", length),
-         {.reads = {"train.start", "train.vehicles", "track.length"}});
-  const std::optional<double> rests = stop();
-  s.rule("passage.duration", passage.duration > 0 || !rests,
-         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
-                     "leaves the track (train.speeds)",
-                     rests.value_or(0)),
-         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
-  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
-         "is shorter than a time step (passage.step), of which at least one is taken",
-         {.weight = input::Weight::warning, .reads = {"passage"}});
-  s.rule("passage.history_interval", passage.history_interval >= passage.step,
-         "is less than a time step; every step makes a row",
-         {.weight = input::Weight::warning, .reads = {"passage"}});
+  if (!on_bed) declare_run(*this, s);
 }
 
 std::optional<track::Train> train_of(const TrackModel& model) {
