@@ -113,6 +113,8 @@ WARNED = [
     (["ballast.below_stiffness=70e6"], "", "has no effect without a mass of the ballast"),
     (["ballast.below_damping=7e3"], "", "has no effect without a mass of the ballast"),
     (["pad.beyond=3e8"], "", "has no effect without a knee"),
+    (["pad.knee=1e-4", "pad.beyond=3e8", "pad.damping=0"], "",
+     "pad.damping = 0: leaves pads with a knee without dampers: steps that pass it may gain"),
     (["under_sleeper_pad.damping=1e4"], "", "has no effect without a stiffness of the pad"),
     (["under_sleeper_pad.to=9"], "", "has no effect without a stiffness of the pad"),
     (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=60.1"], "",
