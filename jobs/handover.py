@@ -44,6 +44,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -55,7 +56,7 @@ import numpy as np  # noqa: E402
 import launch  # noqa: E402
 from loop_deck import RAMP, LoopDeck, table_of_seats  # noqa: E402
 
-OPTIONS = {"rounds": 3, "trains": 2, "each": 1, "load": 30e3}
+OPTIONS = ("rounds", "trains", "each", "load")
 LOCK = "handover.lock"
 # What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
 OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png|lock)")
@@ -73,9 +74,9 @@ class Loop:
         self.then = f"the same command{words} goes on in {given.folder}"
         self.check(given.deck)
         self.deck = LoopDeck(given.deck, given.program)
-        for name, default in OPTIONS.items():
+        for name in OPTIONS:
             if getattr(given, name) is None:
-                told = self.deck.loop.get(name, default)  # 1e1 is a whole number of a deck too
+                told = self.deck.value(f"handover.{name}")  # 1e1 is a whole number of a deck too
                 setattr(given, name, int(told) if name in ("rounds", "trains") else told)
         numbers = [getattr(given, name) for name in OPTIONS]
         if not (np.isfinite(numbers).all() and min(numbers) > 0):
@@ -83,12 +84,14 @@ class Loop:
         done = self.last_stage()
         self.bed = self.deck.begin_after(
             done, str(given.start or f'{given.deck}: handover.after = "{done}"'))
-        self.rails = self.deck.seat.get("rails", 1)
+        self.rails = self.deck.value("seat.rails")
         self.x = self.deck.sleepers["first"] + self.deck.sleepers["spacing"] * np.arange(
             self.deck.sleepers["count"])
         self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
         self.spare_inputs()
         self.table, self.rows = [] if given.force else self.old_table(), []
+        if not given.force:
+            self.refuse_other_each()
         self.try_decks(done)
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
@@ -115,7 +118,7 @@ class Loop:
 
     def last_stage(self):
         """The stage after which the rounds begin."""
-        given, done = self.given, self.deck.loop["after"]
+        given, done = self.given, self.deck.value("handover.after")
         if given.start:
             if given.start.is_dir():
                 given.start /= f"stage_{done}.h5"
@@ -152,6 +155,24 @@ class Loop:
             if tuple(rows.fieldnames or ()) != COLUMNS:
                 launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
             return list(rows)
+
+    def refuse_other_each(self):
+        """A round lies on a rail that has sunk by what the first one lost, times its trains, times
+        EACH."""
+        path = self.given.folder / "round_1/geometry.csv"
+        trains = self.given.folder / "round_0/trains.toml"
+        lost = [float(row["settlement_per_train_m"]) for row in self.table if row["round"] == "0"]
+        if not path.is_file() or not trains.is_file() or len(lost) != len(self.x):
+            return
+        with open(path, newline="", encoding="utf-8") as file:
+            height = {float(row["x_m"]): float(row["z_m"]) for row in csv.DictReader(file)}
+        most = int(np.argmax(np.abs(lost)))
+        sunk = -height.get(float(self.deck.seats_on_track()[most]), 0.0)
+        count = tomllib.loads(trains.read_text(encoding="utf-8"))["stage"][-1]["cycles"]
+        each = sunk / lost[most] / count if lost[most] else 0.0
+        if each and not np.isclose(each, self.given.each, rtol=1e-9):
+            launch.refuse(f"{self.given.folder} holds rounds with each = {each:.9g}, not "
+                          f"{self.given.each:g}: take another folder, or --force")
 
     def try_decks(self, done):
         """Has the program check the decks of the first round, as far as they are known."""

@@ -2,8 +2,8 @@
 
 Decks are taken apart as values, not as text: dotted keys, tables written inline, several ways to
 quote mean to the loop what they mean to the program. Files that a deck names are known by their
-parameters, from what `describe` prints, and named anew from where each deck of the loop lies: so a
-folder moves together with them.
+parameters, from what `describe` prints (as are the defaults of what it leaves out), and named anew
+from where each deck of the loop lies: so a folder moves together with them.
 """
 import csv
 import io
@@ -57,19 +57,21 @@ def toml(values, path=""):
     return text
 
 
-def file_parameters(program):
-    """Of kind file, as section.name, from the page of all parameters."""
+def parameters_of(program):
+    """Kind and default (None: must be given) of each parameter, by section.name, from the page of
+    all of them."""
     ran = launch.run([program, "describe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                      text=True)
     if ran.returncode:
         launch.fail(ran, f"{program} describe")
-    found, section = set(), ""
+    found, section = {}, ""
     for line in ran.stdout.splitlines():
         if head := re.match(r"## `(.*)`", line):
             place = re.fullmatch(r"\[+([^\]]*)\]+", head[1])
             section = f"{place[1]}." if place else ""
-        elif row := re.match(r"\| `(\w+)` \| file \|", line):
-            found.add(section + row[1])
+        elif row := re.match(r"\| `(\w+)` \| ([^|]*) \| [^|]* \| `(.*?)` \|", line):
+            default = None if row[3] == "must be given" else tomllib.loads(f"_ = {row[3]}")["_"]
+            found[section + row[1]] = row[2], default
     return found
 
 
@@ -80,7 +82,8 @@ def with_files(values, parameters, change, path=""):
             return with_files(value, parameters, change, f"{path}{name}.")
         if is_section(value):
             return [changed(name, one) for one in value]
-        return change(value) if value and f"{path}{name}" in parameters else value
+        kind, _ = parameters.get(f"{path}{name}", ("", None))
+        return change(value) if value and kind == "file" else value
     return {name: changed(name, value) for name, value in values.items()}
 
 
@@ -89,16 +92,15 @@ class LoopDeck:
 
     def __init__(self, path, program):
         self.path, self.files = path, []
-        self.parameters = file_parameters(program)
+        self.parameters = parameters_of(program)
         try:
             values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
         except tomllib.TOMLDecodeError as error:
             launch.refuse(f"{path}: {error}")
         self.values = with_files(values, self.parameters, self.whole)
-        self.loop = self.values.get("handover", {})
-        if not self.loop.get("after"):
+        if not self.value("handover.after"):
             launch.refuse(f"{path}: [handover] with `after`, the name of a stage, is needed")
-        self.sleepers, self.seat = self.section("sleepers"), self.section("seat")
+        self.sleepers = self.section("sleepers")
         self.train = {}  # the stage
 
     def whole(self, name):
@@ -109,10 +111,19 @@ class LoopDeck:
     def section(self, name):
         return self.values.get(name, {})
 
+    def value(self, name):
+        """Of section.key, the program's default if the deck does not say it."""
+        section, key = name.split(".")
+        return self.section(section).get(key, self.parameters[name][1])
+
     def text(self, values, folder):
-        """Of a deck that will lie in `folder`."""
-        return toml(with_files(values, self.parameters,
-                               lambda name: os.path.relpath(name, os.path.abspath(folder))))
+        """Of a deck that will lie in `folder`. Links to folders are followed, as the names of files
+        are looked up from where the deck is."""
+        def named(name):
+            place, last = os.path.split(name)
+            return os.path.relpath(os.path.join(os.path.realpath(place), last),
+                                   os.path.realpath(folder))
+        return toml(with_files(values, self.parameters, named))
 
     def begin_after(self, done, of):
         """Refuses what rounds that begin after the stage `done` cannot do; `of` says who named
@@ -148,10 +159,10 @@ class LoopDeck:
                       if key not in (*INSTEAD, "train", "name")}
 
     def refuse_others(self):
-        if self.section("irregularity").get("kind", "none") != "none":
+        if self.value("irregularity.kind") != "none":
             launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
                           "[irregularity]")
-        if self.section("track").get("dimension", "plane") != "plane":
+        if self.value("track.dimension") != "plane":
             launch.refuse(f"{self.path}: the loop has one rail: track.dimension must be \"plane\"")
         if missing := [key for key in ("first", "spacing", "count") if key not in self.sleepers]:
             launch.refuse(f"{self.path}: [sleepers] must say {' and '.join(missing)}")
@@ -168,20 +179,19 @@ class LoopDeck:
 
     def seats_on_track(self):
         """m, x of the bed's sleepers from the begin of the track."""
-        return self.sleepers["spacing"] * (self.seat.get("before", 20)
+        return self.sleepers["spacing"] * (self.value("seat.before")
                                            + np.arange(self.sleepers["count"]))
 
     def springs(self):
         """N/m, below a sleeper of the track alone where no zone says otherwise."""
-        ballast = self.section("ballast")
-        springs = ballast.get("stiffness", 60e6)
-        if ballast.get("mass", 0) > 0:  # the factor of a zone acts on both springs
-            springs = 1 / (1 / springs + 1 / ballast.get("below_stiffness", 80e6))
+        springs = self.value("ballast.stiffness")
+        if self.value("ballast.mass") > 0:  # the factor of a zone acts on both springs
+            springs = 1 / (1 / springs + 1 / self.value("ballast.below_stiffness"))
         return springs
 
     def geometry(self, settled):
         """Text of the rail's profile: it lies as the sleepers have settled, m."""
-        spacing, length = self.sleepers["spacing"], self.section("track").get("length", 60.0)
+        spacing, length = self.sleepers["spacing"], self.value("track.length")
         at = self.seats_on_track()
         points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
                   **dict(zip(at, -settled))}
@@ -208,7 +218,7 @@ class LoopDeck:
         low, high = at[0] - 0.45 * spacing, at[-1] + 0.45 * spacing
         zones = []
         for zone in self.section("track").get("zone", []):
-            begin, end = zone.get("from", 0), zone.get("to", 0)
+            begin, end = zone["from"], zone["to"]
             rail = {key: value for key, value in zone.items() if key not in ("bed", "gap")}
             for start, stop, kept in ((begin, min(end, low), zone),
                                       (max(begin, low), min(end, high), rail),

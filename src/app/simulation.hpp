@@ -26,8 +26,13 @@ class Simulation {
   Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
              const std::string& name, const std::string& folder);
 
-  // Warnings that were said before, for the summary.
+  // Warnings that were said before, for the summary: those that each command on the deck and its
+  // files says again.
   void keep(const std::vector<std::string>& said) { said_ = said; }
+  // Those of the state that the run goes on from, which no later command may find again.
+  void keep_in_state(const std::vector<std::string>& said) {
+    course_.warnings.insert(course_.warnings.end(), said.begin(), said.end());
+  }
   // Goes on exactly where the checkpoint was written.
   void resume(const std::string& checkpoint);
   // Takes the state a checkpoint at the end of a stage holds; this deck's later stages follow.

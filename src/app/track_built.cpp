@@ -79,20 +79,6 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
     say(comm, words_of_d1("irregularity_right", model.irregularity_right, *built.right));
 }
 
-// As doubts_of_files, of profiles that have been read already.
-std::vector<std::string> doubts_of_built(const TrackModel& model, const Built& built) {
-  std::vector<std::string> doubts;
-  const auto look = [&](const track::IrregularityParameters& p, const track::Irregularity& profile,
-                        const char* section) {
-    if (p.kind != track::IrregularityKind::file) return;
-    for (const std::string& doubt : doubts_of_profile(model, profile, p))
-      doubts.push_back(fmt::format("{}.file: {}", section, doubt));
-  };
-  look(model.irregularity, built.irregularity, "irregularity");
-  if (built.right) look(model.irregularity_right, *built.right, "irregularity_right");
-  return doubts;
-}
-
 }  // namespace
 
 void say(const par::Comm& comm, const std::string& line) {
@@ -118,7 +104,8 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model, co
                      "begin behind the track (load.start), or end before 0 s",
                      built.passage.duration())});
   introduce_track(comm, whole.track, built);
-  const std::vector<std::string> doubts = doubts_of_built(whole.track, built);
+  const std::vector<std::string> doubts =
+      doubts_of_profiles(whole.track, {built.irregularity, built.right});
   for (const std::string& doubt : doubts) say(comm, "warning: " + doubt);
   if (!whole.below) return doubts;
   const nlohmann::ordered_json of = whole.below->figures();

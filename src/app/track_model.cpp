@@ -39,16 +39,19 @@ void declare_seats(const TrackModel& model, input::Section& s) {
          "must be pinned if seats are loaded: the rail lies on nothing then", about);
 }
 
-// So that a slip of the unit ends in a sentence, before memory or patience does. Whether it is
-// none.
-bool declare_size(const track::TrackParameters& track, input::Section& s) {
-  constexpr double most = 1e6;
-  const double elements = track.length / track.spacing * static_cast<double>(track.elements);
-  s.rule("track.spacing", elements <= most,
-         fmt::format("makes {:.3g} elements of {:g} m of rail, at most {:g}; is it in m?", elements,
-                     track.length, most),
+double elements_of(const track::TrackParameters& track) {
+  return track.length / track.spacing * static_cast<double>(track.elements);
+}
+
+constexpr double most_elements = 1e6;
+
+// So that a slip of the unit ends in a sentence, before memory or patience does.
+void declare_size(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  s.rule("track.spacing", model.is_countable(),
+         fmt::format("makes {:.3g} elements of {:g} m of rail, at most {:g}; is it in m?",
+                     elements_of(track), track.length, most_elements),
          {.reads = {"track"}});
-  return elements <= most;
 }
 
 // Every name once: a train is put together by them.
@@ -199,6 +202,31 @@ void declare_flat(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"wheel_rail", "train", "vehicle"}});
 }
 
+// What of the run of a track alone lies on the track and in its time.
+void declare_run(const TrackModel& model, input::Section& s) {
+  const TrackOutput& passage = model.passage;
+  const double length = model.line.track.length;
+  for (const double x : passage.points)
+    s.rule("passage.points", x <= length,
+           fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
+           {.reads = {"passage.points", "track.length"}});
+  s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
+         fmt::format("lies beyond the track, which is {:g} m long", length),
+         {.reads = {"train.start", "train.vehicles", "track.length"}});
+  const std::optional<double> rests = model.stop();
+  s.rule("passage.duration", passage.duration > 0 || !rests,
+         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
+                     "leaves the track (train.speeds)",
+                     rests.value_or(0)),
+         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
+  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
+         "is shorter than a time step (passage.step), of which at least one is taken",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
+  s.rule("passage.history_interval", passage.history_interval >= passage.step,
+         "is less than a time step; every step makes a row",
+         {.weight = input::Weight::warning, .reads = {"passage"}});
+}
+
 }  // namespace
 
 void TrackOutput::declare(input::Section& s) {
@@ -235,7 +263,7 @@ void TrackModel::declare(input::Section& s) {
           "The same of the right rail, if it is another one than of the left.");
   s.tables("force", passage.forces, "A force on the rail of a track alone, besides a train.");
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
-  const bool countable = declare_size(line.track, s);
+  declare_size(*this, s);
   declare_vehicles(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
@@ -246,28 +274,8 @@ void TrackModel::declare(input::Section& s) {
   declare_seats(*this, s);
   declare_flat(*this, s);
   declare_idle(*this, s);
-  if (countable) declare_track_rules(*this, s);
-  const double length = line.track.length;
-  if (on_bed) return;
-  for (const double x : passage.points)
-    s.rule("passage.points", x <= length,
-           fmt::format("{:g} m lies beyond the track, which is {:g} m long", x, length),
-           {.reads = {"passage.points", "track.length"}});
-  s.rule("train.start", train.vehicles.empty() || train.start < length,
-         fmt::format("lies beyond the track, which is {:g} m long", length),
-         {.reads = {"train.start", "train.vehicles", "track.length"}});
-  const std::optional<double> rests = stop();
-  s.rule("passage.duration", passage.duration > 0 || !rests,
-         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
-                     "leaves the track (train.speeds)",
-                     rests.value_or(0)),
-         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
-  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
-         "is shorter than a time step (passage.step), of which at least one is taken",
-         {.weight = input::Weight::warning, .reads = {"passage"}});
-  s.rule("passage.history_interval", passage.history_interval >= passage.step,
-         "is less than a time step; every step makes a row",
-         {.weight = input::Weight::warning, .reads = {"passage"}});
+  if (is_countable()) declare_track_rules(*this, s);
+  if (!on_bed) declare_run(*this, s);
 }
 
 std::optional<track::Train> train_of(const TrackModel& model) {
@@ -301,6 +309,8 @@ std::optional<double> TrackModel::stop() const {
     return {};
   return motion.x(train.times.back());
 }
+
+bool TrackModel::is_countable() const { return elements_of(line.track) <= most_elements; }
 
 std::size_t TrackModel::sleepers() const {
   return static_cast<std::size_t>(std::llround(line.track.length / line.track.spacing)) + 1;

@@ -31,6 +31,7 @@ struct TrackModel {
   TrackOutput passage;
   bool on_bed = false;  // the run is that of a bed
   void declare(input::Section& s);
+  bool is_countable() const;     // whether the rail has elements that a machine can hold
   std::size_t sleepers() const;  // of the track
   // m, where the first axle comes to rest for ever if the last one is then still on the track.
   std::optional<double> stop() const;

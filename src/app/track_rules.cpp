@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "app/profile_doubts.hpp"
 
@@ -66,18 +65,6 @@ void declare_seat_zones(const TrackModel& model, input::Section& s) {
            "(passage.loaded_by)",
            about);
   }
-}
-
-// A ballast mass stands on its own spring alone, which zones multiply.
-void declare_ballast_mass(const TrackModel& model, input::Section& s) {
-  const track::TrackParameters& track = model.line.track;
-  if (model.on_bed || model.line.ballast.mass == 0 || track.support != track::Support::sleepers)
-    return;
-  for (std::size_t i = 0; i < track.zones.size(); ++i)
-    s.rule(fmt::format("track.zone[{}].bed", i),
-           track.zones[i].bed > 0 || !holds_place(track.zones[i], track.length, 0, track.spacing),
-           "must be above 0 with a mass of the ballast: nothing else holds it (ballast.mass)",
-           {.reads = {"track", "ballast"}});
 }
 
 // Sleepers, or elements of a continuous bed, of this side that lie on something while nothing is on
@@ -201,8 +188,7 @@ void declare_alike(const TrackModel& model, input::Section& s) {
 void declare_step(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   const double element = track.spacing / static_cast<double>(track.elements);
-  double speed = model.train.speed;
-  for (const double later : model.train.speeds) speed = std::max(speed, later);
+  const double speed = largest_speed(model.train);
   s.rule("passage.step",
          model.train.vehicles.empty() || speed * model.passage.step <= element * (1 + 1e-9),
          fmt::format("lets wheels go {:.3g} m in a step, further than an element of the rail "
@@ -213,12 +199,32 @@ void declare_step(const TrackModel& model, input::Section& s) {
 
 }  // namespace
 
+void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int64_t count,
+                          input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  if (model.line.ballast.mass == 0 || track.support != track::Support::sleepers) return;
+  const auto sleepers = static_cast<std::int64_t>(model.sleepers());
+  const auto holds = [&](const track::TrackZone& zone) {
+    for (std::int64_t k = 0; k < sleepers; ++k) {
+      const double x = static_cast<double>(k) * track.spacing;
+      const bool on_spring = k < first || k >= first + count;
+      if (on_spring && (zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length)))
+        return true;
+    }
+    return false;
+  };
+  for (std::size_t i = 0; i < track.zones.size(); ++i)
+    s.rule(fmt::format("track.zone[{}].bed", i), track.zones[i].bed > 0 || !holds(track.zones[i]),
+           "must be above 0 with a mass of the ballast: nothing else holds it (ballast.mass)",
+           {.reads = {"track", "ballast", "sleepers", "seat"}});
+}
+
 void declare_track_rules(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   for (std::size_t i = 0; i < track.zones.size(); ++i) declare_zone(track, i, s);
   if (!model.on_bed) declare_support(track, s);
   declare_seat_zones(model, s);
-  declare_ballast_mass(model, s);
+  if (!model.on_bed) declare_ballast_mass(model, 0, 0, s);
   declare_under_sleeper(model.line, s);
   declare_irregularity(model, model.irregularity, "irregularity", s);
   declare_irregularity(model, model.irregularity_right, "irregularity_right", s);
@@ -227,15 +233,12 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
 }
 
 std::vector<std::string> doubts_of_files(const TrackModel& model) {
-  std::vector<std::string> doubts;
-  for (const auto& [p, section] : {std::pair{&model.irregularity, "irregularity"},
-                                   {&model.irregularity_right, "irregularity_right"}}) {
-    if (p->kind != Kind::file) continue;
-    const track::Irregularity profile(*p, model.line.track.length);
-    for (const std::string& doubt : doubts_of_profile(model, profile, *p))
-      doubts.push_back(fmt::format("{}.file: {}", section, doubt));
-  }
-  return doubts;
+  const auto read = [&](const track::IrregularityParameters& p) {
+    return track::Irregularity(p, model.line.track.length);
+  };
+  std::optional<track::Irregularity> right;
+  if (model.irregularity_right.kind != Kind::same) right = read(model.irregularity_right);
+  return doubts_of_profiles(model, {read(model.irregularity), right});
 }
 
 }  // namespace trackbed::app

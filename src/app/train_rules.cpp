@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "app/rules.hpp"
+#include "app/track_rules.hpp"
 
 namespace trackbed::app {
 
@@ -158,6 +159,8 @@ void declare_train(const Model& model, input::Section& s) {
   if (!model.has_train()) return;
   declare_place(model, s);
   declare_zones(model, s);
+  if (model.track.is_countable())
+    declare_ballast_mass(model.track, model.seat.before, model.sleepers.count, s);
   declare_sides(model, s);
   declare_doubts(model, s);
 }

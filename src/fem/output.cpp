@@ -3,10 +3,13 @@
 // Stresses are those of the deviation, since settling; the fields give the stress at rest beside
 // them, so that a reader may add both. Nothing here changes the state.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "room.hpp"
 #include "tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/core/fine_sum.hpp"
 
 namespace trackbed::fem {
 
@@ -21,6 +24,23 @@ Vec6 stress_of(const Mesh& mesh, std::size_t zone, const Eigen::MatrixXd& recove
     for (int c = 0; c < components; ++c)
       stress += recovery.col(k * components + c) * u[c][mesh.corner(zone, k)];
   return stress;
+}
+
+// Of the terms of all ranks: the same bits however they are shared out.
+double sum_of(const par::Comm& comm, const std::vector<double>& terms) {
+  double most = 0;
+  bool finite = true;
+  for (const double term : terms)
+    most = std::max(most, std::abs(term)), finite = finite && std::isfinite(term);
+  if (comm.max(std::int64_t{!finite}) != 0) return std::numeric_limits<double>::quiet_NaN();
+  const auto count = static_cast<double>(comm.sum(static_cast<std::int64_t>(terms.size())));
+  const double largest = comm.max(most) * count;
+  if (!(largest > 0)) return 0;
+  FineSum sum(largest);
+  for (const double term : terms) sum.add(term);
+  comm.sum(std::span<std::int64_t>(sum.counts()));
+  sum.carry();
+  return sum.value();
 }
 
 }  // namespace
@@ -106,6 +126,29 @@ double Ground::top_mass(std::int32_t number) const {
   return room_->terms.mass[at] / room_->mesh.lattice.shown(room_->mesh.node[at]);
 }
 
+// Of the motion since rest: 1/2 v M v and 1/2 u K u with the springs. Over own nodes: each once.
+void Ground::Room::add_energies(GroundTotals& totals) const {
+  Nodal force(components(), mesh.nodes());
+  stiffness.apply(state.displacement, force);
+  for (const Spring& s : terms.springs)
+    for (int c = 0; c < components(); ++c)
+      force[c][s.node] += s.stiffness * state.displacement[c][s.node];
+  std::vector<double> kinetic, elastic;
+  for (const std::int32_t n : mesh.own)
+    for (int c = 0; c < components(); ++c) {
+      const double v = state.velocity[c][n];
+      kinetic.push_back(0.5 * terms.mass[static_cast<std::size_t>(n)] * v * v);
+      elastic.push_back(0.5 * state.displacement[c][n] * force[c][n]);
+    }
+  if (plasticity) {
+    for (const double stored : plasticity->stored(state.rest, state.displacement))
+      elastic.push_back(stored);
+    totals.plastic = sum_of(mesh.comm, plasticity->lost());
+  }
+  totals.kinetic = sum_of(mesh.comm, kinetic);
+  totals.elastic = sum_of(mesh.comm, elastic);
+}
+
 GroundTotals Ground::totals() const {
   const Room& room = *room_;
   const Mesh& mesh = room.mesh;
@@ -122,30 +165,12 @@ GroundTotals Ground::totals() const {
   totals.rounds_most = static_cast<double>(room.most_rounds);
   totals.lagging_steps = room.lagging_steps;
   totals.rounds_left = room.left;
-  // Energies of the motion since rest: 1/2 v M v and 1/2 u K u with the springs.
-  Nodal force(room.components(), mesh.nodes());
-  room.stiffness.apply(room.state.displacement, force);
-  for (const Spring& s : room.terms.springs)
-    for (int c = 0; c < room.components(); ++c)
-      force[c][s.node] += s.stiffness * room.state.displacement[c][s.node];
-  // Over own nodes: each node once. Plain sums, for the eye: they feed nothing back.
-  double kinetic = 0, elastic = 0;
+  room.add_energies(totals);
+  totals.springs = mesh.comm.max(room.terms.springs.empty() ? 0.0 : 1.0) > 0;
   std::int64_t unknowns = 0;
   for (const std::int32_t n : mesh.own)
-    for (int c = 0; c < room.components(); ++c) {
-      const double v = room.state.velocity[c][n];
-      const auto at = static_cast<std::size_t>(n);
-      kinetic += 0.5 * room.terms.mass[at] * v * v;
-      elastic += 0.5 * room.state.displacement[c][n] * force[c][n];
-      unknowns += (room.terms.held[at] >> c & 1) == 0 ? 1 : 0;
-    }
-  if (room.plasticity) {
-    elastic += room.plasticity->stored(room.state.rest, room.state.displacement);
-    totals.plastic = mesh.comm.sum(room.plasticity->lost());
-  }
-  totals.springs = mesh.comm.max(room.terms.springs.empty() ? 0.0 : 1.0) > 0;
-  totals.kinetic = mesh.comm.sum(kinetic);
-  totals.elastic = mesh.comm.sum(elastic);
+    for (int c = 0; c < room.components(); ++c)
+      unknowns += (room.terms.held[static_cast<std::size_t>(n)] >> c & 1) == 0 ? 1 : 0;
   totals.unknowns = mesh.comm.sum(unknowns);
   return totals;
 }

@@ -64,9 +64,9 @@ class Plasticity {
   double sheared(std::size_t zone) const;        // sqrt(2/3 e : e) of the mean plastic strain
   double lost(std::size_t zone) const;           // J
   ZonePoints points_of(std::size_t zone) const;  // of a zone that yields
-  // J of the deviation from rest beyond 1/2 u K u, over zones written here.
-  double stored(const Nodal& rest, const Nodal& u) const;
-  double lost() const;  // J over zones written here
+  // J of the deviation from rest beyond 1/2 u K u, terms of the zones written here.
+  std::vector<double> stored(const Nodal& rest, const Nodal& u) const;
+  std::vector<double> lost() const;  // J, of each zone written here
 
   // State, listed once: numbers per zone, zones as in `zones()`.
   using Visit =

@@ -56,20 +56,20 @@ double Plasticity::lost(std::size_t zone) const {
   return number_[zone] < 0 ? 0 : work_[static_cast<std::size_t>(number_[zone])];
 }
 
-double Plasticity::lost() const {
-  double sum = 0;
+std::vector<double> Plasticity::lost() const {
+  std::vector<double> terms;
   for (std::size_t n = 0; n < zone_.size(); ++n)
-    if (mesh_.writes(zone_[n])) sum += work_[n];
-  return sum;
+    if (mesh_.writes(zone_[n])) terms.push_back(work_[n]);
+  return terms;
 }
 
 // With e the plastic strain since rest, e0 that at rest: the elastic energy of all less that at
 // rest and the work of what held the rest,
 //   1/2 u K u - V e (S u + S rest + R e0) - 1/2 V e R e;
 // e S rest is the work of the stress at rest on what flows. Weight that has moved has its own.
-double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
+std::vector<double> Plasticity::stored(const Nodal& rest, const Nodal& u) const {
   const int components = mesh_.lattice.components(), corners = mesh_.corners();
-  double sum = 0;
+  std::vector<double> terms;
   for (std::size_t n = 0; n < zone_.size(); ++n) {
     if (flowed_[n] == 0 || !mesh_.writes(zone_[n])) continue;
     const ZonePoints points = points_of(zone_[n]);
@@ -82,10 +82,10 @@ double Plasticity::stored(const Nodal& rest, const Nodal& u) const {
     const Eigen::VectorXd since = strain(n, When::since);
     const Eigen::VectorXd stress =
         points.recovery * motion + points.relief * (strain(n, When::rest) + 0.5 * since);
-    sum -= points.weighted(stress).col(0).dot(since);
-    if (tetrahedra_ != nullptr && opened_[n] != 0) sum -= sag(n, u);
+    terms.push_back(-points.weighted(stress).col(0).dot(since));
+    if (tetrahedra_ != nullptr && opened_[n] != 0) terms.push_back(-sag(n, u));
   }
-  return sum;
+  return terms;
 }
 
 void Plasticity::list(const Visit& visit) {

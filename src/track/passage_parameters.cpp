@@ -43,6 +43,9 @@ void PadParameters::declare(input::Section& s) {
          {.reads = {"stiffness", "knee", "beyond"}});
   s.rule("beyond", knee > 0 || beyond == 0, "has no effect without a knee",
          {.weight = input::Weight::warning, .reads = {"knee", "beyond"}});
+  s.rule("damping", knee == 0 || damping > 0,
+         "leaves pads with a knee without dampers: steps that pass it may gain energy",
+         {.weight = input::Weight::warning, .reads = {"knee", "damping"}});
 }
 
 // One spring, or two with a mass between, for which Zhai, Wang and Lin (Modelling and experiment of

@@ -8,7 +8,6 @@ import conftest
 import figures
 import h5py
 import made
-import matplotlib.image
 import measures
 import numpy as np
 import pytest
@@ -20,13 +19,6 @@ LOW_PASS_LEAK = 1e-3      # what may be left of 300 Hz: 1/(1 + 3^8) = 1.5e-4, en
 LINE = 0.05               # Hz between the lines of a spectrum, its default
 SCALLOP = 0.05            # relative, height of a peak of a 2 s record: lobe of the negative
                           # frequency 3.4 % at 2 Hz, lines 0.05 Hz apart 1.6 %
-
-
-@pytest.fixture(name="runs", scope="module")
-def two_runs(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("results")
-    return [read.results(made.write(folder / name, wedge=name == "wedge"))
-            for name in ("wedge", "no_wedge")]
 
 
 def test_read_gives_arrays_units_and_deck(runs):
@@ -353,144 +345,3 @@ def test_small_changes_have_no_verdict(runs):
 def test_absent_wedge_is_not_marked(runs):
     assert set(measures.blocks(runs[0])) == {"structure", "wedge"}
     assert set(measures.blocks(runs[1])) == {"structure"}
-
-
-def test_figures_of_two_runs_are_drawn(runs, tmp_path):
-    paths = figures.draw_all(runs, tmp_path)
-    assert {path.stem for path in paths} == set(figures.FIGURES)
-    for path in paths:
-        picture = matplotlib.image.imread(path)
-        assert min(picture.shape[:2]) > 300
-        # An empty frame has a few per cent of ink; every one of these has curves on it.
-        assert np.mean(np.min(picture[..., :3], axis=2) < 0.95) > 0.005, path.stem
-    assert "displacement on the structure" in (tmp_path / "table.txt").read_text()
-
-
-def test_titles_say_the_numbers(runs):
-    title = figures.envelope(runs).axes[0].get_title()
-    assert "wedge: 2." in title or "wedge: 1.9" in title
-    assert "jump 20 kPa" in figures.stress(runs).axes[0].get_title()
-    assert "static preload not in it" in figures.stress(runs).axes[0].get_title()
-    assert figures.FILTER.name in figures.sleepers(runs).axes[3].get_ylabel()
-    assert "thickest line 0.9 kN" in figures.force_chains(runs).axes[0].get_title()
-    figures.plt.close("all")
-
-
-def with_passage_chains(run, load):
-    """The run with force chains at the passage's end too, and `load` N on seats at that of load."""
-    seat = run.sleeper["seat_force"].values.copy()
-    seat[run.stage == 3] = -load
-    seat[-1] = -5e3
-    return dataclasses.replace(
-        run, chains={**run.chains, "passage": run.chains["load"]},
-        sleeper={**run.sleeper, "seat_force": read.Quantity(seat, "N", "-")})
-
-
-@pytest.mark.parametrize("load, stage", [(71e3, "load"), (5e3, "passage"), (0.0, "passage")])
-def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
-    run = with_passage_chains(runs[0], load)
-    assert figures.under_load(run) == stage
-    title = figures.overview([run]).axes[0].get_title()
-    assert f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" in title
-    assert figures.under_load(runs[0]) == "load"  # the only one there is
-    figures.plt.close("all")
-
-
-def test_energy_has_one_zero_for_the_potential(runs):
-    later = slice(50, None)  # a variant that began at a later stage
-    variant = dataclasses.replace(
-        runs[1], time=runs[1].time[later], stage=runs[1].stage[later],
-        energy={name: dataclasses.replace(item, values=item.values[later])
-                for name, item in runs[1].energy.items()})
-    for both in ([runs[0], variant], [variant, runs[0]]):
-        axes = figures.energy(both).axes
-        assert [axis.get_ylabel().split(",")[0] for axis in axes] == ["kinetic (J)", "elastic",
-                                                                      "potential"]
-        ends = [line.get_ydata()[-1] for line in axes[2].lines[:2]]
-        assert ends[0] == ends[1] == pytest.approx(100 * np.sin(runs[0].time[-1]))
-    figures.plt.close("all")
-
-
-def test_cells_of_a_region_count_by_what_they_hold(runs):
-    run = runs[0]
-    assert run.regions["slab"]["stress"].values.shape == (len(run.time), 2, 6)
-    numbers = dict(zip((label for label, _ in measures.REGION_ROWS),
-                       measures.region_numbers(run.regions["slab"], -1)))
-    assert numbers["void ratio"] == pytest.approx(0.45 / 0.55)
-    assert numbers["bulk density"] == pytest.approx(1400)
-    assert numbers["partners of a stone"] == pytest.approx((30 * 6 + 10 * 4) / 40)
-    assert numbers["mean contact force"] == pytest.approx((90 * 100 + 20 * 45) / 110)
-    assert numbers["compression zz"] == pytest.approx(8)
-    assert numbers["fabric zz"] == pytest.approx((90 * 0.4 + 20 * 0.6) / 110)
-    text = measures.region_table(run)
-    assert "slab" in text and "void ratio" in text and "0.8182" in text
-    lines = figures.bed_figures.regions(runs[:1]).axes[2].lines
-    assert lines[0].get_ydata()[0] == pytest.approx(8)
-    figures.plt.close("all")
-
-
-def test_grading_is_by_mass(runs):
-    found = measures.passing(made.SIEVED, [0.02, 0.03, 0.035, 0.05])
-    assert found == pytest.approx([0, 25, 25, 100])
-    axes = figures.bed_figures.grading(runs[:1]).axes[0]
-    built, asked = axes.lines
-    assert built.get_ydata() == pytest.approx([25, 100])
-    assert asked.get_ydata() == pytest.approx([0, 20, 100])
-    figures.plt.close("all")
-
-
-def test_section_is_across_the_track(runs):
-    axes = figures.bed_figures.section(runs[:1]).axes[0]
-    mean = axes.lines[0]
-    assert mean.get_xdata() == pytest.approx([-1, 0])  # no stones at y = 1
-    assert mean.get_ydata() == pytest.approx([0.2, 0.5])
-    assert "across" in axes.get_xlabel()
-    figures.plt.close("all")
-
-
-def test_outline_falls_off_beside_the_crest(runs):
-    deck = {"bed": {"crest": [-0.5, 0.5], "slope": 2.0}, "stage": [{"profile": 0.4}, {}]}
-    run = dataclasses.replace(runs[0], deck=deck)
-    asked = figures.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
-    assert asked == pytest.approx([0.3, 0.4, 0.2])
-    assert figures.bed_figures.outline(
-        dataclasses.replace(run, deck={"bed": {}, "stage": [{}]}), np.zeros(2)) is None
-
-
-def test_force_distribution_is_a_density():
-    force = np.random.default_rng(1).exponential(20.0, 200000)
-    share, density = measures.force_distribution(force)
-    assert np.sum(density) * (share[1] - share[0]) == pytest.approx(1, abs=2e-3)
-    few = density > 0.01
-    assert density[few] == pytest.approx(np.exp(-share[few]), rel=0.08)
-
-
-def test_structure_and_wedge_have_different_shades(runs):
-    shades = {patch.get_facecolor() for patch in figures.stress(runs).axes[0].patches}
-    assert len(shades) == 2
-    figures.plt.close("all")
-
-
-def test_chains_are_as_thick_as_their_force(runs):
-    lines = figures.force_chains(runs[:1]).axes[0].collections[-1]
-    assert lines.get_linewidths() == pytest.approx(np.array([1, 9]) / 9 * figures.CHAIN_WIDTH)
-    figures.plt.close("all")
-
-
-def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
-    run = read.results(made.write(tmp_path / "bed", ground=False))
-    paths = figures.draw_all([run], tmp_path)
-    assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
-                                             "regions", "forces", "grading", "section"}
-    assert " has no ground\n" in capsys.readouterr().out
-
-
-def test_command_line(tmp_path):
-    made.write(tmp_path / "one")
-    run = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path / "one",
-                          "-o", tmp_path / "out"], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert "stress.png" in run.stdout and "stress jump" in run.stdout
-    failed = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path],
-                            capture_output=True, text=True, check=False)
-    assert failed.returncode == 2 and "did the run end well?" in failed.stderr

@@ -132,6 +132,29 @@ def check_begun(loops, text):
     loops.ends(2, "stage_bed_in.h5 is where the loop writes its own", deck, place / "loop")
 
 
+def check_defaults(loops, text):
+    """What the deck leaves out is as the program has it: here one that says another default."""
+    real, asked = loops.program.read_text(encoding="utf-8"), loops.program.with_name("asked")
+    page = asked.with_suffix(".sh")
+    page.write_text(f'#!/bin/sh\n"{loops.program}" describe | '
+                    "sed 's/^| `before` | whole number | - | `20`/| `before` | whole number | - | "
+                    "`18`/'\n", encoding="utf-8")
+    asked.write_text(real.replace("exec ", f'[ "$1" = describe ] && exec sh {page}\nexec '),
+                     encoding="utf-8")
+    asked.chmod(0o755)
+    deck = loops.folder / "default.toml"
+    deck.write_text(text.replace("before = 16 ", "# before "), encoding="utf-8")
+    for program, before in ((loops.program, 20), (asked, 18)):
+        kept, loops.program = loops.program, program
+        place = loops.folder / f"before_{before}"
+        loops.ends(0, "", deck, place, "--rounds", "1")
+        loops.program = kept
+        first = made(place)["round_0/track"]["passage"]["points"][0]
+        if abs(first - 0.6 * before) > 1e-9:
+            raise SystemExit(f"the bed begins at {first} m of the track with seat.before = "
+                             f"{before} by default")
+
+
 def check_train(loops, text):
     """The rounds' trains are the deck's, whatever its stage says of ground, stones and contacts."""
     own = {"seat_force": 4e3, "ground_moves": False, "friction": 0.5, "local_damping": 0.3}
@@ -159,6 +182,7 @@ def main():
     check_files(loops, text)
     check_begun(loops, text)
     check_train(loops, text)
+    check_defaults(loops, text)
 
 
 if __name__ == "__main__":

@@ -76,7 +76,10 @@ def check_rounds(loops, deck):
     loops.ends(0, "round 2", deck, place)
     first = contents(place)
     loops.ends(0, "keeps its rounds from 1 on", deck, place, "--rounds", "1")
-    loops.ends(2, "round_1/track holds a run of another deck", deck, place, "--each", "10")
+    said = loops.ends(2, "holds rounds with each = 1, not 10: take another folder", deck, place,
+                      "--each", "10")
+    if len(said.splitlines()) != 1:
+        raise SystemExit(f"another `each` must be refused at once: {said}")
     loops.ends(2, "round_0/weigh holds a run of another deck", deck, place, "--load", "20e3")
     if changed := {path for path, _ in contents(place).items() ^ first.items()}:
         raise SystemExit(f"what the folder held has changed: {changed}")
@@ -97,7 +100,10 @@ def check_rounds(loops, deck):
 
 
 def check_start(loops, deck):
-    """From the file of an earlier run, or the folder it is in; no bed is made then."""
+    """From the file of an earlier run, or the folder it is in; no bed is made then. A link to the
+    loop's folder, not as deep as that, is the same loop."""
+    links = loops.folder / "links/of/folders"
+    links.mkdir(parents=True)
     earlier = loops.folder / "rounds/bed"
     for name, start in (("file", earlier / "stage_bed_in.h5"), ("folder", earlier)):
         place = loops.folder / f"start_{name}"
@@ -106,6 +112,11 @@ def check_start(loops, deck):
         taken = place / "round_0" / tomllib.loads(deck_of_round)["start"]
         if (place / "bed").exists() or taken.resolve() != earlier / "stage_bed_in.h5":
             raise SystemExit(f"--start {start} must be what the rounds begin with, not {taken}")
+        (links / name).symlink_to(place)
+        first = contents(place)
+        loops.ends(0, "round 0", deck, links / name, "--rounds", "1", "--start", start)
+        if contents(place) != first:
+            raise SystemExit("a loop that is reached by a link is begun anew")
     loops.ends(2, "stage_bed_in.h5 is not there", deck, loops.folder / "none", "--start",
                loops.folder)
 

@@ -121,7 +121,7 @@ def check_loop_again(source, program, folder, place):
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
     # What one train stands for changes the geometry alone: the second round is another one.
     ran = again(deck_of_loop(source, folder), "--each", "10")
-    if ran.returncode != 2 or "round_1/track holds a run of another deck" not in ran.stderr:
+    if ran.returncode != 2 or "holds rounds with each = 1, not 10" not in ran.stderr:
         raise SystemExit(f"another geometry must be refused: {ran.stdout}{ran.stderr}")
     deck = folder / "misspelt.toml"
     deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(

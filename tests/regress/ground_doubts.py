@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from program import Program  # noqa: E402
+from program import Program, summary  # noqa: E402
 
 REFUSED = {"ground.tolerance=1e-17": "must be at least 1e-14"}
 # Of the deck of solid sleepers.
@@ -41,6 +41,18 @@ def check_changed_table(program, deck, table, folder):
     want(program.done(1, "check", deck, *words, start, code=2),
          "young.csv\": holds something else than when", "a table that has changed")
     program.done(1, "check", deck, *words, f"start={folder / 'moved/stage_cribs.h5'}")
+
+
+def check_kept(program, deck, table, folder):
+    """What is odd about a table stands in the summary, also of a run that was resumed."""
+    table.write_text("x_m,young_Pa\n20,8e7\n30,9e7\n", encoding="utf-8")
+    program.done(1, "run", deck, f"ground.layer.0.young_file={table}", "output.stop_after=2", "-o",
+                 folder / "kept", code=3)
+    for stop in (4, 6):
+        kept = summary(folder / "kept")["warnings"]
+        if sum("lie beside the ground" in text for text in kept) != 1:
+            raise SystemExit(f"the doubt of the table must be kept, once: {kept}")
+        program.done(1, "resume", folder / "kept", f"output.stop_after={stop}", code=3)
 
 
 def check_one_rank_alone(path, deck, folder):
@@ -83,6 +95,7 @@ def main():
         elif "young_file" in ran.stdout:
             raise SystemExit(f"a sound table is warned of: {ran.stdout}")
     check_changed_table(program, deck, table, folder.resolve())
+    check_kept(program, deck, table, folder.resolve())
     check_one_rank_alone(sys.argv[1], deck.resolve(), folder.resolve())
 
 

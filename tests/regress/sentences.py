@@ -47,6 +47,10 @@ REFUSED = {"bed.material=ballst": "did you mean ballast?",
            "ground.block.0.outline=[0,0, 0.5,-0.6, 0.5,0, 0,-0.6]": "crosses itself",
            "bed.grading=china_first": "bed.sieve = [50, 63]: is given by the grading",
            "bed.container=cylinder": 'a cylinder needs dimension = "space"',
+           f"{TRAIN} ballast.mass=500 track.zone=[{{{{from=0,to=11.9,bed=0.0}}}}]":
+               "track.zone[0].bed = 0.0: must be above 0 with a mass of the ballast",
+           f"{TRAIN} ballast.mass=500 track.zone=[{{{{from=13,to=60,bed=0.0}}}}]":
+               "track.zone[0].bed = 0.0: must be above 0 with a mass of the ballast",
            "bed.split=0.3": "is not within the bed (bed.height = 0.2 m)",
            "bed.split=0.1": "divided walls need a floor that moves with the lower half",
            "bed.beside=0.1": "is floor, but there is a ground",
@@ -173,6 +177,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{TRAIN} track.zone=[{{from=0,to=60,gap=2e-3}}]":
               "track.zone[0].from = 0: begins a zone over 2 sleepers of the bed: stones bear them",
           f"{TRAIN} track.zone=[{{from=12.1,to=13,bed=0.5}}]":
+              "track.zone[0].from = 12.1: begins a zone over 1 sleeper of the bed: stones bear it",
+          f"{TRAIN} ballast.mass=500 track.zone=[{{from=12.1,to=13,bed=0.0}}]":
               "track.zone[0].from = 12.1: begins a zone over 1 sleeper of the bed: stones bear it",
           f"{TRAIN} passage.points=[1]": "has no effect on a bed: the rail above each sleeper",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: the duration of the stage",

@@ -38,8 +38,15 @@ def main(program, deck, folder):
     softer = program.done(1, "check", short, start, "contact[0].k_n=1e7")
     if "let them settle" not in softer.stdout:
         raise SystemExit("other springs than those the stones lie with must be warned of")
+    program.done(1, "run", short, start, "contact[0].k_n=1e7", "output.stop_after=2", "-o",
+                 folder / "softer", code=3)
     (folder / "made").rename(folder / "gone")  # all that is needed of it is in the state
     program.done(2, "resume", folder / "stopped", "output.stop_after=0")
+    for stop in (4, 6):
+        program.done(1, "resume", folder / "softer", f"output.stop_after={stop}", code=3)
+        if sum("let them settle" in text for text in summary(folder / "softer")["warnings"]) != 1:
+            raise SystemExit("what was odd about a start must outlive resumes, once: "
+                             f"{summary(folder / 'softer')['warnings']}")
     whole, stopped = summary(folder / "whole"), summary(folder / "stopped")
     if whole["dem"]["state_hash"] != stopped["dem"]["state_hash"]:
         raise SystemExit("a start that was stopped and resumed has other bits")

@@ -41,7 +41,7 @@ BALANCE = 1e-9
 
 
 def facts(of):
-    return of["track"], of["ground"]["state_hash"], of["ground"]["steps"]
+    return of["track"], of["ground"]["state_hash"], of["ground"]["steps"], of["energy"]
 
 
 def check_balance(place, what, most=BALANCE):

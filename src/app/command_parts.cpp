@@ -1,0 +1,113 @@
+#include "app/command_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/track_rules.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// What one rank alone cannot read is told on all of them: the others would wait for it.
+GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  GroundFile file;
+  std::string problem;
+  try {
+    file = require_ground(model, deck);
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  if (const std::string first = comm.first_problem(problem); !first.empty())
+    throw InputError({first});
+  return file;
+}
+
+// At the end of a run, which alone knows.
+void warn_of_unused_options(const par::Comm& comm) {
+  for (const std::string& option : fem::Petsc::unused_options())
+    if (option != "no_signal_handler")
+      print(comm,
+            fmt::format("warning: the PETSc option -{} was asked for by nothing (those of the "
+                        "ground begin with -ground_)\n",
+                        option));
+}
+
+}  // namespace
+
+input::Declaration declaration_of(Model& model) {
+  return [&model](input::Section& section) { model.declare(section); };
+}
+
+// Flushed at once: batch systems show stdout to users only when it is flushed, and a run that is
+// killed must have said where it was.
+void print(const par::Comm& comm, const std::string& text) {
+  if (!comm.root()) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void Warnings::add(const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences) {
+    print(comm, fmt::format("warning: {}\n", sentence));
+    said.push_back(sentence);
+  }
+}
+
+Model read_model(const input::Deck& deck, Warnings& warnings) {
+  Model model;
+  warnings.add(deck.fill(declaration_of(model)));
+  return model;
+}
+
+int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
+  const Outcome outcome = simulation.run();
+  warn_of_unused_options(comm);
+  if (outcome == Outcome::finished) {
+    print(comm, "results: " + folder + "\n");
+    return static_cast<int>(ExitCode::success);
+  }
+  print(comm, simulation.last_checkpoint().empty()
+                  ? "stopped early, before there was a checkpoint: run it again\n"
+                  : "stopped early; go on with: trackbed resume " + folder + "\n");
+  return static_cast<int>(ExitCode::stopped);
+}
+
+std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
+                             io::IfDamaged if_damaged, Warnings& warnings) {
+  const io::Chosen chosen = io::choose_checkpoint(comm, path, if_damaged);
+  warnings.add(chosen.passed_over);
+  if (!chosen.passed_over.empty()) print(comm, fmt::format("going on from {}\n", chosen.file));
+  return chosen.file;
+}
+
+GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings) {
+  GroundFile file = ground_of_all(warnings.comm, model, deck);
+  warnings.add(file.warnings);
+  return file;
+}
+
+void try_options(const par::Comm& comm, const Model& model) {
+  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [](const Stage& stage) { return stage.ground_moves; });
+  constexpr double usual = 1e-4;  // s, of windows that only the stones tell
+  if (model.has_stages() && model.ground.present && moves)
+    fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
+                            model.time.window > 0 ? model.time.window : usual);
+}
+
+int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
+  const bool finished = run_track(comm, model, of);
+  warn_of_unused_options(comm);
+  return static_cast<int>(finished ? ExitCode::success : ExitCode::stopped);
+}
+
+void look_at_profiles(const Model& model, Warnings& warnings) {
+  if (model.has_stages() && model.has_train()) warnings.add(doubts_of_files(model.track));
+}
+
+}  // namespace trackbed::app
