@@ -326,7 +326,7 @@ void GroundParameters::declare_steps(Section& s) {
            "Newton's rounds of layers that yield stop at 100 times it.");
   s.integer("rest_rounds", rest_rounds, {.at_least = 1},
             "Layers that yield: rounds in which what still flows on the way to rest must halve, or "
-            "there is held to be none; near collapse rest takes thousands.");
+            "there is held to be none; near collapse rest takes some thousand.");
 }
 
 // What a mesh file or sections do not go with is judged last.
