@@ -124,10 +124,23 @@ double moving_time(const Model& model) {
 
 // Whether the wave comes while the ground moves.
 std::vector<std::string> doubts_of_times(const Model& model, const input::Deck& deck) {
-  std::vector<std::string> doubts = fem::look_at_times(model.ground, moving_time(model));
+  std::vector<std::string> doubts =
+      fem::look_at_times(model.ground, model.dimension, moving_time(model));
   for (std::string& doubt : doubts)
     doubt = fmt::format("{}: {}: {}", deck.where("ground.base_motion"), model.ground.base_motion,
                         doubt);
+  return doubts;
+}
+
+// Whether zones carry the wave.
+std::vector<std::string> doubts_of_zones(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> doubts;
+  for (const fem::BlurringLayer& one : fem::look_at_zones(model.ground, model.dimension)) {
+    const std::string key = model.ground.layers_have_zones()
+                                ? fmt::format("ground.layer[{}].zones", one.layer)
+                                : "ground.zones_z";
+    doubts.push_back(fmt::format("{}: {}", deck.where(key), one.words));
+  }
   return doubts;
 }
 
@@ -135,7 +148,8 @@ std::vector<std::string> doubts_of_times(const Model& model, const input::Deck& 
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> doubts;
   if (model.ground.mesh.empty()) doubts = doubts_of_wave(model, deck);
-  for (const auto& more : {doubts_of_young(model, deck), doubts_of_times(model, deck)})
+  for (const auto& more :
+       {doubts_of_young(model, deck), doubts_of_times(model, deck), doubts_of_zones(model, deck)})
     doubts.insert(doubts.end(), more.begin(), more.end());
   return doubts;
 }

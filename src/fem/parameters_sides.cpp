@@ -127,28 +127,6 @@ void declare_common_side(const GroundParameters& parameters, Section& s) {
   declare_kind(parameters, {"sides", parameters.sides}, "ground.", s);
 }
 
-std::vector<std::string> look_at_times(const GroundParameters& parameters, double time) {
-  if (!parameters.present || parameters.base_motion.empty()) return {};
-  const BaseMotion wave(parameters.base_motion);
-  if (!wave.moves(0) && !wave.moves(2)) return {"has no motion: all its velocities are 0"};
-  if (wave.end() <= 0)
-    return {
-        fmt::format("the wave is over at {:g} s, before the ground is let go (0 s): it does "
-                    "nothing",
-                    wave.end())};
-  if (wave.begin() >= time)
-    return {
-        fmt::format("the wave begins at {:g} s, and the ground moves for {:g} s at most: it "
-                    "does nothing",
-                    wave.begin(), time)};
-  const Vec3 now = wave.at(0).velocity;
-  if (now.isZero(0)) return {};
-  return {
-      fmt::format("at 0 s, when the ground is let go at rest, the wave is under way with "
-                  "vx_m_s = {:g}, vz_m_s = {:g} and hits it at once; let its rows begin at 0 s",
-                  now.x(), now.z())};
-}
-
 Sides GroundParameters::side(int axis, bool high) const {
   const Sides own = axis == 0 ? (high ? side_x_high : side_x_low) : high ? side_y_high : side_y_low;
   return own == Sides::as_sides ? sides : own;
