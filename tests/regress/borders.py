@@ -14,6 +14,7 @@ from program import Program, expect, summary  # noqa: E402
 
 PERIODIC = "ground.side_x_low=periodic ground.side_x_high=periodic"
 YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
+PAIR = 'side_x_low = side_x_high = "periodic"'
 SOFT = "ground.layer.soil.young=1e6"
 # Changes of the tiny deck and the words of the refusal, or of the warning.
 REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
@@ -28,10 +29,17 @@ REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
                'ground.sides = "roller": holds the ends of the ground, which base_motion moves',
            "ground.sides=free_field ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
                'ground.side_x_high = "fixed": holds the ends of the ground',
+           f"{YIELDS} ground.sides=free_field ground.base_motion={{folder}}/wave.csv":
+               f"would tear off; take {PAIR}",
+           f"{YIELDS} ground.base_motion={{folder}}/wave.csv":
+               f"which base_motion moves along the track (vx_m_s is not 0); take {PAIR}",
            "ground.base_motion={folder}/bare.csv": "vz_m_s"}
 WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a quiet one",
           "ground.side_x_low=quiet ground.base_motion={folder}/upwards.csv":
-              "side_x_low = \"quiet\": holds back the wave of base_motion",
+              f"side_x_low = \"quiet\": holds back the wave of base_motion; take free_field or "
+              f"{PAIR}",
+          f"{YIELDS} ground.sides=quiet ground.base_motion={{folder}}/wave.csv":
+              f"sides = \"quiet\": holds back the wave of base_motion; take {PAIR}",
           "ground.side_x_high=fixed ground.base_motion={folder}/upwards.csv":
               "side_x_high = \"fixed\": holds back the wave of base_motion",
           "ground.sides=free ground.base_motion={folder}/wave.csv":
@@ -60,7 +68,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
          f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
-         f"{YIELDS} {PERIODIC}", "ground.base_motion={folder}/upwards.csv",
+         f"{YIELDS} {PERIODIC}", f"{YIELDS} {PERIODIC} ground.base_motion={{folder}}/wave.csv",
+         "ground.base_motion={folder}/upwards.csv",
          "ground.sides=free_field ground.base_motion={folder}/wave.csv",
          PERIODIC + " ground.base_motion={folder}/wave.csv",
          "ground.base_motion={folder}/near.csv",
