@@ -25,6 +25,7 @@ class BaseMotion {
   // `time` (s) since the ground was let go. Before the table rest, after it the last place.
   // Displacement counts from time 0, whatever the wave did before: the ground is let go at rest.
   Motion at(double time) const;
+  double fastest() const;      // m/s, of the rows
   bool moves(int axis) const;  // whether ever along x (0) or z (2)
   // s, outside of which all is at rest; without any motion the last time of the table twice.
   double begin() const;

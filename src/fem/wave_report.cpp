@@ -27,6 +27,8 @@ namespace {
 constexpr double latest = 1.0 / 8;  // of a period
 constexpr double in_band = 0.95;    // of the energy, below the frequency that is looked at
 constexpr double noticed = 0.01;    // of the energy, in one of two directions or cut off
+// m/s: strong earthquakes move the ground with 1 to 3 m/s next to their fault.
+constexpr double fastest_usual = 5;
 
 // m/s of a wave upwards that moves along x (0) or z (2), of the softest place of a layer.
 double speed(const GroundParameters& p, const Layer& layer, int axis, Dimension dimension) {
@@ -94,6 +96,11 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
                     "does nothing",
                     wave.begin(), time)};
   std::vector<std::string> odd;
+  if (const double speed = wave.fastest(); speed > fastest_usual)
+    odd.push_back(
+        fmt::format("{:g} m/s is far from the usual values (at most {:g} m/s); is its "
+                    "unit right?",
+                    speed, fastest_usual));
   const std::string cut = cut_off(parameters, wave, dimension, time);
   if (!cut.empty()) odd.push_back(cut);
   const Vec3 now = wave.at(0).velocity;

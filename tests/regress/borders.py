@@ -64,6 +64,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
           "ground.base_motion={folder}/wave.csv":
               "ground.layer[0].zones: zones 0.075 m high in layer \"soil\" blur the wave of "
               "base_motion (vx_m_s)",
+          "ground.base_motion={folder}/fast.csv":
+              "fast.csv: 50 m/s is far from the usual values (at most 5 m/s); is its unit right?",
           "ground.base_motion={folder}/still.csv": "has no motion: all its velocities are 0",
           "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
@@ -77,7 +79,7 @@ TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
 # Tables of waves upwards, in rows of time_s and vz_m_s.
 UPWARDS = {"upwards": "0,0 0.01,0.01 0.02,0", "under_way": "-0.01,0 0,0.01 0.01,0",
            "over": "-0.03,0 -0.02,0.01 -0.01,0 0.2,0", "late": "0,0 0.3,0 0.31,0.01 0.32,0",
-           "near": "0,0 0.26,0 0.27,0.01 0.28,0",
+           "fast": "0,0 0.01,50 0.02,0", "near": "0,0 0.26,0 0.27,0.01 0.28,0",
            "last": "-0.1,0 0.29,0 0.31,0.01 0.32,0", "still": "0,0 0.02,0"}
 
 

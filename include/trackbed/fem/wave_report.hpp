@@ -23,9 +23,9 @@ std::vector<WaveAtSide> look_at_wave(const GroundParameters& parameters, Dimensi
 // dimension tells.
 void declare_common_side(const GroundParameters& parameters, input::Section& s);
 
-// What is odd about when the wave comes to a ground that moves for `time` s at most once it is let
-// go (infinity: nobody knows). Sentences without the file's name; none without a wave. Reads the
-// tables: throws InputError about them. Local.
+// What is odd about the speed of a wave, and about when it comes to a ground that moves for `time`
+// s at most once it is let go (infinity: nobody knows). Sentences without the file's name; none
+// without a wave. Reads the tables: throws InputError about them. Local.
 std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimension dimension,
                                        double time);
 
