@@ -116,9 +116,11 @@ int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   return static_cast<int>(run_track(comm, model, of) ? ExitCode::success : ExitCode::stopped);
 }
 
-// Of the rail of a train on a bed; a track alone has read them when it is built.
+// Of the rail of a train and of loads on a bed; a track alone has read them when it is built.
 void look_at_profiles(const Model& model, Warnings& warnings) {
-  if (model.has_stages() && model.has_train()) warnings.add(doubts_of_files(model.track));
+  if (!model.has_stages()) return;
+  if (model.has_train()) warnings.add(doubts_of_files(model.track));
+  warnings.add(doubts_of_loads(model));
 }
 
 // The checkpoint to start from, or nothing. One that does not fit the deck is refused before

@@ -90,6 +90,12 @@ std::vector<std::string> doubts_of_built(const TrackModel& model, const Built& b
   };
   look(model.irregularity, built.irregularity, "irregularity");
   if (built.right) look(model.irregularity_right, *built.right, "irregularity_right");
+  if (const std::optional<track::SeatLoad> seats = seats_of(model)) {
+    const std::size_t last = built.line.sleepers() - 1;
+    for (const std::string& jump : seats->jumps(built.line.sleeper_x(0), built.line.sleeper_x(last),
+                                                built.passage.duration()))
+      doubts.push_back(fmt::format("load.file: {}: {}", model.load.file, jump));
+  }
   return doubts;
 }
 

@@ -259,6 +259,17 @@ def check_profile(program, deck, folder):
                f"{rows} with fade = {fade}: {doubts} is wanted", ran)
 
 
+def check_loads(program, deck, folder):
+    """A table of loads that is over before the passage is, with a load to the last."""
+    table = folder / "loads.csv"
+    for rows, said in (("0,0\n0.01,4e3\n0.02,4e3\n", True), ("0,0\n0.01,4e3\n0.02,0\n", False),
+                       ("0,0\n0.01,4e3\n1,4e3\n", False)):
+        table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", deck, "load.kind=table", f"load.file={table.resolve()}")
+        words = 'stage "passage": the load falls from the 4000 N of its last row to 0 at once'
+        expect((words in ran.stdout) == said, f"{rows}: warned or not", ran)
+
+
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
              (["run", deck, "time.step=1.265e-4", "-o", "nowhere"], 2,
@@ -361,6 +372,7 @@ def main():
         check_problems(program, ranks)
     check_nonsense(program, deck, folder)
     check_profile(program, deck, folder)
+    check_loads(program, deck, folder)
     check_single_cases(program, deck)
     check_beds(program)
     check_library(program, deck, folder)
