@@ -162,6 +162,24 @@ void declare_alphas(GroundParameters& p, Section& s) {
            "frequencies; 1: none.");
 }
 
+// Each integrator has numbers of its own; those of others do nothing.
+void declare_idle_numbers(const GroundParameters& p, Section& s) {
+  const GroundParameters usual;
+  const auto idle = [&](const char* key, double given, double left, bool acts, const char* of) {
+    s.rule(key, acts || given == left, fmt::format("has no effect: it is for integrator = {}", of),
+           {.weight = input::Weight::warning, .reads = {"integrator", key}});
+  };
+  const bool newmark = p.integrator == Integrator::newmark;
+  idle("safety", p.safety, usual.safety, p.integrator == Integrator::explicit_, "\"explicit\"");
+  idle("newmark_beta", p.newmark_beta, usual.newmark_beta, newmark, "\"newmark\"");
+  idle("newmark_gamma", p.newmark_gamma, usual.newmark_gamma, newmark, "\"newmark\"");
+  idle("alpha", p.alpha, usual.alpha,
+       p.integrator == Integrator::hht || p.integrator == Integrator::bossak,
+       "\"hht\" and \"bossak\"");
+  idle("rho_inf", p.rho_inf, usual.rho_inf, p.integrator == Integrator::generalized_alpha,
+       "\"generalized_alpha\"");
+}
+
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
 }  // namespace
@@ -330,6 +348,7 @@ void GroundParameters::declare_steps(Section& s) {
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
+  declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
            "Newton's rounds of layers that yield stop at 100 times it.");

@@ -166,6 +166,14 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{YIELDS} ground.layer.soil.cohesion=0": "leaves the top without strength",
           "ground.layer.soil.zones=2": "zones_z = 8: has no effect",
           "ground.fine_y=0.1": "has no effect: all zones are alike",
+          "ground.alpha=-0.2":
+              'ground.alpha = -0.2: has no effect: it is for integrator = "hht" and "bossak"',
+          "ground.integrator=hht ground.rho_inf=0.5": 'it is for integrator = "generalized_alpha"',
+          "ground.integrator=bossak ground.newmark_beta=0.3":
+              'ground.newmark_beta = 0.3: has no effect: it is for integrator = "newmark"',
+          "ground.newmark_beta=0.4 ground.newmark_gamma=0.6":
+              'ground.newmark_gamma = 0.6: has no effect: it is for integrator = "newmark"',
+          "ground.integrator=newmark ground.safety=0.5": 'it is for integrator = "explicit"',
           "output.ground_extremes=true": "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of what stability asks for",
           "stage.sleepers.height=0.25": "leaves the sleepers in the air",
