@@ -293,6 +293,7 @@ def check_single_cases(program, deck):
              ([], 2, f"needs a command {COMMANDS}"), (["run"], 2, "deck"),
              (["--help"], 0, "resume"),
              (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
+             (["check", deck, "ground.integrator=newmark"], 0, "one implicit step per window"),
              (["check", deck], 0, "sleeper of 156 kg on 6 contacts of 2e+07 N/m"),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
              (["run", deck, "-o", "/proc/nowhere"], 2, "result folder"),
