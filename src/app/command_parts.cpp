@@ -107,7 +107,9 @@ int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
 }
 
 void look_at_profiles(const Model& model, Warnings& warnings) {
-  if (model.has_stages() && model.has_train()) warnings.add(doubts_of_files(model.track));
+  if (!model.has_stages()) return;
+  if (model.has_train()) warnings.add(doubts_of_files(model.track));
+  warnings.add(doubts_of_loads(model));
 }
 
 }  // namespace trackbed::app

@@ -37,7 +37,7 @@ GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings&
 // Options that PETSc does not take are refused before anything is made or removed. A ground that
 // never moves has no use for them. Collective.
 void try_options(const par::Comm& comm, const Model& model);
-// Of the rail of a train on a bed; a track alone has read them when it is built.
+// Of the rail of a train and of loads on a bed; a track alone has read them when it is built.
 void look_at_profiles(const Model& model, Warnings& warnings);
 
 // Both run, and give the exit code, which tells a script whether to run `resume`; a sentence tells

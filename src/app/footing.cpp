@@ -68,6 +68,15 @@ std::array<double, 2> extent_of(const Model& model) {
   return {footing.first - footing.width / 2, footing.first + way + footing.width / 2};
 }
 
+// Ballast spreads loads so far that neighbours may share ground, but mostly a width is mistaken.
+void declare_overlap(const Model& model, input::Section& s) {
+  const double spacing = model.track.line.track.spacing;
+  s.rule(
+      "footing.width", model.footing.count < 2 || model.footing.width <= spacing + rounding,
+      fmt::format("is more than track.spacing ({:g} m): footprints of neighbours overlap", spacing),
+      {.weight = input::Weight::warning, .reads = {"footing", "track"}});
+}
+
 void declare_place(const Model& model, input::Section& s) {
   const FootingParameters& footing = model.footing;
   const fem::GroundParameters& ground = model.ground;
@@ -150,6 +159,7 @@ void declare_footing(const Model& model, input::Section& s) {
   declare_idle_sides(model.ground, model.dimension, s);
   declare_track(model, s);
   declare_place(model, s);
+  declare_overlap(model, s);
 }
 
 }  // namespace trackbed::app

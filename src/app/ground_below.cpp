@@ -91,7 +91,8 @@ double GroundBelow::stable_step(const Model& model) {
   }
   const double safety = model.ground.safety, alone = ground_.stable_step(&limit_) / safety;
   const double b = 1 / alone + c * most;
-  if (c * most > 1 / alone) limit_ = "ballast dampers on " + limit_;
+  if (c * most > 1 / alone)
+    limit_ = fmt::format("ballast dampers on the ground's top (the ground alone by {})", limit_);
   return 2 * safety / (b + std::sqrt(b * b + k * most * safety));
 }
 

@@ -124,18 +124,56 @@ double moving_time(const Model& model) {
 
 // Whether the wave comes while the ground moves.
 std::vector<std::string> doubts_of_times(const Model& model, const input::Deck& deck) {
-  std::vector<std::string> doubts = fem::look_at_times(model.ground, moving_time(model));
+  std::vector<std::string> doubts =
+      fem::look_at_times(model.ground, model.dimension, moving_time(model));
   for (std::string& doubt : doubts)
     doubt = fmt::format("{}: {}: {}", deck.where("ground.base_motion"), model.ground.base_motion,
                         doubt);
   return doubts;
 }
 
-// What the tables of a ground tell, an embankment's and a mesh's too.
+// Whether zones carry the wave.
+std::vector<std::string> doubts_of_zones(const Model& model, const input::Deck& deck) {
+  std::vector<std::string> doubts;
+  for (const fem::BlurringLayer& one : fem::look_at_zones(model.ground, model.dimension)) {
+    const std::string key = model.ground.layers_have_zones()
+                                ? fmt::format("ground.layer[{}].zones", one.layer)
+                                : "ground.zones_z";
+    doubts.push_back(fmt::format("{}: {}", deck.where(key), one.words));
+  }
+  return doubts;
+}
+
+// Boxes as flat as tetrahedra that are warned of.
+std::vector<std::string> doubts_of_shapes(const Model& model, const input::Deck& deck) {
+  constexpr double flat = 60;  // times as long as high, or the other way round
+  const fem::GroundParameters& ground = model.ground;
+  if (ground.of_tetrahedra()) return {};
+  const bool space = model.dimension == Dimension::space;
+  double shortest = 0, longest = 0;  // m
+  std::string of_shortest, of_longest;
+  for (const auto& [axis, key] : {std::pair{0, "x"}, {1, "y"}, {2, "z"}}) {
+    if (axis == 1 && !space) continue;
+    const std::vector<double> edges = ground.edges(axis);
+    for (std::size_t i = 1; i < edges.size(); ++i) {
+      const double size = edges[i] - edges[i - 1];
+      if (of_shortest.empty() || size < shortest) shortest = size, of_shortest = key;
+      if (size > longest) longest = size, of_longest = key;
+    }
+  }
+  if (longest <= flat * shortest || of_shortest == of_longest) return {};
+  return {fmt::format(
+      "{}: zones are up to {:.3g} m long along {} and down to {:.3g} m along {}: "
+      "steps are short and stresses poor in ones so flat",
+      deck.where("ground.zones_" + of_longest), longest, of_longest, shortest, of_shortest)};
+}
+
+// What zones and tables of a ground tell, an embankment's and a mesh's too.
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> doubts;
   if (model.ground.mesh.empty()) doubts = doubts_of_wave(model, deck);
-  for (const auto& more : {doubts_of_young(model, deck), doubts_of_times(model, deck)})
+  for (const auto& more : {doubts_of_young(model, deck), doubts_of_times(model, deck),
+                           doubts_of_zones(model, deck), doubts_of_shapes(model, deck)})
     doubts.insert(doubts.end(), more.begin(), more.end());
   return doubts;
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -69,9 +70,10 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
     const fem::GroundTotals totals = world.ground->totals();
     std::string limit;
     const double step = world.ground->stable_step(&limit);
-    say(comm_, "  ground: {} elements, {} unknowns, {}{}, stable step {:.4g} s ({})\n",
-        totals.elements, totals.unknowns, words_of_base(model.ground),
-        totals.springs ? words_of_springs(model.ground) : "", step, limit);
+    say(comm_, "  ground: {} elements, {} unknowns, {}{}, {}\n", totals.elements, totals.unknowns,
+        words_of_base(model.ground), totals.springs ? words_of_springs(model.ground) : "",
+        std::isinf(step) ? "one implicit step per window"
+                         : fmt::format("stable step {:.4g} s ({})", step, limit));
   }
   const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)

@@ -349,4 +349,23 @@ void declare_rules(const Model& model, input::Section& s) {
   s.rule("periodic", periodic_known, "may hold \"x\" and \"y\"", {.reads = {"periodic"}});
 }
 
+// Each train of a stage brings the whole table.
+std::vector<std::string> doubts_of_loads(const Model& model) {
+  std::vector<std::string> doubts;
+  const auto& sleepers = model.sleepers;
+  if (!model.load.is_table() || sleepers.count < 1) return doubts;
+  for (const Stage& stage : model.stages) {
+    if (stage.kind != StageKind::passage || stage.train) continue;
+    const track::SeatLoad load(model.load, sleepers.spacing,
+                               static_cast<std::size_t>(sleepers.count));
+    const double trains = static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+    const double time =
+        stage.duration > 0 ? stage.duration / trains : load.duration(sleepers.last());
+    for (const std::string& jump : load.jumps(sleepers.first, sleepers.last(), time))
+      doubts.push_back(
+          fmt::format("load.file: {}: stage \"{}\": {}", model.load.file, stage.name, jump));
+  }
+  return doubts;
+}
+
 }  // namespace trackbed::app

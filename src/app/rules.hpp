@@ -28,6 +28,10 @@ GroundFile require_ground(const Model& model, const input::Deck& deck);
 // The same for intervals and cycles that windows must resolve, once the steps in time are read.
 void declare_intervals(const Model& model, input::Section& s);
 
+// Where a table of seat loads begins or ends with a jump while axles pass. Throws InputError about
+// the table, which it reads.
+std::vector<std::string> doubts_of_loads(const Model& model);
+
 // Stages: names, order, what they use; regions: names, and whether stones can be there.
 void declare_stages(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);

@@ -79,6 +79,18 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
     say(comm, words_of_d1("irregularity_right", model.irregularity_right, *built.right));
 }
 
+// Of seat loads whose table begins or ends with a jump.
+std::vector<std::string> doubts_of_seats(const TrackModel& model, const Built& built) {
+  std::vector<std::string> doubts;
+  if (const std::optional<track::SeatLoad> seats = seats_of(model)) {
+    const std::size_t last = built.line.sleepers() - 1;
+    for (const std::string& jump : seats->jumps(built.line.sleeper_x(0), built.line.sleeper_x(last),
+                                                built.passage.duration()))
+      doubts.push_back(fmt::format("load.file: {}: {}", model.load.file, jump));
+  }
+  return doubts;
+}
+
 }  // namespace
 
 void say(const par::Comm& comm, const std::string& line) {
@@ -104,8 +116,10 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model, co
                      "begin behind the track (load.start), or end before 0 s",
                      built.passage.duration())});
   introduce_track(comm, whole.track, built);
-  const std::vector<std::string> doubts =
+  std::vector<std::string> doubts =
       doubts_of_profiles(whole.track, {built.irregularity, built.right});
+  const std::vector<std::string> of_seats = doubts_of_seats(whole.track, built);
+  doubts.insert(doubts.end(), of_seats.begin(), of_seats.end());
   for (const std::string& doubt : doubts) say(comm, "warning: " + doubt);
   if (!whole.below) return doubts;
   const nlohmann::ordered_json of = whole.below->figures();

@@ -32,8 +32,7 @@ BaseMotion::BaseMotion(const std::string& path) {
 // At both ends what counts as rest becomes rest to the bit, all rows of it: what is left would go
 // on in `at`, and move where the wave begins and ends.
 void BaseMotion::require_rest(const std::string& path, const std::vector<int>& lines) {
-  double largest = 0;  // m/s
-  for (const Vec3& row : rows_) largest = std::max(largest, row.norm());
+  const double largest = fastest();
   const auto moves = [&](const Vec3& row) { return row.norm() > at_rest * largest; };
   const auto first = std::find_if(rows_.begin(), rows_.end(), moves);
   const auto last = std::find_if(rows_.rbegin(), rows_.rend(), moves).base();
@@ -48,6 +47,12 @@ void BaseMotion::require_rest(const std::string& path, const std::vector<int>& l
   const auto stop = [](Vec3& row) { row.setZero(); };
   std::for_each(rows_.begin(), first, stop);
   std::for_each(std::max(first, last), rows_.end(), stop);
+}
+
+double BaseMotion::fastest() const {
+  double largest = 0;
+  for (const Vec3& row : rows_) largest = std::max(largest, row.norm());
+  return largest;
 }
 
 double BaseMotion::begin() const {

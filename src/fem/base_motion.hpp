@@ -20,6 +20,7 @@ class BaseMotion {
 
   // m/s at `time` (s) since the ground was let go: linear between rows, 0 before and after them.
   Vec3 at(double time) const;
+  double fastest() const;      // m/s, of the rows
   bool moves(int axis) const;  // whether ever along x (0) or z (2)
   // s, outside of which all is at rest; without any motion the last time of the table twice.
   double begin() const;

@@ -22,6 +22,9 @@ constexpr std::size_t fewest_corners = 3;
 // Beyond this the bulk modulus is 1700 times the shear modulus and rounding eats the pressure.
 constexpr double largest_poisson = 0.4999;
 
+// s, of damping by stiffness: 3 % of the critical at 1 Hz. More is a damping ratio by mistake.
+constexpr double longest_usual = 0.01;
+
 constexpr double rounding =
     1e-9;  // of the ground's extent: an outline may end where the ground ends
 
@@ -159,6 +162,24 @@ void declare_alphas(GroundParameters& p, Section& s) {
            "frequencies; 1: none.");
 }
 
+// Each integrator has numbers of its own; those of others do nothing.
+void declare_idle_numbers(const GroundParameters& p, Section& s) {
+  const GroundParameters usual;
+  const auto idle = [&](const char* key, double given, double left, bool acts, const char* of) {
+    s.rule(key, acts || given == left, fmt::format("has no effect: it is for integrator = {}", of),
+           {.weight = input::Weight::warning, .reads = {"integrator", key}});
+  };
+  const bool newmark = p.integrator == Integrator::newmark;
+  idle("safety", p.safety, usual.safety, p.integrator == Integrator::explicit_, "\"explicit\"");
+  idle("newmark_beta", p.newmark_beta, usual.newmark_beta, newmark, "\"newmark\"");
+  idle("newmark_gamma", p.newmark_gamma, usual.newmark_gamma, newmark, "\"newmark\"");
+  idle("alpha", p.alpha, usual.alpha,
+       p.integrator == Integrator::hht || p.integrator == Integrator::bossak,
+       "\"hht\" and \"bossak\"");
+  idle("rho_inf", p.rho_inf, usual.rho_inf, p.integrator == Integrator::generalized_alpha,
+       "\"generalized_alpha\"");
+}
+
 bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
 
 }  // namespace
@@ -172,7 +193,8 @@ void Elastic::declare(Section& s) {
            "Mass per volume.");
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
            "Rayleigh damping: share of the mass matrix; below 0: that of the ground.");
-  s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = -1},
+  s.number("rayleigh_stiffness", rayleigh_stiffness,
+           {.unit = "s", .at_least = -1, .usually_to = longest_usual},
            "Rayleigh damping: share of the stiffness matrix; below 0: that of the ground.");
 }
 
@@ -182,13 +204,17 @@ void Strength::declare(Section& s) {
   s.choice(
       "yield", yield, {"none", "mohr_coulomb"},
       "none: elastic at any stress; mohr_coulomb: with cut-off of tension, without hardening.");
-  s.number("cohesion", cohesion, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+  s.number("cohesion", cohesion,
+           {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
            "Shear strength without pressure (mohr_coulomb).");
-  s.number("friction_angle", friction_angle, {.unit = "degrees", .at_least = 0, .at_most = 60},
+  s.number("friction_angle", friction_angle,
+           {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 5},
            "Slope of the shear strength over the pressure (mohr_coulomb).");
-  s.number("dilation_angle", dilation_angle, {.unit = "degrees", .at_least = 0, .at_most = 60},
+  s.number("dilation_angle", dilation_angle,
+           {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 1},
            "Slope of the volume gained over the shear that flows (mohr_coulomb).");
-  s.number("tensile_strength", tensile_strength, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+  s.number("tensile_strength", tensile_strength,
+           {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
            "Largest tension (mohr_coulomb).");
   if (yield == Yield::none) {
     const Strength common;
@@ -308,7 +334,8 @@ void GroundParameters::declare_shape(Section& s) {
 void GroundParameters::declare_steps(Section& s) {
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
-  s.number("rayleigh_stiffness", rayleigh_stiffness, {.unit = "s", .at_least = 0},
+  s.number("rayleigh_stiffness", rayleigh_stiffness,
+           {.unit = "s", .at_least = 0, .usually_to = longest_usual},
            "Rayleigh damping: share of the stiffness matrix; lowers the stable explicit step.");
   s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
            "explicit: central differences, as many steps in a window as stability asks for; the "
@@ -321,6 +348,7 @@ void GroundParameters::declare_steps(Section& s) {
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
+  declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, equilibrium at rest); "
            "Newton's rounds of layers that yield stop at 100 times it.");

@@ -30,26 +30,39 @@ std::array<NamedSide, 4> single_sides(const GroundParameters& p) {
            {"side_y_high", p.side_y_high}}};
 }
 
-// What lets a wave pass a side, where a ground can have it.
-std::string better(const GroundParameters& p, const char* kinds) {
-  return p.of_tetrahedra() ? "" : fmt::format("; take {}", kinds);
+// Both sides of the axis that this one is normal to; of all sides, of the first that is not yet.
+std::string both_periodic(const GroundParameters& p, const std::string& key) {
+  const bool across = key.starts_with("side_y") || (key == "sides" && p.periodic(0));
+  const char* axis = across ? "y" : "x";
+  return fmt::format("side_{0}_low = side_{0}_high = \"periodic\"", axis);
+}
+
+// What lets a wave pass a side, where a ground can have it. Free fields are elastic.
+std::string better(const GroundParameters& p, const std::string& key) {
+  if (p.of_tetrahedra()) return "";
+  const char* elastic = p.yields() ? "" : "free_field or ";
+  return fmt::format("; take {}{}", elastic, both_periodic(p, key));
 }
 
 // What a side of this kind asks of the rest, and what it leaves without effect.
 void declare_kind(const GroundParameters& p, const NamedSide& side, const std::string& before,
                   Section& s) {
   const std::string key = before + side.key;
-  const About odd{.weight = Weight::warning,
-                  .reads = {before + "base", before + "base_motion", key}};
+  const About odd{
+      .weight = Weight::warning,
+      .reads = {before + "base", before + "base_motion", before + "layer", before + "block", key}};
   s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
          "acts as a quiet one: nothing moves the ground beside; give base_motion", odd);
   const bool holds_back = side.holds == Sides::quiet || side.holds == Sides::fixed;
   s.rule(key, p.base_motion.empty() || !holds_back,
-         "holds back the wave of base_motion" + better(p, "free_field"), odd);
-  s.rule(key, !p.yields() || side.holds != Sides::free_field,
-         "has elastic columns beside the model, which layers that yield would tear off; take quiet "
-         "or roller",
-         {.reads = {key, before + "layer", before + "block"}});
+         "holds back the wave of base_motion" + better(p, side.key), odd);
+  s.rule(
+      key, !p.yields() || side.holds != Sides::free_field,
+      fmt::format("has elastic columns beside the model, which layers that yield would tear off; "
+                  "take {}",
+                  p.base_motion.empty() || p.of_tetrahedra() ? "quiet or roller"
+                                                             : both_periodic(p, side.key)),
+      {.reads = {key, before + "base_motion", before + "layer", before + "block"}});
 }
 
 // Whether the first and the last zone along an axis are of one size.
@@ -94,12 +107,11 @@ WaveAtSide wave_at(const GroundParameters& p, const NamedSide& side, int axis,
     return {side.key, side.holds == Sides::fixed ? "fixed" : "roller",
             "holds the ends of the ground, which base_motion moves along the track (vx_m_s is not "
             "0)" +
-                better(p, "free_field or periodic"),
+                better(p, side.key),
             true};
   if (side.holds == Sides::free && (axis == 0 || wave.moves(2)))
     return {side.key, "free",
-            "has no ground beside it that moves with base_motion" +
-                better(p, "free_field or periodic")};
+            "has no ground beside it that moves with base_motion" + better(p, side.key)};
   return {};
 }
 
@@ -127,28 +139,6 @@ void declare_common_side(const GroundParameters& parameters, Section& s) {
   declare_kind(parameters, {"sides", parameters.sides}, "ground.", s);
 }
 
-std::vector<std::string> look_at_times(const GroundParameters& parameters, double time) {
-  if (!parameters.present || parameters.base_motion.empty()) return {};
-  const BaseMotion wave(parameters.base_motion);
-  if (!wave.moves(0) && !wave.moves(2)) return {"has no motion: all its velocities are 0"};
-  if (wave.end() <= 0)
-    return {
-        fmt::format("the wave is over at {:g} s, before the ground is let go (0 s): it does "
-                    "nothing",
-                    wave.end())};
-  if (wave.begin() >= time)
-    return {
-        fmt::format("the wave begins at {:g} s, and the ground moves for {:g} s at most: it "
-                    "does nothing",
-                    wave.begin(), time)};
-  const Vec3 now = wave.at(0);
-  if (now.isZero(0)) return {};
-  return {
-      fmt::format("at 0 s, when the ground is let go at rest, the wave is under way with "
-                  "vx_m_s = {:g}, vz_m_s = {:g} and hits it at once; let its rows begin at 0 s",
-                  now.x(), now.z())};
-}
-
 Sides GroundParameters::side(int axis, bool high) const {
   const Sides own = axis == 0 ? (high ? side_x_high : side_x_low) : high ? side_y_high : side_y_low;
   return own == Sides::as_sides ? sides : own;
@@ -161,7 +151,7 @@ void GroundParameters::declare_sides(Section& s) {
       "sides", sides, {"free", "roller", "quiet", "free_field"},
       "Lateral borders; roller: held along the normal, a plane of symmetry; quiet: dashpots that "
       "let waves out; free_field: the same, against columns of the ground beside that move with "
-      "base_motion.");
+      "base_motion. Periodic ones come in pairs: side_x_low and side_x_high.");
   const auto one = [&](const char* key, Sides& side, const char* where) {
     s.choice(key, side, {"free", "roller", "quiet", "free_field", "fixed", "as_sides", "periodic"},
              fmt::format("What holds the side {}; as_sides: what sides says; fixed: held in all "

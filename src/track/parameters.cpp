@@ -73,7 +73,8 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("ratio", ratio, {.above = 0}, "Load one sleeper away over the peak (power).");
   s.file("file", file,
          "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "
-         "(table); with time_s, sleeper_0, sleeper_1 and so on, N: of each sleeper (seats).");
+         "(table); with time_s, sleeper_0, sleeper_1 and so on, N: of each sleeper (seats). Linear "
+         "between rows, 0 before the first and behind the last.");
   s.rule("axles", is_table() || !axles.empty(), "must name at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
   s.rule("file", !is_table() || !file.empty(), "is needed for kind = \"table\" and \"seats\"");

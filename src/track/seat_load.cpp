@@ -78,6 +78,35 @@ std::vector<AxleLoad> SeatLoad::axles(double time) const {
   return all;
 }
 
+// Loads that a table begins with at time 0 or before are those the track is at rest under or, on a
+// bed, is hit by as by any load that begins with a stage: that is for the stage to say.
+std::vector<std::string> SeatLoad::jumps(double first_x, double last_x, double time) const {
+  constexpr double unnoticed = 0.02;  // of the largest load
+  if (!parameters_.is_table()) return {};
+  double largest = 0, first = 0, last = 0;  // N
+  const auto take = [](double& kept, double force) {
+    if (std::abs(force) > std::abs(kept)) kept = force;
+  };
+  for (const std::vector<double>& forces : forces_) {
+    for (const double force : forces) take(largest, force);
+    take(first, forces.front()), take(last, forces.back());
+  }
+  const bool shared = parameters_.kind == SeatLoadKind::table;
+  const double begin = times_.front() + (shared ? last_x / parameters_.speed : 0);
+  const double end = times_.back() + (shared ? first_x / parameters_.speed : 0);
+  std::vector<std::string> found;
+  if (std::abs(first) > unnoticed * std::abs(largest) && begin > 0 && begin < time)
+    found.push_back(fmt::format(
+        "the load jumps from 0 to the {:g} N of its first row, until {:g} s; begin it with 0",
+        first, begin));
+  if (std::abs(last) > unnoticed * std::abs(largest) && end < (1 - 1e-9) * time)
+    found.push_back(fmt::format(
+        "the load falls from the {:g} N of its last row to 0 at once, from {:g} s on; end it with "
+        "0, or make it as long as the load acts ({:g} s)",
+        last, end, time));
+  return found;
+}
+
 double SeatLoad::duration(double last_x) const {
   // m beyond the last sleeper. With the default decay or ratio less than 2 % of the peak is left
   // there; a softer bed (a decay of 1 per m: 4 %) spreads the load further, and its end is cut off.

@@ -17,7 +17,8 @@ REFUSED = {"ground.tolerance=1e-17": "must be at least 1e-14"}
 REFUSED_OF_SOLIDS = {"solid.seats=[0.1,0.1]": "at 0.1 and 0.1 m: they overlap",
                      "solid.seats=[0.05,-0.02]": "at -0.02 and 0.05 m: they overlap"}
 WARNED = {"time.window=2e-5 stage.release.duration=1e-5":
-          "time.window = 2e-05: is longer than stage \"release\""}
+          "time.window = 2e-05: is longer than stage \"release\"",
+          "ground.zones_z=800": "zones are up to 0.06 m long along x and down to 0.00075 m along z"}
 # Rows of a file of Young's modulus, and words of the warning.
 YOUNG = {"0,80\n2,90\n": "80 Pa is outside the usual values (100000 to 1e+12 Pa)",
          "20,8e7\n30,9e7\n": "lie beside the ground (0 to 1.2 m)",

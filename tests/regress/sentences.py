@@ -160,9 +160,24 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "ground.base_stiffness=40": "is it in Pa/m?",
           "ground.rayleigh_mass=1e9": "usual values (at most 10000 1/s)",
           "ground.layer.soil.cohesion=5e3": "cohesion, angles and tensile_strength have no effect",
+          "ground.rayleigh_stiffness=0.05": "usual values (at most 0.01 s); is its unit right?",
+          "ground.layer.soil.rayleigh_stiffness=0.05":
+              "ground.layer[0].rayleigh_stiffness = 0.05 is far from the usual values (at most",
+          f"{YIELDS} ground.layer.soil.cohesion=20": "usual values (100 to 1e+07 Pa)",
+          f"{YIELDS} ground.layer.soil.tensile_strength=5": "usual values (100 to 1e+07 Pa)",
+          f"{YIELDS} ground.layer.soil.friction_angle=0.5": "usual values (at least 5 degrees)",
+          f"{YIELDS} ground.layer.soil.dilation_angle=0.1": "usual values (at least 1 degrees)",
           f"{YIELDS} ground.layer.soil.cohesion=0": "leaves the top without strength",
           "ground.layer.soil.zones=2": "zones_z = 8: has no effect",
           "ground.fine_y=0.1": "has no effect: all zones are alike",
+          "ground.alpha=-0.2":
+              'ground.alpha = -0.2: has no effect: it is for integrator = "hht" and "bossak"',
+          "ground.integrator=hht ground.rho_inf=0.5": 'it is for integrator = "generalized_alpha"',
+          "ground.integrator=bossak ground.newmark_beta=0.3":
+              'ground.newmark_beta = 0.3: has no effect: it is for integrator = "newmark"',
+          "ground.newmark_beta=0.4 ground.newmark_gamma=0.6":
+              'ground.newmark_gamma = 0.6: has no effect: it is for integrator = "newmark"',
+          "ground.integrator=newmark ground.safety=0.5": 'it is for integrator = "explicit"',
           "output.ground_extremes=true": "has no effect without fields = true",
           "time.step=1e-9": "less than a thousandth of what stability asks for",
           "stage.sleepers.height=0.25": "leaves the sleepers in the air",
@@ -258,6 +273,17 @@ def check_profile(program, deck, folder):
                f"{rows} with fade = {fade}: {doubts} is wanted", ran)
 
 
+def check_loads(program, deck, folder):
+    """A table of loads that is over before the passage is, with a load to the last."""
+    table = folder / "loads.csv"
+    for rows, said in (("0,0\n0.01,4e3\n0.02,4e3\n", True), ("0,0\n0.01,4e3\n0.02,0\n", False),
+                       ("0,0\n0.01,4e3\n1,4e3\n", False)):
+        table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", deck, "load.kind=table", f"load.file={table.resolve()}")
+        words = 'stage "passage": the load falls from the 4000 N of its last row to 0 at once'
+        expect((words in ran.stdout) == said, f"{rows}: warned or not", ran)
+
+
 def check_single_cases(program, deck):
     cases = [(["run", "no_such_deck.toml"], 2, "no_such_deck.toml"),
              (["run", deck, "time.step=1.265e-4", "-o", "nowhere"], 2,
@@ -273,6 +299,7 @@ def check_single_cases(program, deck):
              ([], 2, f"needs a command {COMMANDS}"), (["run"], 2, "deck"),
              (["--help"], 0, "resume"),
              (["--version"], 0, "trackbed"), (["check", deck], 0, "valid"),
+             (["check", deck, "ground.integrator=newmark"], 0, "one implicit step per window"),
              (["check", deck], 0, "sleeper of 156 kg on 6 contacts of 2e+07 N/m"),
              (["describe", "stage"], 0, "passage"), (["schema"], 0, "2020-12"),
              (["run", deck, "-o", "/proc/nowhere"], 2, "result folder"),
@@ -360,6 +387,7 @@ def main():
         check_problems(program, ranks)
     check_nonsense(program, deck, folder)
     check_profile(program, deck, folder)
+    check_loads(program, deck, folder)
     check_single_cases(program, deck)
     check_beds(program)
     check_library(program, deck, folder)

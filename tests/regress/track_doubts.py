@@ -371,6 +371,23 @@ def check_long_profile(program, decks, folder):
     print(f"a profile of two million rows: {spent[1] - spent[0]:.2f} s of processor time")
 
 
+def check_loads(program, decks, folder):
+    """A table of seat loads is 0 before its first row and behind its last: jumps are said."""
+    table = folder / "loads.csv"
+    words = [*SEATS, "irregularity.fade=0", "train.start=0", "load.kind=table", "load.speed=60",
+             f"load.file={table.resolve()}", "passage.duration=2"]
+    for rows, changes, wanted in (
+            ("0,0\n0.2,5e4\n0.5,5e4\n", [], "falls from the 50000 N of its last row to 0 at once"),
+            ("0,0\n0.2,5e4\n0.5,5e4\n", ["passage.duration=0.4"], ""),
+            ("0.5,5e4\n0.6,0\n", [], "jumps from 0 to the 50000 N of its first row"),
+            ("0,0\n0.2,5e4\n0.3,500\n", [], ""), ("0,0\n0.2,5e4\n0.5,0\n", [], "")):
+        table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
+        ran = program.done(1, "check", decks / "plain.toml", *words, *changes)
+        said = [line for line in ran.stdout.splitlines() if line.startswith("warning: load.file")]
+        if len(said) != (wanted != "") or not all(wanted in line for line in said):
+            raise SystemExit(f"{rows} {changes}: '{wanted}' is wanted, not {said}")
+
+
 def check_kept(program, decks, folder):
     """What check warns of stands in the summary of the run, also of one that was stopped."""
     place = folder / "kept"
@@ -401,6 +418,7 @@ def main():
     check_strikes(program, decks, folder)
     check_places(program, decks, folder)
     check_long_profile(program, decks, folder)
+    check_loads(program, decks, folder)
     check_kept(program, decks, folder)
 
 

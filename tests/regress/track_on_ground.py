@@ -35,6 +35,10 @@ REFUSED = {
     "seat.before=5": "seat is not a section",
     "model=track": "ground is not a section",
 }
+# What `check` says of decks that it takes.
+TOLD = {"footing.width=0.7": "is more than track.spacing (0.6 m): footprints of neighbours overlap",
+        "ballast.damping=4e6":
+            "limited by ballast dampers on the ground's top (the ground alone by zones of layer"}
 # Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
 # to 1e-20 J.
 BALANCE = 1e-9
@@ -55,6 +59,12 @@ def check_refusals(program, deck):
         ran = program(1, "check", deck, change)
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+    if TOLD["footing.width=0.7"] in program.done(1, "check", deck).stdout:
+        raise SystemExit("footprints that lie apart are warned of")
+    for change, words in TOLD.items():
+        ran = program.done(1, "check", deck, change)
+        if words not in ran.stdout:
+            raise SystemExit(f"{change}: {words} is wanted:\n{ran.stdout}{ran.stderr}")
 
 
 def check_ranks(program, deck, folder):

@@ -42,6 +42,9 @@ class SeatLoad {
   // The axles themselves, for a rail that bends: each has the wheel load that makes `peak` the seat
   // load of a beam on a Winkler bed. Kind winkler.
   std::vector<AxleLoad> axles(double time) const;
+  // Where a table begins or ends with a jump while loads act for `time` s on sleepers from first_x
+  // to last_x: sentences that go on after its file; none of formulas.
+  std::vector<std::string> jumps(double first_x, double last_x, double time) const;
   double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
 
  private:
