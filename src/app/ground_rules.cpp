@@ -148,7 +148,7 @@ std::vector<std::string> doubts_of_zones(const Model& model, const input::Deck& 
 std::vector<std::string> doubts_of_shapes(const Model& model, const input::Deck& deck) {
   constexpr double flat = 60;  // times as long as high, or the other way round
   const fem::GroundParameters& ground = model.ground;
-  if (ground.of_tetrahedra()) return {};
+  if (ground.of_tetrahedra() || ground.layers.empty()) return {};  // none below a track alone
   const bool space = model.dimension == Dimension::space;
   double shortest = 0, longest = 0;  // m
   std::string of_shortest, of_longest;
