@@ -13,6 +13,7 @@
 #include "app/command_parts.hpp"
 #include "app/compatible.hpp"
 #include "app/estimate.hpp"
+#include "app/ground_alone.hpp"
 #include "app/result_folder.hpp"
 #include "app/spent.hpp"
 #include "app/version.hpp"
@@ -118,7 +119,9 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   progress.start(world, model, arguments.deck);
   if (!ground.size.empty()) print(comm, ground.size + "\n");
   // What is left to do after a start hangs on stones that only a run loads.
-  if (start.empty() && model.stages.front().kind == StageKind::fill) {
+  if (!model.has_stones()) {
+    for (const std::string& line : estimate_alone(world)) print(comm, line + "\n");
+  } else if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
     const dem::Totals totals = world.particles.totals();
     const bool more = std::count_if(model.stages.begin(), model.stages.end(),

@@ -126,6 +126,7 @@ Values defaults_of(const std::string& kind) {
   Model model;
   if (kind == "\"track\"") model.kind = ModelKind::track;
   if (kind == "\"track_on_ground\"") model.kind = ModelKind::track_on_ground;
+  if (kind == "\"ground\"") model.kind = ModelKind::ground, model.pressures.resize(1);
   model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);
   model.ground.borders.resize(1), model.ground.sections.resize(1);
   model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);

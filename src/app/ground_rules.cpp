@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/ground_alone.hpp"
 #include "app/rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/wave_report.hpp"
@@ -46,7 +47,7 @@ std::vector<std::string> doubts_of_young(const Model& model, const input::Deck& 
 void declare_crest(const Model& model, input::Section& s) {
   constexpr double rounding = 1e-9;  // m
   const std::vector<double>&x = model.bed.x, &y = model.bed.y;
-  if (!model.has_stages() || x.size() != 2 || y.size() != 2) return;
+  if (!model.has_stones() || x.size() != 2 || y.size() != 2) return;
   const double half = model.ground.narrowest_crest(x[0], x[1]);
   s.rule("bed.y", std::max(-y[0], y[1]) <= half + rounding,
          fmt::format("reaches beyond the crest of ground.section ({:g} m on either side): stones "
@@ -171,6 +172,7 @@ std::vector<std::string> doubts_of_shapes(const Model& model, const input::Deck&
 // What zones and tables of a ground tell, an embankment's and a mesh's too.
 std::vector<std::string> look_at_tables(const Model& model, const input::Deck& deck) {
   std::vector<std::string> doubts;
+  for (const couple::PressureParameters& pressure : model.pressures) pressure.table();
   if (model.ground.mesh.empty()) doubts = doubts_of_wave(model, deck);
   for (const auto& more : {doubts_of_young(model, deck), doubts_of_times(model, deck),
                            doubts_of_zones(model, deck), doubts_of_shapes(model, deck)})
@@ -249,7 +251,10 @@ GroundFile require_ground(const Model& model, const input::Deck& deck) {
                       deck.where(std::string("bed.") + axis), bed[0], bed[1], mesh.top_low[a],
                       mesh.top_high[a]));
   };
-  if (model.has_stages()) {
+  if (model.kind == ModelKind::ground)
+    require_below(model, {mesh.top_low.x(), mesh.top_high.x()},
+                  {mesh.top_low.y(), mesh.top_high.y()}, deck, problems);
+  if (model.has_stones()) {
     below("x", model.bed.x, 0), below("y", model.bed.y, 1);
     if (problems.empty()) require_closed(model, mesh.top_faces, problems);
   }

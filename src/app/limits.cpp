@@ -17,6 +17,7 @@
 #include <set>
 
 #include "app/cell.hpp"
+#include "app/ground_alone.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/stiffness.hpp"
@@ -358,6 +359,7 @@ CouplingLimit coupling_limit(const World& world, const Stage& stage) {
 Steps choose_steps(const World& world, const StonesStep& stones, const Stage& stage,
                    const input::Deck& deck) {
   const Model& model = world.model;
+  if (!model.has_stones()) return steps_alone(world);
   std::string ground_words;
   require_stable(model, deck, stones.longest, stones.limit);
   const double step = model.time.step > 0 ? model.time.step : stones.longest;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 
+#include "app/ground_alone.hpp"
 #include "app/limits.hpp"
 #include "app/rules.hpp"
 
@@ -22,6 +23,8 @@ constexpr double most_cycles = 1e6;
 
 constexpr const char* footing_meaning =
     "Where sleepers of model = \"track_on_ground\" rest on its ground.";
+constexpr const char* pressure_meaning =
+    "Even pressures on rectangles of the top of model = \"ground\".";
 constexpr double room_beside_floor = 0.25;  // m
 // Of the bed's larger side: how far walls that hold a pressure may give way. At 15 % of axial
 // strain a bed of twice that height widens by a fifth or so.
@@ -203,6 +206,19 @@ void Model::declare_on_ground(input::Section& s) {
   declare_footing(*this, s);
 }
 
+// Space, ground and its loads; stages, steps and output as of a bed.
+void Model::declare_ground_alone(input::Section& s) {
+  declare_space(s);
+  s.table("ground", ground, "The continuum below the bed.");
+  s.tables("pressure", pressures, pressure_meaning);
+  s.table("output", output, "What is written, and when the run stops early.");
+  s.tables("stage", stages, "What is done, one after the other.");
+  time.rough_step = time.rough_window = input::unbounded;
+  s.table("time", time, "Steps in time.");
+  declare_stages_alone(*this, s);
+  declare_pressures(*this, s);
+}
+
 void Model::declare_space(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"}, "In which space the model lives.");
   s.number(
@@ -213,11 +229,14 @@ void Model::declare_space(input::Section& s) {
 
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
-  s.choice("model", kind, {"bed", "track", "track_on_ground"},
-           "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
-           "alone, made of title and the sections that say so; track_on_ground: the same with "
-           "[ground] below the springs of some sleepers.");
+  s.choice(
+      "model", kind, {"bed", "track", "track_on_ground", "ground"},
+      "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
+      "alone, made of title and the sections that say so; track_on_ground: the same with "
+      "[ground] below the springs of some sleepers; ground: [ground] alone under [[pressure]], "
+      "in stages of kind run.");
   track.on_bed = kind == ModelKind::bed;
+  if (kind == ModelKind::ground) return declare_ground_alone(s);
   if (kind == ModelKind::track) return track.declare(s);
   if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
   declare_bed(s);
@@ -230,6 +249,8 @@ void Model::declare(input::Section& s) {
   declare_solids(*this, s);
   s.table("footing", footing, footing_meaning);
   declare_footing(*this, s);
+  s.tables("pressure", pressures, pressure_meaning);
+  declare_pressures(*this, s);
   s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
   declare_handover(*this, s);
 }
@@ -326,7 +347,9 @@ dem::Domain Model::domain() const {
   dem::Domain domain;
   domain.dimension = dimension;
   domain.thickness = dimension == Dimension::plane ? thickness : 1;
-  domain.periodic = {periodic_in("x"), dimension == Dimension::space && periodic_in("y"), false};
+  const bool open = !has_stones();  // nobody needs walls then
+  domain.periodic = {open || periodic_in("x"),
+                     dimension == Dimension::space && (open || periodic_in("y")), false};
   const bool plane = dimension == Dimension::plane;
   domain.low = {bed.x[0], plane ? -thickness / 2 : bed.y[0], -0.2};
   double height = bed.height;

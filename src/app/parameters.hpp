@@ -11,6 +11,7 @@
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
 #include "trackbed/bed/tamping.hpp"
+#include "trackbed/couple/pressures.hpp"
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/fem/ground.hpp"
 #include "trackbed/input/section.hpp"
@@ -97,8 +98,9 @@ struct TimeParameters {
 };
 
 // bed: stones, ground, sleepers and seat loads; track: a train on a rail and springs alone;
-// track_on_ground: the same with a ground below the springs of some sleepers, without stones.
-enum class ModelKind { bed, track, track_on_ground };
+// track_on_ground: the same with a ground below the springs of some sleepers, without stones;
+// ground: a ground under loads of its own, in stages as a bed has them.
+enum class ModelKind { bed, track, track_on_ground, ground };
 
 // Read once, then constant: what a run changes lives in World and Course.
 struct Model {
@@ -114,6 +116,7 @@ struct Model {
   dem::Parameters dem;
   bed::BedParameters bed;
   fem::GroundParameters ground;
+  std::vector<couple::PressureParameters> pressures;  // of a ground alone
   track::SleeperParameters sleepers;
   SolidParameters solid;
   track::SeatLoadParameters load;
@@ -134,7 +137,8 @@ struct Model {
   bool has_one_grading() const;  // all stones are poured by this deck, by one stage
   bool uses_platen() const;
   bool has_train() const;  // in any stage
-  bool has_stages() const { return kind == ModelKind::bed; }
+  bool has_stages() const { return kind == ModelKind::bed || kind == ModelKind::ground; }
+  bool has_stones() const { return kind == ModelKind::bed; }
   bool uses_walls() const;  // or the platen, which is of their material
   bool has_solid_rails() const;
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
@@ -148,6 +152,7 @@ struct Model {
   void declare_bed(input::Section& s);
   void declare_time(input::Section& s);
   void declare_on_ground(input::Section& s);
+  void declare_ground_alone(input::Section& s);
 };
 
 }  // namespace trackbed::app

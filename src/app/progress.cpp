@@ -100,13 +100,18 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
 void Progress::stage_begins(const Stage& stage, const Course& course, World& world) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm_.max(megabytes(world.memory()));
+  const bool stones = world.model.has_stones();
   say(comm_,
-      "stage {}: {} stones ({} pieces), window {:.4g} s in {} sub-step{} (limit: {}), up to {:.4g} "
-      "s = {} windows; {:.0f} MB per rank\n",
-      stage.name, totals.particles, totals.pieces, course.clock.dt(), course.steps.substeps,
-      course.steps.substeps > 1 ? "s" : "", course.steps.limit,
-      static_cast<double>(course.clock.windows()) * course.clock.dt(), course.clock.windows(),
-      bytes);
+      "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.0f} MB per "
+      "rank\n",
+      stage.name,
+      stones ? fmt::format("{} stones ({} pieces), ", totals.particles, totals.pieces) : "",
+      course.clock.dt(),
+      stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
+                           course.steps.substeps > 1 ? "s" : "")
+             : "",
+      course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
+      course.clock.windows(), bytes);
   last_line_ = wall_time(), last_time_ = course.clock.time();
 }
 
@@ -117,17 +122,23 @@ void Progress::line(const Course& course, const Model& model, const World& world
   const std::int64_t deep = world.particles.core_overlaps();
   const double wall = wall_time();
   const double speed = (course.clock.time() - last_time_) / (wall - last_line_);  // s per s
+  const std::string when =
+      fmt::format("  {:>8.4f} s | {:.3g} ms/s | left {}", course.clock.time(), speed * 1e3,
+                  clock_words(speed > 0 ? remaining(course, model) / speed : 0));
+  last_line_ = wall, last_time_ = course.clock.time();
+  if (!model.has_stones()) {
+    const fem::GroundTotals ground = world.ground->totals();
+    return say(comm_, "{} | E_kin {:.3g} J, elastic {:.3g} J of the ground\n", when, ground.kinetic,
+               ground.elastic);
+  }
   say(comm_,
-      "  {:>8.4f} s | {:.3g} ms/s | left {} | E_kin {:.3g} J | overlap {:.3g} um | unbalanced "
+      "{} | E_kin {:.3g} J | overlap {:.3g} um | unbalanced "
       "{:.2g} | {} contacts{}{}\n",
-      course.clock.time(), speed * 1e3,
-      clock_words(speed > 0 ? remaining(course, model) / speed : 0), totals.kinetic,
-      totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
+      when, totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced, totals.contacts,
       deep > 0 ? fmt::format(" | {} times cores in one another", deep) : "",
       world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m", world.platen->pressure() / 1e3,
                                  world.platen->z())
                    : "");
-  last_line_ = wall, last_time_ = course.clock.time();
 }
 
 void Progress::rest(int rounds, double flows) {
@@ -137,11 +148,12 @@ void Progress::rest(int rounds, double flows) {
 }
 
 void Progress::stage_ends(const StageRecord& record) {
-  say(comm_, "  {} done at {:.6g} s: bulk density {:.0f} kg/m3{}, {:.1f} s of wall time\n",
-      record.name, record.time, record.bulk_density,
-      record.platen_pressure >= 0
-          ? fmt::format(", averaged platen pressure {:.1f} kPa", record.platen_pressure / 1e3)
-          : "",
+  std::string stones;
+  if (record.particles > 0)
+    stones = fmt::format("bulk density {:.0f} kg/m3, ", record.bulk_density);
+  if (record.platen_pressure >= 0)
+    stones += fmt::format("averaged platen pressure {:.1f} kPa, ", record.platen_pressure / 1e3);
+  say(comm_, "  {} done at {:.6g} s: {}{:.1f} s of wall time\n", record.name, record.time, stones,
       record.wall_time);
   if (record.settlement >= 0)
     say(comm_, "    in the last cycle no sleeper went down by more than {:.3g} mm\n",

@@ -221,17 +221,6 @@ void declare_passages(const Model& model, input::Section& s) {
   }
 }
 
-// A slice with free faces has no pressure across the track, without which soil carries next to
-// nothing.
-void declare_ground_yields(const Model& model, input::Section& s) {
-  s.rule("ground.plane",
-         model.dimension != Dimension::plane || !model.ground.yields() ||
-             model.ground.plane == fem::PlaneState::strain,
-         "leaves the faces across the track free, and layers that yield without pressure on them; "
-         "take plane = \"strain\"",
-         {.reads = {"dimension", "ground.plane", "ground.layer", "ground.block"}});
-}
-
 // What is valid but moves the track in a way nobody means.
 void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
@@ -297,6 +286,17 @@ double shortest_window(const Model& model) {
 }
 
 }  // namespace
+
+// A slice with free faces has no pressure across the track, without which soil carries next to
+// nothing.
+void declare_ground_yields(const Model& model, input::Section& s) {
+  s.rule("ground.plane",
+         model.dimension != Dimension::plane || !model.ground.yields() ||
+             model.ground.plane == fem::PlaneState::strain,
+         "leaves the faces across the track free, and layers that yield without pressure on them; "
+         "take plane = \"strain\"",
+         {.reads = {"dimension", "ground.plane", "ground.layer", "ground.block"}});
+}
 
 // A cycle needs some windows to be a haversine at all. What is written can be written once in a
 // window at most, and a deck that asks for more often has mistaken a unit.

@@ -15,6 +15,7 @@ void declare_ground_sides(const Model& model, input::Section& s);
 // What has no effect: sides that a plane model does not have, `sides` where each has its own.
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
                         input::Section& s);
+void declare_ground_yields(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
 // What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches
@@ -34,6 +35,8 @@ std::vector<std::string> doubts_of_loads(const Model& model);
 
 // Stages: names, order, what they use; regions: names, and whether stones can be there.
 void declare_stages(const Model& model, input::Section& s);
+void declare_names_of_stages(const Model& model, input::Section& s);  // parts of it
+void declare_uses_of_stages(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline can be.
 void declare_layers(const Model& model, input::Section& s);

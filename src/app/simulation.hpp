@@ -50,6 +50,7 @@ class Simulation {
   void move_solids(double dt);
   void press_platen(double dt);
   void move_ground(double dt);
+  void press_ground(double dt);
   void move_stones(double dt);
   void average_support(double dt);
 
@@ -94,6 +95,7 @@ class Simulation {
   std::vector<std::string> said_;                  // warnings before the run began
   std::vector<std::string> periodic_checkpoints_;  // of this run, oldest first
   std::vector<double> seat_force_;                 // N, in the last window
+  std::vector<Vec3> load_;                         // N, of pressures on the top, in the last window
   Measured measured_;                              // where the figures of the last stage begin
   double stage_begin_ = 0;                         // s of wall time
 };

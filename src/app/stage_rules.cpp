@@ -64,8 +64,10 @@ void declare_order(const Model& model, input::Section& s) {
   }
 }
 
+}  // namespace
+
 // Parameters that only some kinds look at, against their defaults.
-void declare_uses(const Model& model, input::Section& s) {
+void declare_uses_of_stages(const Model& model, input::Section& s) {
   using enum StageKind;
   const Stage none;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
@@ -97,6 +99,8 @@ void declare_uses(const Model& model, input::Section& s) {
          {sleepers, cribs, load, passage, run, settle}, "stages with sleepers");
   }
 }
+
+namespace {
 
 // m, of all layers.
 double height_of(const bed::BedParameters& bed) {
@@ -179,7 +183,7 @@ std::string_view sticks_out(const Model& model, const observe::Region& region) {
 }  // namespace
 
 // Checkpoints, overrides and a start find stages by name.
-void declare_stages(const Model& model, input::Section& s) {
+void declare_names_of_stages(const Model& model, input::Section& s) {
   const auto& stages = model.stages;
   const input::About about{.reads = {"stage", "start"}};
   s.rule("stage", !stages.empty(), "at least one [[stage]] is needed", about);
@@ -188,10 +192,16 @@ void declare_stages(const Model& model, input::Section& s) {
     const std::string key = fmt::format("stage[{}].name", i);
     s.rule(key, is_a_word(stages[i].name), word_wanted, {.reads = {key}});
   }
+}
+
+void declare_stages(const Model& model, input::Section& s) {
+  const auto& stages = model.stages;
+  declare_names_of_stages(model, s);
   s.rule("stage", stages.empty() || stages[0].kind == StageKind::fill || !model.start.empty(),
-         "the first stage must be of kind fill, or `start` must name a checkpoint", about);
+         "the first stage must be of kind fill, or `start` must name a checkpoint",
+         {.reads = {"stage", "start"}});
   declare_order(model, s);
-  declare_uses(model, s);
+  declare_uses_of_stages(model, s);
   declare_heights(model, s);
   const bool any = model.has_stage(StageKind::sleepers) || model.has_stage(StageKind::load) ||
                    model.has_stage(StageKind::passage) || model.has_stage(StageKind::tamp);

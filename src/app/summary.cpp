@@ -221,24 +221,29 @@ void write_summary(const SummaryOf& run) {
             {"simulated_time_s", run.course.clock.time()},
             {"wall_time_s", comm.max(run.wall_time)},
             {"windows", run.course.windows}};
-  json["dem"] = dem_figures(run, totals);
+  const bool stones = run.world.model.has_stones();
+  if (stones) json["dem"] = dem_figures(run, totals);
   json["ground"] = ground_figures(run);
   if (run.world.solids) json["solids"] = solid_figures(run.world.solids->bodies());
-  json["coupling"] = {{"force", balance.force},
-                      {"moment", balance.moment},
-                      {"impulse", balance.impulse},
-                      {"work", balance.work}};
+  if (stones)
+    json["coupling"] = {{"force", balance.force},
+                        {"moment", balance.moment},
+                        {"impulse", balance.impulse},
+                        {"work", balance.work}};
   if (run.wheels.any)
     json["track"] = {{"wheel_force_max_n", run.wheels.most},
                      {"wheel_force_min_n", run.wheels.least}};
   json["share"] = shares(run);
-  json["energy"] = {
-      {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+  if (stones)
+    json["energy"] = {
+        {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
   json["memory_mb_per_rank"] = comm.max(peak_memory_mb());
-  json["imbalance"] = imbalance(run);
-  json["balance"] = {{"rebalances", run.world.particles.balance().rebalances},
-                     {"imbalance_before", run.world.particles.balance().before},
-                     {"imbalance_now", run.world.particles.imbalance()}};
+  if (stones) {
+    json["imbalance"] = imbalance(run);
+    json["balance"] = {{"rebalances", run.world.particles.balance().rebalances},
+                       {"imbalance_before", run.world.particles.balance().before},
+                       {"imbalance_now", run.world.particles.imbalance()}};
+  }
   json["stages"] = stage_list(run.course);
   if (!run.regions.empty()) json["regions"] = region_list(run);
   std::vector<std::string> warnings = run.said;

@@ -27,6 +27,7 @@ World::World(const par::Comm& world, const Model& deck)
     ground->top().material = model.material(model.ground_material);
     support.assign(ground->top().nodes(), Vec3::Zero());
     watched = observe::watched_nodes(*ground, model.dimension);
+    if (!model.pressures.empty()) pressures.emplace(comm, ground->top(), model.pressures);
   }
   if (!model.uses_sleepers()) return;
   if (model.sleepers.model == track::SleeperBody::solid) {
@@ -180,7 +181,8 @@ observe::Scene World::scene() {
   return {.particles = particles,
           .ground = ground ? &*ground : nullptr,
           .sleepers = sleepers && sleepers->placed() ? &*sleepers : nullptr,
-          .bodies = solids && solids->placed() ? &solids->bodies() : nullptr};
+          .bodies = solids && solids->placed() ? &solids->bodies() : nullptr,
+          .stones = model.has_stones()};
 }
 
 std::vector<observe::WallState> World::wall_states() const {

@@ -12,6 +12,7 @@
 #include "app/parameters.hpp"
 #include "app/solid_sleepers.hpp"
 #include "trackbed/couple/coupler.hpp"
+#include "trackbed/couple/pressures.hpp"
 #include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
 
@@ -65,6 +66,7 @@ struct World {
   const Model& model;
   dem::Particles particles;
   std::optional<fem::Ground> ground;
+  std::optional<couple::Pressures> pressures;  // of a ground alone
   std::vector<std::int32_t> watched;  // nodes of its top in the histories: from where it began
   std::unique_ptr<track::Sleepers> sleepers;
   SolidSleepers* solids = nullptr;    // the same, if they are solids

@@ -92,7 +92,7 @@ std::int64_t Results::rows() const { return room_->rows; }
 void Results::watch(const Scene& scene, const std::vector<std::int32_t>& nodes,
                     std::span<const double> sleeper_x, const std::vector<Region>& regions) {
   Room& room = *room_;
-  room.energy = energy_columns();
+  if (scene.stones) room.energy = energy_columns();
   room.regions = regions;
   for (const Region& region : regions)
     for (const Column& column : region_columns(region.name)) room.region.push_back(column);
@@ -121,7 +121,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   Room& room = *room_;
   room.times.push_back(instant.time);
   room.stages.push_back(instant.stage);
-  room.sample_energy(scene.particles.totals());
+  if (scene.stones) room.sample_energy(scene.particles.totals());
   if (!instant.seat_force.empty()) room.sample_sleepers(scene.sleepers, instant.seat_force);
   if (scene.ground) room.sample_ground(*scene.ground);
   room.sample_walls(instant.walls);

@@ -117,8 +117,10 @@ void write_pictures(const par::Comm& comm, const std::string& folder, const std:
   if (comm.root()) std::filesystem::create_directories(folder, error);
   comm.agree(error ? "cannot make " + folder + ": " + error.message() : "");
   const std::string start = folder + "/" + name;
-  io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));
-  io::write_fields(comm, start + "_contacts.vtkhdf", contact_lines(scene.particles));
+  if (scene.stones) {
+    io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));
+    io::write_fields(comm, start + "_contacts.vtkhdf", contact_lines(scene.particles));
+  }
   if (scene.ground) io::write_fields(comm, start + "_ground.vtkhdf", scene.ground->fields());
   if (scene.bodies) io::write_fields(comm, start + "_solids.vtkhdf", scene.bodies->fields(comm));
 }

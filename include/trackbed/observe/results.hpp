@@ -25,6 +25,7 @@ struct Scene {
   fem::Ground* ground = nullptr;  // const in spirit: its top() is only read
   const track::Sleepers* sleepers = nullptr;
   const fem::Bodies* bodies = nullptr;  // sleepers and rails that are solids
+  bool stones = true;                   // whether the model can have any
 };
 
 // A wall or the floor: N from stones, mean of the last window; m, from where it was built.

@@ -1,0 +1,185 @@
+// The ground moves in the stages of a bed's run, whose other parts are not there: no stones, no
+// walls, nothing that touches its top. So stages, output, checkpoints and resumes are those of a
+// bed. Rejected: a run of its own beside those of beds and tracks, most of which would be the same.
+#include "app/ground_alone.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "app/rules.hpp"
+#include "app/world.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // m
+
+double duration_of(const Model& model) {
+  double time = 0;
+  for (const Stage& stage : model.stages) time += stage.duration;
+  return time;
+}
+
+// What a rectangle covers along an axis between now and the end.
+std::array<double, 2> way_of(const Model& model, const couple::PressureParameters& p) {
+  const double way = p.speed * duration_of(model);
+  return {p.x[0] + std::min(way, 0.0), p.x[1] + std::max(way, 0.0)};
+}
+
+// Why it cannot press where it is; one that moves may come from beside the ground, and leave it.
+std::string beside(const Model& model, const couple::PressureParameters& p,
+                   const std::vector<double>& x, const std::vector<double>& y) {
+  const auto outside = [](const auto& inner, const std::vector<double>& outer) {
+    return inner[0] < outer[0] - rounding || inner[1] > outer[1] + rounding;
+  };
+  if (p.speed == 0 && outside(p.x, x))
+    return fmt::format("x = {:g} to {:g} m reaches beyond the top of the ground ({:g} to {:g} m)",
+                       p.x[0], p.x[1], x[0], x[1]);
+  const auto [from, to] = way_of(model, p);
+  if (to <= x[0] || from >= x[1])
+    return fmt::format(
+        "goes from x = {:g} to {:g} m, and so never over the ground ({:g} to {:g} m)", from, to,
+        x[0], x[1]);
+  if (model.dimension == Dimension::space && p.y.size() == 2 && outside(p.y, y))
+    return fmt::format("y = {:g} to {:g} m reaches beyond the top of the ground ({:g} to {:g} m)",
+                       p.y[0], p.y[1], y[0], y[1]);
+  return "";
+}
+
+bool has_place(const couple::PressureParameters& p) {
+  return p.x.size() == 2 && (p.y.empty() || p.y.size() == 2);
+}
+
+void declare_steps(const Model& model, input::Section& s) {
+  const bool implicit = model.ground.integrator != fem::Integrator::explicit_;
+  s.rule("time.window", !implicit || model.time.window > 0,
+         "must be given for implicit steps: each window is one",
+         {.reads = {"time.window", "ground"}});
+  const TimeParameters none;
+  for (const auto& [key, idle] : {std::pair{"time.step", model.time.step == none.step},
+                                  {"time.substeps", model.time.substeps == none.substeps}})
+    s.rule(key, idle, "has no effect without stones: give time.window",
+           {.weight = input::Weight::warning, .reads = {key}});
+  for (const auto& [key, interval] :
+       {std::pair{"output.history_interval", model.output.history_interval},
+        {"output.fields_interval", model.output.fields_interval},
+        {"output.checkpoint_interval", model.output.checkpoint_interval}})
+    s.rule(key, interval == 0 || interval >= model.time.window * (1 - rounding),
+           fmt::format("is less than a time window ({:g} s): that much is written after every "
+                       "window",
+                       model.time.window),
+           {.weight = input::Weight::warning, .reads = {key, "time"}});
+}
+
+}  // namespace
+
+void declare_stages_alone(const Model& model, input::Section& s) {
+  declare_names_of_stages(model, s);
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const std::string key = fmt::format("stage[{}].", i);
+    s.rule(key + "kind", model.stages[i].kind == StageKind::run,
+           "must be run: a ground alone has nothing else to do", {.reads = {key + "kind"}});
+    s.rule(key + "ground_moves", model.stages[i].ground_moves,
+           "must be true: nothing else moves in a model of kind ground",
+           {.reads = {key + "ground_moves"}});
+  }
+  declare_uses_of_stages(model, s);
+  s.rule("ground.present", model.ground.present, "must be true: there is nothing else",
+         {.reads = {"ground.present"}});
+  if (!model.ground.present) return;
+  declare_idle_sides(model.ground, model.dimension, s);
+  declare_ground_yields(model, s);
+  declare_steps(model, s);
+  s.rule("dimension", model.dimension == Dimension::space || !model.ground.of_tetrahedra(),
+         "must be space for a ground of tetrahedra (ground.mesh, ground.section)",
+         {.reads = {"dimension", "ground"}});
+  s.rule("pressure", !model.pressures.empty() || !model.ground.base_motion.empty(),
+         "nothing moves the ground: it has neither pressures nor a wave from below "
+         "(ground.base_motion)",
+         {.weight = input::Weight::warning, .reads = {"pressure", "ground"}});
+}
+
+void declare_pressures(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"pressure", "model"}};
+  if (model.kind != ModelKind::ground)
+    return s.rule("pressure", model.pressures.empty(),
+                  "is for model = \"ground\" alone: here bed or track press on the ground", about);
+  const fem::GroundParameters& ground = model.ground;
+  std::set<std::string> names;
+  for (const couple::PressureParameters& p : model.pressures) names.insert(p.name);
+  s.rule("pressure", names.size() == model.pressures.size(), "pressures need different names",
+         about);
+  for (std::size_t i = 0; i < model.pressures.size(); ++i) {
+    const couple::PressureParameters& p = model.pressures[i];
+    const std::string key = fmt::format("pressure[{}]", i);
+    if (!has_place(p)) continue;  // another rule's sentence
+    const bool plane = model.dimension == Dimension::plane;
+    s.rule(key + ".y", !plane || p.y.empty(), "has no effect in a plane model: leave it out",
+           {.reads = {key, "dimension"}});
+    s.rule(key + ".across", !plane || p.across == 0, "must be 0 in a plane model",
+           {.reads = {key, "dimension"}});
+    const double time = duration_of(model);
+    const bool begins = p.course != couple::Course::dead && p.course != couple::Course::table;
+    s.rule(key + ".begin", !begins || time <= 0 || p.begin < time,
+           fmt::format("lies behind the end of the last stage, {:g} s", time),
+           {.weight = input::Weight::warning, .reads = {key, "stage"}});
+    if (!ground.mesh.empty() || ground.x.size() != 2 || ground.y.size() != 2) continue;
+    std::vector<double> across = ground.y;
+    if (!ground.sections.empty()) {
+      const auto [from, to] = way_of(model, p);
+      const double half = ground.narrowest_crest(from, to);
+      across = {std::max(-half, across[0]), std::min(half, across[1])};
+    }
+    const std::string why = beside(model, p, ground.x, across);
+    s.rule(key + (why.starts_with("y") ? ".y" : ".x"), why.empty(), why,
+           {.reads = {key, "ground", "dimension", "stage"}});
+  }
+}
+
+void require_below(const Model& model, const std::array<double, 2>& x,
+                   const std::array<double, 2>& y, const input::Deck& deck,
+                   std::vector<std::string>& problems) {
+  for (std::size_t i = 0; i < model.pressures.size(); ++i) {
+    const std::string why = beside(model, model.pressures[i], {x[0], x[1]}, {y[0], y[1]});
+    if (!why.empty())
+      problems.push_back(fmt::format("{}: {}", deck.where(fmt::format("pressure[{}]", i)), why));
+  }
+}
+
+Steps steps_alone(const World& world) {
+  Steps steps;
+  const double own = world.ground->stable_step(&steps.limit);
+  steps.window = world.model.time.window > 0 ? world.model.time.window : own;
+  steps.limit = world.model.time.window > 0 ? "given" : "ground: " + steps.limit;
+  return steps;
+}
+
+// From rest, which layers that yield may be long in finding: not tried for them.
+std::vector<std::string> estimate_alone(World& world) {
+  const Model& model = world.model;
+  const Steps steps = steps_alone(world);
+  const double windows = duration_of(model) / steps.window;
+  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
+                                 duration_of(model), windows, steps.window, steps.limit);
+  if (model.ground.yields()) return {line};
+  constexpr int tried = 10;
+  std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
+  if (world.pressures) world.pressures->add_dead(load);
+  world.ground->settle(load);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int k = 1; k <= tried; ++k) {
+    std::fill(load.begin(), load.end(), Vec3::Zero());
+    if (world.pressures) world.pressures->add(k * steps.window, load);
+    world.ground->advance(steps.window, load);
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  line += fmt::format(", about {:.0f} s of wall time", took.count() / tried * windows);
+  return {line};
+}
+
+}  // namespace trackbed::app

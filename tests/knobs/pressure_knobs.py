@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""As knobs.py, for the pressures on a ground alone. And refusals of such decks.
+
+    pressure_knobs.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, expect  # noqa: E402
+from results import data  # noqa: E402
+
+# Parameter of the schema -> change of the deck.
+KNOBS = {
+    "pressure.[].name": "pressure.plate.name=foot",
+    "pressure.[].x": "pressure.plate.x=[1,2.5]",
+    "pressure.[].y": "pressure.plate.y=[-0.5,0.75]",
+    "pressure.[].pressure": "pressure.plate.pressure=60e3",
+    "pressure.[].along": "pressure.plate.along=5e3",
+    "pressure.[].across": "pressure.plate.across=5e3",
+    "pressure.[].course": "pressure.plate.course=rise",
+    "pressure.[].begin": "pressure.plate.begin=0.004",
+    "pressure.[].duration": "pressure.plate.duration=0.01",
+    "pressure.[].frequency": "pressure.plate.frequency=40",
+    "pressure.[].file": "pressure.plate.file={folder}/double.csv",
+    "pressure.[].speed": "pressure.plate.speed=20",
+}
+AROUND = {
+    "pressure.[].frequency": ["pressure.plate.course=harmonic", "pressure.plate.duration=0",
+                              "pressure.plate.frequency=30"],
+    "pressure.[].file": ["pressure.plate.course=table", "pressure.plate.begin=0",
+                         "pressure.plate.duration=0", "pressure.plate.file={folder}/single.csv"],
+}
+# Change of the deck -> words of the refusal.
+REFUSED = {
+    "pressure.plate.x=[2,1]": "must be two numbers, from and to",
+    "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
+    "pressure.plate.y=[0,3]": "y = 0 to 3 m reaches beyond the top of the ground (-1 to 1 m)",
+    "pressure.plate.y=[0]": "must be two numbers",
+    "pressure.plate.speed=-100 pressure.plate.x=[-3,-2]": "never over the ground",
+    "pressure.plate.pressure=0": "nothing presses",
+    "pressure.plate.duration=0": "must be above 0 s for a pulse",
+    "pressure.plate.course=harmonic": "must be above 0 Hz",
+    "pressure.plate.course=table": "must be given for course",
+    "pressure.plate.course=table pressure.plate.file={folder}/bad.csv": "bad.csv:3",
+    "pressure.plate.course=dead pressure.plate.speed=1": "must be 0 m/s for a dead load",
+    "pressure.plate.nam=x": "did you mean pressure[0].name?",
+    "pressure.surcharge.name=plate": "pressures need different names",
+    "stage.blow.kind=settle": "must be run: a ground alone has nothing else to do",
+    "stage.blow.ground_moves=false": "must be true: nothing else moves",
+    "ground.present=false": "must be true: there is nothing else",
+    "ground.integrator=newmark": "must be given for implicit steps",
+    "dimension=plane": "has no effect in a plane model",
+    "bed.height=0.3": "bed",
+}
+# Change of the deck -> words of the warning.
+WARNED = {
+    "pressure.surcharge.duration=1": "has no effect on this course",
+    "pressure.plate.begin=1": "lies behind the end of the last stage, 0.04 s",
+    "time.substeps=2": "has no effect without stones",
+    "stage.blow.lift=0.5": "has no effect: it is for release",
+}
+
+
+def seen(program, deck, overrides, place):
+    ran = program(1, "run", deck, *overrides, "-o", place)
+    found = (ran.returncode, ran.stderr if ran.returncode == 2 else
+             [line for line in ran.stdout.splitlines() if "wall" not in line and "MB" not in line
+              and "time in" not in line and "%" not in line],
+             data(place / "results.h5") if (place / "results.h5").exists() else None)
+    effective = (place / "results.h5").exists()
+    shutil.rmtree(place, ignore_errors=True)
+    return found, effective
+
+
+def main():
+    program, deck, folder = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name, factor in (("single", 1), ("double", 2)):
+        (folder / f"{name}.csv").write_text(f"time_s,factor\n0,0\n0.01,{factor}\n0.02,0\n")
+    (folder / "bad.csv").write_text("time_s,factor\n0,0\n0.01,much\n")
+
+    def with_folder(changes):
+        return [change.replace("{folder}", str(folder)) for change in changes]
+
+    problems = []
+    for name, change in KNOBS.items():
+        if name.endswith(".name"):
+            continue  # a name is seen in sentences alone, below
+        around = with_folder(AROUND.get(name, []))
+        before, ran = seen(program, deck, around, folder / "before")
+        after, _ = seen(program, deck, [*around, *with_folder([change])], folder / "after")
+        if before[0] != 0 or after[0] != 0 or not ran:
+            problems.append(f"{name}: ends with {before[:2]}, {after[:2]}")
+        if before == after:
+            problems.append(f"{name}: {change} changes nothing")
+    for changes, words in REFUSED.items():
+        ran = program(1, "run", deck, *with_folder(changes.split()), "-o", folder / "refused")
+        if ran.returncode != 2 or words not in ran.stderr or (folder / "refused").exists():
+            problems.append(f"{changes}: code {ran.returncode}, without \"{words}\": {ran.stderr}")
+    for changes, words in WARNED.items():
+        ran = program(1, "check", deck, *changes.split())
+        if ran.returncode != 0 or words not in ran.stdout:
+            problems.append(f"{changes}: no warning \"{words}\": {ran.stdout}{ran.stderr}")
+    ran = program.done(1, "check", deck)
+    expect("warning" not in ran.stdout, "a sound deck is warned of", ran)
+    expect("windows of" in ran.stdout and "of wall time" in ran.stdout, "no estimate", ran)
+    if problems:
+        raise SystemExit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()

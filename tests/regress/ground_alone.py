@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""A ground alone under pressures: waves and settlement of a column against closed forms, a strip
+that goes along against itself a zone later, rest under a dead load and the largest there is, the
+same bits on any number of
+ranks and after a stop.
+
+    ground_alone.py PROGRAM DECK CLAY FOLDER
+"""
+import math
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, summary  # noqa: E402
+from results import datasets, same_bits  # noqa: E402
+
+# Of the deck.
+HEIGHT, YOUNG, POISSON, DENSITY = 4.0, 50e6, 0.3, 2000.0
+OEDOMETRIC = YOUNG * (1 - POISSON) / (1 + POISSON) / (1 - 2 * POISSON)
+SPEED = math.sqrt(OEDOMETRIC / DENSITY)
+PRESSURE = 20e3
+ALL = ["pressure.strip.x=[-4,4]"]
+
+
+class Bench:
+    def __init__(self, program, deck, folder):
+        self.program, self.deck, self.folder = program, deck, folder
+
+    def run(self, name, *overrides, ranks=1, code=0):
+        self.program.done(ranks, "run", self.deck, *overrides, "-o", self.folder / name, code=code)
+        return self.folder / name
+
+    def history(self, name, *overrides):
+        found = datasets(self.run(name, *overrides) / "results.h5")
+        return found["history/time"], found
+
+    def require(self, holds, words):
+        if not holds:
+            raise SystemExit(words)
+
+
+def pulse_of(bench, zones):
+    """Largest error of the top's velocity over its peak, until what the base sends back is there:
+    p / (rho c) of a wave in one dimension."""
+    time, found = bench.history(f"pulse_{zones}", *ALL, "pressure.strip.course=pulse",
+                                "pressure.strip.duration=0.02", "stage.load.duration=0.05",
+                                f"ground.layer.soil.zones={zones}")
+    out = time < 2 * HEIGHT / SPEED * 0.95
+    top = found["history/ground/velocity"]
+    spread = np.abs(top - top[:, :1]).max()
+    peak = PRESSURE / DENSITY / SPEED
+    bench.require(spread < 1e-9 * peak, f"an even load moves the top unevenly: {spread}")
+    now = np.where(time < 0.02, (1 - np.cos(2 * math.pi * time / 0.02)) / 2, 0)
+    return np.abs(top[out, 0] + peak * now[out]).max() / peak
+
+
+def check_pulse(bench):
+    coarse, fine = pulse_of(bench, 20), pulse_of(bench, 40)
+    # 18 and 37 zones in the length of the pulse.
+    bench.require(fine < 0.002 and coarse / fine > 3,
+                  f"pulse: {coarse} and {fine} off, of second order they should be a quarter")
+
+
+def check_settlement(bench):
+    """A slow rise, in implicit steps: the ground follows it at rest."""
+    _, found = bench.history("settled", *ALL, "pressure.strip.duration=2",
+                             "stage.load.duration=2.2", "time.window=0.01",
+                             "ground.integrator=newmark")
+    exact = -PRESSURE * HEIGHT / OEDOMETRIC
+    off = np.abs(found["history/ground/displacement"][-1] / exact - 1).max()
+    bench.require(off < 1e-3, f"settlement: {off} off of {exact} m")  # inertia: (T / rise)^2
+    stress = found["history/ground/sigma_z"][-1] / -PRESSURE - 1
+    bench.require(np.abs(stress).max() < 1e-3, f"stress at the top: {stress} off")
+
+
+def check_along(bench):
+    """The same strip begun a zone behind, on a ground without ends."""
+    around = ["ground.side_x_low=periodic", "ground.side_x_high=periodic",
+              "stage.load.duration=0.03", "pressure.strip.speed=50",
+              "pressure.strip.course=rise", "pressure.strip.duration=0.01"]
+    _, first = bench.history("along", *around, "pressure.strip.x=[-2.6,-1.1]")
+    _, later = bench.history("later", *around, "pressure.strip.x=[-2.4,-0.9]")
+    a, b = (found["history/ground/displacement"] for found in (first, later))
+    off = np.abs(a[:, :-1] - b[:, 1:]).max() / np.abs(a).max()
+    bench.require(off < 1e-10, f"a zone behind, the motion is another one by {off}")
+    moved = np.abs(a[-1] - np.roll(a[-1], 1)).max() / np.abs(a).max()
+    bench.require(moved > 1e-3, "nothing moves")
+
+
+def check_rest(bench):
+    for name, scheme in (("implicit", ["ground.integrator=newmark", "time.window=1e-3"]),
+                         ("explicit", [])):
+        _, found = bench.history(f"dead_{name}", "pressure.strip.course=dead",
+                                 "pressure.strip.duration=0", *scheme)
+        most = max(np.abs(found[f"history/ground/displacement{end}"]).max() for end in ("", "_x"))
+        bench.require(most < 1e-9, f"{name}: at rest under a dead load it goes {most} m")
+
+
+def check_strength(bench, clay):
+    """A strip on clay without drainage bears (2 + pi) c as a dead load (Prandtl 1920): with zones
+    of an eighth of its width between 0.97 and 1.02 of that."""
+    most = (2 + math.pi) * 20e3
+    for share, code in ((0.97, 0), (1.02, 4)):
+        ran = bench.program.done(1, "run", clay, "pressure.strip.course=dead",
+                                 "pressure.strip.duration=0", "stage.load.duration=0.01",
+                                 f"pressure.strip.pressure={share * most}",
+                                 "-o", bench.folder / f"clay_{share}", code=code)
+        bench.require(code == 0 or "no rest of the ground" in ran.stderr, ran.stderr)
+
+
+def check_bits(bench):
+    """Implicit steps have those of their number of ranks: sums of the solver go over ranks."""
+    for name, scheme, ranks in (("explicit", [], (1, 2, 3)),
+                                ("implicit", ["ground.integrator=bossak", "time.window=1e-3"],
+                                 (2, 2, 2))):
+        change = [*scheme, "pressure.strip.speed=20", "stage.load.duration=0.03"]
+        whole = bench.run(f"{name}_whole", *change, ranks=ranks[0])
+        stopped = bench.run(f"{name}_stopped", *change, "output.stop_after=11", ranks=ranks[1],
+                            code=3)
+        bench.program.done(ranks[2], "resume", stopped, "output.stop_after=0")
+        same_bits(whole, stopped, f"{name}, stopped and resumed on {ranks} ranks",
+                  lambda figures: (figures["ground"]["kinetic_j"], figures["simulated_time_s"]))
+        bench.require(summary(whole)["ground"]["kinetic_j"] > 0, f"{name}: nothing moves")
+
+
+def main():
+    folder = pathlib.Path(sys.argv[4])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    bench = Bench(Program(sys.argv[1]), sys.argv[2], folder)
+    for check in (check_pulse, check_settlement, check_along, check_rest, check_bits):
+        check(bench)
+    check_strength(bench, sys.argv[3])
+
+
+if __name__ == "__main__":
+    main()
