@@ -27,17 +27,16 @@ GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input:
   return file;
 }
 
-// At the end of a run, which alone knows.
-void warn_of_unused_options(const par::Comm& comm) {
-  for (const std::string& option : fem::Petsc::unused_options())
+}  // namespace
+
+void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string>& options) {
+  for (const std::string& option : options)
     if (option != "no_signal_handler")
       print(comm,
             fmt::format("warning: the PETSc option -{} was asked for by nothing (those of the "
                         "ground begin with -ground_)\n",
                         option));
 }
-
-}  // namespace
 
 input::Declaration declaration_of(Model& model) {
   return [&model](input::Section& section) { model.declare(section); };
@@ -66,7 +65,7 @@ Model read_model(const input::Deck& deck, Warnings& warnings) {
 
 int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
   const Outcome outcome = simulation.run();
-  warn_of_unused_options(comm);
+  warn_of_unused_options(comm, fem::Petsc::unused_options());
   if (outcome == Outcome::finished) {
     print(comm, "results: " + folder + "\n");
     return static_cast<int>(ExitCode::success);
@@ -91,18 +90,17 @@ GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings&
   return file;
 }
 
-void try_options(const par::Comm& comm, const Model& model) {
+std::vector<std::string> try_options(const par::Comm& comm, const Model& model) {
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const Stage& stage) { return stage.ground_moves; });
-  constexpr double usual = 1e-4;  // s, of windows that only the stones tell
-  if (model.has_stages() && model.ground.present && moves)
-    fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
-                            model.time.window > 0 ? model.time.window : usual);
+  if (!model.has_stages() || !model.ground.present || !moves) return fem::Petsc::unused_options();
+  return fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
+                                 model.time.window);
 }
 
 int run_alone(const par::Comm& comm, const Model& model, const TrackRunOf& of) {
   const bool finished = run_track(comm, model, of);
-  warn_of_unused_options(comm);
+  warn_of_unused_options(comm, fem::Petsc::unused_options());
   return static_cast<int>(finished ? ExitCode::success : ExitCode::stopped);
 }
 

@@ -35,8 +35,10 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
 // Throws InputError for what the ground's files cannot be. Collective.
 GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings);
 // Options that PETSc does not take are refused before anything is made or removed. A ground that
-// never moves has no use for them. Collective.
-void try_options(const par::Comm& comm, const Model& model);
+// never moves has no use for them. Returns the names of those that a run would not ask for, as far
+// as that is known before it. Collective.
+std::vector<std::string> try_options(const par::Comm& comm, const Model& model);
+void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string>& options);
 // Of the rail of a train and of loads on a bed; a track alone has read them when it is built.
 void look_at_profiles(const Model& model, Warnings& warnings);
 

@@ -103,13 +103,14 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   if (!model.has_stages()) {
     if (const GroundFile ground = checked_ground(model, deck, warnings); !ground.size.empty())
       print(comm, ground.size + "\n");
+    warn_of_unused_options(comm, try_options(comm, model));
     check_track(comm, model);
     print(comm, arguments.deck + " is valid\n");
     return static_cast<int>(ExitCode::success);
   }
   const std::string start = checked_start(model, deck, warnings);
   const GroundFile ground = checked_ground(model, deck, warnings);
-  try_options(comm, model);
+  warn_of_unused_options(comm, try_options(comm, model));
   const StonesOfLayers stones = require_stones(comm, model, deck);
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);

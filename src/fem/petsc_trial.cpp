@@ -3,6 +3,8 @@
 // ground would refuse what a run takes, or the other way round. It costs one more setting up.
 #include <petscsys.h>
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +18,17 @@
 namespace trackbed::fem {
 
 namespace {
+
+// What PETSc asks for only as it solves, which a trial does not: of smoothers and coarse grids, of
+// factors within them or beside the tangent, of what it says at the end. With a window that is not
+// known, whether steps get multigrid is not either.
+bool comes_later(const std::string& name, bool window_known) {
+  constexpr std::array pieces = {"ground_mg_",        "ground_gamg_", "_mat_",
+                                 "_converged_reason", "_ksp_error",   "_pc_view"};
+  return std::any_of(pieces.begin(), pieces.end(),
+                     [&](const char* piece) { return name.find(piece) != std::string::npos; }) ||
+         (!window_known && name.starts_with("ground_pc_gamg_"));
+}
 
 // Options that nothing has asked for yet. A trial leaves them so, and what it was asked to write is
 // written nowhere.
@@ -36,6 +49,16 @@ class Untouched {
   Untouched(const Untouched&) = delete;
   Untouched& operator=(const Untouched&) = delete;
   bool none() const { return all_.empty(); }
+  // Those that nothing has asked for since, nor would in a run.
+  std::vector<std::string> left(bool window_known) const {
+    std::vector<std::string> names = Petsc::unused_options();
+    std::erase_if(names, [&](const std::string& name) {
+      return std::none_of(all_.begin(), all_.end(),
+                          [&](const auto& one) { return one.first == name; }) ||
+             comes_later(name, window_known);
+    });
+    return names;
+  }
 
  private:
   // Taken away first: only a new option counts as one that nobody has asked for.
@@ -50,11 +73,15 @@ class Untouched {
 
 }  // namespace
 
-void Petsc::try_options(const par::Comm& comm, const GroundParameters& parameters,
-                        Dimension dimension, double thickness, double window) {
+std::vector<std::string> Petsc::try_options(const par::Comm& comm,
+                                            const GroundParameters& parameters, Dimension dimension,
+                                            double thickness, double window) {
   ensure();
   const Untouched options;
-  if (!options.none()) Ground(comm, parameters, dimension, thickness).try_solvers(window);
+  constexpr double usual = 1e-4;  // s, of windows that only the stones tell
+  if (!options.none())
+    Ground(comm, parameters, dimension, thickness).try_solvers(window > 0 ? window : usual);
+  return options.left(window > 0);
 }
 
 }  // namespace trackbed::fem

@@ -258,8 +258,36 @@ def check_tried_options(program, deck, folder, start):
     for option, unused in (("ground_ksp_tpye", True), ("ground_ksp_view", False)):
         expect((f"the PETSc option -{option} was asked for by nothing" in ran.stdout) == unused,
                f"-{option}: what a trial has asked for the run may not", ran)
+    check_unused_options(program, deck, start)
     program.done(1, "check", deck, start, "--", "-info", ":/nonexistent/ksp")
     program.done(1, "check", deck, start, "--", "-info", "/nonexistent/file:ksp", code=2)
+
+
+# Options that a run asks for late, some only as it solves, or PETSc itself.
+ASKED_LATER = [
+    "-ground_ksp_converged_reason", "-ground_pc_type", "gamg", "-ground_pc_gamg_threshold", "0.01",
+    "-ground_mg_levels_esteig_ksp_max_it", "8", "-log_view", "ascii:/dev/null",
+    "-ground_mg_coarse_sub_pc_type", "lu", "-ground_mg_coarse_sub_pc_factor_mat_solver_type",
+    "mumps", "-ground_mg_coarse_sub_mat_mumps_icntl_14", "50"]
+
+
+def check_unused_options(program, deck, start):
+    """`check` names what is misspelt or has no use, and nothing that a run would use."""
+    yields = ["ground.integrator=newmark", "ground.plane=strain",
+              "ground.layer.soil.yield=mohr_coulomb"]
+    tangent = ["-ground_tangent_ksp_type", "gmres",
+               "-ground_tangent_direct_mat_mumps_icntl_14", "9"]
+    never = [f"stage.{name}.ground_moves=false" for name in ("load", "passage")]
+    for changes, options, named in (
+            ([], ["-ground_pc_typ", "gamg", "-mat_viw"], ["ground_pc_typ", "mat_viw"]),
+            (yields[:2], ASKED_LATER, []),
+            (yields, tangent, []),
+            ([], tangent[:2], ["ground_tangent_ksp_type"]),
+            (never, ["-ground_ksp_type", "cg"], ["ground_ksp_type"])):
+        for ranks in (1, 2):
+            ran = program.done(ranks, "check", deck, start, *changes, "--", *options)
+            found = re.findall(r"the PETSc option -(\w+) was asked for by nothing", ran.stdout)
+            expect(sorted(found) == named, f"{changes} {options}: {found}, not {named}", ran)
 
 
 def main():

@@ -97,10 +97,11 @@ def check_resume(program, deck, folder):
 
 def check_unused_options(program, deck, folder):
     """Nothing here asks PETSc for a solver: said as of a bed."""
-    ran = program.done(1, "run", deck, "passage.duration=0.01", "-o", folder / "options", "--",
-                       "-ground_ksp_type", "cg")
-    if "warning: the PETSc option -ground_ksp_type was asked for by nothing" not in ran.stdout:
-        raise SystemExit(f"an option without use must be named:\n{ran.stdout}")
+    run = ["run", deck, "passage.duration=0.01", "-o", folder / "options"]
+    for command in (run, ["check", deck]):
+        ran = program.done(1, *command, "--", "-ground_ksp_type", "cg")
+        if "warning: the PETSc option -ground_ksp_type was asked for by nothing" not in ran.stdout:
+            raise SystemExit(f"{command[0]} must name an option without use:\n{ran.stdout}")
 
 
 def check_knobs(program, deck, folder):

@@ -23,11 +23,14 @@ class Petsc {
 
   // Starts PETSc if nobody did. Collective over the world.
   static void ensure();
-  // Sets up the solvers that this ground needs in steps of `window` s, so that options which they
-  // refuse are known before a run. Nothing if none were given. What options write, into files or
-  // on the screen, is left to the run. Collective; InputError.
-  static void try_options(const par::Comm& comm, const GroundParameters& parameters,
-                          Dimension dimension, double thickness, double window);
+  // Sets up the solvers that this ground needs in steps of `window` s (0: not known yet), so that
+  // options which they refuse are known before a run. Nothing if none were given. What options
+  // write, into files or on the screen, is left to the run. Returns the names of those that nothing
+  // asked for, without those that may come into use as a run solves.
+  // Collective; InputError.
+  static std::vector<std::string> try_options(const par::Comm& comm,
+                                              const GroundParameters& parameters,
+                                              Dimension dimension, double thickness, double window);
   // Names of options that were given and that nothing has asked for so far: mostly misspelt.
   static std::vector<std::string> unused_options();
 };
