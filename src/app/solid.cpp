@@ -155,7 +155,9 @@ void SolidParameters::declare(input::Section& s) {
   s.flag(
       "half", half,
       "Sleepers end at the middle of the track, at their low y: that end does not move along y.");
-  s.numbers("seats", seats, {.unit = "m"}, "y of the rail seats from the centre of a sleeper.");
+  s.numbers("seats", seats, {.unit = "m"},
+            "y of the rail seats from the centre of a sleeper; below two rails half of track.gauge "
+            "to either side.");
   s.numbers("seat_size", seat_size, {.unit = "m"}, "Extent of a seat along x and y.");
   s.flag("rails", rails,
          "Rails as solids ([rail]) on pads ([pad]) on the seats, on which the axles of [load] run "

@@ -7,13 +7,15 @@
 namespace trackbed::app {
 
 SolidSleepers::SolidSleepers(const Model& model) : model_(model), bodies_(solid_bodies(model)) {
-  seats_.resize(count());
+  below_.resize(count() * pads());
   for (std::size_t i = 0; i < count(); ++i)
     for (std::size_t s = 0; s < seats(); ++s) {
       const fem::Patch patch = seat_patch(model, i, s);
       seat_.push_back(bodies_.over(i, fem::Side::upper, patch));
+      const bool right = pads() == 2 && model.solid.seats[s] < 0;
       for (const fem::NodeWeight& one : seat_.back())
-        seats_[i].push_back({one.node, one.weight / static_cast<double>(seats())});
+        below_[i * pads() + (right ? 1 : 0)].push_back(
+            {one.node, one.weight * static_cast<double>(pads()) / static_cast<double>(seats())});
       if (model.solid.rails) rail_.push_back(bodies_.over(count() + s, fem::Side::upper, patch));
     }
   loaded_ = model.solid.rails ? rail_ : seat_;
@@ -28,6 +30,10 @@ SolidSleepers::SolidSleepers(const Model& model) : model_(model), bodies_(solid_
 std::size_t SolidSleepers::count() const { return static_cast<std::size_t>(model_.sleepers.count); }
 
 std::size_t SolidSleepers::seats() const { return model_.solid.seats.size(); }
+
+std::size_t SolidSleepers::pads() const {
+  return model_.track.line.track.dimension == Dimension::space ? 2 : 1;
+}
 
 double SolidSleepers::x(std::size_t i) const { return bodies_.centre(i).x(); }
 
@@ -105,28 +111,34 @@ std::vector<double> SolidSleepers::seat_forces() const {
 
 std::vector<double> SolidSleepers::seat_levels(double dt) const {
   std::vector<double> levels;
-  for (const fem::NodeWeights& seats : seats_) levels.push_back(bodies_.trapezoidal(dt, seats).z());
+  for (const fem::NodeWeights& pad : below_) levels.push_back(bodies_.trapezoidal(dt, pad).z());
   return levels;
 }
 
 std::vector<double> SolidSleepers::seat_rates() const {
   std::vector<double> rates;
-  for (const fem::NodeWeights& seats : seats_) rates.push_back(bodies_.velocity(seats).z());
+  for (const fem::NodeWeights& pad : below_) rates.push_back(bodies_.velocity(pad).z());
   return rates;
 }
 
-std::vector<double> SolidSleepers::seat_mobility(double dt) {
-  std::vector<double> mobility;
-  for (const fem::NodeWeights& seats : seats_) mobility.push_back(bodies_.mobility(dt, seats));
-  return mobility;
+std::vector<track::Matrix2> SolidSleepers::seat_mobility(double dt) {
+  std::vector<track::Matrix2> all(count(), track::Matrix2::Zero());
+  for (std::size_t i = 0; i < count(); ++i) {
+    const fem::NodeWeights* const pad = &below_[i * pads()];
+    all[i](0, 0) = bodies_.mobility(dt, pad[0]);
+    if (pads() == 1) continue;
+    all[i](1, 1) = bodies_.mobility(dt, pad[1]);
+    all[i](0, 1) = all[i](1, 0) = bodies_.mobility(dt, pad[0], pad[1]);
+  }
+  return all;
 }
 
 void SolidSleepers::press(std::span<const double> force) {
-  require(force.size() == count(), "one force per sleeper");
+  require(force.size() == below_.size(), "one force per pad");
   std::vector<fem::Bodies::Push> pushes;
-  for (std::size_t i = 0; i < count(); ++i) {
-    given_[i] += force[i];
-    pushes.push_back({seats_[i], {0, 0, -force[i]}});
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    given_[k / pads()] += force[k];
+    pushes.push_back({below_[k], {0, 0, -force[k]}});
   }
   bodies_.push(pushes);
 }

@@ -6,6 +6,7 @@
 #include "app/solid.hpp"
 #include "trackbed/fem/bodies.hpp"
 #include "trackbed/observe/results.hpp"
+#include "trackbed/track/line.hpp"
 #include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::app {
@@ -43,13 +44,13 @@ class SolidSleepers final : public track::Sleepers {
   void roll(std::vector<track::AxleLoad> axles) { axles_ = std::move(axles); }
   // N, downwards on each sleeper: of its pads now, or without rails as given in the last window.
   std::vector<double> seat_forces() const;
-  // For the pads of a rail of beams, which see the mean of a sleeper's seats: m, m/s and m/s per N,
-  // see fem::Bodies::trapezoidal and mobility.
+  // For the pads of rails of beams: m, m/s and m/s per N, see fem::Bodies::trapezoidal and
+  // mobility. One rail sees the mean of a sleeper's seats, two have one each, left before right.
   std::vector<double> seat_levels(double dt) const;
   std::vector<double> seat_rates() const;
-  std::vector<double> seat_mobility(double dt);
-  // Adds forces to those at the end of the window that `advance` went through last: N downwards on
-  // each sleeper, which its seats share.
+  std::vector<track::Matrix2> seat_mobility(double dt);  // of each sleeper
+  // Adds forces to those at the end of the window that `advance` went through last: N downwards
+  // below each of these pads; those of one rail its seats share.
   void press(std::span<const double> force);
   const fem::Bodies& bodies() const { return bodies_; }
   observe::SolidState observed() const;
@@ -57,12 +58,13 @@ class SolidSleepers final : public track::Sleepers {
  private:
   void add_wheels(std::vector<fem::Bodies::Push>& pushes) const;
   std::size_t seats() const;  // of a sleeper
+  std::size_t pads() const;   // of rails of beams, on a sleeper
 
   const Model& model_;
   fem::Bodies bodies_;
   std::vector<fem::NodeWeights> loaded_;       // where the load of each seat acts
   std::vector<fem::NodeWeights> seat_, rail_;  // nodes of each seat, and of the rail above it
-  std::vector<fem::NodeWeights> seats_;        // nodes of all seats of each sleeper
+  std::vector<fem::NodeWeights> below_;        // nodes below each pad of rails of beams
   std::vector<fem::Body> rails_;               // as built
   std::vector<Vec3> reaction_;                 // N
   std::vector<double> given_;                  // N, seat forces of the last window

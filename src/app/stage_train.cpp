@@ -82,7 +82,8 @@ std::vector<double> StageTrain::on_seats(const std::vector<double>& sums) const 
 void StageTrain::press() {
   std::vector<double> forces;
   for (std::size_t i = 0; i < world_.sleepers->count(); ++i)
-    forces.push_back(train_->seat_force(i));
+    for (std::size_t side = 0; side < rails(); ++side)
+      forces.push_back(train_->seat_force(i, side));
   world_.solids->press(forces);
 }
 

@@ -101,20 +101,35 @@ void declare_zones(const Model& model, input::Section& s) {
   }
 }
 
+// Whole sleepers, with a seat below each rail.
+void declare_solid_sides(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"track", "sleepers", "solid", "stage"}};
+  s.rule("solid.half", !model.solid.half,
+         "must be false below two rails (track.dimension = \"space\")", about);
+  const std::vector<double>& seats = model.solid.seats;
+  const double side = model.track.line.track.gauge / 2;
+  s.rule("solid.seats",
+         seats.size() == 2 && std::abs(seats[0] + seats[1]) <= rounding * side &&
+             std::abs(std::abs(seats[0]) - side) <= rounding * side,
+         fmt::format("must be [{0:g}, -{0:g}] below two rails (track.dimension = \"space\"), half "
+                     "of track.gauge to either side",
+                     side),
+         about);
+}
+
 // Two rails lie on two seats of each sleeper, which rolls below them.
 void declare_sides(const Model& model, input::Section& s) {
   if (model.track.line.track.dimension == Dimension::plane) return;
   const input::About about{.reads = {"track", "sleepers", "seat", "stage", "dimension"}};
   s.rule("track.dimension", model.dimension == Dimension::space,
          "must be plane in a plane model, whose sleepers do not roll (dimension)", about);
-  s.rule("track.dimension", model.sleepers.model == track::SleeperBody::rigid,
-         "must be plane on solid sleepers (sleepers.model), whose seats share one rail", about);
   s.rule("seat.rails", model.seat.rails == 2,
          "must be 2 below two rails (track.dimension = \"space\")", about);
   const double gauge = model.track.line.track.gauge, length = model.sleepers.length;
   s.rule("track.gauge", gauge < length,
          fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
          about);
+  if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
   const auto& free = model.sleepers.free;
   s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
          "lacks rx: sleepers of the bed do not roll below two rails, those on springs do",

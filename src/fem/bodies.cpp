@@ -171,11 +171,15 @@ void Bodies::push(std::span<const Push> pushes) {
       room.surfaces[s].motion[n] += room.system.of(room.change, room.node_of[s][n]);
 }
 
-double Bodies::mobility(double dt, const NodeWeights& at) {
+double Bodies::mobility(double dt, const NodeWeights& of, const NodeWeights& by) {
   BodiesSystem& system = room_->system;
-  BodiesSystem::Vector& force = room_->cleared_force();
-  for (const NodeWeight& one : at) system.add(one.node, {0, 0, one.weight}, force);
-  return force.dot(system.mobility(dt, force));
+  const auto spread = [&](const NodeWeights& over) {
+    BodiesSystem::Vector& all = room_->cleared_force();
+    for (const NodeWeight& one : over) system.add(one.node, {0, 0, one.weight}, all);
+    return all;
+  };
+  const BodiesSystem::Vector rate = system.mobility(dt, spread(by));
+  return spread(of).dot(rate);
 }
 
 Vec3 Bodies::trapezoidal(double dt, const NodeWeights& at) const {

@@ -51,7 +51,7 @@ void add_seats(const TrainInstant& instant, std::size_t sleepers, std::vector<Co
     for (std::size_t side = 0; side < instant.rails; ++side) {
       to[rail_displacement].values.push_back(on_bed.rail_displacement(i, side));
       if (instant.rails == 1) continue;
-      to[seat_displacement].values.push_back(on_bed.passage().seat(i, side).height);
+      to[seat_displacement].values.push_back(on_bed.seat_displacement(i, side));
       to[seat_force].values.push_back(on_bed.seat_force(i, side));
     }
 }

@@ -193,9 +193,9 @@ void Line::Room::connect(const Kelvin& element) {
     }
 }
 
-// Of sleepers that give way under the force of their pads within a step (on_bed.hpp).
-double Line::Room::moved_pad(std::size_t index) const {
-  if (!is_moved(index) || parameters.moved_pads.empty()) return 1;
+// Of sleepers that give way under the force of their pads within a step (on_bed.cpp).
+Matrix2 Line::Room::moved_pads(std::size_t index) const {
+  if (!is_moved(index) || parameters.moved_pads.empty()) return Matrix2::Identity();
   return parameters.moved_pads.at(index - parameters.first_moved);
 }
 
@@ -217,7 +217,8 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   const PadParameters& pad = parameters.pad;
   const std::size_t at = index * static_cast<std::size_t>(parameters.track.elements);
   const std::int32_t rail = nodes[side][at][0], below = sleeper.unknown[side];
-  const double stiffer = run_in(sleeper.x) * moved_pad(index);
+  const auto own = static_cast<Eigen::Index>(side);
+  const double stiffer = run_in(sleeper.x) * moved_pads(index)(own, own);
   sleeper.pad[side] = between(rail, below, pad.stiffness * stiffer, pad.damping * stiffer);
   connect(sleeper.pad[side]);
   if (pad.uplift) {
@@ -230,6 +231,19 @@ void Line::Room::add_pad(std::size_t index, std::size_t side) {
   stops.push_back(stop_of(between(rail, below, sleeper.beyond[side], 0), pad.knee / stiffer));
   if (is_moved(index))
     stops.back().seat = static_cast<std::int32_t>((index - parameters.first_moved) * sides + side);
+}
+
+// The force of one pad moves the seat of the other.
+void Line::Room::join_pads(std::size_t index) {
+  Sleeper& sleeper = sleepers[index];
+  const double across = run_in(sleeper.x) * moved_pads(index)(0, 1);
+  sleeper.across_stiffness = parameters.pad.stiffness * across;
+  sleeper.across_damping = parameters.pad.damping * across;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::int32_t one = sleeper.pad[side].unknown[0], other = sleeper.pad[1 - side].unknown[0];
+    add(stiffness, one, other, sleeper.across_stiffness);
+    add(damping, one, other, sleeper.across_damping);
+  }
 }
 
 // Half a sleeper for one rail. Of a whole one, with heights z_l, z_r below its rails,
@@ -325,6 +339,7 @@ void Line::Room::add_ballast(std::size_t index, std::size_t side) {
 // Sleepers at the very ends carry half a spacing, but are whole: the run-in hides it.
 void Line::Room::add_sleeper(std::size_t index) {
   for (std::size_t side = 0; parameters.pads && side < sides; ++side) add_pad(index, side);
+  if (parameters.pads && sides == 2) join_pads(index);
   if (is_moved(index)) return;
   if (mesh) return add_across(index);
   add_sleeper_mass(sleepers[index]);

@@ -99,24 +99,32 @@ std::size_t Line::nearest_sleeper(double x) const {
 }
 
 // What the pad gives to the sleeper; its inertia is none, so the rail gets the same.
-double Line::seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat,
-                        std::size_t side) const {
+double Line::seat_force(std::size_t i, const Vector& u, const Vector& v,
+                        const std::array<Seat, 2>& seats, std::size_t side) const {
   const Sleeper& sleeper = room_->sleepers.at(i);
   const Kelvin& pad = sleeper.pad.at(side);
-  const auto [rail, below, none] = pad.unknown;
-  const auto of = [&](const Vector& y, double given) {
+  const auto of = [](const Kelvin& one, const Vector& y, double given) {
+    const auto [rail, below, none] = one.unknown;
     return (below >= 0 ? y[below] : given) - (rail >= 0 ? y[rail] : 0.0);
   };
+  const Seat& seat = seats.at(side);
   // Over a run-in all is as much stiffer as the knee comes earlier.
   const double knee = room_->parameters.pad.knee / room_->run_in(sleeper.x);
-  const double pressed = of(u, seat.height), rate = of(v, seat.rate);
+  const double pressed = of(pad, u, seat.height), rate = of(pad, v, seat.rate);
   const double stiffer = sleeper.beyond.at(side) * std::max(0.0, pressed - knee);
   if (room_->parameters.pad.uplift) {
     const double preload = room_->preload(i, side);
     const double whole = pressed + preload / pad.stiffness;  // m, of the pad without any force
     return Stop{{}, 0, pad.stiffness, pad.damping}.force(whole, rate) - preload + stiffer;
   }
-  return pad.stiffness * pressed + pad.damping * rate + stiffer;
+  double across = 0;
+  if (sleeper.across_stiffness != 0) {
+    const Kelvin& pad_across = sleeper.pad.at(1 - side);
+    const Seat& other = seats.at(1 - side);
+    across = sleeper.across_stiffness * of(pad_across, u, other.height) +
+             sleeper.across_damping * of(pad_across, v, other.rate);
+  }
+  return pad.stiffness * pressed + pad.damping * rate + stiffer + across;
 }
 
 double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {
@@ -147,6 +155,12 @@ void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
     const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[k % sides()];
     const double force = held.stiffness * seats[k].height + held.damping * seats[k].rate;
     if (!ground && held.unknown[0] >= 0) to[held.unknown[0]] += force;
+    if (!ground && sides() == 2) {
+      const std::int32_t rail = sleeper.pad[1 - k % 2].unknown[0];
+      if (rail >= 0)
+        to[rail] +=
+            sleeper.across_stiffness * seats[k].height + sleeper.across_damping * seats[k].rate;
+    }
     if (!ground) continue;
     for (const auto& [unknown, share] : sleeper.on) to[unknown] += share * force;
   }

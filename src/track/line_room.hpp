@@ -28,6 +28,8 @@ struct Sleeper {
   // Of the lower face of a pad below it, of the ballast mass; -1: none.
   std::array<std::int32_t, 2> pad_below{-1, -1}, ballast{-1, -1};
   std::array<Kelvin, 2> pad;
+  // N/m, N s/m: what the compression of the other pad adds to the force of each.
+  double across_stiffness = 0, across_damping = 0;
   std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
   Kelvin lowest = {};              // on the ground; plane
   // What stands on it, plane: unknowns whose sum, each times its number, is its height.
@@ -48,6 +50,7 @@ struct Line::Room {
   void connect(const Kelvin& element);
   void add_sleeper(std::size_t index);
   void add_pad(std::size_t index, std::size_t side);
+  void join_pads(std::size_t index);
   void add_sleeper_mass(const Sleeper& sleeper);
   void add_pad_below(std::size_t index, std::size_t side);
   void add_ballast(std::size_t index, std::size_t side);
@@ -64,7 +67,7 @@ struct Line::Room {
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;
   double node_x(std::size_t n) const { return static_cast<double>(n) * element_length; }
   double run_in(double x) const;
-  double moved_pad(std::size_t index) const;
+  Matrix2 moved_pads(std::size_t index) const;
   double preload(std::size_t index, std::size_t side) const;
   double rail_factor(std::size_t e, std::size_t side) const;
   double gap_below(double x, std::size_t side) const;

@@ -11,13 +11,17 @@
 // Sleepers that take an implicit step want the force of its end. They are linear: with w*, w'* of
 // seats without that force, Y = `mobility` (m/s per N, of a seat) and h the step (s),
 //   w' = w'* - Y r F,  w = w* - h/2 Y r F,   F = f [k (w* - u) + c (w'* - u')],
-//   f = 1/(1 + r Y (c + k h/2)),   r rails of a sleeper,
+//   f = 1/(1 + r Y (c + k h/2)),   r rails of a seat,
 // which is a softer pad on w*, w'*. Rail, pads and sleepers thus take one implicit step together,
-// in which no force is late. Of one rail: the seats of two give way to each other's forces.
+// in which no force is late.
 //
 // Two rails have a seat each on every sleeper; w is then that of the seat, and what a sleeper's
-// roll does to it is the caller's.
+// roll does to it is the caller's. Seats of one sleeper also give way to each other's forces: F, w
+// are then pairs, Y and f symmetric 2 x 2 matrices, and what stands off f's diagonal joins the
+// pads.
 #include "trackbed/track/on_bed.hpp"
+
+#include <Eigen/LU>
 
 #include "trackbed/core/error.hpp"
 
@@ -25,16 +29,18 @@ namespace trackbed::track {
 
 namespace {
 
+double rails_of_seat(const TrainOnBedParameters& p) {
+  return p.line.track.dimension == Dimension::space ? p.seat.rails / 2 : p.seat.rails;
+}
+
 LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
   LineParameters line = p.line;
-  require(p.mobility.empty() || line.track.dimension == Dimension::plane,
-          "sleepers in implicit steps carry one rail");
   line.first_moved = static_cast<std::size_t>(p.seat.before);
   line.moved = p.sleepers;
   const PadParameters& pad = p.line.pad;
-  for (const double mobility : p.mobility)
-    line.moved_pads.push_back(
-        1 / (1 + p.seat.rails * mobility * (pad.damping + pad.stiffness * p.step / 2)));
+  const double follows = rails_of_seat(p) * (pad.damping + pad.stiffness * p.step / 2);
+  for (const Matrix2& mobility : p.mobility)
+    line.moved_pads.emplace_back((Matrix2::Identity() + follows * mobility).inverse());
   return line;
 }
 
@@ -46,7 +52,9 @@ struct TrainOnBed::Room {
       : begin(p.first - static_cast<double>(p.seat.before) * p.line.track.spacing),
         levels(at),
         line(on_moved_sleepers(p)),
-        rails(p.seat.rails / static_cast<double>(line.sides())),
+        rails(rails_of_seat(p)),
+        step(p.step),
+        mobility(p.mobility),
         train(p.train, p.vehicles, p.line.track.rails, p.line.track.wheel_gauge()),
         passage(line, train, WheelRail(p.wheel_rail),
                 Irregularity(p.irregularity, p.line.track.length), p.train,
@@ -64,6 +72,8 @@ struct TrainOnBed::Room {
   std::vector<double> levels;  // m, of the seats when the rail was laid: state
   Line line;
   double rails;  // whose load a seat carries
+  double step;   // s
+  std::vector<Matrix2> mobility;
   Train train;
   Passage passage;
 };
@@ -97,6 +107,15 @@ double TrainOnBed::seat_force(std::size_t i) const {
 
 double TrainOnBed::seat_force(std::size_t i, std::size_t side) const {
   return room_->rails * room_->passage.seat_force(i, side);
+}
+
+double TrainOnBed::seat_displacement(std::size_t i, std::size_t side) const {
+  const Room& room = *room_;
+  double height = room.passage.seat(i, side).height;
+  for (std::size_t by = 0; !room.mobility.empty() && by < room.line.sides(); ++by)
+    height -= room.step / 2 * seat_force(i, by) *
+              room.mobility[i](static_cast<Eigen::Index>(side), static_cast<Eigen::Index>(by));
+  return height;
 }
 
 void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<double>& rates) {

@@ -273,8 +273,10 @@ void Passage::place_seats(const std::vector<Seat>& seats) {
 
 double Passage::seat_force(std::size_t i, std::size_t side) const {
   const Room& room = *room_;
+  std::array<Seat, 2> seats{};
+  for (std::size_t s = 0; s < room.line.sides(); ++s) seats[s] = seat(i, s);
   return room.line.seat_force(room.line.first_moved() + i, room.track.displacement,
-                              room.track.velocity, seat(i, side), side);
+                              room.track.velocity, seats, side);
 }
 
 const Seat& Passage::seat(std::size_t i, std::size_t side) const {

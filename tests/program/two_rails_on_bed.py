@@ -22,10 +22,16 @@ GRAVITY = 9.81
 BALANCE = 1e-10  # promise of the coupling
 
 
+SOLID = ["sleepers.model=solid", "solid.seats=[-0.15,0.15]", "solid.seat_size=[0.15,0.1]"]
 REFUSED = {
     "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
-    "sleepers.model=solid": "must be plane on solid sleepers (sleepers.model)",
+    "sleepers.model=solid": "solid.seats: must be [0.15, -0.15] below two rails",
+    "sleepers.model=solid solid.seats=[-0.1,0.15] solid.seat_size=[0.15,0.1]":
+        "must be [0.15, -0.15] below two rails",
+    f"{' '.join(SOLID)} track.gauge=0.32": "must be [0.16, -0.16] below two rails",
+    f"{' '.join(SOLID)} solid.half=true": "solid.half = true: must be false below two rails",
+    f"{' '.join(SOLID)} seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "handover.after=sleepers": "must be plane in a deck with [handover], whose loop computes one",
     "track.dimension=plane":
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
@@ -52,10 +58,10 @@ def facts(of):
     return of["dem"]["state_hash"], of["track"]
 
 
-def check_runs(program, deck, folder):
-    for ranks in (1, 2, 3, 4):
+def check_runs(program, deck, folder, words, most_ranks):
+    for ranks in range(1, most_ranks + 1):
         place = folder / f"ranks_{ranks}"
-        program.done(ranks, "run", deck, "-o", place)
+        program.done(ranks, "run", deck, *words, "-o", place)
         for name, value in summary(place)["coupling"].items():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
@@ -65,18 +71,20 @@ def check_runs(program, deck, folder):
     for part in (0.5, 0.9):
         place = folder / f"stopped_{part}"
         windows = sum(done[:-1]) + round(part * done[-1])
-        program.done(2, "run", deck, f"output.stop_after={windows}", "-o", place, code=3)
+        program.done(2, "run", deck, *words, f"output.stop_after={windows}", "-o", place, code=3)
         program.done(3, "resume", place)
         same_bits(folder / "ranks_1", place, f"stopped after {windows} windows", facts, "history/")
 
 
-def check_histories(folder, deck):
+def histories(folder, deck):
+    """Of the stage with the train, on two seats of two sleepers below two wheels."""
     with h5py.File(folder / "results.h5") as file:
         train = file["history/stage"][()].ravel() == len(deck["stage"]) - 1
         of = {name: file[f"history/{name}"][()][train]
               for name in ("wheel/force", "wheel/x", "rail/displacement", "seat/displacement",
                            "seat/force", "body/roll", "sleeper/displacement", "sleeper/reaction",
-                           "sleeper/seat_force", "sleeper/acceleration")}
+                           "sleeper/seat_force", "sleeper/acceleration", "solid/seat_displacement")
+              if f"history/{name}" in file}
     shapes = {name: of[name].shape[1:] for name in ("wheel/force", "rail/displacement",
                                                     "seat/displacement", "seat/force")}
     if list(shapes.values()) != [(2,), (4,), (4,), (4,)]:
@@ -94,6 +102,13 @@ def check_histories(folder, deck):
            - mass * (GRAVITY + of["sleeper/acceleration"]))
     if np.abs(off).max() > 1e-6 * STATIC:
         raise SystemExit(f"forces on sleepers do not balance: {np.abs(off).max()} N")
+    if np.abs(of["body/roll"]).max() < 1e-5:
+        raise SystemExit("the body does not roll")
+    return of
+
+
+def check_rigid(of, deck):
+    x = of["wheel/x"][:, 0]
     # The centre is amid the seats, but for a way before the rail was laid.
     centre = of["sleeper/displacement"].reshape(len(x), 2)
     seats = of["seat/displacement"].reshape(len(x), 2, 2)
@@ -108,8 +123,21 @@ def check_histories(folder, deck):
     if late > 0.05 * np.ptp(force[5:]) or np.ptp(force[5:]) < 0.2 * STATIC:
         raise SystemExit(f"seats get {np.ptp(force[5:])} N more or less, {late} N of it not from "
                          "their pads")
-    if np.abs(of["body/roll"]).max() < 1e-5:
-        raise SystemExit("the body does not roll")
+
+
+def check_solid(of, deck):
+    """Forces and seats of a row are those of its instant; sleepers bend a little and roll."""
+    force = -of["sleeper/seat_force"] - deck["stage"][-1]["seat_force"]
+    off = np.abs(of["seat/force"].reshape(-1, 2, 2).sum(axis=2) - force.reshape(-1, 2)).max()
+    if off > 1e-9 * STATIC or np.ptp(of["seat/force"]) < 0.1 * STATIC:
+        raise SystemExit(f"seats get {off} N that is not from their pads")
+    # Seats of the deck stand right before left; displacements count from different times, and one
+    # of them follows velocities by the trapezoidal rule.
+    told = of["solid/seat_displacement"].reshape(-1, 2, 2)[..., ::-1]
+    apart = np.ptp(of["seat/displacement"].reshape(-1, 2, 2) - told, axis=0).max()
+    turned = np.ptp(told[..., 0] - told[..., 1])
+    if apart > 1e-3 * turned or turned < 1e-6:
+        raise SystemExit(f"seats of train and solids are {apart} m apart, turned by {turned} m")
 
 
 def check_figures(source, folder):
@@ -125,8 +153,11 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     deck = source / "tests/restart/tiny_two_rails.toml"
     check_sentences(program, deck)
-    check_runs(program, deck, folder)
-    check_histories(folder / "ranks_1", tomllib.loads(deck.read_text(encoding="utf-8")))
+    read = tomllib.loads(deck.read_text(encoding="utf-8"))
+    check_runs(program, deck, folder, [], 4)
+    check_rigid(histories(folder / "ranks_1", read), read)
+    check_runs(program, deck, folder / "solid", [*SOLID, "solid.alpha=0"], 2)
+    check_solid(histories(folder / "solid/ranks_1", read), read)
     check_figures(source, folder / "ranks_1")
 
 

@@ -110,9 +110,10 @@ class Bodies {
 
   // More pushes at the end of the step that `advance` took last, as if it had had them.
   void push(std::span<const Push> pushes);
-  // m/s per N, up: how fast `at` moves at the end of a step because of a push there. What follows
+  // m/s per N, up: how fast `of` moves at the end of a step because of a push at `by`. What follows
   // the velocities by the trapezoidal rule gives way by dt/2 of it. Factorises as `advance`.
-  double mobility(double dt, const NodeWeights& at);
+  double mobility(double dt, const NodeWeights& of, const NodeWeights& by);
+  double mobility(double dt, const NodeWeights& at) { return mobility(dt, at, at); }
 
   Vec3 displacement(const NodeWeights& at) const;  // m
   Vec3 velocity(const NodeWeights& at) const;      // m/s

@@ -4,6 +4,7 @@
 // (number 0) lies at positive y, and roll is positive where the left side is higher.
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace trackbed::track {
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Vector = Eigen::VectorXd;
+using Matrix2 = Eigen::Matrix2d;  // of the left and the right seat of a sleeper
 
 // M a + C v + K u = f; kg, N s/m, N/m and the like for rotations.
 struct LinearSystem {
@@ -121,7 +123,9 @@ struct LineParameters {
   // pads or ballast it has the upper ends.
   std::size_t first_moved = 0, moved = 0;
   MovedPart moves = MovedPart::sleepers;
-  std::vector<double> moved_pads = {};  // factor of the pad of each that is moved; none: 1
+  // Of each sleeper that is moved, a factor of its pads: their forces are this times those by their
+  // compressions; none: 1. On one rail the first entry alone.
+  std::vector<Matrix2> moved_pads = {};
   bool pads = true;  // false: sleepers are loaded by seat loads, and the rail by nothing
 };
 
@@ -184,9 +188,10 @@ class Line {
   MovedPart moves() const;
   std::size_t seats() const;  // of all that are moved: on two rails left before right of each
   std::size_t nearest_sleeper(double x) const;
-  // N, of the pad on sleeper i, compression positive. `seat`: of a sleeper that is moved.
-  double seat_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat = {},
-                    std::size_t side = 0) const;
+  // N, of the pad on sleeper i, compression positive. `seats`: of a sleeper that is moved, left
+  // before right.
+  double seat_force(std::size_t i, const Vector& u, const Vector& v,
+                    const std::array<Seat, 2>& seats = {}, std::size_t side = 0) const;
   // N, of the ballast of sleeper i on the ground, compression positive; of a hanging sleeper
   // without what its stop does. Plane tracks on sleepers.
   double ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const;

@@ -35,10 +35,10 @@ struct TrainOnBedParameters {
   double first;              // m, x of the bed, of the first of them
   double step;               // s
   double tolerance = 1e-12;  // m, see PassageParameters
-  // m/s per N, of each sleeper's seat at the end of a step by a force of its pads there; its level
-  // gives way by half a step of that. Of sleepers in implicit steps; none: explicit ones, for which
-  // forces of the end of a step come too late.
-  std::vector<double> mobility = {};
+  // m/s per N, of each sleeper's seats at the end of a step by forces of its pads there; their
+  // levels give way by half a step of that. On one rail the first entry alone. Of sleepers in
+  // implicit steps; none: explicit ones, for which forces of the end of a step come too late.
+  std::vector<Matrix2> mobility = {};
   // Of the right rail, if it is another one; its kind is not `same`.
   std::optional<IrregularityParameters> irregularity_right = {};
 };
@@ -65,6 +65,8 @@ class TrainOnBed {
   const Train& train() const;
   const Line& line() const;
   const Passage& passage() const;
+  // m, of one seat since the rail was laid; with what `mobility` adds.
+  double seat_displacement(std::size_t i, std::size_t side) const;
   double wheel_x(std::size_t i) const;  // m, x of the bed
   // m, above the i-th sleeper of the bed, since laid.
   double rail_displacement(std::size_t i, std::size_t side = 0) const;

@@ -272,6 +272,22 @@ TEST(Bodies, FieldsAreOnTheFirstRank) {
   EXPECT_EQ(grid.cell_data[0].values.size(), world.root() ? 6u * 48 : 0u);
 }
 
+// A push moves other places, too, and as far as a push there would move its own (Betti).
+TEST(Bodies, PlacesMoveEachOther) {
+  Bodies bodies = one();
+  constexpr double dt = 2e-4, force = 3e3;
+  const NodeWeights at = bodies.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}}),
+                    there = bodies.over(0, Side::upper, {.x = {0, 0.2}, .y = {0, 0.1}});
+  const Bodies::Push push{at, {0, 0, force}};
+  bodies.advance(dt, g, {}, {});
+  const double rate = bodies.velocity(there).z();
+  bodies.push(std::span(&push, 1));
+  const double gained = bodies.velocity(there).z() - rate, wanted = bodies.mobility(dt, there, at);
+  EXPECT_NEAR(gained, force * wanted, rounding * std::abs(gained));
+  EXPECT_NEAR(bodies.mobility(dt, at, there), wanted, rounding * std::abs(wanted));
+  EXPECT_LT(std::abs(wanted), 0.9 * bodies.mobility(dt, at));
+}
+
 // What is pushed after a step counts as what was pushed in it, and moves a place as it says.
 TEST(Bodies, PushesAfterAStepAreThoseOfItsEnd) {
   Bodies before = one(), after = one(), without = one();

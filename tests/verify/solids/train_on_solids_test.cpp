@@ -102,7 +102,7 @@ struct OnSolids {
   }
 
   track::TrainOnBed train_of() {
-    std::vector<double> mobility;
+    std::vector<track::Matrix2> mobility(count, track::Matrix2::Zero());
     for (std::size_t i = 0; i < count; ++i) {
       NodeWeights all;
       for (const double y : c.seats) {
@@ -112,7 +112,7 @@ struct OnSolids {
           all.push_back({one.node, one.weight / static_cast<double>(c.seats.size())});
       }
       seats.push_back(all);
-      mobility.push_back(bodies.mobility(c.dt, all));
+      mobility[i](0, 0) = bodies.mobility(c.dt, all);
     }
     track::TrainParameters sent = motion;
     sent.vehicles = c.vehicles;
