@@ -92,6 +92,14 @@ RailPoint Line::at(double x, std::size_t side) const {
   return point;
 }
 
+std::vector<RailNodes> Line::rail_nodes() const {
+  std::vector<RailNodes> nodes(room_->elements + 1, RailNodes{-1, -1, -1, -1});
+  for (std::size_t side = 0; side < sides(); ++side)
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      std::copy_n(room_->nodes[side][n].begin(), 2, nodes[n].begin() + 2 * side);
+  return nodes;
+}
+
 std::size_t Line::nearest_sleeper(double x) const {
   const auto last = static_cast<double>(sleepers() - 1);
   const double number = std::round(x / room_->parameters.track.spacing);

@@ -24,6 +24,10 @@ using Factor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrderin
 
 }  // namespace
 
+Sparse effective_stiffness(const LinearSystem& system, double step) {
+  return system.stiffness + 2 / step * system.damping + 4 / (step * step) * system.mass;
+}
+
 struct Newmark::Room {
   LinearSystem system;
   double step;
@@ -37,9 +41,7 @@ Newmark::Newmark(const LinearSystem& system, double step)
       room_(std::make_unique<Room>()) {
   room_->system = system;
   room_->step = step;
-  const Sparse effective =
-      system.stiffness + 2 / step * system.damping + 4 / (step * step) * system.mass;
-  room_->factor.compute(effective);
+  room_->factor.compute(effective_stiffness(system, step));
   require(room_->factor.info() == Eigen::Success, "the track's matrix is positive definite");
 }
 
@@ -58,6 +60,7 @@ Vector Newmark::free_change(const Vector& force) const {
 }
 
 Columns Newmark::flexibility(const Columns& forces) const { return room_->factor.solve(forces); }
+Vector Newmark::flexibility(const Vector& forces) const { return room_->factor.solve(forces); }
 
 // All three stay at one time level: a step can be judged, and a run stopped, between any two.
 void Newmark::accept(const Vector& change) {

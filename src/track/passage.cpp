@@ -5,10 +5,11 @@
 // with d0 from a step without contact forces. Newton's method solves these few equations; A is
 // symmetric and positive, F rises with d, so there is one solution. Of a pad that lifts off F falls
 // with d, but no faster than its spring and damper in the matrices rise: their sum rises.
-// Cost per step: one band solve of the track with a right side for each wheel on it, which is
-// nearly all of it; linear in length of track and number of wheels. Stops stand still: their
-// columns are solved once. Those that give no force and are not about to (pads short of their knee
-// or pressed, sleepers that hang free) stay out of Newton's equations, whose cost is n^3.
+// Cost per step: two band solves of the track, one without and one with what contacts add, and A,
+// whose share of the wheels takes four unknowns of each rail node (influence.cpp). Stops stand
+// still: their columns are solved once, and what wheels do to them is what they do to wheels. Those
+// that give no force and are not about to (pads short of their knee or pressed, sleepers that hang
+// free) stay out of Newton's equations, whose cost is n^3.
 //
 // The rail moves as its shape functions say plus the local flexibility of its element (beam.hpp),
 // whose inertia is left out; of two wheels in one element each feels its own alone.
@@ -45,7 +46,8 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
       parameters(p),
       seat_load(s),
       track(l.system(), p.step),
-      vehicles(t.system(), p.step) {
+      vehicles(t.system(), p.step),
+      influence(effective_stiffness(l.system(), p.step), l.rail_nodes()) {
   for (std::size_t k = 0; k < train.wheels().size(); ++k)
     if (train.wheels()[k].unknown >= 0) rolling.push_back(k);
   seats.resize(line.seats());
@@ -64,9 +66,8 @@ Passage::Room::Room(const Line& l, const Train& t, const WheelRail& w,
   for (const Stop& stop : line.stops()) touching.push_back(stop.point);
   flexibility = Matrix::Zero(n, n);
   if (stops == 0) return;
-  const Columns change = track.flexibility(columns_of(rolling.size(), line.stops().size()));
-  flexibility.bottomRightCorner(stops, stops) = rail_matrix(rolling.size(), change);
-  stop_change = change;
+  stop_change = track.flexibility(columns_of(rolling.size(), line.stops().size()));
+  flexibility.bottomRightCorner(stops, stops) = rail_matrix(rolling.size(), stop_change);
 }
 
 // Where the wheels are now, and what constant forces do there; other forces as they are now.
@@ -119,11 +120,19 @@ Matrix Passage::Room::rail_matrix(std::size_t first, const Columns& columns) con
 // Columns and, as it is symmetric, rows of the wheels, where they stand now.
 void Passage::Room::renew_flexibility() {
   const Eigen::Index wheels = wheels_rolling(), stops = contacts() - wheels;
-  track_change = track.flexibility(columns_of(0, rolling.size()));
-  flexibility.leftCols(wheels) = rail_matrix(0, track_change);
+  const std::vector<RailPoint> below(touching.begin(), touching.begin() + wheels);
+  flexibility.topLeftCorner(wheels, wheels) =
+      influence.between(below) + wheel_columns.transpose() * wheel_change;
+  for (Eigen::Index i = 0; i < wheels; ++i) {
+    const RailPoint& p = below[static_cast<std::size_t>(i)];
+    flexibility(i, i) += p.local;
+    auto of_stops = flexibility.col(i).tail(stops);
+    of_stops.setZero();
+    for (std::size_t k = 0; stops > 0 && k < 4; ++k)
+      if (p.unknown[k] >= 0) of_stops += p.value[k] * stop_change.row(p.unknown[k]).transpose();
+  }
   flexibility.topRightCorner(wheels, stops) =
       flexibility.bottomLeftCorner(stops, wheels).transpose();
-  flexibility.topLeftCorner(wheels, wheels) += wheel_columns.transpose() * wheel_change;
 }
 
 // m/s, of a stop's approach at the end of the step, as Newmark's formula has velocities.
@@ -220,12 +229,12 @@ void Passage::Room::solve_contacts(const Vector& without) {
       parameters.tolerance));
 }
 
-// Change of the track's displacements by forces of the contacts, downwards on the rail.
-Vector Passage::Room::of_contacts(const Vector& force) const {
-  Vector change = track_change * force.head(wheels_rolling());
-  for (Eigen::Index i = wheels_rolling(), k = 0; i < contacts(); ++i, ++k)
-    if (force[i] != 0) change += force[i] * stop_change.col(k);
-  return change;
+// N, on the track's unknowns, of contacts that press it with these forces.
+Vector Passage::Room::pushed(const Vector& force) const {
+  Vector load = Vector::Zero(line.system().mass.rows());
+  for (Eigen::Index i = 0; i < contacts(); ++i)
+    if (force[i] != 0) touching[static_cast<std::size_t>(i)].add(-force[i], load);
+  return load;
 }
 
 // Free motion of track and train, contact forces, and what these add.
@@ -243,7 +252,7 @@ void Passage::Room::step() {
     stop_rate[k] = rate(k);
     stop_before[k] = approach[wheels + k];
   }
-  track.accept(of_track - of_contacts(force));
+  track.accept(of_track + track.flexibility(pushed(force)));
   vehicles.accept(of_train + wheel_change * force.head(wheels));
   for (std::size_t k = 0; k < rolling.size(); ++k)
     if (const double at = x(rolling[k]); at >= 0 && at <= line.length())

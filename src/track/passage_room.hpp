@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "influence.hpp"
 #include "trackbed/track/motion.hpp"
 #include "trackbed/track/passage.hpp"
 
@@ -30,7 +31,7 @@ struct Passage::Room {
   void step();
   void solve_contacts(const Vector& without);
   Vector newton_step(const Vector& without) const;
-  Vector of_contacts(const Vector& force) const;
+  Vector pushed(const Vector& force) const;
   Vector approaches(const Vector& of_track, const Vector& of_train) const;
   double wheel_height(const Train::Wheel& wheel, const Vector& of_train) const;
   double improve_rest(Vector& u, const Matrix& g, const Vector& without);
@@ -50,11 +51,11 @@ struct Passage::Room {
   Newmark track, vehicles;
   std::vector<std::size_t> rolling;  // wheels of vehicles; the others are constant forces
   // Contacts are wheels that roll, then stops. Of each wheel a column: the train's unknowns per
-  // unit of its force, and their change in a step. Changes of the track by wheels, anew in each
-  // step, and by stops, which stay where they are.
+  // unit of its force, and their change in a step. Changes of the track by stops, which stay where
+  // they are.
   Columns wheel_columns, wheel_change;
-  Columns track_change;
-  Matrix stop_change;
+  Columns stop_change;
+  Influence influence;              // of wheels on each other
   Matrix flexibility;               // m/N, approach of each contact per force of each, in a step
   std::vector<RailPoint> point;     // below each wheel, at the end of the step
   std::vector<RailPoint> touching;  // of each contact

@@ -161,6 +161,10 @@ struct Stop {
   double energy(double approach) const;  // J, what its spring adds to those of the matrices
 };
 
+// Unknowns of the rails at a node: w and theta of the left one, then of the right one; -1: held, or
+// no such rail.
+using RailNodes = std::array<std::int32_t, 4>;
+
 class Line {
  public:
   explicit Line(const LineParameters& parameters);
@@ -171,8 +175,9 @@ class Line {
   double length() const;      // m
   std::size_t sides() const;  // rails: 1 or 2
   RailPoint at(double x, std::size_t side = 0) const;
-  const std::vector<Stop>& stops() const;  // not part of `system`
-  std::size_t sleepers() const;            // 0 unless supported by sleepers
+  std::vector<RailNodes> rail_nodes() const;  // from x = 0 on
+  const std::vector<Stop>& stops() const;     // not part of `system`
+  std::size_t sleepers() const;               // 0 unless supported by sleepers
   double sleeper_x(std::size_t i) const;
   // Its height below a rail; -1: moved by somebody else.
   std::int32_t sleeper_unknown(std::size_t i, std::size_t side = 0) const;

@@ -11,6 +11,9 @@ namespace trackbed::track {
 // Columns side by side in memory: a band solve then takes all of them in one go.
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// What holds against a change of displacement within a step, N/m and the like; `step` in s.
+Sparse effective_stiffness(const LinearSystem& system, double step);
+
 class Newmark {
  public:
   // Factorises once; `step` in s.
@@ -24,6 +27,7 @@ class Newmark {
   Vector free_change(const Vector& force) const;
   // Change of displacement at the end of a step per force at its end.
   Columns flexibility(const Columns& forces) const;
+  Vector flexibility(const Vector& forces) const;
   // Ends the step with this change.
   void accept(const Vector& change);
   double energy() const;  // J, kinetic and elastic
