@@ -297,21 +297,9 @@ void VehicleParameters::declare_roll(input::Section& s) {
       "Of the body's centre of mass to the left, as of a load that has shifted (on two rails).");
 }
 
-// Zeros mean "as `like` says", so limits that a kind needs are checked on the completed vehicle.
-void VehicleParameters::declare(input::Section& s) {
-  std::vector<std::string_view> library = {""};
-  for (const VehicleParameters& known : vehicle_library()) library.push_back(known.name);
-  s.text("name", name, "Name by which the train refers to it.", {}, true);
-  s.text("like", like, "Vehicle of the library that gives the kind and all numbers that are 0.",
-         library);
-  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie", ""},
-           "coach: body, two bogies, four wheelsets; sprung: a mass on one wheelset; wheel: one "
-           "wheelset; forces: constant forces of axles; bogie: the mass it carries, one bogie, two "
-           "wheelsets. Empty: that of `like`, or coach.");
-  s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
-           "Between couplings: axles stand symmetrically within it.");
-  // A body of 81 t, a spring of 12 MN/m and a damper of 130 kN s/m are the largest of the library:
-  // what is below the limits here is taken for a number in t, MN/m, kN/m or kN s/m.
+// A body of 81 t, a spring of 12 MN/m and a damper of 130 kN s/m are the largest of the library:
+// what is below the limits here is taken for a number in t, MN/m, kN/m or kN s/m.
+void VehicleParameters::declare_masses(input::Section& s) {
   const auto mass = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "kg", .at_least = 0, .usually_from = 100, .usually_to = 2e5},
              words);
@@ -323,6 +311,9 @@ void VehicleParameters::declare(input::Section& s) {
            "Pitch inertia of the body (coach); 0: mass length^2/12.");
   s.number("bogie_inertia", bogie_inertia, {.unit = "kg m2", .at_least = 0},
            "Pitch inertia of one bogie (coach, bogie); 0: mass wheelbase^2/12.");
+}
+
+void VehicleParameters::declare_springs(input::Section& s) {
   const auto spring = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "N/m", .at_least = 0, .usually_from = 5e4, .usually_to = 1e9},
              words);
@@ -336,6 +327,22 @@ void VehicleParameters::declare(input::Section& s) {
   damper("primary_damping", primary_damping, "On one wheelset, both sides (coach, sprung, bogie).");
   spring("secondary_stiffness", secondary_stiffness, "On one bogie, both sides (coach, bogie).");
   damper("secondary_damping", secondary_damping, "On one bogie, both sides (coach, bogie).");
+}
+
+// Zeros mean "as `like` says", so limits that a kind needs are checked on the completed vehicle.
+void VehicleParameters::declare(input::Section& s) {
+  std::vector<std::string_view> library = {""};
+  for (const VehicleParameters& known : vehicle_library()) library.push_back(known.name);
+  s.text("name", name, "Name by which the train refers to it.", {}, true);
+  s.text("like", like, "Vehicle of the library that gives the kind and all numbers that are 0.",
+         library);
+  s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie", ""},
+           "coach: body, two bogies, four wheelsets; sprung: a mass on one wheelset; wheel: one "
+           "wheelset; forces: constant forces of axles; bogie: the mass it carries, one bogie, two "
+           "wheelsets. Empty: that of `like`, or coach.");
+  s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
+           "Between couplings: axles stand symmetrically within it.");
+  declare_masses(s), declare_springs(s);
   s.number("bogie_distance", bogie_distance, {.unit = "m", .at_least = 0, .usually_to = 50},
            "Between the bogies' centres (coach).");
   s.number("wheelbase", wheelbase, {.unit = "m", .at_least = 0, .usually_to = 10},

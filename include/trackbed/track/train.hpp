@@ -37,6 +37,8 @@ struct VehicleParameters {
   std::vector<double> axles = {}, loads = {};  // forces: m behind the front, N of each axle
   std::string_view source = {};                // of the library's
   void declare(input::Section& s);
+  void declare_masses(input::Section& s);
+  void declare_springs(input::Section& s);
   void declare_roll(input::Section& s);
 };
 
