@@ -26,7 +26,11 @@ REFUSED = {
     "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
     "sleepers.model=solid": "must be plane on solid sleepers (sleepers.model)",
-    "handover.after=sleepers": "must be plane in a deck with [handover], whose loop computes one",
+    "handover.after=sleepers irregularity.kind=none irregularity_right.kind=vee":
+        "irregularity_right.kind = \"vee\": must be none in a deck with [handover]",
+    "handover.after=sleepers irregularity.kind=none sleepers.free=[\"z\"]":
+        "must hold rx in a deck with [handover] and two rails",
+    "load.gauge=0.3": "load.gauge = 0.3: needs kind = \"seats\"",
     "track.dimension=plane":
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
 }
