@@ -11,13 +11,15 @@ command line may replace. The bed is run up to that stage in FOLDER/bed; STATE, 
 an earlier run of the deck, or the folder it is in, saves that. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
-   load goes (the median of its parts) is the support stiffness of each sleeper.
+   load goes (the median of its parts) is the support stiffness of each sleeper, of two rails half
+   of it below each.
 2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that
    lies as the sleepers have settled so far.
 3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats"), in a stage
    that is else the deck's own with train = true.
 4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
-   the geometry of the rail for the next round.
+   the geometry of the rail for the next round; of two rails (track.dimension = "space") what each
+   of its seats has lost to that of its rail.
 
 The same command again goes on where the last one was stopped (SIGTERM, SIGHUP or Ctrl-C: code 3,
 after a checkpoint): what FOLDER holds of the same decks is taken as it is, what was stopped is
@@ -61,7 +63,7 @@ LOCK = "handover.lock"
 # What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
 OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png|lock)")
 PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
-COLUMNS = ("round", "x_m", "stiffness_N_m", "largest_seat_force_N", "largest_wheel_force_N",
+COLUMNS = ("stiffness_N_m", "largest_seat_force_N", "largest_wheel_force_N",
            "settlement_per_train_m", "geometry_before_m")
 
 
@@ -85,9 +87,11 @@ class Loop:
         self.bed = self.deck.begin_after(
             done, str(given.start or f'{given.deck}: handover.after = "{done}"'))
         self.rails = self.deck.value("seat.rails")
+        self.sides = self.deck.sides
+        self.columns = ("round", "x_m", *(["side"] if self.two() else []), *COLUMNS)
         self.x = self.deck.sleepers["first"] + self.deck.sleepers["spacing"] * np.arange(
             self.deck.sleepers["count"])
-        self.settled = np.zeros(len(self.x))  # m, what the rail's geometry has
+        self.settled = np.zeros((len(self.x), len(self.sides)))  # m, what the geometry has
         self.spare_inputs()
         self.table, self.rows = [] if given.force else self.old_table(), []
         if not given.force:
@@ -102,6 +106,13 @@ class Loop:
                 if OF_THE_LOOP.fullmatch(old.name) and old.name != LOCK:
                     shutil.rmtree(old) if old.is_dir() and not old.is_symlink() else old.unlink()
         self.start = given.start or self.make_bed(done)
+
+    def two(self):
+        """Whether there are two rails, and so two seats of each sleeper."""
+        return len(self.sides) == 2
+
+    def geometry_files(self, folder):
+        return [folder / f"geometry{side and '_' + side}.csv" for side in self.sides]
 
     def check(self, deck, what=None):
         """Ends with the program's own sentences if the deck is not valid; `what` the loop has made
@@ -152,22 +163,24 @@ class Loop:
             return []
         with open(path, newline="", encoding="utf-8") as file:
             rows = csv.DictReader(file)
-            if tuple(rows.fieldnames or ()) != COLUMNS:
+            if tuple(rows.fieldnames or ()) != self.columns:
                 launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
             return list(rows)
 
     def refuse_other_each(self):
         """A round lies on a rail that has sunk by what the first one lost, times its trains, times
         EACH."""
-        path = self.given.folder / "round_1/geometry.csv"
+        paths = self.geometry_files(self.given.folder / "round_1")
         trains = self.given.folder / "round_0/trains.toml"
         lost = [float(row["settlement_per_train_m"]) for row in self.table if row["round"] == "0"]
-        if not path.is_file() or not trains.is_file() or len(lost) != len(self.x):
+        if (not all(path.is_file() for path in (*paths, trains))
+                or len(lost) != self.settled.size):
             return
-        with open(path, newline="", encoding="utf-8") as file:
-            height = {float(row["x_m"]): float(row["z_m"]) for row in csv.DictReader(file)}
         most = int(np.argmax(np.abs(lost)))
-        sunk = -height.get(float(self.deck.seats_on_track()[most]), 0.0)
+        sleeper, side = divmod(most, len(self.sides))
+        with open(paths[side], newline="", encoding="utf-8") as file:
+            height = {float(row["x_m"]): float(row["z_m"]) for row in csv.DictReader(file)}
+        sunk = -height.get(float(self.deck.seats_on_track()[sleeper]), 0.0)
         count = tomllib.loads(trains.read_text(encoding="utf-8"))["stage"][-1]["cycles"]
         each = sunk / lost[most] / count if lost[most] else 0.0
         if each and not np.isclose(each, self.given.each, rtol=1e-9):
@@ -182,17 +195,23 @@ class Loop:
             deck, table = Path(folder) / "deck.toml", Path(folder) / "table.csv"
 
             def check(values, text, what):
-                table.write_text(text, encoding="utf-8")
+                table.write_text(text, encoding="utf-8")  # of both rails, which lie alike yet
                 deck.write_text(self.deck.text(values, folder), encoding="utf-8")
                 self.check(deck, what)
-            check(self.deck.track_alone(stiffness, table), self.deck.geometry(self.settled),
-                  "track alone of the loop")
+            check(self.deck.track_alone(stiffness, [table] * len(self.sides)),
+                  self.deck.geometry(self.settled[:, 0]), "track alone of the loop")
             stages = [self.deck.weighing(0, self.given.load), self.deck.trains(0, 1)]
             values = self.bed | {"stage": self.bed["stage"] + stages,
-                                 "load": {"kind": "seats", "file": str(table)}}
+                                 "load": self.seat_load(table)}
             if start.is_file() and not (self.given.force and not self.given.start):
                 values["start"] = str(start)
-            check(values, table_of_seats([0, 1], np.zeros((2, len(self.x)))), "bed of the loop")
+            check(values, table_of_seats([0, 1], np.zeros((2, *self.settled.shape)), self.sides),
+                  "bed of the loop")
+
+    def seat_load(self, table):
+        """Section of the bed."""
+        load = {"kind": "seats", "file": str(table)}
+        return load | ({"gauge": self.deck.value("track.gauge")} if self.two() else {})
 
     def take_folder(self):
         """An open file, locked until the script ends, however it does: one that an earlier loop has
@@ -269,7 +288,7 @@ class Loop:
         self.bed["stage"] = self.bed["stage"] + [stage]
         values, files = {**self.bed, "start": str(self.start)}, [self.start]
         if seats:
-            values["load"] = {"kind": "seats", "file": str(seats[0])}
+            values["load"] = self.seat_load(seats[0])
             files.append(seats)
         self.program(folder, values, self.ranks, files)
         self.start = folder / f"stage_{stage['name']}.h5"
@@ -289,23 +308,39 @@ class Loop:
                                              sleeper["seat_force"].T)]) / self.rails
 
     def pass_track(self, folder, stiffness):
-        """Seat forces, N of one rail, [time, sleeper], their table for the bed; largest wheel
+        """Seat forces, N of one rail, [time, sleeper, side], their table for the bed; largest wheel
         force, N."""
-        geometry = folder / "geometry.csv"
-        self.program(folder / "track", self.deck.track_alone(stiffness, os.path.abspath(geometry)),
-                     1, [(geometry, self.deck.geometry(self.settled))])
+        files = self.geometry_files(folder)
+        self.program(folder / "track",
+                     self.deck.track_alone(stiffness, [os.path.abspath(file) for file in files]), 1,
+                     [(file, self.deck.geometry(settled))
+                      for file, settled in zip(files, self.settled.T)])
         with h5py.File(folder / "track/results.h5") as file:
             time, force = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
             wheel = file["history/wheel/force"][()].max()
-        force = force.reshape(len(time), -1)
-        return force, (folder / "seats.csv", table_of_seats(time, self.rails * force)), wheel
+        force = force.reshape(len(time), *self.settled.shape)
+        on_seat = force if self.two() else self.rails * force
+        return force, (folder / "seats.csv", table_of_seats(time, on_seat, self.sides)), wheel
 
     def pass_bed(self, number, folder, seats):
-        """m, what each sleeper loses under one train."""
+        """m, what each seat loses under one train, [sleeper, side]."""
+        begin = self.start
         _, sleeper = self.run_bed(self.deck.trains(number, self.given.trains), folder / "trains",
                                   seats)
-        lost = sleeper["displacement"][0] - sleeper["displacement"][-1]
+        if self.two():
+            lost = self.seat_heights(begin) - self.seat_heights(self.start)
+        else:
+            lost = (sleeper["displacement"][0] - sleeper["displacement"][-1])[:, None]
         return lost / self.given.trains
+
+    def seat_heights(self, state):
+        """m, since the sleepers were placed, [sleeper, side]: of a checkpoint, as histories have no
+        roll. A seat g/2 to the left stands g/2 R_zy higher than the centre, R the rotation."""
+        with h5py.File(state) as file:
+            z = file["sleepers/displacement"][()].reshape(-1, 3)[:, 2]
+            a, b, c, w = file["sleepers/attitude"][()].reshape(-1, 4).T
+        up = self.deck.value("track.gauge") / 2 * 2 * (b * c + w * a)
+        return np.stack([z + up, z - up], axis=1)
 
     def round(self, number):
         folder = self.given.folder / f"round_{number}"
@@ -316,9 +351,10 @@ class Loop:
             sys.exit(launch.FAILED)
         force, seats, wheel = self.pass_track(folder, stiffness)
         lost = self.pass_bed(number, folder, seats)
-        for i, x in enumerate(self.x):
-            self.rows.append(dict(zip(COLUMNS, map(str, (
-                number, x, stiffness[i], force[:, i].max(), wheel, lost[i], -self.settled[i])))))
+        for i, k in np.ndindex(self.settled.shape):
+            self.rows.append(dict(zip(self.columns, map(str, (
+                number, self.x[i], *([self.sides[k]] if self.two() else []), stiffness[i],
+                force[:, i, k].max(), wheel, lost[i, k], -self.settled[i, k])))))
         self.settled = self.settled + lost * self.given.trains * self.given.each
         print(f"round {number}: support {stiffness.min() / 1e6:.1f} to {stiffness.max() / 1e6:.1f} "
               f"MN/m, seats up to {force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, "
@@ -334,7 +370,7 @@ class Loop:
         path = self.given.folder / "handover.csv"
         rows, part = self.rows + self.later_rows(), path.with_suffix(".csv.part")
         with open(part, "w", newline="", encoding="utf-8") as out:
-            table = csv.DictWriter(out, COLUMNS)
+            table = csv.DictWriter(out, self.columns)
             table.writeheader()
             table.writerows(rows)
         part.replace(path)  # whole at any time
@@ -349,8 +385,11 @@ class Loop:
                                       layout="constrained")
         for panel, (name, (words, scale)) in zip(panels, shown.items()):
             for number in sorted({int(row["round"]) for row in rows}):
-                values = [scale * float(row[name]) for row in rows if int(row["round"]) == number]
-                panel.plot(self.x, values, "o-", ms=4, lw=0.9, label=f"round {number}")
+                for side, line in zip(self.sides, ("o-", "s--")):
+                    values = [scale * float(row[name]) for row in rows
+                              if int(row["round"]) == number and row.get("side", "") == side]
+                    panel.plot(self.x, values, line, ms=4, lw=0.9, color=f"C{number % 10}",
+                               label=f"round {number} {side}".rstrip())
             panel.set(ylabel=words)
             panel.grid(alpha=0.3)
         panels[0].legend(fontsize=7)

@@ -101,6 +101,8 @@ class LoopDeck:
         if not self.value("handover.after"):
             launch.refuse(f"{path}: [handover] with `after`, the name of a stage, is needed")
         self.sleepers = self.section("sleepers")
+        two = self.value("track.dimension") == "space"
+        self.sides = ("left", "right") if two else ("",)  # rails that the track alone computes
         self.train = {}  # the stage
 
     def whole(self, name):
@@ -162,8 +164,9 @@ class LoopDeck:
         if self.value("irregularity.kind") != "none":
             launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
                           "[irregularity]")
-        if self.value("track.dimension") != "plane":
-            launch.refuse(f"{self.path}: the loop has one rail: track.dimension must be \"plane\"")
+        if self.value("irregularity_right.kind") not in ("none", "same"):
+            launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
+                          "[irregularity_right]")
         if missing := [key for key in ("first", "spacing", "count") if key not in self.sleepers]:
             launch.refuse(f"{self.path}: [sleepers] must say {' and '.join(missing)}")
 
@@ -190,7 +193,7 @@ class LoopDeck:
         return springs
 
     def geometry(self, settled):
-        """Text of the rail's profile: it lies as the sleepers have settled, m."""
+        """Text of a rail's profile: it lies as its seats have settled, m."""
         spacing, length = self.sleepers["spacing"], self.value("track.length")
         at = self.seats_on_track()
         points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
@@ -199,14 +202,16 @@ class LoopDeck:
                                      for x in sorted(points) if 0 <= x <= length)
 
     def track_alone(self, stiffness, geometry):
-        """Values of a track alone on springs of the bed's stiffness, N/m."""
+        """Values of a track alone on springs of the bed's stiffness, N/m; `geometry`: a file for
+        each rail."""
         deck = {"model": "track", **{name: dict(self.section(name)) for name in OF_THE_TRAIN},
                 "vehicle": self.values.get("vehicle", [])}
         at, spacing = self.seats_on_track(), self.sleepers["spacing"]
         for key in OF_A_TRACK_ALONE:
             deck["passage"].pop(key, None)
         deck["passage"] |= {"points": [float(x) for x in at], "history_interval": 5e-4}
-        deck["irregularity"] = {"kind": "file", "file": str(geometry), "fade": spacing}
+        for section, file in zip(("irregularity", "irregularity_right"), geometry):
+            deck[section] = {"kind": "file", "file": str(file), "fade": spacing}
         own = [{"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),
                 "bed": float(k / self.springs())} for x, k in zip(at, stiffness)]
         deck["track"]["zone"] = self.zones() + own
@@ -228,10 +233,11 @@ class LoopDeck:
         return zones
 
 
-def table_of_seats(time, force):
-    """Text of a history of seat forces, N, [time, sleeper]."""
+def table_of_seats(time, force, sides):
+    """Text of a history of seat forces, N, [time, sleeper, side]."""
     out = io.StringIO()
     rows = csv.writer(out, lineterminator="\n")
-    rows.writerow(["time_s", *(f"sleeper_{i}" for i in range(force.shape[1]))])
-    rows.writerows([t, *row] for t, row in zip(time, force))
+    rows.writerow(["time_s", *(f"sleeper_{i}{side and '_' + side}" for i in range(force.shape[1])
+                               for side in sides)])
+    rows.writerows([t, *row.ravel()] for t, row in zip(time, force))
     return out.getvalue()

@@ -23,7 +23,7 @@ void HandoverParameters::declare(input::Section& s) {
            "On each seat, above seat_force, while the stiffness of the supports is weighed.");
 }
 
-// The geometry of the rail is the loop's own.
+// The geometry of the rails is the loop's own.
 void declare_handover(const Model& model, input::Section& s) {
   const std::string& after = model.handover.after;
   if (after.empty()) return;
@@ -36,9 +36,20 @@ void declare_handover(const Model& model, input::Section& s) {
   s.rule("irregularity.kind", model.track.irregularity.kind == track::IrregularityKind::none,
          "must be none in a deck with [handover]: the settlement is the geometry of its rail",
          {.reads = {"handover", "irregularity"}});
-  s.rule("track.dimension", model.track.line.track.dimension == Dimension::plane,
-         "must be plane in a deck with [handover], whose loop computes one rail",
-         {.reads = {"handover", "track"}});
+  if (model.track.line.track.dimension == Dimension::plane) return;
+  const track::IrregularityKind right = model.track.irregularity_right.kind;
+  s.rule("irregularity_right.kind",
+         right == track::IrregularityKind::none || right == track::IrregularityKind::same,
+         "must be none in a deck with [handover]: the settlement is the geometry of its rail",
+         {.reads = {"handover", "irregularity_right"}});
+  s.rule("sleepers.model", model.sleepers.model == track::SleeperBody::rigid,
+         "must be rigid in a deck with [handover] and two rails: tables load solid sleepers evenly",
+         {.reads = {"handover", "track", "sleepers"}});
+  const auto& free = model.sleepers.free;
+  s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
+         "must hold rx in a deck with [handover] and two rails: what sleepers lose left and right "
+         "is their geometry",
+         {.reads = {"handover", "track", "sleepers"}});
 }
 
 }  // namespace trackbed::app

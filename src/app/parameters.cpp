@@ -244,7 +244,7 @@ void Model::declare(input::Section& s) {
   declare_intervals(*this, s);
   declare_ground_mesh(*this, s);
   track.declare(s);
-  if (has_train()) sleepers.gauge = track.line.track.wheel_gauge();
+  sleepers.gauge = has_train() ? track.line.track.wheel_gauge() : load.gauge;
   declare_train(*this, s);
   declare_solids(*this, s);
   s.table("footing", footing, footing_meaning);

@@ -80,8 +80,8 @@ void Simulation::move_sleepers(double dt) {
   const double mid_window = (static_cast<double>(course_.clock.window()) + 0.5) * dt;
   seat_force_ = actions_.seat_forces(stage(), mid_window);
   if (world_.tines) return tamp(world_, static_cast<double>(course_.clock.window()) * dt, dt);
-  world_.sleepers->advance(dt, actions_.train().on_seats(seat_force_), world_.on_sleepers(),
-                           model_.dem.gravity);
+  world_.sleepers->advance(dt, actions_.on_seats(stage(), mid_window, seat_force_),
+                           world_.on_sleepers(), model_.dem.gravity);
   actions_.move_train(stage(), course_.clock);
 }
 

@@ -192,6 +192,19 @@ std::vector<double> StageActions::seat_forces(const Stage& stage, double time) c
   return forces;
 }
 
+// What is not of the train, or of a table of both seats, these share.
+std::vector<double> StageActions::on_seats(const Stage& stage, double time,
+                                           const std::vector<double>& sums) const {
+  if (train_.there() || model_.load.gauge == 0) return train_.on_seats(sums);
+  const bool passes = stage.kind == StageKind::passage;
+  std::vector<double> all;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double more = passes ? seat_load_.left_more(time_of_train(stage, time), i) : 0;
+    all.insert(all.end(), {sums[i] / 2 + more, sums[i] / 2 - more});
+  }
+  return all;
+}
+
 bool StageActions::walls_are_steady(const Stage& stage) const {
   return stage.confinement <= 0 || world_.walls.steady_for() >= model_.platen.hold;
 }

@@ -32,6 +32,9 @@ class StageActions {
   const StageTrain& train() const { return train_; }
   // Force on each rail seat, N downwards, `time` s after the stage began.
   std::vector<double> seat_forces(const Stage& stage, double time) const;
+  // The same of both seats of each sleeper, if it has two: `sums` are those of seat_forces.
+  std::vector<double> on_seats(const Stage& stage, double time,
+                               const std::vector<double>& sums) const;
   // On solid rails; none without them, or in other stages than passages.
   std::vector<track::AxleLoad> axles(const Stage& stage, double time) const;
   // Whether the stage has reached its aim before its duration is over. Depends on state alone, so

@@ -14,7 +14,7 @@ namespace {
 // Where a parameter acts: on a track of these, else it is idle. On a bed solid rails may take what
 // a beam does not.
 struct Acts {
-  bool two_rails, bends, sleepers, continuous, run_in, rail, shears, vehicles, rolls;
+  bool two_rails, bends, sleepers, continuous, supported, run_in, rail, shears, vehicles, rolls;
 };
 
 Acts acts_of(const TrackModel& model) {
@@ -24,6 +24,7 @@ Acts acts_of(const TrackModel& model) {
           .bends = track.sleeper.model == track::SleeperModel::beam,
           .sleepers = model.on_bed || track.support == track::Support::sleepers,
           .continuous = track.support == track::Support::continuous,
+          .supported = model.on_bed || track.support != track::Support::none,
           .run_in = track.run_in > 0,
           .rail = model.passage.loaded_by == track::LoadedBy::train,
           .shears = model.on_bed || model.line.rail.theory == track::BeamTheory::timoshenko,
@@ -37,6 +38,7 @@ constexpr const char* no_sleepers = "there are no sleepers (track.support)";
 constexpr const char* rigid = "sleepers are rigid (track.sleeper.model)";
 constexpr const char* no_bed = "the rail lies on no continuous bed (track.support)";
 constexpr const char* no_run_in = "there is no run-in (track.run_in)";
+constexpr const char* bridge = "a rail without support is a bridge (track.support)";
 constexpr const char* stiff = "the rail is rigid in shear (rail.theory)";
 constexpr const char* no_rail = "seat loads stand for rail and train (passage.loaded_by)";
 constexpr const char* no_vehicles = "there are no vehicles (train.vehicles)";
@@ -96,7 +98,10 @@ void declare_idle_track(const track::TrackParameters& track, const Acts& acts, c
   number("sleeper_mass", &Track::sleeper_mass, acts.sleepers, no_sleepers);
   number("bed_stiffness", &Track::bed_stiffness, acts.continuous, no_bed);
   number("bed_damping", &Track::bed_damping, acts.continuous, no_bed);
-  number("run_in_factor", &Track::run_in_factor, acts.run_in, no_run_in);
+  // 0 says what is so.
+  idle("track.run_in", track.run_in != none.run_in && track.run_in > 0, acts.supported, bridge);
+  number("run_in_factor", &Track::run_in_factor, acts.run_in && acts.supported,
+         acts.supported ? no_run_in : bridge);
 }
 
 void declare_idle_sleeper(const track::SleeperBeamParameters& sleeper, const Acts& acts,

@@ -28,6 +28,8 @@ void declare_seats(const TrackModel& model, input::Section& s) {
     return s.rule("load", model.on_bed || text(model.load) == text({}),
                   "has no effect: it acts with passage.loaded_by = \"seats\"", about);
   }
+  s.rule("load.gauge", model.load.gauge == 0,
+         "must be 0 but on a bed: a table of seats loads both rails alike", about);
   s.rule("passage.loaded_by", !model.on_bed, "must be train on a bed, whose stages say it", about);
   s.rule("train.vehicles", model.train.vehicles.empty(),
          "must be [] with passage.loaded_by = \"seats\": their loads stand for the train", about);

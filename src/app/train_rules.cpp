@@ -117,6 +117,26 @@ void declare_solid_sides(const Model& model, input::Section& s) {
          about);
 }
 
+// Seats of a table are those of sleepers that roll, as below two rails.
+void declare_seats(const Model& model, input::Section& s) {
+  const double gauge = model.load.gauge, length = model.sleepers.length;
+  if (gauge == 0) return;
+  const input::About about{.reads = {"load", "sleepers", "dimension", "stage", "track"}};
+  s.rule("load.gauge", model.dimension == Dimension::space,
+         "must be 0 in a plane model, whose sleepers do not roll (dimension)", about);
+  s.rule("load.gauge", model.sleepers.model == track::SleeperBody::rigid,
+         "must be 0 on solid sleepers (sleepers.model), whose seats share one load", about);
+  s.rule("load.gauge", gauge < length,
+         fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
+         about);
+  s.rule("load.gauge", !model.has_train(),
+         "must be 0 in a deck with a train (train = true), whose rails say where seats are", about);
+  const auto& free = model.sleepers.free;
+  s.rule("load.gauge", std::find(free.begin(), free.end(), "rx") != free.end(),
+         "has no effect: sleepers do not roll (sleepers.free lacks rx)",
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
 // Two rails lie on two seats of each sleeper, which rolls below them.
 void declare_sides(const Model& model, input::Section& s) {
   if (model.track.line.track.dimension == Dimension::plane) return;
@@ -171,6 +191,7 @@ void declare_doubts(const Model& model, input::Section& s) {
 
 void declare_train(const Model& model, input::Section& s) {
   declare_presence(model, s);
+  declare_seats(model, s);
   if (!model.has_train()) return;
   declare_place(model, s);
   declare_zones(model, s);

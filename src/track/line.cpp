@@ -109,8 +109,10 @@ void Line::Room::number() {
 //   factor = F^((1 + cos(pi d/L))/2),   d the distance from the end, L the run-in, m.
 // A wheel then comes from a rigid rail onto one that is nearly so, and nothing begins with a jump.
 // Without the rail itself in it, wheels would feel the sleepers of the run-in ten times as much.
+// A rail without support is a bridge: where its ends are is given, and all of it bends.
 double Line::Room::run_in(double x) const {
   const TrackParameters& track = parameters.track;
+  if (track.support == Support::none) return 1;
   const double distance = std::min(x, track.length - x);
   if (distance >= track.run_in) return 1;
   const double share = (1 + std::cos(std::numbers::pi * distance / track.run_in)) / 2;

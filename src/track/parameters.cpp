@@ -75,8 +75,14 @@ void SeatLoadParameters::declare(input::Section& s) {
          "CSV with columns time_s, force_N: load on the sleeper at x = 0, others later by x/speed "
          "(table); with time_s, sleeper_0, sleeper_1 and so on, N: of each sleeper (seats). Linear "
          "between rows, 0 before the first and behind the last.");
+  s.number(
+      "gauge", gauge, {.unit = "m", .at_least = 0, .usually_to = 2},
+      "Between the two seats of a sleeper of a bed in space, each with a column: sleeper_0_left, "
+      "sleeper_0_right and so on (seats); 0: one seat in its middle.");
   s.rule("axles", is_table() || !axles.empty(), "must name at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
+  s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,
+         "needs kind = \"seats\", whose table has columns of both seats");
   s.rule("file", !is_table() || !file.empty(), "is needed for kind = \"table\" and \"seats\"");
 }
 

@@ -203,7 +203,7 @@ void TrackParameters::declare(input::Section& s) {
   s.number(
       "run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
       "Length at both ends over which rail, pads and bed become stiffer towards the rigid rails "
-      "beyond.");
+      "beyond; of a rail without support (a bridge) there is none.");
   s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
            "Stiffness and damping at the very ends over that of the track.");
   s.tables("zone", zones, "Where the track differs; factors of zones that overlap multiply.");
@@ -217,7 +217,8 @@ void TrackParameters::declare(input::Section& s) {
   for (std::size_t i = 0; i < zones.size(); ++i)
     s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
            "is for sleepers that hang; there are none", {.reads = {"support", "zone"}});
-  s.rule("run_in", 2 * run_in <= length, "must be at most half the length");
+  s.rule("run_in", support == Support::none || 2 * run_in <= length,
+         "must be at most half the length");
 }
 
 // Wheel and rail swing against each other through their contact at several hundred Hz, together on

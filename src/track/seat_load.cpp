@@ -34,8 +34,11 @@ SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing, std::si
   if (!parameters.is_table()) return;
   std::vector<std::string> names = {"time_s"};
   if (parameters.kind == SeatLoadKind::table) names.emplace_back("force_N");
+  const std::vector<std::string> sides = parameters.gauge > 0
+                                             ? std::vector<std::string>{"_left", "_right"}
+                                             : std::vector<std::string>{""};
   for (std::size_t i = 0; parameters.kind == SeatLoadKind::seats && i < sleepers; ++i)
-    names.push_back(fmt::format("sleeper_{}", i));
+    for (const std::string& side : sides) names.push_back(fmt::format("sleeper_{}{}", i, side));
   forces_ = input::read_table(parameters.file, names, "time_s");
   times_ = std::move(forces_.front());
   forces_.erase(forces_.begin());
@@ -43,20 +46,29 @@ SeatLoad::SeatLoad(const SeatLoadParameters& parameters, double spacing, std::si
     throw InputError({fmt::format("{}: needs at least two rows", parameters.file)});
 }
 
+// Outside of what was measured nothing is known: no load.
+double SeatLoad::column(std::size_t number, double time) const {
+  const std::vector<double>& forces = forces_.at(number);
+  if (time < times_.front() || time > times_.back()) return 0;
+  const auto after = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();
+  const auto hi = std::min(static_cast<std::size_t>(after), times_.size() - 1), lo = hi - 1;
+  const double share = (time - times_[lo]) / (times_[hi] - times_[lo]);
+  return forces[lo] + share * (forces[hi] - forces[lo]);
+}
+
+double SeatLoad::left_more(double time, std::size_t sleeper) const {
+  if (parameters_.gauge == 0) return 0;
+  return (column(2 * sleeper, time) - column(2 * sleeper + 1, time)) / 2;
+}
+
 // Local and without state: any time may be asked in any order.
 double SeatLoad::at(double x, double time, std::size_t sleeper) const {
   if (parameters_.is_table()) {
     // The wave of loads travels unchanged: sleeper at x feels at time t what x = 0 felt x/speed
     // earlier. A table of seats has each sleeper's own time.
-    const bool shared = parameters_.kind == SeatLoadKind::table;
-    const double t = shared ? time - x / parameters_.speed : time;
-    const std::vector<double>& forces = forces_.at(shared ? 0 : sleeper);
-    // Outside of what was measured nothing is known: no load.
-    if (t < times_.front() || t > times_.back()) return 0;
-    const auto after = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
-    const auto hi = std::min(static_cast<std::size_t>(after), times_.size() - 1), lo = hi - 1;
-    const double share = (t - times_[lo]) / (times_[hi] - times_[lo]);
-    return forces[lo] + share * (forces[hi] - forces[lo]);
+    if (parameters_.kind == SeatLoadKind::table) return column(0, time - x / parameters_.speed);
+    if (parameters_.gauge == 0) return column(sleeper, time);
+    return column(2 * sleeper, time) + column(2 * sleeper + 1, time);
   }
   // Axles superpose, as on a linear bed. s: distance of the axle from this sleeper, m.
   double sum = 0;

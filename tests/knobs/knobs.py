@@ -38,6 +38,8 @@ HERTZ = ["contact.0.law=hertz", "contact.1.law=hertz", "material.0.young=3e9",
 NEWMARK = ["ground.integrator=newmark"]
 POWER = ["load.kind=power"]
 TABLE = ["load.kind=table", "load.file={folder}/weak.csv"]
+SIDES = [*SPACE, "load.kind=seats", "load.file={folder}/sides.csv", "load.gauge=0.1",
+         'sleepers.free=["z", "rx"]']
 ROLLING = ["contact.0.rolling_friction=0.2"]
 FIELDS = ["output.fields=true"]
 YIELDS = {part: ["ground.plane=strain", f"ground.{part}.0.yield=mohr_coulomb",
@@ -189,6 +191,7 @@ KNOBS = {
     "load.start": ("load.start=0.1", []),
     "load.decay": ("load.decay=2", []),
     "load.ratio": ("load.ratio=0.7", POWER),
+    "load.gauge": ("load.gauge=0.2", SIDES),
     "load.file": ("load.file={folder}/strong.csv", TABLE),
     "seat.before": ("seat.before=11", ON_BED),
     "seat.rails": ("seat.rails=0.9", ON_BED),
@@ -338,6 +341,8 @@ def main():
     folder.mkdir(parents=True)
     for name, force in (("weak", 2000), ("strong", 4000)):
         (folder / f"{name}.csv").write_text(f"time_s,force_N\n0,{force}\n1,{force}\n")
+    (folder / "sides.csv").write_text("time_s,sleeper_0_left,sleeper_0_right\n0,2000,1000\n"
+                                      "1,2000,1000\n")
     (folder / "wave.csv").write_text("time_s,vx_m_s,vz_m_s\n0,0,0\n0.01,0,0.01\n0.02,0,0\n")
     (folder / "young.csv").write_text("x_m,young_Pa\n0,50e6\n0.5,90e6\n")
     for name, flatness in (("round", 0.9), ("flat", 0.6)):

@@ -32,7 +32,13 @@ REFUSED = {
     f"{' '.join(SOLID)} track.gauge=0.32": "must be [0.16, -0.16] below two rails",
     f"{' '.join(SOLID)} solid.half=true": "solid.half = true: must be false below two rails",
     f"{' '.join(SOLID)} seat.rails=1": "seat.rails = 1: must be 2 below two rails",
-    "handover.after=sleepers": "must be plane in a deck with [handover], whose loop computes one",
+    "handover.after=sleepers irregularity.kind=none irregularity_right.kind=vee":
+        "irregularity_right.kind = \"vee\": must be none in a deck with [handover]",
+    f"{' '.join(SOLID)} handover.after=sleepers irregularity.kind=none":
+        "must be rigid in a deck with [handover] and two rails",
+    "handover.after=sleepers irregularity.kind=none sleepers.free=[\"z\"]":
+        "must hold rx in a deck with [handover] and two rails",
+    "load.gauge=0.3": "load.gauge = 0.3: needs kind = \"seats\"",
     "track.dimension=plane":
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
 }

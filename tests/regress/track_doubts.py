@@ -162,6 +162,8 @@ IDLE = [
      ["track.support=sleepers"], {"track.sleeper_length": "track.sleeper_length=2.5"}),
     ("there is no run-in", ["track.run_in=0"], ["track.run_in=6"],
      {"track.run_in_factor": "track.run_in_factor=50"}),
+    ("a rail without support is a bridge", ["track.support=none"], ["track.support=sleepers"],
+     {"track.run_in": "track.run_in=5", "track.run_in_factor": "track.run_in_factor=50"}),
     ("the rail is rigid in shear", ["rail.theory=euler"], ["rail.theory=timoshenko"],
      {"rail.poisson": "rail.poisson=0.27", "rail.shear_factor": "rail.shear_factor=0.34"}),
     ("seat loads stand for rail and train", SEATS,

@@ -177,6 +177,46 @@ def check_order(program, decks, folder):
     print(f"order in the step {order}, changes {off} m")
 
 
+BRIDGE = """model = "track"
+[rail]
+theory = "euler"
+inertia = 0.3
+area = 1
+mass = 5000
+[track]
+support = "none"
+rails = 1
+length = {length}
+spacing = 0.6
+[[vehicle]]
+name = "slow"
+kind = "wheel"
+wheelset_mass = 22000
+[wheel_rail]
+law = "linear"
+stiffness = 1e9
+[train]
+vehicles = ["slow"]
+speed = 2
+start = 0
+[passage]
+step = 2e-3
+points = [{middle}]
+"""
+
+
+def check_bridge(program, folder):
+    """P L^3 / (48 E I) below a slow wheel, without a word about run-ins."""
+    for length in (12, 24):
+        deck = folder / f"bridge_{length}.toml"
+        deck.write_text(BRIDGE.format(length=length, middle=length / 2), encoding="utf-8")
+        program.done(1, "run", deck, "-o", folder / f"bridge_{length}")
+        lowest = -summary(folder / f"bridge_{length}")["track"]["rail_lowest_m"][0]
+        exact = 22000 * 9.80665 * length**3 / 48 / (2.1e11 * 0.3)
+        if abs(lowest / exact - 1) > 0.01:  # inertia at 2 m/s
+            raise SystemExit(f"a bridge of {length} m gives way by {lowest} m, not {exact}")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -188,6 +228,7 @@ def main():
     check_lost(program, decks, folder)
     check_energy(program, decks, folder)
     check_order(program, decks, folder)
+    check_bridge(program, folder)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,8 @@ enum class SeatLoadKind { winkler, power, table, seats };
 // Load on one rail seat while axles pass: winkler R = peak * sum exp(-b|s|)(cos b|s| + sin b|s|);
 // power R = peak * sum X^((s/spacing)^2); table: CSV "time_s,force_N" of the sleeper at x = 0,
 // linear in between, 0 outside, later by x/speed elsewhere; seats: CSV "time_s,sleeper_0,..." with
-// the N of each sleeper of its own. s = distance of axle from sleeper.
+// the N of each sleeper of its own, of two seats "time_s,sleeper_0_left,sleeper_0_right,...". s =
+// distance of axle from sleeper.
 struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
   double peak = 71.1e3;                             // N, of a single axle
@@ -24,6 +25,7 @@ struct SeatLoadParameters {
   double decay = 1.54257;  // 1/m, b of winkler
   double ratio = 0.5531;   // X of power
   std::string file;        // table, seats
+  double gauge = 0;        // m, between the two seats of a sleeper that have columns; 0: one seat
   void declare(input::Section& s);
   bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
 };
@@ -39,6 +41,8 @@ class SeatLoad {
   explicit SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers = 1);
   // N, downwards positive, for the sleeper at x, which of a table of seats is that of this number.
   double at(double x, double time, std::size_t sleeper = 0) const;
+  // N, what the left seat of a sleeper has more than half of that; 0 without two seats.
+  double left_more(double time, std::size_t sleeper) const;
   // The axles themselves, for a rail that bends: each has the wheel load that makes `peak` the seat
   // load of a beam on a Winkler bed. Kind winkler.
   std::vector<AxleLoad> axles(double time) const;
@@ -48,10 +52,13 @@ class SeatLoad {
   double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
 
  private:
+  double column(std::size_t number, double time) const;
+
   SeatLoadParameters parameters_;
   double spacing_;
   std::vector<double> times_;
-  std::vector<std::vector<double>> forces_;  // of each sleeper, or of that at x = 0 alone
+  // Of each sleeper, or of each seat, left before right, or of the sleeper at x = 0 alone.
+  std::vector<std::vector<double>> forces_;
 };
 
 }  // namespace trackbed::track

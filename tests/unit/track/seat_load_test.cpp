@@ -58,6 +58,24 @@ TEST(SeatLoad, PeakOfThePassageIsThatOfAnAxle) {
   EXPECT_GT(peak, 0.98 * 71.1e3);
 }
 
+// Of a table of both seats: their sum, and what the left one has more than half of it.
+TEST(SeatLoad, BothSeatsHaveTheirColumns) {
+  const std::string path = testing::TempDir() + "both_seats.csv";
+  std::ofstream(path) << "time_s,sleeper_0_left,sleeper_0_right,sleeper_1_left,sleeper_1_right\n"
+                         "0,0,0,0,0\n1,4000,1000,100,700\n";
+  SeatLoadParameters p;
+  p.kind = SeatLoadKind::seats;
+  p.file = path;
+  p.gauge = 1.5;
+  const SeatLoad load(p, spacing, 2);
+  EXPECT_DOUBLE_EQ(load.at(0, 0.5, 0), 2500);
+  EXPECT_DOUBLE_EQ(load.left_more(0.5, 0), 750);
+  EXPECT_DOUBLE_EQ(load.at(0.6, 1, 1), 800);
+  EXPECT_DOUBLE_EQ(load.left_more(1, 1), -300);
+  EXPECT_EQ(load.left_more(1.1, 0), 0);
+  EXPECT_EQ(SeatLoad(locomotive(), spacing).left_more(0.1, 0), 0);
+}
+
 TEST(SeatLoad, NextSleeperFeelsTheSameLater) {
   const double shift = spacing / v;
   EXPECT_NEAR(shift, 32.14e-3, 5e-6);

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""jobs/handover.py on two rails, with the real program on the tiny deck: a load off the vehicle's
+middle presses the left seats more, what each seat loses lies in its rail in the next round, and
+ranks change nothing.
+
+    loop_two_rails.py PROGRAM SOURCE_FOLDER FOLDER
+"""
+import csv
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import h5py
+import numpy as np
+
+EACH = 5
+HANDOVER = f"""
+[handover]
+after = "load"
+rounds = 2
+trains = 1
+each = {EACH}
+load = 2e3
+"""
+SIDES = ("left", "right")
+
+
+def deck_of(source):
+    text = (source / "tests/restart/tiny_two_rails.toml").read_text(encoding="utf-8")
+    text = re.sub(r"\[irregularity(_right)?\][^[]*", "", text)
+    text = text.replace('kind = "sprung"\n', 'kind = "sprung"\nbody_offset = 0.03\n')
+    return text.replace("\n[output]", HANDOVER + "\n[output]")
+
+
+def loop(words, ranks, code=0):
+    ran = subprocess.run([sys.executable, *map(str, words)], capture_output=True, text=True,
+                         check=False, env={**os.environ, "RANKS": str(ranks)})
+    if ran.returncode != code:
+        raise SystemExit(f"{words} ends with {ran.returncode}: {ran.stdout}{ran.stderr}")
+    return ran.stderr if code else ran.stdout
+
+
+def table(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def column(rows, number, name):
+    """Of a round, [sleeper, side]."""
+    of = [[float(row[name]) for row in rows if row["round"] == str(number) and row["side"] == side]
+          for side in SIDES]
+    return np.array(of).T
+
+
+def check_geometry(folder, deck, rows):
+    """What each seat has lost, times each, is where its rail lies in the next round."""
+    lost = column(rows, 0, "settlement_per_train_m")
+    if lost.shape != (2, 2) or not np.abs(lost).min() > 0 or np.ptp(lost[:, 0] - lost[:, 1]) == 0:
+        raise SystemExit(f"settlements of two seats on two sleepers: {lost}")
+    if not (lost[:, 0] > lost[:, 1]).all():
+        raise SystemExit(f"the load lies left, seats sink by {lost} m")
+    if not np.allclose(column(rows, 1, "geometry_before_m"), -EACH * lost, rtol=1e-12):
+        raise SystemExit("the geometry is not what the seats have lost")
+    at = deck["sleepers"]["spacing"] * (deck["seat"]["before"] + np.arange(2))
+    track = tomllib.loads((folder / "round_1/track.toml").read_text(encoding="utf-8"))
+    for k, section in enumerate(("irregularity", "irregularity_right")):
+        file = folder / "round_1" / track[section]["file"]
+        heights = {float(row["x_m"]): float(row["z_m"]) for row in table(file)}
+        if file.name != f"geometry_{SIDES[k]}.csv" or not np.allclose(
+                [heights[x] for x in at], -EACH * lost[:, k], rtol=1e-12):
+            raise SystemExit(f"[{section}] is {file}: {heights}")
+
+
+def check_forces(folder, deck, rows):
+    """The track's seat forces, and on the bed their sum and their moment."""
+    seats = table(folder / "round_0/seats.csv")
+    names = [f"sleeper_{i}_{side}" for i in range(2) for side in SIDES]
+    if list(seats[0]) != ["time_s", *names]:
+        raise SystemExit(f"columns of the seats: {list(seats[0])}")
+    force = np.array([[float(row[name]) for name in names] for row in seats]).reshape(-1, 2, 2)
+    most = column(rows, 0, "largest_seat_force_N")
+    if not np.allclose(most, force.max(axis=0)) or not (most[:, 0] > 1.2 * most[:, 1]).all():
+        raise SystemExit(f"the load lies left, seats get at most {most} N")
+    with h5py.File(folder / "round_0/trains/results.h5") as file:
+        last = file["history/stage"][()].ravel() == file["history/stage"][()].max()
+        on_bed = -file["history/sleeper/seat_force"][()][last]
+    most = on_bed.max(axis=0) - deck["stage"][-1]["seat_force"]
+    if not np.allclose(most, force.sum(axis=2).max(axis=0), rtol=0.02):
+        raise SystemExit(f"sleepers get {most} N, of their seats {force.sum(axis=2).max(axis=0)}")
+    # What the moment has rolled the sleepers by is what their seats sink apart.
+    heights = []
+    for state in ("weigh/stage_weigh_0.h5", "trains/stage_trains_0.h5"):
+        with h5py.File(folder / "round_0" / state) as file:
+            heights.append(2 * file["sleepers/attitude"][()].reshape(-1, 4)[:, 0])
+    roll = heights[1] - heights[0]
+    lost = column(rows, 0, "settlement_per_train_m")
+    if not np.allclose(lost[:, 1] - lost[:, 0], deck["track"]["gauge"] * roll, rtol=1e-3):
+        raise SystemExit(f"sleepers roll by {roll}, their seats sink by {lost} m")
+
+
+def check_sentences(program, source, folder):
+    """Where seats of a table cannot be."""
+    bed, table_of = folder / "trains.toml", f"load.kind=seats load.file={folder / 'seats.csv'}"
+    tiny, seats = source / "tests/restart/tiny_two_rails.toml", source / "inputs/track/seats.toml"
+    for code, words, deck, changes in (
+            (2, "must be 0 in a plane model", bed, "dimension=plane"),
+            (2, "must be 0 on solid sleepers", bed, "sleepers.model=solid"),
+            (2, "must be below the length of the bed's sleepers", bed, "load.gauge=0.6"),
+            (0, "has no effect: sleepers do not roll", bed, 'sleepers.free=["z"]'),
+            (2, "needs kind = \"seats\", whose table has columns of both", bed, "load.kind=table"),
+            (2, "must be 0 in a deck with a train", tiny, f"load.gauge=0.3 {table_of}"),
+            (2, "must be 0 but on a bed", seats, f"load.gauge=0.3 {table_of}")):
+        ran = subprocess.run([program, "check", deck, *changes.split(" ")], capture_output=True,
+                             text=True, check=False)
+        said = ran.stdout + ran.stderr
+        if ran.returncode != code or not re.search(rf"load\.gauge = .*{re.escape(words)}", said):
+            raise SystemExit(f"{changes} must end with {code} and say {words}: {said}")
+
+
+def main():
+    program, source, folder = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    path = folder / "deck.toml"
+    path.write_text(deck_of(source), encoding="utf-8")
+    deck = tomllib.loads(path.read_text(encoding="utf-8"))
+    words = [source / "jobs/handover.py", program, path]
+    print(loop([*words, folder / "loop"], 2))
+    rows = table(folder / "loop/handover.csv")
+    check_geometry(folder / "loop", deck, rows)
+    check_forces(folder / "loop", deck, rows)
+    check_sentences(program, source, folder / "loop/round_0")
+    # All is there: nothing is run again, and another `each` is seen.
+    before = (folder / "loop/round_1/trains/results.h5").stat().st_mtime_ns
+    loop([*words, folder / "loop"], 2)
+    if (folder / "loop/round_1/trains/results.h5").stat().st_mtime_ns != before:
+        raise SystemExit("a loop that is done is begun anew")
+    if f"holds rounds with each = {EACH}" not in loop([*words, folder / "loop", "--each", "7"], 2,
+                                                      code=2):
+        raise SystemExit("another `each` must be refused")
+    loop([*words, folder / "alone", "--rounds", "1"], 1)
+    if table(folder / "alone/handover.csv") != rows[:4]:
+        raise SystemExit("ranks change the loop")
+
+
+if __name__ == "__main__":
+    main()
