@@ -6,8 +6,8 @@
 After the parametric study of "NeTIRail-INFRA D2.10, cost-effective transition zone design": its
 original geometry (cement bound mixture, then unbound granular material, tapered with depth), the
 same over one width at all depths, and both with embankment soil throughout. Two of its coaches at
-220 km/h leave the bridge; rail displacements at 14.7 and 41 m from it are compared. The rail is even:
-over a profile mass moves wheels elsewhere, by as much as a seed of it does. Writes
+220 km/h leave the bridge; rail displacements at 14.7 and 41 m from it are compared. The rail is
+even: over a profile mass moves wheels elsewhere, by as much as another seed does. Writes
 FOLDER/sleeper_mass.csv and sleeper_mass.png.
 
 With --ground: one coach on the ground of elements of inputs/track/netirail.toml, on two ranks. Of

@@ -65,6 +65,7 @@ bool is_one_of(std::string_view key, const auto& keys) {
 // their predictor, which explicit steps would take for those of the present. Damping, tolerances
 // and the integrators' constants are no part of a state.
 bool matters_to_moved_ground(std::string_view key, const Holds& holds) {
+  if (key.starts_with("pressure[")) return !key.ends_with("].name");  // the dead ones made the rest
   if (key == "ground.base" || key == "ground.sides" || key == "ground.base_motion") return true;
   if (key.starts_with("ground.side_")) return true;
   if (key == "ground.base_stiffness") return holds.quiet_base;

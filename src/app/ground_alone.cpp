@@ -38,16 +38,14 @@ std::string beside(const Model& model, const couple::PressureParameters& p,
     return inner[0] < outer[0] - rounding || inner[1] > outer[1] + rounding;
   };
   if (p.speed == 0 && outside(p.x, x))
-    return fmt::format("x = {:g} to {:g} m reaches beyond the top of the ground ({:g} to {:g} m)",
-                       p.x[0], p.x[1], x[0], x[1]);
+    return fmt::format("reaches beyond the top of the ground ({:g} to {:g} m)", x[0], x[1]);
   const auto [from, to] = way_of(model, p);
-  if (to <= x[0] || from >= x[1])
+  if (!model.ground.periodic(0) && (to <= x[0] || from >= x[1]))
     return fmt::format(
         "goes from x = {:g} to {:g} m, and so never over the ground ({:g} to {:g} m)", from, to,
         x[0], x[1]);
   if (model.dimension == Dimension::space && p.y.size() == 2 && outside(p.y, y))
-    return fmt::format("y = {:g} to {:g} m reaches beyond the top of the ground ({:g} to {:g} m)",
-                       p.y[0], p.y[1], y[0], y[1]);
+    return fmt::format("has a y beyond the top of the ground ({:g} to {:g} m)", y[0], y[1]);
   return "";
 }
 
@@ -61,6 +59,14 @@ void declare_steps(const Model& model, input::Section& s) {
          "must be given for implicit steps: each window is one",
          {.reads = {"time.window", "ground"}});
   const TimeParameters none;
+  const Output output;
+  const auto is_default = [&](double interval) {
+    return interval == output.history_interval || interval == output.checkpoint_interval;
+  };
+  for (const Stage& stage : model.stages)
+    s.rule("time.window", stage.duration <= 0 || model.time.window <= stage.duration,
+           fmt::format("is longer than stage \"{}\", which takes one window at least", stage.name),
+           {.weight = input::Weight::warning, .reads = {"time.window", "stage"}});
   for (const auto& [key, idle] : {std::pair{"time.step", model.time.step == none.step},
                                   {"time.substeps", model.time.substeps == none.substeps}})
     s.rule(key, idle, "has no effect without stones: give time.window",
@@ -69,11 +75,52 @@ void declare_steps(const Model& model, input::Section& s) {
        {std::pair{"output.history_interval", model.output.history_interval},
         {"output.fields_interval", model.output.fields_interval},
         {"output.checkpoint_interval", model.output.checkpoint_interval}})
-    s.rule(key, interval == 0 || interval >= model.time.window * (1 - rounding),
+    s.rule(key,
+           interval == 0 || is_default(interval) || interval >= model.time.window * (1 - rounding),
            fmt::format("is less than a time window ({:g} s): that much is written after every "
                        "window",
                        model.time.window),
            {.weight = input::Weight::warning, .reads = {key, "time"}});
+}
+
+// What only stones look at.
+void declare_idle(const Model& model, input::Section& s) {
+  const Stage none;
+  const auto idle = [&](const std::string& key, bool given) {
+    s.rule(key, !given, "has no effect without stones",
+           {.weight = input::Weight::warning, .reads = {key}});
+  };
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const std::string key = fmt::format("stage[{}].", i);
+    idle(key + "until_ratio", stage.until_ratio != none.until_ratio);
+    idle(key + "local_damping", stage.local_damping != none.local_damping);
+    idle(key + "friction", stage.friction != none.friction);
+  }
+  idle("output.surface_cell", model.output.surface_cell != Output().surface_cell);
+}
+
+// Windows of implicit steps that pass over a load, or jump along with it: the load's end counts.
+void declare_resolved(const Model& model, const couple::PressureParameters& p,
+                      const std::string& key, input::Section& s) {
+  constexpr double fewest = 4;  // windows: zero, rise, peak, fall
+  if (model.ground.integrator == fem::Integrator::explicit_) return;
+  const double window = model.time.window;
+  const auto resolved = [&](const std::string& name, bool holds, const std::string& what) {
+    s.rule(key + name, holds,
+           fmt::format("{}, of which windows of {:g} s see too little: give a shorter time.window",
+                       what, window),
+           {.weight = input::Weight::warning, .reads = {key, "time", "ground"}});
+  };
+  const bool runs = p.course == couple::Course::rise || p.course == couple::Course::pulse;
+  resolved(".duration", !runs || p.duration == 0 || p.duration >= fewest * window,
+           fmt::format("is {:g} s", p.duration));
+  resolved(".frequency",
+           p.course != couple::Course::harmonic || p.frequency * fewest * window <= 1 + rounding,
+           fmt::format("makes cycles of {:g} s", p.frequency > 0 ? 1 / p.frequency : 0));
+  resolved(".speed", std::abs(p.speed) * window <= p.x[1] - p.x[0],
+           fmt::format("takes it on by {:g} m in a window, more than its length",
+                       std::abs(p.speed) * window));
 }
 
 }  // namespace
@@ -89,6 +136,7 @@ void declare_stages_alone(const Model& model, input::Section& s) {
            {.reads = {key + "ground_moves"}});
   }
   declare_uses_of_stages(model, s);
+  declare_idle(model, s);
   s.rule("ground.present", model.ground.present, "must be true: there is nothing else",
          {.reads = {"ground.present"}});
   if (!model.ground.present) return;
@@ -98,8 +146,10 @@ void declare_stages_alone(const Model& model, input::Section& s) {
   s.rule("dimension", model.dimension == Dimension::space || !model.ground.of_tetrahedra(),
          "must be space for a ground of tetrahedra (ground.mesh, ground.section)",
          {.reads = {"dimension", "ground"}});
-  s.rule("pressure", !model.pressures.empty() || !model.ground.base_motion.empty(),
-         "nothing moves the ground: it has neither pressures nor a wave from below "
+  const bool pressed = std::any_of(model.pressures.begin(), model.pressures.end(),
+                                   [](const auto& p) { return p.course != couple::Course::dead; });
+  s.rule("pressure", pressed || !model.ground.base_motion.empty(),
+         "nothing moves the ground: it has neither pressures, but dead ones, nor a wave from below "
          "(ground.base_motion)",
          {.weight = input::Weight::warning, .reads = {"pressure", "ground"}});
 }
@@ -123,6 +173,7 @@ void declare_pressures(const Model& model, input::Section& s) {
            {.reads = {key, "dimension"}});
     s.rule(key + ".across", !plane || p.across == 0, "must be 0 in a plane model",
            {.reads = {key, "dimension"}});
+    declare_resolved(model, p, key, s);
     const double time = duration_of(model);
     const bool begins = p.course != couple::Course::dead && p.course != couple::Course::table;
     s.rule(key + ".begin", !begins || time <= 0 || p.begin < time,
@@ -136,7 +187,7 @@ void declare_pressures(const Model& model, input::Section& s) {
       across = {std::max(-half, across[0]), std::min(half, across[1])};
     }
     const std::string why = beside(model, p, ground.x, across);
-    s.rule(key + (why.starts_with("y") ? ".y" : ".x"), why.empty(), why,
+    s.rule(key + (why.starts_with("has a y") ? ".y" : ".x"), why.empty(), why,
            {.reads = {key, "ground", "dimension", "stage"}});
   }
 }
@@ -159,26 +210,32 @@ Steps steps_alone(const World& world) {
   return steps;
 }
 
-// From rest, which layers that yield may be long in finding: not tried for them.
+// From rest, which layers that yield may be long in finding: not tried for them. Output not
+// counted.
 std::vector<std::string> estimate_alone(World& world) {
   const Model& model = world.model;
   const Steps steps = steps_alone(world);
-  const double windows = duration_of(model) / steps.window;
+  double windows = 0;
+  for (const Stage& stage : model.stages)
+    windows += std::max(1.0, std::ceil(stage.duration / steps.window * (1 - rounding)));
   std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
                                  duration_of(model), windows, steps.window, steps.limit);
   if (model.ground.yields()) return {line};
-  constexpr int tried = 10;
+  const int tried = static_cast<int>(std::min(10.0, windows));
+  const auto now = std::chrono::steady_clock::now;
+  const auto start = now();
   std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
   if (world.pressures) world.pressures->add_dead(load);
   world.ground->settle(load);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = now();
   for (int k = 1; k <= tried; ++k) {
     std::fill(load.begin(), load.end(), Vec3::Zero());
     if (world.pressures) world.pressures->add(k * steps.window, load);
     world.ground->advance(steps.window, load);
   }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  line += fmt::format(", about {:.0f} s of wall time", took.count() / tried * windows);
+  const std::chrono::duration<double> rest = begin - start, took = now() - begin;
+  line +=
+      fmt::format(", about {:.0f} s of wall time", rest.count() + took.count() / tried * windows);
   return {line};
 }
 

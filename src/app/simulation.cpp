@@ -140,6 +140,7 @@ void Simulation::press_ground(double dt) {
     world_.pressures->add(time, load_);
     return std::span<const Vec3>(load_);
   };
+  if (course_.windows == 0) world_.ground->begin_under(load_at(0));
   if (model_.ground.integrator != fem::Integrator::explicit_)
     return world_.ground->advance(dt, load_at(begin + dt));
   const auto steps = whole_windows(dt, world_.ground->stable_step());

@@ -27,7 +27,8 @@ World::World(const par::Comm& world, const Model& deck)
     ground->top().material = model.material(model.ground_material);
     support.assign(ground->top().nodes(), Vec3::Zero());
     watched = observe::watched_nodes(*ground, model.dimension);
-    if (!model.pressures.empty()) pressures.emplace(comm, ground->top(), model.pressures);
+    if (!model.pressures.empty())
+      pressures.emplace(comm, ground->top(), model.ground.periodic(0), model.pressures);
   }
   if (!model.uses_sleepers()) return;
   if (model.sleepers.model == track::SleeperBody::solid) {

@@ -85,12 +85,18 @@ PressureParameters::Table PressureParameters::table() const {
   return {columns[0], columns[1]};
 }
 
-Pressures::Pressures(const par::Comm& comm, const Surface& top,
+Pressures::Pressures(const par::Comm& comm, const Surface& top, bool around,
                      const std::vector<PressureParameters>& parameters)
     : comm_(comm), top_(top) {
   const auto [low, high] =
       std::minmax_element(top.position.begin(), top.position.end(),
                           [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
+  if (around) {
+    const auto [begin, end] =
+        std::minmax_element(top.position.begin(), top.position.end(),
+                            [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+    low_ = begin->x(), length_ = end->x() - begin->x();
+  }
   for (const PressureParameters& given : parameters) {
     One one;
     one.given = given, one.table = given.table();
@@ -142,10 +148,25 @@ void Pressures::press(const One& one, double time, double factor, std::vector<Ve
   if (factor == 0) return;
   const PressureParameters& p = one.given;
   const Vec3 force = factor * area_of(one.rectangle) * Vec3(p.along, p.across, -p.pressure);  // N
-  Rectangle now = one.rectangle;
-  for (double& x : now.x) x += p.speed * time;
-  for (const Footprints::Share& share : p.speed == 0 ? one.standing : shares(now))
-    nodes.at(static_cast<std::size_t>(share.node)) += share.weight * force;
+  const auto add = [&](const std::vector<Footprints::Share>& shares) {
+    for (const Footprints::Share& share : shares)
+      nodes.at(static_cast<std::size_t>(share.node)) += share.weight * force;
+  };
+  if (p.speed == 0) return add(one.standing);
+  for (const Rectangle& now : after(one.rectangle, p.speed * time)) add(shares(now));
+}
+
+// Where it is, and its images in the lengths before as far as they reach the top.
+std::vector<Rectangle> Pressures::after(const Rectangle& rectangle, double way) const {
+  Rectangle now = rectangle;
+  for (double& x : now.x) x += way;
+  if (length_ == 0) return {now};
+  const double turns = std::floor((now.x[0] - low_) / length_) * length_;
+  for (double& x : now.x) x -= turns;
+  std::vector<Rectangle> images{now};
+  for (Rectangle image = now; image.x[1] > low_ + length_; images.push_back(image))
+    for (double& x : image.x) x -= length_;
+  return images;
 }
 
 void Pressures::add(double time, std::vector<Vec3>& nodes) const {

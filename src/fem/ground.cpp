@@ -148,6 +148,18 @@ void Ground::Room::set_load(std::span<const Vec3> top_force) {
     for (int c = 0; c < components(); ++c) state.load[c][node] -= state.settled[c][node];
 }
 
+// Nothing has moved yet, so nothing else accelerates. Without it the first kick would be half a
+// one, and all that follows half a step late. Collective as `set_load`.
+void Ground::Room::begin_under(std::span<const Vec3> top_force) {
+  set_load(top_force);
+  for (const std::int32_t node : top_nodes)
+    for (int c = 0; c < components(); ++c) {
+      const auto n = static_cast<std::size_t>(node);
+      const bool moves = mesh.owned[n] != 0 && (terms.held[n] >> c & 1) == 0;
+      state.acceleration[c][n] = moves ? state.load[c][n] / terms.mass[n] : 0;
+    }
+}
+
 // The surface of the window that just ended: where its nodes were and how far they went.
 // Collective. The stones follow this motion linearly while the ground already stands at its end.
 void Ground::Room::publish() {
@@ -211,6 +223,7 @@ std::string Ground::trouble() const { return room_->trouble; }
 bool Ground::settle(std::span<const Vec3> top_force, const GoOn& go_on) {
   return room_->settle(top_force, go_on);
 }
+void Ground::begin_under(std::span<const Vec3> top_force) { room_->begin_under(top_force); }
 void Ground::try_solvers(double dt) { room_->try_solvers(dt); }
 
 // Collective. The load of the whole window is the stones' mean of the last one; see app's

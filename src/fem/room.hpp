@@ -73,6 +73,7 @@ struct Ground::Room {
 
   int components() const { return mesh.lattice.components(); }
   void set_load(std::span<const Vec3> top_force);  // load = top_force - settled
+  void begin_under(std::span<const Vec3> top_force);
   // Second order in the step, but damping by stiffness acts half a step late: first order.
   void explicit_window(double dt);
   void begin_step(double h);

@@ -36,7 +36,7 @@ AROUND = {
 REFUSED = {
     "pressure.plate.x=[2,1]": "must be two numbers, from and to",
     "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
-    "pressure.plate.y=[0,3]": "y = 0 to 3 m reaches beyond the top of the ground (-1 to 1 m)",
+    "pressure.plate.y=[0,3]": "beyond the top of the ground (-1 to 1 m)",
     "pressure.plate.y=[0]": "must be two numbers",
     "pressure.plate.speed=-100 pressure.plate.x=[-3,-2]": "never over the ground",
     "pressure.plate.pressure=0": "nothing presses",
@@ -60,6 +60,17 @@ WARNED = {
     "pressure.plate.begin=1": "lies behind the end of the last stage, 0.04 s",
     "time.substeps=2": "has no effect without stones",
     "stage.blow.lift=0.5": "has no effect: it is for release",
+    "stage.blow.friction=0.5": "has no effect without stones",
+    "output.surface_cell=0.1": "has no effect without stones",
+    "time.window=0.02": "is longer than stage \"rest\"",
+    "time.window=0.001 output.history_interval=0.0001": "is less than a time window",
+    "pressure.plate.course=dead pressure.plate.duration=0 pressure.plate.begin=0":
+        "nothing moves the ground",
+    "ground.integrator=newmark time.window=0.01": "windows of 0.01 s see too little",
+    "ground.integrator=newmark time.window=0.01 pressure.plate.course=harmonic"
+    " pressure.plate.frequency=50": "makes cycles of 0.02 s",
+    "ground.integrator=newmark time.window=0.005 pressure.plate.speed=-210":
+        "takes it on by 1.05 m in a window",
 }
 
 

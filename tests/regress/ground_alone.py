@@ -64,6 +64,39 @@ def check_pulse(bench):
                   f"pulse: {coarse} and {fine} off, of second order they should be a quarter")
 
 
+def late(bench, name, *scheme):
+    """s, that the top's displacement lags behind the ramp of a load that is there at once."""
+    time, found = bench.history(name, *ALL, "pressure.strip.duration=0",
+                                "stage.load.duration=0.02", *scheme)
+    out = (time > 0.01) & (time < HEIGHT / SPEED)
+    exact = -PRESSURE / DENSITY / SPEED
+    return np.mean(time[out] - found["history/ground/displacement"][out, 0] / exact)
+
+
+def check_at_once(bench):
+    coarse, fine = (late(bench, f"once_{zones}", f"ground.layer.soil.zones={zones}",
+                         f"ground.zones_x={zones}") for zones in (20, 40))
+    bench.require(abs(fine) < 2e-6 and abs(coarse) < 2e-5,
+                  f"a load that is there at once is {coarse} and {fine} s late")
+    implicit = late(bench, "once_newmark", "ground.integrator=newmark", "time.window=1e-4")
+    bench.require(abs(implicit) < 2e-5, f"in implicit steps it is {implicit} s late")
+
+
+def check_changes(bench):
+    """Pressures of a resume are those of the run, and so is what their tables say."""
+    table = bench.folder / "table.csv"
+    for name, course, changed in (
+            ("dead", ["pressure.strip.course=dead", "pressure.strip.duration=0"],
+             ["pressure.strip.pressure=60e3"]),
+            ("table", ["pressure.strip.course=table", "pressure.strip.duration=0",
+                       f"pressure.strip.file={table}"], [])):
+        table.write_text("time_s,factor\n0,0\n0.05,1\n", encoding="utf-8")
+        place = bench.run(f"changed_{name}", *course, "output.stop_after=9", code=3)
+        table.write_text("time_s,factor\n0,0\n0.05,9\n", encoding="utf-8")
+        ran = bench.program.done(1, "resume", place, *changed, "output.stop_after=0", code=2)
+        bench.require("pressure" in ran.stderr, ran.stderr)
+
+
 def check_settlement(bench):
     """A slow rise, in implicit steps: the ground follows it at rest."""
     _, found = bench.history("settled", *ALL, "pressure.strip.duration=2",
@@ -131,7 +164,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), sys.argv[2], folder)
-    for check in (check_pulse, check_settlement, check_along, check_rest, check_bits):
+    for check in (check_pulse, check_at_once, check_changes, check_settlement, check_along,
+                  check_rest, check_bits):
         check(bench)
     check_strength(bench, sys.argv[3])
 

@@ -37,9 +37,9 @@ struct PressureParameters {
 
 class Pressures {
  public:
-  // `top`: the surface at rest. Throws InputError for bad tables, and for rectangles that stand
-  // beside it. Every rank alike.
-  Pressures(const par::Comm& comm, const Surface& top,
+  // `top`: the surface at rest. `around`: what leaves it at one end along x comes in at the other.
+  // Throws InputError for bad tables, and for rectangles that stand beside it. Every rank alike.
+  Pressures(const par::Comm& comm, const Surface& top, bool around,
             const std::vector<PressureParameters>& parameters);
 
   // Adds their forces at a time (s, from when the ground is let go) to those of the top's nodes, N.
@@ -56,10 +56,12 @@ class Pressures {
   };
   double factor(const One& one, double time) const;
   std::vector<Footprints::Share> shares(const Rectangle& rectangle) const;
+  std::vector<Rectangle> after(const Rectangle& rectangle, double way) const;
   void press(const One& one, double time, double factor, std::vector<Vec3>& nodes) const;
 
   par::Comm comm_;
   Surface top_;
+  double low_ = 0, length_ = 0;  // m, of the top along x, if loads go around; else 0
   std::vector<One> all_;
 };
 

@@ -201,6 +201,8 @@ class Ground {
   // no: the ground then is of no use but to begin again. Throws RunError if there seems to be none.
   using GoOn = std::function<bool(int rounds, double flows)>;
   bool settle(std::span<const Vec3> top_force, const GoOn& go_on = {});
+  // After `settle`, for a load that is another one at once: the acceleration it begins with.
+  void begin_under(std::span<const Vec3> top_force);
   // Sets up what `settle` and steps of dt need of PETSc, and solves nothing. InputError if it does
   // not take its options. Collective.
   void try_solvers(double dt);

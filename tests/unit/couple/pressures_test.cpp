@@ -35,9 +35,9 @@ struct Load {
   double middle = 0;          // m, of its size along x
 };
 
-Load load_at(const PressureParameters& p, double time) {
+Load load_at(const PressureParameters& p, double time, bool around = false) {
   const Surface top = plate();
-  const Pressures pressures(par::Comm::world(), top, {p});
+  const Pressures pressures(par::Comm::world(), top, around, {p});
   std::vector<Vec3> nodes(top.nodes(), Vec3::Zero());
   pressures.add(time, nodes);
   Load load;
@@ -130,10 +130,23 @@ TEST(Pressures, ThoseThatMoveTakeTheirForceAlongAndLeaveItBesideTheTop) {
   EXPECT_EQ(load_at(p, 3).force.norm(), 0);
 }
 
+TEST(Pressures, OnATopWithoutEndsTheyComeInAgain) {
+  PressureParameters p = plain(Course::table);
+  p.course = Course::harmonic, p.speed = 2;
+  for (const double time : {2.15, 3.0, 5.0, 40.0}) {
+    p.frequency = 1 / (4 * time);  // 1 now
+    EXPECT_NEAR(load_at(p, time, true).force.z(), -5e3 * 1.32, 1e-8) << time;
+  }
+  p.frequency = 1.0 / 12;  // 6 m on: where it began
+  EXPECT_NEAR(load_at(p, 3, true).middle, 1.7, 1e-9);
+  p.x = {-8, 5}, p.frequency = 1.0 / 4;  // longer than the top, which has two of most of it
+  EXPECT_NEAR(load_at(p, 1, true).force.z(), -5e3 * 13 * 1.1, 1e-8);
+}
+
 TEST(Pressures, OneThatStandsBesideTheTopIsRefused) {
   PressureParameters p = plain(Course::dead);
   p.x = {7, 8};
-  EXPECT_THROW(Pressures(par::Comm::world(), plate(), {p}), InputError);
+  EXPECT_THROW(Pressures(par::Comm::world(), plate(), false, {p}), InputError);
 }
 
 }  // namespace
