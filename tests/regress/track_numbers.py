@@ -192,6 +192,7 @@ spacing = 0.6
 name = "slow"
 kind = "wheel"
 wheelset_mass = 22000
+length = 2
 [wheel_rail]
 law = "linear"
 stiffness = 1e9
