@@ -222,7 +222,7 @@ void declare_run(const TrackModel& model, input::Section& s) {
   s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
          "is shorter than a time step (passage.step), of which at least one is taken",
          {.weight = input::Weight::warning, .reads = {"passage"}});
-  s.rule("passage.history_interval", passage.history_interval >= passage.step,
+  s.rule("passage.history_interval", model.on_ground || passage.history_interval >= passage.step,
          "is less than a time step; every step makes a row",
          {.weight = input::Weight::warning, .reads = {"passage"}});
 }
@@ -327,7 +327,7 @@ bool TrackModel::untouched() const {
     return input::effective([&model](input::Section& s) { model.declare(s); });
   };
   TrackModel none;
-  none.on_bed = on_bed;
+  none.on_bed = on_bed, none.on_ground = on_ground;
   return text(*this) == text(none);
 }
 

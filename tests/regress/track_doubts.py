@@ -108,6 +108,18 @@ WARNED = [
     (["irregularity.kind=versine", "irregularity.at=70"], "", "puts it beyond the track, which"),
     (["irregularity.fade=0"], "", "wheels meet the random profile with a step at x = 0"),
     (["passage.step=4e-3"], "", "lets wheels go 0.2 m in a step, further than an element"),
+    (["irregularity.kind=waves", "irregularity.at=20", "irregularity.length=0.01",
+      "irregularity.waves=100"], "", "irregularity.length = 0.01: is 1 times what wheels go in a "
+     "step, which is 0.01 m at 50 m/s in 0.0002 s"),
+    (["irregularity.kind=joint", "irregularity.length=0.008"], "",
+     "irregularity.length = 0.008: is 0.8 times what wheels go in a step"),
+    (["irregularity.kind=vee", "irregularity.length=0.11", "train.times=[1]", "train.speeds=[56]"],
+     "", "which is 0.0112 m at 56 m/s"),
+    (["irregularity.shortest=0.09"], "", "irregularity.shortest = 0.09: is 9 times what"),
+    (["track.dimension=space", "irregularity_right.kind=versine", "irregularity_right.length=0.05"],
+     "", "irregularity_right.length = 0.05: is 5 times what"),
+    (["wheel_rail.flat_axle=2", "wheel_rail.flat_length=0.04"], "",
+     "wheel_rail.flat_length = 0.04: is 4 times what"),
     (["wheel_rail.stiffness=1e9"], "", 'has no effect with law = "hertz"'),
     (["wheel_rail.law=linear", "wheel_rail.constant=1e11"], "", 'effect with law = "linear"'),
     (["ballast.below_stiffness=70e6"], "", "has no effect without a mass of the ballast"),
@@ -193,6 +205,9 @@ SOUND = [
       "track.length=6", "track.run_in=2", "passage.duration=0.01", "passage.points=[3]"], FORCE),
     (['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10"], ""),
     (["irregularity.kind=vee", "train.start=35"], ""),
+    (["irregularity.kind=joint", "irregularity.fade=10", "irregularity.length=0.1"], ""),
+    (["irregularity.shortest=0.1", "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.1"], ""),
+    (["irregularity.kind=joint", "irregularity.length=0.05", "passage.step=1e-4"], ""),
 ]
 
 
@@ -217,6 +232,16 @@ def check_sentences(program, decks, folder):
         ran = program.done(1, "check", deck_with(decks, folder, more), *changes)
         if "warning" in ran.stdout:
             raise SystemExit(f"{changes} {more} must not warn:\n{ran.stdout}")
+
+
+def check_windows(program, decks):
+    """On a bed a step of the train is a window, which is shorter than passage.step."""
+    words = ["irregularity.kind=joint", "irregularity.at=18"]
+    for length, wanted in (("1e-3", True), ("2e-2", False)):
+        ran = program.done(1, "check", decks / "transition_train.toml", *words,
+                           f"irregularity.length={length}")
+        if ("times what wheels go in a step" in ran.stdout) != wanted:
+            raise SystemExit(f"a joint of {length} m on a bed:\n{ran.stdout}")
 
 
 def check_idle(program, decks, folder):
@@ -411,6 +436,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_sentences(program, decks, folder)
+    check_windows(program, decks)
     check_idle(program, decks, folder)
     check_files(program, decks, folder)
     check_steps(program, decks, folder)
