@@ -272,6 +272,11 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
                        : forces && !whole.axles.empty()
                            ? *std::max_element(whole.axles.begin(), whole.axles.end())
                            : 0;
+  s.rule("bogie_distance",
+         whole.kind != VehicleKind::coach || whole.bogie_distance == 0 ||
+             whole.bogie_distance > whole.wheelbase,
+         fmt::format("must be more than the wheelbase of {:g} m: bogies stand in one another",
+                     whole.wheelbase));
   s.rule("length", reach <= whole.length,
          fmt::format("is less than the {:g} m that its axles need: they stand in other vehicles",
                      reach),

@@ -74,6 +74,10 @@ REFUSED = [
     ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "is that of hxd1_unit"),
     ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
      "is for constant forces"),
+    ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2'),
+     "vehicle[0].bogie_distance = 2: must be more than the wheelbase of 2.56 m"),
+    ([], VEHICLE.format(COACH.replace("= 18", "= 2.5")),
+     "vehicle[0].bogie_distance = 2.5: must be more than the wheelbase of 2.5 m"),
 ]
 WARNED = [
     (["passage.duration=0.1"], '[[force]]\nat = 5\nsize = 1e3\nkind = "impact"\nlength = 1e-3\n',
@@ -205,6 +209,7 @@ SOUND = [
       "track.length=6", "track.run_in=2", "passage.duration=0.01", "passage.points=[3]"], FORCE),
     (['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10"], ""),
     (["irregularity.kind=vee", "train.start=35"], ""),
+    ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2.6')),
     (["irregularity.kind=joint", "irregularity.fade=10", "irregularity.length=0.1"], ""),
     (["irregularity.shortest=0.1", "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.1"], ""),
     (["irregularity.kind=joint", "irregularity.length=0.05", "passage.step=1e-4"], ""),
