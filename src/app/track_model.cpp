@@ -202,6 +202,18 @@ void declare_flat(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"wheel_rail", "train", "vehicle"}});
 }
 
+// A run of a given duration may end before its train has come.
+void declare_arrival(const TrackModel& model, input::Section& s) {
+  const double lasts = model.passage.duration;
+  if (model.train.vehicles.empty() || lasts == 0 || !model.train.changes_are_clear()) return;
+  const double reached = track::Motion(model.train).x(lasts);
+  s.rule("train.start", reached >= 0,
+         fmt::format("leaves the train before the track: its first axle gets to {:.4g} m in the "
+                     "{:g} s of the run (passage.duration)",
+                     reached, lasts),
+         {.weight = input::Weight::warning, .reads = {"train", "passage.duration"}});
+}
+
 // What of the run of a track alone lies on the track and in its time.
 void declare_run(const TrackModel& model, input::Section& s) {
   const TrackOutput& passage = model.passage;
@@ -213,6 +225,7 @@ void declare_run(const TrackModel& model, input::Section& s) {
   s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
          fmt::format("lies beyond the track, which is {:g} m long", length),
          {.reads = {"train.start", "train.vehicles", "track.length"}});
+  declare_arrival(model, s);
   const std::optional<double> rests = model.stop();
   s.rule("passage.duration", passage.duration > 0 || !rests,
          fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "

@@ -154,6 +154,9 @@ WARNED = [
                          ("track.sleeper.height", 0.001))),
     (["track.dimension=space", "track.sleeper_length=0.26"], "",
      "track.sleeper_length = 0.26 is far from the usual"),
+    (["train.start=-400", "passage.duration=0.2"], "",
+     "train.start = -400: leaves the train before the track: its first axle gets to -390 m in the "
+     "0.2 s of the run"),
     (["train.start=-1e6"], "", "train.start = -1000000 is far from the usual values (-500 to"),
     ([], VEHICLE.format('kind = "wheel"\nlength = 2\nwheelset_mass = 1e3\nbody_mass = 1e3'),
      "vehicle[0].body_mass = 1000.0: has no effect on a vehicle of this kind"),
@@ -215,6 +218,7 @@ SOUND = [
       "track.length=6", "track.run_in=2", "passage.duration=0.01", "passage.points=[3]"], FORCE),
     (['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10"], ""),
     (["irregularity.kind=vee", "train.start=35"], ""),
+    (["train.start=-8", "passage.duration=0.2"], ""),
     ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2.6')),
     (["rail.mass=5", "rail.area=1e-3", "track.sleeper_mass=20"], ""),
     (["irregularity.kind=joint", "irregularity.fade=10", "irregularity.length=0.1"], ""),
