@@ -214,6 +214,19 @@ void declare_arrival(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"train", "passage.duration"}});
 }
 
+// A train that stands never leaves, and on a bed it never comes.
+void declare_speed(const TrackModel& model, input::Section& s) {
+  const std::vector<double>& later = model.train.speeds;
+  const bool goes = model.train.speed > 0 ||
+                    std::any_of(later.begin(), later.end(), [](double v) { return v > 0; });
+  const bool ends = !model.on_bed && model.passage.duration > 0;
+  s.rule("train.speed", goes || ends,
+         model.on_bed ? "must be above 0 m/s, or one of train.speeds"
+                      : "must be above 0 m/s, or one of train.speeds, or passage.duration must be: "
+                        "the train stands",
+         {.reads = {"train", "passage.duration"}});
+}
+
 // What of the run of a track alone lies on the track and in its time.
 void declare_run(const TrackModel& model, input::Section& s) {
   const TrackOutput& passage = model.passage;
@@ -278,6 +291,7 @@ void TrackModel::declare(input::Section& s) {
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_size(*this, s);
   declare_vehicles(*this, s);
+  declare_speed(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
   declare_bending(*this, s);

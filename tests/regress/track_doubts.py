@@ -74,6 +74,8 @@ REFUSED = [
     ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "is that of hxd1_unit"),
     ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
      "is for constant forces"),
+    (["train.speed=0"], "", "train.speed = 0: must be above 0 m/s, or one of train.speeds, or "
+     "passage.duration must be: the train stands"),
     ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2'),
      "vehicle[0].bogie_distance = 2: must be more than the wheelbase of 2.56 m"),
     ([], VEHICLE.format(COACH.replace("= 18", "= 2.5")),
@@ -219,6 +221,7 @@ SOUND = [
     (['train.vehicles=["hxd1_unit"]', "irregularity.kind=none", "irregularity.fade=10"], ""),
     (["irregularity.kind=vee", "train.start=35"], ""),
     (["train.start=-8", "passage.duration=0.2"], ""),
+    (["train.speed=0", "train.start=30", "passage.duration=0.1"], ""),
     ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2.6')),
     (["rail.mass=5", "rail.area=1e-3", "track.sleeper_mass=20"], ""),
     (["irregularity.kind=joint", "irregularity.fade=10", "irregularity.length=0.1"], ""),

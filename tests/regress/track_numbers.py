@@ -177,6 +177,24 @@ def check_order(program, decks, folder):
     print(f"order in the step {order}, changes {off} m")
 
 
+def check_standing(program, decks, folder):
+    """A wheel that stands amid a beam, P L^3/(48 E I); solved to the contact's tolerance."""
+    deck, place = folder / "standing.toml", folder / "standing"
+    deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + "[[vehicle]]\n"
+                    'name = "own"\nkind = "wheel"\nlength = 2\nwheelset_mass = 22e3\n',
+                    encoding="utf-8")
+    program.done(1, "run", deck, 'train.vehicles=["own"]', "train.speed=0", "train.start=30",
+                 "track.support=none", "track.rails=1", "track.run_in=0", "rail.theory=euler",
+                 "rail.young=210e9", "rail.inertia=0.3", "irregularity.kind=none",
+                 "passage.duration=0.1", "passage.points=[30]", "-o", place)
+    found, weight = summary(place)["track"], 22e3 * 9.81
+    down, wanted = -found["rail_lowest_m"][0], weight * 60**3 / (48 * 210e9 * 0.3)
+    forces = [found["wheel_force_min_n"], found["wheel_force_max_n"]]
+    print(f"a wheel that stands: {1e3 * down:.7f} mm, {1e3 * wanted:.7f} mm by theory")
+    if not np.allclose(down, wanted, rtol=1e-6) or not np.allclose(forces, weight, rtol=1e-6):
+        raise SystemExit(f"{down} m and {forces} N, {wanted} m and {weight} N are wanted")
+
+
 def main():
     program, decks, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2]), pathlib.Path(
         sys.argv[3])
@@ -188,6 +206,7 @@ def main():
     check_lost(program, decks, folder)
     check_energy(program, decks, folder)
     check_order(program, decks, folder)
+    check_standing(program, decks, folder)
 
 
 if __name__ == "__main__":
