@@ -236,6 +236,7 @@ void Model::declare(input::Section& s) {
       "[ground] below the springs of some sleepers; ground: [ground] alone under [[pressure]], "
       "in stages of kind run.");
   track.on_bed = kind == ModelKind::bed;
+  track.on_ground = kind == ModelKind::track_on_ground;
   if (kind == ModelKind::ground) return declare_ground_alone(s);
   if (kind == ModelKind::track) return track.declare(s);
   if (kind == ModelKind::track_on_ground) return declare_on_ground(s);

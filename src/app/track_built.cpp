@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/coarse_steps.hpp"
 #include "app/profile_doubts.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -120,6 +121,9 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model, co
       doubts_of_profiles(whole.track, {built.irregularity, built.right});
   const std::vector<std::string> of_seats = doubts_of_seats(whole.track, built);
   doubts.insert(doubts.end(), of_seats.begin(), of_seats.end());
+  if (whole.below)
+    for (const std::string& doubt : doubts_of_step(whole.track, whole.below->step()))
+      doubts.push_back(doubt);
   for (const std::string& doubt : doubts) say(comm, "warning: " + doubt);
   if (!whole.below) return doubts;
   const nlohmann::ordered_json of = whole.below->figures();

@@ -204,6 +204,31 @@ void declare_flat(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"wheel_rail", "train", "vehicle"}});
 }
 
+// A run of a given duration may end before its train has come.
+void declare_arrival(const TrackModel& model, input::Section& s) {
+  const double lasts = model.passage.duration;
+  if (model.train.vehicles.empty() || lasts == 0 || !model.train.changes_are_clear()) return;
+  const double reached = track::Motion(model.train).x(lasts);
+  s.rule("train.start", reached >= 0,
+         fmt::format("leaves the train before the track: its first axle gets to {:.4g} m in the "
+                     "{:g} s of the run (passage.duration)",
+                     reached, lasts),
+         {.weight = input::Weight::warning, .reads = {"train", "passage.duration"}});
+}
+
+// A train that stands never leaves, and on a bed it never comes.
+void declare_speed(const TrackModel& model, input::Section& s) {
+  const std::vector<double>& later = model.train.speeds;
+  const bool goes = model.train.speed > 0 ||
+                    std::any_of(later.begin(), later.end(), [](double v) { return v > 0; });
+  const bool ends = !model.on_bed && model.passage.duration > 0;
+  s.rule("train.speed", goes || ends,
+         model.on_bed ? "must be above 0 m/s, or one of train.speeds"
+                      : "must be above 0 m/s, or one of train.speeds, or passage.duration must be: "
+                        "the train stands",
+         {.reads = {"train", "passage.duration"}});
+}
+
 // What of the run of a track alone lies on the track and in its time.
 void declare_run(const TrackModel& model, input::Section& s) {
   const TrackOutput& passage = model.passage;
@@ -215,6 +240,7 @@ void declare_run(const TrackModel& model, input::Section& s) {
   s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
          fmt::format("lies beyond the track, which is {:g} m long", length),
          {.reads = {"train.start", "train.vehicles", "track.length"}});
+  declare_arrival(model, s);
   const std::optional<double> rests = model.stop();
   s.rule("passage.duration", passage.duration > 0 || !rests,
          fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
@@ -224,7 +250,7 @@ void declare_run(const TrackModel& model, input::Section& s) {
   s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
          "is shorter than a time step (passage.step), of which at least one is taken",
          {.weight = input::Weight::warning, .reads = {"passage"}});
-  s.rule("passage.history_interval", passage.history_interval >= passage.step,
+  s.rule("passage.history_interval", model.on_ground || passage.history_interval >= passage.step,
          "is less than a time step; every step makes a row",
          {.weight = input::Weight::warning, .reads = {"passage"}});
 }
@@ -267,6 +293,7 @@ void TrackModel::declare(input::Section& s) {
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_size(*this, s);
   declare_vehicles(*this, s);
+  declare_speed(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);
   declare_bending(*this, s);
@@ -329,7 +356,7 @@ bool TrackModel::untouched() const {
     return input::effective([&model](input::Section& s) { model.declare(s); });
   };
   TrackModel none;
-  none.on_bed = on_bed;
+  none.on_bed = on_bed, none.on_ground = on_ground;
   return text(*this) == text(none);
 }
 

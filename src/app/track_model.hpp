@@ -29,7 +29,8 @@ struct TrackModel {
   track::IrregularityParameters irregularity_right{.kind = track::IrregularityKind::same};
   track::SeatLoadParameters load;  // of a track alone, if it is loaded by seats
   TrackOutput passage;
-  bool on_bed = false;  // the run is that of a bed
+  bool on_bed = false;     // the run is that of a bed
+  bool on_ground = false;  // whose steps the ground may divide
   void declare(input::Section& s);
   bool is_countable() const;     // whether the rail has elements that a machine can hold
   std::size_t sleepers() const;  // of the track

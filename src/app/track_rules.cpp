@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/coarse_steps.hpp"
 #include "app/profile_doubts.hpp"
 
 namespace trackbed::app {
@@ -184,19 +185,6 @@ void declare_alike(const TrackModel& model, input::Section& s) {
          {.weight = input::Weight::warning, .reads = {"irregularity", "irregularity_right"}});
 }
 
-// Of a wheel at the largest speed: it must not jump over elements.
-void declare_step(const TrackModel& model, input::Section& s) {
-  const track::TrackParameters& track = model.line.track;
-  const double element = track.spacing / static_cast<double>(track.elements);
-  const double speed = largest_speed(model.train);
-  s.rule("passage.step",
-         model.train.vehicles.empty() || speed * model.passage.step <= element * (1 + 1e-9),
-         fmt::format("lets wheels go {:.3g} m in a step, further than an element of the rail "
-                     "({:g} m)",
-                     speed * model.passage.step, element),
-         {.weight = input::Weight::warning, .reads = {"passage.step", "train", "track"}});
-}
-
 }  // namespace
 
 void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int64_t count,
@@ -229,7 +217,8 @@ void declare_track_rules(const TrackModel& model, input::Section& s) {
   declare_irregularity(model, model.irregularity, "irregularity", s);
   declare_irregularity(model, model.irregularity_right, "irregularity_right", s);
   declare_alike(model, s);
-  declare_step(model, s);
+  // On a ground the step is known when it is built, of a bed with the rest of it.
+  if (!model.on_bed && !model.on_ground) declare_coarse_steps(model, model.passage.step, s);
 }
 
 std::vector<std::string> doubts_of_files(const TrackModel& model) {

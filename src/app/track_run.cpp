@@ -16,6 +16,7 @@
 #include "app/interrupt.hpp"
 #include "app/result_folder.hpp"
 #include "app/track_built.hpp"
+#include "app/track_ends.hpp"
 #include "app/track_rules.hpp"
 #include "app/version.hpp"
 #include "app/wheel_extremes.hpp"
@@ -338,18 +339,22 @@ bool run_track(const par::Comm& comm, const Model& model, const TrackRunOf& of) 
                         : alone          ? "s, each of which computes the whole track"
                                          : "s, which share the ground"));
   Run run(comm, whole, of);
-  const std::vector<std::string> doubts = introduce(comm, model, whole, run.built);
+  std::vector<std::string> doubts = introduce(comm, model, whole, run.built);
   if (!of.checkpoint.empty()) run.resume();
   const Watch::time_point moving = Watch::now();
   const bool finished = run.run();
   const double stepping = seconds_since(moving);
   const double wall = comm.max(seconds_since(begin));
+  const TrackModel& track = whole.track;
+  std::vector<std::string> at_end;
+  if (finished) at_end = doubts_of_passage(track, run.built, run.wheels, run.histories.lowest());
+  doubts.insert(doubts.end(), at_end.begin(), at_end.end());
   write_summary_file(
       comm, of.folder,
       summary_of(comm, whole, run, {of.deck, finished, wall, stepping, of.warnings, doubts})
           .dump(2));
-  const TrackModel& track = whole.track;
   if (finished) conclude(comm, track, run.built, run.wheels, run.histories.lowest());
+  for (const std::string& doubt : at_end) say(comm, "warning: " + doubt);
   say(comm,
       fmt::format("  {} steps of {:g} s, {:.2f} s of wall time for {:.4g} s",
                   run.built.passage.steps(), track.passage.step, wall, run.built.passage.time()));

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/coarse_steps.hpp"
+#include "app/limits.hpp"
 #include "app/rules.hpp"
 #include "app/track_rules.hpp"
 
@@ -187,6 +189,16 @@ void declare_doubts(const Model& model, input::Section& s) {
          "the rail above each sleeper is in the histories, so only that");
 }
 
+// s, about: stones that are not drawn yet limit windows as well.
+double longest_window(const Model& model) {
+  if (model.time.window > 0) return model.time.window;
+  double window = 0;
+  for (const Stage& stage : model.stages)
+    if (stage.train) window = std::max(window, coupling_limit(model, stage).window);
+  const double step = model.time.step > 0 ? model.time.step : model.time.rough_step;
+  return std::min(window, step * static_cast<double>(model.time.substeps));
+}
+
 }  // namespace
 
 void declare_train(const Model& model, input::Section& s) {
@@ -195,8 +207,10 @@ void declare_train(const Model& model, input::Section& s) {
   if (!model.has_train()) return;
   declare_place(model, s);
   declare_zones(model, s);
-  if (model.track.is_countable())
+  if (model.track.is_countable()) {
     declare_ballast_mass(model.track, model.seat.before, model.sleepers.count, s);
+    declare_coarse_steps(model.track, longest_window(model), s);
+  }
   declare_sides(model, s);
   declare_doubts(model, s);
 }

@@ -121,7 +121,8 @@ void TrackParameters::declare_space(input::Section& s) {
       "vehicles that roll as well.");
   s.number("gauge", gauge, {.unit = "m", .above = 0, .usually_from = 0.6, .usually_to = 2},
            "Between the middles of both rails (space, or sleepers that bend).");
-  s.number("sleeper_length", sleeper_length, {.unit = "m", .above = 0, .usually_to = 5},
+  s.number("sleeper_length", sleeper_length,
+           {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 5},
            "Of sleepers, over which the ballast bears them evenly (space, or sleepers that bend).");
   s.number("sleeper_inertia", sleeper_inertia, {.unit = "kg m2", .at_least = 0},
            "Of a whole rigid sleeper in roll (space); 0: of a uniform bar.");
@@ -145,9 +146,10 @@ void SleeperBeamParameters::declare(input::Section& s) {
            "Young's modulus (beam).");
   s.number("poisson", poisson, {.at_least = 0, .at_most = 0.5},
            "Poisson's ratio: shear modulus (beam, timoshenko).");
-  s.number("width", width, {.unit = "m", .above = 0, .usually_to = 0.6},
+  s.number("width", width, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
            "Of the rectangle that bends, alike all along (beam).");
-  s.number("height", height, {.unit = "m", .above = 0, .usually_to = 0.6}, "The same (beam).");
+  s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
+           "The same (beam).");
   s.integer("elements", elements, {.at_least = 2, .at_most = 100},
             "Between the rails, an even number; beyond them they are at most as long (beam).");
   s.number("unsupported", unsupported, {.unit = "m", .at_least = 0, .usually_to = 2},
@@ -193,7 +195,8 @@ void TrackParameters::declare(input::Section& s) {
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
            "Of sleepers; the length is a multiple of it.");
   s.integer("elements", elements, {.at_least = 1, .at_most = 100}, "Of the rail in a spacing.");
-  s.number("sleeper_mass", sleeper_mass, {.unit = "kg", .above = 0, .usually_to = 2000},
+  s.number("sleeper_mass", sleeper_mass,
+           {.unit = "kg", .above = 0, .usually_from = 10, .usually_to = 2000},
            "Of a whole sleeper (sleepers).");
   s.number("bed_stiffness", bed_stiffness,
            {.unit = "N/m2", .above = 0, .usually_from = 1e5, .usually_to = 1e10},

@@ -44,11 +44,12 @@ void RailParameters::declare(input::Section& s) {
            "Poisson's ratio: makes the shear modulus.");
   s.number("shear_factor", shear_factor, {.above = 0, .at_most = 1},
            "Share of the area that carries shear (timoshenko).");
-  s.number("area", area, {.unit = "m2", .at_least = 0, .usually_to = 1},
+  s.number("area", area, {.unit = "m2", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
            "Cross-section of one rail; 0: of the section.");
-  s.number("inertia", inertia, {.unit = "m4", .at_least = 0, .usually_to = 10},
+  s.number("inertia", inertia,
+           {.unit = "m4", .at_least = 0, .usually_from = 1e-8, .usually_to = 10},
            "Second moment of area of one rail about its horizontal axis; 0: of the section.");
-  s.number("mass", mass, {.unit = "kg/m", .at_least = 0, .usually_to = 1e5},
+  s.number("mass", mass, {.unit = "kg/m", .at_least = 0, .usually_from = 1, .usually_to = 1e5},
            "Mass per length of one rail; 0: of the section.");
 }
 

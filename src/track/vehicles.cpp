@@ -272,6 +272,11 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
                        : forces && !whole.axles.empty()
                            ? *std::max_element(whole.axles.begin(), whole.axles.end())
                            : 0;
+  s.rule("bogie_distance",
+         whole.kind != VehicleKind::coach || whole.bogie_distance == 0 ||
+             whole.bogie_distance > whole.wheelbase,
+         fmt::format("must be more than the wheelbase of {:g} m: bogies stand in one another",
+                     whole.wheelbase));
   s.rule("length", reach <= whole.length,
          fmt::format("is less than the {:g} m that its axles need: they stand in other vehicles",
                      reach),
@@ -360,8 +365,10 @@ void VehicleParameters::declare(input::Section& s) {
 void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles,
           "Names of [[vehicle]] or of the library, front first; none if there is a [[force]].");
-  s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
-           "Along x, at the begin; it stays so unless train.times says otherwise.");
+  s.number(
+      "speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
+      "Along x, at the begin; it stays so unless train.times says otherwise. 0: the train stands "
+      "where train.start puts it, for passage.duration.");
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
            "x of the first axle at the begin.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
@@ -386,9 +393,6 @@ void TrainParameters::declare_changes(input::Section& s) const {
   s.rule("speeds", speeds.size() == times.size(),
          fmt::format("must be as many as train.times: {} speeds, {} times", speeds.size(),
                      times.size()));
-  s.rule("speed",
-         speed > 0 || std::any_of(speeds.begin(), speeds.end(), [](double v) { return v > 0; }),
-         "must be above 0 m/s, or one of train.speeds");
   if (!changes_are_clear()) return;
   double largest = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {

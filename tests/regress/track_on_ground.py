@@ -39,6 +39,17 @@ REFUSED = {
 TOLD = {"footing.width=0.7": "is more than track.spacing (0.6 m): footprints of neighbours overlap",
         "ballast.damping=4e6":
             "limited by ballast dampers on the ground's top (the ground alone by zones of layer"}
+# The ground divides the step: what is said is of the step taken.
+STEPS = [
+    (["passage.step=1e-2"], [], ["in a step", "history_interval"]),
+    (["passage.step=1e-2", "passage.history_interval=1e-4"],
+     ["passage.history_interval = 0.0001: is less than a time step of 0.0003448 s"], []),
+    (["passage.step=1e-2", "irregularity.kind=joint", "irregularity.at=6",
+      "irregularity.length=0.2"],
+     ["irregularity.length = 0.2: is 7.2 times what wheels go in a step, which is 0.0276 m"], []),
+    (["passage.step=1e-4", "irregularity.kind=joint", "irregularity.at=6",
+      "irregularity.length=0.2"], [], ["irregularity.length"]),
+]
 # Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
 # to 1e-20 J.
 BALANCE = 1e-9
@@ -65,6 +76,12 @@ def check_refusals(program, deck):
         ran = program.done(1, "check", deck, change)
         if words not in ran.stdout:
             raise SystemExit(f"{change}: {words} is wanted:\n{ran.stdout}{ran.stderr}")
+    for changes, wanted, silent in STEPS:
+        said = [line for line in program.done(1, "check", deck, *changes).stdout.splitlines()
+                if line.startswith("warning: ")]
+        if any(words not in "".join(said) for words in wanted) or any(
+                words in "".join(said) for words in silent):
+            raise SystemExit(f"{changes}: {wanted} is wanted, {silent} is not: {said}")
 
 
 def check_ranks(program, deck, folder):
