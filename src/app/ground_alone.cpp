@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "app/rules.hpp"
 #include "app/world.hpp"
@@ -160,10 +159,7 @@ void declare_pressures(const Model& model, input::Section& s) {
     return s.rule("pressure", model.pressures.empty(),
                   "is for model = \"ground\" alone: here bed or track press on the ground", about);
   const fem::GroundParameters& ground = model.ground;
-  std::set<std::string> names;
-  for (const couple::PressureParameters& p : model.pressures) names.insert(p.name);
-  s.rule("pressure", names.size() == model.pressures.size(), "pressures need different names",
-         about);
+  declare_names_of_pressures(model, s);
   for (std::size_t i = 0; i < model.pressures.size(); ++i) {
     const couple::PressureParameters& p = model.pressures[i];
     const std::string key = fmt::format("pressure[{}]", i);

@@ -173,6 +173,7 @@ void Progress::timer_table(const Timers& timers) {
     const auto verb = static_cast<Verb>(i);
     const double mine = timers.seconds(verb);
     const double low = comm_.min(mine), high = comm_.max(mine);
+    if (high < 0.005) continue;  // a row of zeros: most often what this model does not have
     const double mean = comm_.sum(mine) / comm_.size();
     say(comm_, "{:<18}{:>7.1f}%{:>10.2f}{:>10.2f}{:>10.2f}{:>11.2f}\n", name_of(verb),
         100 * mean / total, low, mean, high, mean > 0 ? high / mean : 1);

@@ -37,6 +37,7 @@ std::vector<std::string> doubts_of_loads(const Model& model);
 void declare_stages(const Model& model, input::Section& s);
 void declare_names_of_stages(const Model& model, input::Section& s);  // parts of it
 void declare_uses_of_stages(const Model& model, input::Section& s);
+void declare_names_of_pressures(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline can be.
 void declare_layers(const Model& model, input::Section& s);

@@ -31,8 +31,18 @@ bool is_a_word(const std::string& name) {
 }
 
 constexpr const char* word_wanted =
-    "must be a word of letters, digits and _ - + . (at most 100, not beginning with . or -): files "
-    "and groups of the results are named by it";
+    "must be a word of letters, digits and _ - + . (at most 100, not beginning with . or -): "
+    "overrides, files and groups of the results name it";
+
+// Each a word, all different.
+void declare_names(const std::string& list, const std::string& plural, const auto& tables,
+                   const input::About& about, input::Section& s) {
+  s.rule(list, names_are_unique(tables), plural + " need different names", about);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string key = fmt::format("{}[{}].name", list, i);
+    s.rule(key, is_a_word(tables[i].name), word_wanted, {.reads = {key}});
+  }
+}
 
 // What each stage finds: a start from a checkpoint may have done the earlier ones, and nothing is
 // known of it here: the file is looked at only when all sentences are out.
@@ -187,11 +197,12 @@ void declare_names_of_stages(const Model& model, input::Section& s) {
   const auto& stages = model.stages;
   const input::About about{.reads = {"stage", "start"}};
   s.rule("stage", !stages.empty(), "at least one [[stage]] is needed", about);
-  s.rule("stage", names_are_unique(stages), "stages need different names", about);
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    const std::string key = fmt::format("stage[{}].name", i);
-    s.rule(key, is_a_word(stages[i].name), word_wanted, {.reads = {key}});
-  }
+  declare_names("stage", "stages", stages, about, s);
+}
+
+// Overrides and sentences name them.
+void declare_names_of_pressures(const Model& model, input::Section& s) {
+  declare_names("pressure", "pressures", model.pressures, {.reads = {"pressure"}}, s);
 }
 
 void declare_stages(const Model& model, input::Section& s) {
@@ -212,12 +223,10 @@ void declare_stages(const Model& model, input::Section& s) {
 
 // Regions are groups of the results, by their names. One beside the bed is empty for ever.
 void declare_regions(const Model& model, input::Section& s) {
-  s.rule("region", names_are_unique(model.regions), "regions need different names",
-         {.reads = {"region"}});
+  declare_names("region", "regions", model.regions, {.reads = {"region"}}, s);
   for (std::size_t i = 0; i < model.regions.size(); ++i) {
     const observe::Region& region = model.regions[i];
     const std::string key = fmt::format("region[{}]", i);
-    s.rule(key + ".name", is_a_word(region.name), word_wanted, {.reads = {key + ".name"}});
     if (model.bed.x.size() != 2 || model.bed.y.size() != 2) continue;
     const Apart apart = beside_the_bed(model, region);
     const bool ball = region.kind == observe::RegionKind::sphere;

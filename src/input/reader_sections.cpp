@@ -121,8 +121,12 @@ std::string Reader::suggestion(const Frame& frame, const std::string& name) cons
   std::vector<std::string> words;
   for (const ParameterInfo& parameter : paths_) words.push_back(last_word(parameter.path));
   const std::string near = nearest(name, words);
-  for (const ParameterInfo& parameter : paths_)
-    if (!near.empty() && last_word(parameter.path) == near) return parameter.path;
+  for (const ParameterInfo& parameter : paths_) {
+    if (near.empty() || last_word(parameter.path) != near) continue;
+    // "stage[0].start ...; did you mean start?" would seem to suggest what is there.
+    const bool top = parameter.path == near && !frame.path.empty();
+    return parameter.path + (top ? " at the top of the deck" : "");
+  }
   return "";
 }
 

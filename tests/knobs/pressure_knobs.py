@@ -47,6 +47,8 @@ REFUSED = {
     "pressure.plate.course=dead pressure.plate.speed=1": "must be 0 m/s for a dead load",
     "pressure.plate.nam=x": "did you mean pressure[0].name?",
     "pressure.surcharge.name=plate": "pressures need different names",
+    "pressure.surcharge.name='a b'": "must be a word",
+    "pressure.plate.start=1": "did you mean start at the top of the deck?",
     "stage.blow.kind=settle": "must be run: a ground alone has nothing else to do",
     "stage.blow.ground_moves=false": "must be true: nothing else moves",
     "ground.present=false": "must be true: there is nothing else",

@@ -88,11 +88,13 @@ TEST(Deck, SaysWhatAValueMustBe) {
 }
 
 TEST(Deck, FindsTheNearestNameElsewhereIfNoneIsNear) {
-  EXPECT_EQ(problems_of("skin = 1\nyuong = 2\nnothing_like_it = 3\n"),
+  EXPECT_EQ(problems_of("skin = 1\nyuong = 2\nnothing_like_it = 3\n[dem]\ntitel = \"a\"\n"),
             (Sentences{
                 "deck.toml:1: skin is not a parameter; did you mean dem.skin?",
                 "deck.toml:2: yuong is not a parameter; did you mean layer[].young?",
                 "deck.toml:3: nothing_like_it is not a parameter",
+                "deck.toml:5: dem.titel is not a parameter; did you mean title at the top of the "
+                "deck?",
             }));
 }
 
