@@ -47,10 +47,25 @@ std::vector<Length> lengths_of(const TrackModel& model) {
   return lengths;
 }
 
+// Forces of their own time on a track whose ground says the step; elsewhere rules of the deck.
+void add_forces(const TrackModel& model, double step, std::vector<CoarseStep>& to) {
+  constexpr double seen = 8;  // steps
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i) {
+    const track::RailForce& force = model.passage.forces[i];
+    const bool impact = force.kind == track::ForceKind::impact;
+    if (force.lasts() >= seen * step * (1 - rounding)) continue;
+    to.push_back({fmt::format("force[{}].{}", i, impact ? "length" : "frequency"),
+                  impact ? force.length : force.frequency,
+                  fmt::format("makes {} of {:.3g} s, in steps of {:.4g} s: they hardly see it",
+                              impact ? "an impact" : "periods", force.lasts(), step)});
+  }
+}
+
 }  // namespace
 
 std::vector<CoarseStep> coarse_steps(const TrackModel& model, double step) {
   std::vector<CoarseStep> found;
+  if (model.on_ground) add_forces(model, step, found);
   if (model.train.vehicles.empty()) return found;
   const track::TrackParameters& track = model.line.track;
   const double element = track.spacing / static_cast<double>(track.elements);

@@ -15,7 +15,7 @@ struct CoarseStep {
 };
 
 // What wheels jump over at their largest speed in steps of `step` s: elements of the rail, profiles
-// and flats.
+// and flats; on a ground, whose step the deck does not say, short forces on the rail.
 std::vector<CoarseStep> coarse_steps(const TrackModel& model, double step);
 // The same as warnings of the deck.
 void declare_coarse_steps(const TrackModel& model, double step, input::Section& s);

@@ -80,7 +80,7 @@ void declare_force_in_time(const track::RailForce& force, const std::string& nam
                            input::Section& s) {
   const bool impact = force.kind == track::ForceKind::impact;
   const std::string key = name + (impact ? ".length" : ".frequency");
-  const double time = impact ? force.length : 1 / force.frequency;  // s, of half or all of a sine
+  const double time = force.lasts();
   const std::string words = fmt::format("makes {} of {:.3g} s, in steps of {:g} s (passage.step)",
                                         impact ? "an impact" : "periods", time, step);
   const input::About about{.reads = {"force", "passage.step"}};
@@ -118,7 +118,8 @@ void declare_forces(const TrackModel& model, input::Section& s) {
            {.reads = {"force", "track.length"}});
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i) {
     const std::string name = fmt::format("force[{}]", i);
-    declare_force_in_time(model.passage.forces[i], name, model.passage.step, s);
+    if (!model.on_ground)  // which divides the step: told once it is known
+      declare_force_in_time(model.passage.forces[i], name, model.passage.step, s);
     declare_force_at_end(model.passage.forces[i], name, model.line.track, s);
     s.rule(name + ".begin", model.passage.forces[i].begin < lasts,
            fmt::format("lies beyond the run, which takes {:.4g} s: the force has no effect", lasts),

@@ -12,6 +12,7 @@
 #include "app/limits.hpp"
 #include "app/rules.hpp"
 #include "app/track_rules.hpp"
+#include "trackbed/track/motion.hpp"
 
 namespace trackbed::app {
 
@@ -55,6 +56,23 @@ void declare_presence(const Model& model, input::Section& s) {
            !model.stages[i].train || model.stages[i].cycles < 2 || model.stages[i].duration == 0,
            "must be 0 for several trains: the next one is sent when the last axle has left",
            {.reads = {"stage"}});
+}
+
+// A stage that lasts as long as it is told may end before its train has come.
+void declare_arrivals(const Model& model, input::Section& s) {
+  const TrackModel& track = model.track;
+  if (track.train.vehicles.empty() || !track.train.changes_are_clear()) return;
+  const double bed = static_cast<double>(model.seat.before) * track.line.track.spacing;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    if (!stage.train || stage.duration == 0) continue;
+    const double reached = track::Motion(track.train).x(stage.duration);
+    s.rule(fmt::format("stage[{}].duration", i), reached >= bed,
+           fmt::format("ends the stage before the train is on the bed: its first axle gets to "
+                       "{:.4g} m, the bed's first sleeper is at {:.4g} m of the track",
+                       reached, bed),
+           {.weight = input::Weight::warning, .reads = {"stage", "train", "seat", "track"}});
+  }
 }
 
 // The sleepers of the bed are sleepers of the track, in its plain part.
@@ -205,6 +223,7 @@ void declare_train(const Model& model, input::Section& s) {
   declare_presence(model, s);
   declare_seats(model, s);
   if (!model.has_train()) return;
+  declare_arrivals(model, s);
   declare_place(model, s);
   declare_zones(model, s);
   if (model.track.is_countable()) {

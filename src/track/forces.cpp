@@ -37,6 +37,8 @@ void RailForce::declare(input::Section& s) {
   s.number("length", length, {.unit = "s", .above = 0, .usually_to = 1}, "Time an impact takes.");
 }
 
+double RailForce::lasts() const { return kind == ForceKind::impact ? length : 1 / frequency; }
+
 double RailForce::force(double time) const {
   const double since = time - begin;
   if (since <= 0) return 0;

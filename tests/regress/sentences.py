@@ -195,6 +195,8 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
               "track.zone[0].from = 12.1: begins a zone over 1 sleeper of the bed: stones bear it",
           f"{TRAIN} ballast.mass=500 track.zone=[{{from=12.1,to=13,bed=0.0}}]":
               "track.zone[0].from = 12.1: begins a zone over 1 sleeper of the bed: stones bear it",
+          f"{TRAIN} stage.passage.duration=0.2 train.speed=10":
+              "ends the stage before the train is on the bed: its first axle gets to 2 m, the",
           f"{TRAIN} passage.points=[1]": "has no effect on a bed: the rail above each sleeper",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: the duration of the stage",
           f"{TRAIN} passage.history_interval=1e-2": "has no effect on a bed: output.history",

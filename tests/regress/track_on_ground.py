@@ -49,6 +49,10 @@ STEPS = [
      ["irregularity.length = 0.2: is 7.2 times what wheels go in a step, which is 0.0276 m"], []),
     (["passage.step=1e-4", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"], [], ["irregularity.length"]),
+    (["passage.step=1e-2", "force=[{at=6,kind='impact',length=2e-3,size=1e3}]"],
+     ["force[0].length = 0.002: makes an impact of 0.002 s, in steps of 0.0003448 s: they hardly"],
+     []),
+    (["passage.step=1e-2", "force=[{at=6,kind='impact',length=3e-3,size=1e3}]"], [], ["force[0]"]),
 ]
 # Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
 # to 1e-20 J.

@@ -19,6 +19,7 @@ struct RailForce {
   double rise = 0.1;                 // s, over which a harmonic force grows
   double length = 2e-3;              // s, of an impact
   void declare(input::Section& s);
+  double lasts() const;             // s, an impact or a period of a harmonic force
   double force(double time) const;  // N, downwards
   std::size_t number() const { return side == ForceSide::left ? 0 : 1; }
 };
