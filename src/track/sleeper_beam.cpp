@@ -151,14 +151,14 @@ void Line::Room::hang_across(std::size_t index, std::size_t e) {
 void Line::Room::press_across(std::size_t index) {
   Sleeper& sleeper = sleepers[index];
   if (gap_below(sleeper.x, 0) > 0) return;
-  sleeper.lowest.stiffness = parameters.ballast.stiffness * bed_factor(sleeper.x, 0);
-  sleeper.lowest.damping = parameters.ballast.damping * bed_factor(sleeper.x, 0);
+  sleeper.lowest[0].stiffness = parameters.ballast.stiffness * bed_factor(sleeper.x, 0);
+  sleeper.lowest[0].damping = parameters.ballast.damping * bed_factor(sleeper.x, 0);
   for (std::size_t e = 0; e < mesh->elements(); ++e) {
     const Four share = across_element(sleeper, e).area(mesh->on_ballast(e)) / mesh->ballast;
     const auto unknown = unknowns_across(sleeper, e);
     for (std::size_t k = 0; k < 4; ++k)
       if (unknown[k] >= 0 && share[static_cast<Eigen::Index>(k)] != 0)
-        sleeper.on.emplace_back(unknown[k], share[static_cast<Eigen::Index>(k)]);
+        sleeper.on[0].emplace_back(unknown[k], share[static_cast<Eigen::Index>(k)]);
   }
 }
 
