@@ -40,9 +40,6 @@ void declare_track(const Model& model, input::Section& s) {
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
          "must be rigid on a ground where sleepers hang (gap of a zone)", about);
-  s.rule("track.sleeper.model",
-         !two_rails(model) || track.sleeper.model == track::SleeperModel::rigid,
-         "must be rigid on a ground below two rails (track.dimension = \"space\")", about);
   s.rule("pad.uplift", !model.track.line.pad.uplift,
          "must be false on a ground: pads lift off on a track alone (model = \"track\")",
          {.reads = {"pad", "model"}});

@@ -62,8 +62,8 @@ Line::Room::Room(const LineParameters& given)
   require(given.moved_pads.empty() || given.pad.knee == 0,
           "pads with a knee stand on sleepers that do not give way within a step");
   require(!given.pad.uplift || given.moved == 0, "pads lift off on a track alone");
-  require(!mesh || given.moved == 0 || (given.moves == MovedPart::ground && sides == 1),
-          "sleepers that somebody else moves do not bend, nor do those of two rails on a ground");
+  require(!mesh || given.moved == 0 || given.moves == MovedPart::ground,
+          "sleepers that somebody else moves do not bend");
   elements = static_cast<std::size_t>(bays * track.elements);
   element_length = track.length / static_cast<double>(elements);
   number();

@@ -61,7 +61,8 @@ struct Line::Room {
   void number_across(Sleeper& sleeper);
   void add_across(std::size_t index);
   void hang_across(std::size_t index, std::size_t e);
-  void press_across(std::size_t index);
+  void press_across(std::size_t index, std::size_t side);
+  std::array<double, 2> felt_across(std::size_t e, std::size_t side) const;
   BeamElement across_element(const Sleeper& sleeper, std::size_t e) const;
   std::array<std::int32_t, 4> unknowns_across(const Sleeper& sleeper, std::size_t e) const;
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;

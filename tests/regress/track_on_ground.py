@@ -33,8 +33,6 @@ REFUSED = {
         "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
     "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":
         "must be plane on a ground in a plane: below two rails it is one in space (dimension)",
-    "track.dimension=space footing.rails=2 footing.length=1.6 track.sleeper_length=1.6 "
-    "track.sleeper.model=beam": "must be rigid on a ground below two rails",
     "train.start=1": "the train comes from the rigid rail before the track",
     "pad.uplift=true": "pad.uplift = true: must be false on a ground",
     "dimension=plane": "and y have no effect in a plane model",
@@ -208,7 +206,8 @@ side = "left"
 
 def check_two_rails(program, deck, folder):
     """Rows of both ends, left before right; the same bits on any number of ranks and after a stop;
-    what hangs does not press, what is loaded more presses more, alike rails are alike."""
+    what hangs does not press, what is loaded more presses more, alike rails are alike; also over
+    sleepers that bend."""
     path = folder / "two_rails.toml"
     path.write_text(deck.read_text(encoding="utf-8") + ONE_END, encoding="utf-8")
     words = [*TWO_RAILS, "vehicle.own.body_offset=0.2"]
@@ -232,6 +231,16 @@ def check_two_rails(program, deck, folder):
     if most[0] != 0 or most[1] < 1e4 or most[2] < 1.05 * most[3]:
         raise SystemExit(f"largest forces on the ground below a left end that hangs, its right "
                          f"one, and both of the next sleeper under a load to the left: {most} N")
+    words += ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
+    for ranks in (1, 3):
+        place = folder / f"two_rails_bending_{ranks}"
+        program.done(ranks, "run", deck, *words, "-o", place)
+        same_bits(folder / "two_rails_bending_1", place, f"bending, {ranks} ranks", facts)
+        check_balance(place, "two rails, sleepers that bend")
+    place = folder / "two_rails_bending_stopped"
+    program.done(2, "run", deck, *words, "passage.stop_after=217", "-o", place, code=3)
+    program.done(1, "resume", place)
+    same_bits(folder / "two_rails_bending_1", place, "two rails, bending, stopped", facts)
     program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "-o", folder / "alike")
     program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "track.dimension=plane", "-o",
                  folder / "as_one")

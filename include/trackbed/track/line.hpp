@@ -199,7 +199,7 @@ class Line {
   double seat_force(std::size_t i, const Vector& u, const Vector& v,
                     const std::array<Seat, 2>& seats = {}, std::size_t side = 0) const;
   // N, of the ballast of sleeper i, on two rails of that end, on the ground, compression positive;
-  // of an end that hangs without what its stop does. Not of beams on two rails.
+  // of an end that hangs without what its stop does. None of beams that hang.
   double ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat,
                       std::size_t side = 0) const;
   std::int32_t ground_stop(std::size_t i, std::size_t side = 0) const;  // its number; -1: none

@@ -206,8 +206,7 @@ TEST(TwoRailsOnGround, IsOfSecondOrder) {
 }
 
 // One rail struck, at the longest step that the program takes.
-TEST(TwoRailsOnGround, KeepsEnergyAtTheLongestStep) {
-  Model m = wide(3);
+void check_energy(Model m) {
   m.track.line.ballast.damping = m.track.line.pad.damping = 0;
   Pair pair(m);
   pair.run(0.01);
@@ -233,6 +232,51 @@ TEST(TwoRailsOnGround, KeepsEnergyAtTheLongestStep) {
   for (const char* name : {"force", "moment", "roll_moment", "work"})
     verified::below(std::string("largest imbalance of ") + name, "-", balance[name].get<double>(),
                     1e-9);
+}
+
+TEST(TwoRailsOnGround, KeepsEnergyAtTheLongestStep) { check_energy(wide(3)); }
+
+// Ballast half as stiff on the left, none below the middle.
+Model bending(track::BeamTheory theory, double young) {
+  Model m = wide(3);
+  track::TrackParameters& track = m.track.line.track;
+  track.zones = {{.from = -1, .to = 20, .bed = 0.5, .side = track::ZoneSide::left}};
+  track.sleeper.model = track::SleeperModel::beam;
+  track.sleeper.unsupported = 0.4, track.sleeper.theory = theory, track.sleeper.young = young;
+  return m;
+}
+
+TEST(TwoRailsOnGround, KeepsEnergyOfSleepersThatBend) {
+  check_energy(bending(track::BeamTheory::timoshenko, 35e9));
+}
+
+// Thin bars have the roll inertia of rigid ones. Ballast that is alike left and right: the two
+// springs of a rigid sleeper differ where it differs, so they stand for it no more than roughly
+// then.
+TEST(TwoRailsOnGround, StiffSleepersThatBendAreRigidOnes) {
+  const auto differ = [](double young) {
+    Model beam = bending(track::BeamTheory::euler, young);
+    beam.track.line.track.zones = {};
+    Model rigid = beam;
+    rigid.track.line.track.sleeper.model = track::SleeperModel::rigid;
+    for (Model* m : {&beam, &rigid}) m->track.passage.step = 1e-4;
+    Pair one(beam), other(rigid);
+    double off = 0, most = 0;
+    for (int n = 0; n < 300; ++n) {
+      one.step(), other.step();
+      for (const std::size_t side : {0, 1}) {
+        const double there = other.built.passage.ground_force(before + 1, side);
+        most = std::max(most, std::abs(there));
+        off = std::max(off, std::abs(one.built.passage.ground_force(before + 1, side) - there));
+      }
+    }
+    return off / most;
+  };
+  const double soft = differ(35e9), stiff = differ(35e12), stiffer = differ(35e13);
+  verified::above("largest difference of forces on the ground, as stiff as sleepers are", "-", soft,
+                  0.01);
+  verified::below("ten thousand times as stiff", "-", stiffer, 1e-4);
+  verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1, 0.05);
 }
 
 // Three sleepers hang at their left ends, over which the blow goes up and back; relative to what is
