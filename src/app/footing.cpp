@@ -16,6 +16,7 @@ namespace {
 constexpr double rounding = 1e-9;  // m, of borders that are meant to meet
 
 bool is_plane(const Model& model) { return model.dimension == Dimension::plane; }
+bool two_rails(const Model& model) { return model.track.line.track.dimension == Dimension::space; }
 
 // The exchange needs both sides at the same instants, and a ground that has no weight.
 void declare_kind(const Model& model, input::Section& s) {
@@ -35,8 +36,6 @@ void declare_track(const Model& model, input::Section& s) {
   const input::About about{.reads = {"track", "footing", "model"}};
   s.rule("track.support", track.support == track::Support::sleepers,
          "must be sleepers: the ground is below their ballast", about);
-  s.rule("track.dimension", track.dimension == Dimension::plane,
-         "must be plane on a ground: its sleepers carry one rail, or both alike", about);
   const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
@@ -59,6 +58,24 @@ void declare_track(const Model& model, input::Section& s) {
   s.rule("train.start", model.track.train.vehicles.empty() || model.track.train.start <= 0,
          "must be at most 0 on a ground: the train comes from the rigid rail before the track",
          {.reads = {"train", "model"}});
+}
+
+// What is below two rails is a whole sleeper, on a ground that may give way more at one end.
+void declare_two_rails(const Model& model, input::Section& s) {
+  if (!two_rails(model)) return;
+  const FootingParameters& footing = model.footing;
+  const double length = model.track.line.track.sleeper_length;
+  s.rule("track.dimension", !is_plane(model),
+         "must be plane on a ground in a plane: below two rails it is one in space (dimension)",
+         {.reads = {"track", "dimension", "model"}});
+  s.rule("footing.rails", footing.rails == 2,
+         "must be 2 below two rails (track.dimension = \"space\"), whose ground carries both",
+         {.reads = {"track", "footing"}});
+  s.rule("footing.length", is_plane(model) || footing.length >= length - rounding,
+         fmt::format("is less than a sleeper's length (track.sleeper_length = {:g} m): below two "
+                     "rails whole sleepers press on the ground, through ballast that spreads it",
+                     length),
+         {.reads = {"track", "footing", "dimension"}});
 }
 
 // m: what all footprints cover along x.
@@ -125,13 +142,18 @@ void FootingParameters::declare(input::Section& s) {
   s.number("width", width, {.unit = "m", .above = 0, .usually_to = 3},
            "Along the track, of what the ballast of a sleeper presses on.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 5},
-           "The same across the track (space; in a plane model its thickness).");
+           "The same across the track (space; in a plane model its thickness); below two rails at "
+           "least a sleeper's length.");
   s.number("y", y, {.unit = "m"}, "Middle of that (space).");
   s.number("rails", rails, {.above = 0, .at_most = 2},
-           "Rails whose load the ground carries: 1 for half a track, 2 for a whole one.");
+           "Rails whose load the ground carries: 1 for half a track, 2 for a whole one and below "
+           "two rails.");
 }
 
-// A plane model is as thick as its surface is wide.
+// A plane model is as thick as its surface is wide. A pressure that is linear across the footprint
+// has the force of a spring and acts below it, at `arm`, if it rises by 12 arm/length^2. Of a
+// length that is the sleeper's, both springs together press as ballast does below a rigid sleeper
+// that rolls (least squares); of a longer one with the same force and moment.
 std::vector<couple::Rectangle> footprints_of(const Model& model) {
   const FootingParameters& footing = model.footing;
   const double across = is_plane(model) ? model.thickness : footing.length;
@@ -139,8 +161,13 @@ std::vector<couple::Rectangle> footprints_of(const Model& model) {
   std::vector<couple::Rectangle> footprints;
   for (std::int64_t i = 0; i < footing.count; ++i) {
     const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
-    footprints.push_back({.x = {x - footing.width / 2, x + footing.width / 2},
-                          .y = {middle - across / 2, middle + across / 2}});
+    couple::Rectangle print{.x = {x - footing.width / 2, x + footing.width / 2},
+                            .y = {middle - across / 2, middle + across / 2}};
+    print.tilt = 12 * model.track.line.track.bearing_arm() / (across * across);
+    footprints.push_back(print);
+    if (!two_rails(model)) continue;
+    print.tilt = -print.tilt;
+    footprints.push_back(print);
   }
   return footprints;
 }
@@ -158,6 +185,7 @@ void declare_footing(const Model& model, input::Section& s) {
   declare_kind(model, s);
   declare_idle_sides(model.ground, model.dimension, s);
   declare_track(model, s);
+  declare_two_rails(model, s);
   declare_place(model, s);
   declare_overlap(model, s);
 }

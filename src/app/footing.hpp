@@ -22,7 +22,8 @@ struct FootingParameters {
   void declare(input::Section& s);
 };
 
-// Of each sleeper, in a plane model over its thickness, m.
+// Of each sleeper, in a plane model over its thickness, m; on two rails of each of its two ballast
+// springs, left before right: the same rectangle, pressed as the spring's force and arm are.
 std::vector<couple::Rectangle> footprints_of(const Model& model);
 
 // model = "track_on_ground": rules that tie track and ground together; of other models that they

@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "app/footing.hpp"
 #include "trackbed/core/error.hpp"
@@ -47,8 +49,10 @@ GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
       ground_(comm, model.ground, model.dimension, model.thickness),
       own_(ground_.own_top()),
       footprints_(comm, ground_.top(), own_, footprints_of(model)),
+      home_(ground_.top().position),
       first_(static_cast<std::size_t>(model.footing.before)),
-      rails_(model.footing.rails),
+      sides_(model.track.line.track.dimension == Dimension::space ? 2 : 1),
+      rails_(model.footing.rails / static_cast<double>(sides_)),
       force_(footprints_.count(), 0.0),
       load_(ground_.top().nodes(), Vec3::Zero()),
       mean_(footprints_.count(), 0.0),
@@ -56,44 +60,59 @@ GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
       mean_way_(mean_),
       way_(height_),
       node_work_(largest_work) {
-  for (const couple::Rectangle& r : footprints_of(model)) centre_.push_back((r.x[0] + r.x[1]) / 2);
-  for (const Vec3& home : ground_.top().position) node_x_.push_back(home.x());
+  const double arm = model.track.line.track.bearing_arm();
+  for (const couple::Rectangle& r : footprints_of(model))
+    centre_.push_back(
+        {(r.x[0] + r.x[1]) / 2, r.middle_y() + (centre_.size() % 2 == 0 ? arm : -arm)});
   const double stable = stable_step(model), longest = model.track.passage.step;
   constexpr double rounding = 1e-9;
   step_ = longest / std::max(1.0, std::ceil(longest / stable - rounding));
 }
 
 // The ground alone is stable up to h_c; springs and dampers of stiffness k and c on its top add
-//   h^2 k L/4 + h c L,   L = largest eigenvalue of W' M^-1 W <= max_i sum_n w_in sum_j w_jn / m_n
+//   h^2 k L/4 + h c L,   L = largest eigenvalue of W' M^-1 W
 // to what must stay below 1 (W the weights w_in of node n in footprint i, m_n kg; the damper with
 // its velocity from before, hence twice its half). What the ground itself has used of it at h is at
 // most h/h_c, as that is convex in h. The same on any number of ranks.
 double GroundBelow::stable_step(const Model& model) {
-  std::vector<double> mass(ground_.top().nodes(), 0.0), shares(mass.size(), 0.0);
+  std::vector<double> mass(ground_.top().nodes(), 0.0);
   for (const std::int32_t node : own_)
     mass[static_cast<std::size_t>(node)] = ground_.top_mass(node);
   comm_.max(std::span(mass));
   const track::Line line(line_on_ground(model));
-  double k = 0, c = 0, most = 0;
+  double k = 0, c = 0;
   for (std::size_t i = 0; i < footprints_.count(); ++i) {
-    const auto [stiffness, damping] = line.ground_spring(first_ + i);
+    const auto [stiffness, damping] = line.ground_spring(sleeper(i), i % sides_);
     k = std::max(k, rails_ * stiffness), c = std::max(c, rails_ * damping);
-    for (const auto& share : footprints_.shares(i))
-      shares[static_cast<std::size_t>(share.node)] += share.weight;
   }
-  for (std::size_t i = 0; i < footprints_.count(); ++i) {
-    double sum = 0;
-    for (const auto& share : footprints_.shares(i)) {
-      const auto node = static_cast<std::size_t>(share.node);
-      sum += share.weight * shares[node] / mass[node];
-    }
-    most = std::max(most, sum);
-  }
+  const double most = largest_coupling(mass);
   const double safety = model.ground.safety, alone = ground_.stable_step(&limit_) / safety;
   const double b = 1 / alone + c * most;
   if (c * most > 1 / alone)
     limit_ = fmt::format("ballast dampers on the ground's top (the ground alone by {})", limit_);
   return 2 * safety / (b + std::sqrt(b * b + k * most * safety));
+}
+
+// 1/kg: L is at most the largest sum of a row, max_i sum_j |sum_n w_in w_jn / m_n|. Of the two
+// footprints of a sleeper on two rails, whose weights differ in sign, entries nearly cancel where
+// sums of magnitudes would double L.
+double GroundBelow::largest_coupling(const std::vector<double>& mass) const {
+  std::vector<std::vector<std::pair<std::size_t, double>>> on(mass.size());  // footprint, weight
+  for (std::size_t i = 0; i < footprints_.count(); ++i)
+    for (const auto& share : footprints_.shares(i))
+      on[static_cast<std::size_t>(share.node)].emplace_back(i, share.weight);
+  double most = 0;
+  for (std::size_t i = 0; i < footprints_.count(); ++i) {
+    std::map<std::size_t, double> row;
+    for (const auto& share : footprints_.shares(i)) {
+      const auto node = static_cast<std::size_t>(share.node);
+      for (const auto& [j, weight] : on[node]) row[j] += share.weight * weight / mass[node];
+    }
+    double sum = 0;
+    for (const auto& [j, entry] : row) sum += std::abs(entry);
+    most = std::max(most, sum);
+  }
+  return most;
 }
 
 void GroundBelow::advance(track::Passage& passage) {
@@ -130,31 +149,39 @@ void GroundBelow::press(const track::Passage& passage) {
   const std::vector<double> force_before = force_;
   const std::vector<Vec3> load_before = load_;
   for (std::size_t i = 0; i < force_.size(); ++i)
-    force_[i] = rails_ * passage.ground_force(first_ + i);
+    force_[i] = rails_ * passage.ground_force(sleeper(i), i % sides_);
   std::fill(load_.begin(), load_.end(), Vec3::Zero());
   footprints_.press(force_, load_);
   account(force_before, load_before);
 }
 
-// Force and moment about the first footprint of both sides; work over the step by the mean of the
-// forces at its ends, which is what leapfrog's kicks give to a ground without dampers, to second
-// order.
+// Force and moments about the middle of the first sleeper's footprint of both sides; work over the
+// step by the mean of the forces at its ends, which is what leapfrog's kicks give to a ground
+// without dampers, to second order. Forces below one rail have no arm across the track.
 void GroundBelow::account(const std::vector<double>& force_before,
                           const std::vector<Vec3>& load_before) {
-  double force = 0, moment = 0, all = 0, all_moment = 0;
+  double force = 0, all = 0;
+  std::array<double, 2> moment{}, all_moment{};
+  const std::array origin = {centre_[0][0], (centre_[0][1] + centre_[sides_ - 1][1]) / 2};
   for (std::size_t i = 0; i < force_.size(); ++i) {
-    const double arm = centre_[i] - centre_[0], given = (force_before[i] + force_[i]) / 2;
-    force += force_[i], moment += force_[i] * arm;
-    all += std::abs(force_[i]), all_moment += std::abs(force_[i] * arm);
+    const double given = (force_before[i] + force_[i]) / 2;
+    force += force_[i], all += std::abs(force_[i]);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double turns = force_[i] * (centre_[i][axis] - origin[axis]);
+      moment[axis] += turns, all_moment[axis] += std::abs(turns);
+    }
     work_ -= given * mean_way_[i];
     all_work_ += std::abs(given * mean_way_[i]);
   }
   for (std::size_t n = 0; n < load_.size(); ++n) {
     force += load_[n].z();
-    moment += load_[n].z() * (node_x_[n] - centre_[0]);
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      moment[axis] += load_[n].z() * (home_[n][static_cast<Eigen::Index>(axis)] - origin[axis]);
   }
   force_off_ = std::max(force_off_, ratio(std::abs(force), all));
-  moment_off_ = std::max(moment_off_, ratio(std::abs(moment), all_moment));
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    moment_off_[axis] =
+        std::max(moment_off_[axis], ratio(std::abs(moment[axis]), all_moment[axis]));
   for (std::size_t n = 0; n < own_.size(); ++n) {
     const auto node = static_cast<std::size_t>(own_[n]);
     node_work_.add((load_before[node].z() + load_[node].z()) / 2 * way_[n]);
@@ -180,9 +207,10 @@ Json GroundBelow::balance() const {
   FineSum nodes = node_work_;
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
   nodes.carry();
-  return {{"force", force_off_},
-          {"moment", moment_off_},
-          {"work", ratio(std::abs(nodes.value() - work_), all_work_)}};
+  Json of{{"force", force_off_}, {"moment", moment_off_[0]}};
+  if (sides_ == 2) of["roll_moment"] = moment_off_[1];
+  of["work"] = ratio(std::abs(nodes.value() - work_), all_work_);
+  return of;
 }
 
 // The track's own account takes the ground for rigid: k u^2/2 of a spring instead of
@@ -194,10 +222,11 @@ Json GroundBelow::energies(const track::Passage& passage) const {
   const track::Line& line = passage.line();
   double track = passage.track_energy();
   for (std::size_t i = 0; i < mean_.size(); ++i) {
-    if (line.ground_stop(first_ + i) >= 0) continue;
+    const std::size_t side = i % sides_;
+    if (line.ground_stop(sleeper(i), side) >= 0) continue;
     const double spring =
-        line.ground_force(first_ + i, motion.displacement, still, {.height = mean_[i]});
-    track += mean_[i] * (spring - line.ground_spring(first_ + i)[0] * mean_[i] / 2);
+        line.ground_force(sleeper(i), motion.displacement, still, {.height = mean_[i]}, side);
+    track += mean_[i] * (spring - line.ground_spring(sleeper(i), side)[0] * mean_[i] / 2);
   }
   return {{"track_j", rails_ * track},
           {"given_to_ground_j", work_},
@@ -225,19 +254,21 @@ void GroundBelow::save(io::File& file) const {
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
   nodes.carry();
   const std::vector<std::int64_t> quanta(nodes.counts().begin(), nodes.counts().end());
-  const std::vector<double> sums{work_, all_work_, force_off_, moment_off_};
+  const std::vector<double> sums{work_, all_work_, force_off_, moment_off_[0], moment_off_[1]};
   const auto root = [&](const auto& values) {
     return std::span(values).first(comm_.root() ? values.size() : 0);
   };
   file.write<double>(std::string(group) + "/force", root(force_), 1,
-                     {"N", "of the ballast of each sleeper on the ground, down positive"});
+                     {"N",
+                      "of the ballast of each sleeper on the ground, down positive; of two "
+                      "rails of each end, left before right"});
   file.write<std::int64_t>(std::string(group) + "/node_work", root(quanta), 2,
                            {"-", "work on the ground by its nodes so far, quanta of a fine sum"});
   file.write<double>(
-      std::string(group) + "/sums", root(sums), 4,
-      {"J, J, -, -",
+      std::string(group) + "/sums", root(sums), sums.size(),
+      {"J, J, -, -, -",
        "work on the ground so far, sum of its magnitudes; largest imbalance of force "
-       "and moment"});
+       "and of moments about y and x"});
 }
 
 void GroundBelow::load(const io::File& file) {
@@ -249,7 +280,8 @@ void GroundBelow::load(const io::File& file) {
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
   if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
   const auto sums = file.read_all<double>(std::string(group) + "/sums");
-  work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2), moment_off_ = sums.at(3);
+  work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2);
+  moment_off_ = {sums.at(3), sums.size() > 4 ? sums[4] : 0};  // older programs had no second one
   std::vector<couple::Footprints::Values> values{{{}, largest_height}};
   for (std::size_t n = 0; n < own_.size(); ++n) {
     height_[n] = ground_.top_motion(own_[n]).displacement.z();

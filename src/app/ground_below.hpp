@@ -42,7 +42,9 @@ class GroundBelow {
   void load(const io::File& file);
 
  private:
+  std::size_t sleeper(std::size_t footprint) const { return first_ + footprint / sides_; }
   double stable_step(const Model& model);
+  double largest_coupling(const std::vector<double>& mass) const;
   void sense(track::Passage& passage);
   void press(const track::Passage& passage);
   void account(const std::vector<double>& force_before, const std::vector<Vec3>& load_before);
@@ -51,9 +53,11 @@ class GroundBelow {
   fem::Ground ground_;
   std::vector<std::int32_t> own_;  // nodes of the top that this rank moves
   couple::Footprints footprints_;
-  std::vector<double> centre_, node_x_;  // m, x of each footprint, of each node at rest
-  std::size_t first_;                    // sleeper of the track
-  double rails_;
+  std::vector<std::array<double, 2>> centre_;  // m, x and y of each ballast spring
+  std::vector<Vec3> home_;                     // m, nodes of the top at rest
+  std::size_t first_;                          // sleeper of the track
+  std::size_t sides_;                          // footprints of each, left before right
+  double rails_;                               // of the ground for one of the track
   double step_;
   std::string limit_;
   std::int64_t steps_here_ = 0;  // since built; for the speed alone
@@ -66,7 +70,9 @@ class GroundBelow {
   // the sum of magnitudes of these.
   FineSum node_work_;
   double work_ = 0, all_work_ = 0;
-  double force_off_ = 0, moment_off_ = 0;  // largest relative imbalance of a step
+  // Largest relative imbalance of a step: of force, of moments about y (pitch) and x (roll).
+  double force_off_ = 0;
+  std::array<double, 2> moment_off_{};
 };
 
 // The line of a model of kind track_on_ground: which of its sleepers stand on what moves.

@@ -1,8 +1,9 @@
 // Weights are exact: of node n and rectangle R, with shape function N_n in each face T,
-//   w_n = 1/|R| sum_T integral over R and T of N_n = 1/|R| sum_T |R T| N_n(centroid of R T),
-// since the mean of a linear function over a polygon is its value at the centroid, and so is that
-// of a bilinear one over a rectangle with sides along x and y. So they sum to one, and their centre
-// is that of the rectangle: no moment gets lost.
+//   w_n = 1/|R| sum_T integral over R and T of N_n p,   p = 1 + tilt (y - middle).
+// On triangles N_n p is of second degree, whose mean over a part of R T is that of the middles of
+// its sides; on zones R T is a rectangle, where N_n is a function of x times one of y. So weights
+// sum to one, and their centre is that of the pressure: no moment gets lost. Of a tilt some are
+// negative.
 //
 // Faces of zones are whole rectangles with bilinear functions, those of the elements below: an even
 // pressure then gives each node its tributary area. Halves along one diagonal give the nodes at its
@@ -42,20 +43,10 @@ Polygon cut(const Polygon& polygon, int axis, double limit, double sign) {
   return kept;
 }
 
-// m^2 and m^3: area, and its first moment, positive if corners turn left.
-struct Extent {
-  double area = 0;
-  Point moment = Point::Zero();
-};
-Extent extent_of(const Polygon& polygon) {
-  Extent sum;
-  for (std::size_t k = 2; k < polygon.size(); ++k) {
-    const double area = cross(polygon[k - 1] - polygon[0], polygon[k] - polygon[0]) / 2;
-    sum.area += area;
-    sum.moment += area / 3 * (polygon[0] + polygon[k - 1] + polygon[k]);
-  }
-  return sum;
-}
+double area_of(const Rectangle& r) { return (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]); }
+
+// Of the mean pressure.
+double pressure(const Rectangle& r, double y) { return 1 + r.tilt * (y - r.middle_y()); }
 
 // Shape functions of a triangle's corners at a point.
 std::array<double, 3> shape_at(const std::array<Point, 3>& corner, const Point& at) {
@@ -77,11 +68,17 @@ void add_triangle(const Surface& surface, const std::array<std::int32_t, 3>& tri
     const auto& range = axis == 0 ? r.x : r.y;
     polygon = cut(cut(polygon, axis, range[0], -1), axis, range[1], 1);
   }
-  const Extent extent = extent_of(polygon);
-  if (extent.area <= 0) return;
-  const std::array<double, 3> shape = shape_at(corner, extent.moment / extent.area);
-  const double share = extent.area / ((r.x[1] - r.x[0]) * (r.y[1] - r.y[0]));
-  for (std::size_t k = 0; k < 3; ++k) weights[triangle[k]] += share * shape[k];
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const std::array<Point, 3> part = {polygon[0], polygon[k - 1], polygon[k]};
+    const double area = cross(part[1] - part[0], part[2] - part[0]) / 2;
+    if (area <= 0) continue;
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Point middle = (part[side] + part[(side + 1) % 3]) / 2;
+      const double share = area / 3 / area_of(r) * pressure(r, middle.y());
+      const std::array<double, 3> shape = shape_at(corner, middle);
+      for (std::size_t n = 0; n < 3; ++n) weights[triangle[n]] += share * shape[n];
+    }
+  }
 }
 
 // The same for a whole zone, if this triangle and the next are one. Returns whether they are: not
@@ -102,12 +99,15 @@ bool add_zone(const Surface& surface, std::size_t half, const Rectangle& r,
     return false;
   const Point from = low.cwiseMax(Point(r.x[0], r.y[0])), to = high.cwiseMin(Point(r.x[1], r.y[1]));
   if (from.x() >= to.x() || from.y() >= to.y()) return true;
-  const double share = (to - from).prod() / ((r.x[1] - r.x[0]) * (r.y[1] - r.y[0]));
-  const Point local = ((from + to) / 2 - low).cwiseQuotient(size);
-  weights[a] += share * (1 - local.x()) * (1 - local.y());
-  weights[b] += share * local.x() * (1 - local.y());
-  weights[c] += share * local.x() * local.y();
-  weights[d] += share * (1 - local.x()) * local.y();
+  const double share = (to - from).prod() / area_of(r);
+  const Point middle = (from + to) / 2, local = (middle - low).cwiseQuotient(size);
+  const double length = to.y() - from.y();
+  const double here = pressure(r, middle.y()), rise = r.tilt * length * length / 12 / size.y();
+  const double at_low = here * (1 - local.y()) - rise, at_high = here * local.y() + rise;
+  weights[a] += share * (1 - local.x()) * at_low;
+  weights[b] += share * local.x() * at_low;
+  weights[c] += share * local.x() * at_high;
+  weights[d] += share * (1 - local.x()) * at_high;
   return true;
 }
 

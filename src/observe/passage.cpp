@@ -66,12 +66,17 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        wheels,
        {}},
       {"history/ground/displacement",
-       {"m", "vertical, up positive: mean below the ballast of a sleeper; on rigid ground 0"},
-       on_ground ? sleepers_.size() : 0,
+       {"m", sides > 1 ? "vertical, up positive: below the ballast spring of each end of a sleeper "
+                         "(mean and slope across of its footprint); on rigid ground 0"
+                       : "vertical, up positive: mean below the ballast of a sleeper; on rigid "
+                         "ground 0"},
+       on_ground ? sleepers_each : 0,
        {}},
       {"history/ground/force",
-       {"N", "of a sleeper's ballast under one rail on it, compression positive"},
-       on_ground ? sleepers_.size() : 0,
+       {"N", sides > 1
+                 ? "of the ballast spring of each end of a sleeper on it, compression positive"
+                 : "of a sleeper's ballast under one rail on it, compression positive"},
+       on_ground ? sleepers_each : 0,
        {}},
       {"history/sleeper/moment",
        {"N m",
@@ -107,9 +112,9 @@ void PassageHistories::sample(const track::Passage& passage) {
             line_.sleeper_moment(i, line_.gauge() / 2 * (1 - static_cast<double>(place)),
                                  rail.displacement));
   for (const std::size_t i : sleepers_)
-    if (columns_[ground_force].width > 0) {
-      put(ground_displacement, passage.ground_below(i).height);
-      put(ground_force, passage.ground_force(i));
+    for (std::size_t side = 0; columns_[ground_force].width > 0 && side < line_.sides(); ++side) {
+      put(ground_displacement, passage.ground_below(i, side).height);
+      put(ground_force, passage.ground_force(i, side));
     }
   const track::Newmark& train = passage.train_motion();
   for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {

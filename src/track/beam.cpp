@@ -78,8 +78,11 @@ Matrix4 BeamElement::bed(const std::array<double, 2>& part) const {
   });
 }
 
-Four BeamElement::area(const std::array<double, 2>& part) const {
-  return integral<Four>(part, [this](double xi) { return deflection(xi); });
+Four BeamElement::area(const std::array<double, 2>& part,
+                       const std::array<double, 2>& times) const {
+  return integral<Four>(part, [&](double xi) -> Four {
+    return (times[0] + (times[1] - times[0]) * xi) * deflection(xi);
+  });
 }
 
 // The element cut at xi into two that share a node there: exact, since the parts are. Without it a

@@ -20,8 +20,9 @@ class BeamElement {
   // Of a bed of 1 N/m per m (or 1 N s/m per m) under the element or under a part of it (from, to:
   // parts of its length), consistent.
   Matrix4 bed(const std::array<double, 2>& part = {0, 1}) const;
-  // m, integral of the shape functions of w over a part of it.
-  Four area(const std::array<double, 2>& part) const;
+  // m, integral over a part of it of the shape functions of w times what is linear between these
+  // values at its ends.
+  Four area(const std::array<double, 2>& part, const std::array<double, 2>& times) const;
   Four deflection(double xi) const;  // shape functions of w at xi = x/length
   Four rotation(double xi) const;    // of theta
   // m/N: how far a unit force at xi moves its own point while both nodes are held: the part of the

@@ -53,8 +53,6 @@ Line::Room::Room(const LineParameters& given)
   require(bays >= 1 && track.elements >= 1, "a track has at least one element");
   require(static_cast<std::size_t>(bays) + 1 >= given.first_moved + given.moved,
           "sleepers that are moved are sleepers of the track");
-  require(sides == 1 || given.moved == 0 || given.moves == MovedPart::sleepers,
-          "ground that is moved is below a plane track");
   if (track.sleeper.model == SleeperModel::beam) mesh.emplace(track);
   require(!mesh || (given.ballast.mass == 0 && (sides == 2 || track.rails == 2)),
           "sleepers that bend are whole ones, or halves of them, right on ballast springs");
@@ -267,15 +265,18 @@ void Line::Room::add_sleeper_mass(const Sleeper& sleeper) {
 
 // Ballast spread evenly from a to b on both sides of a rigid sleeper's middle is the same as two
 // springs at y = sqrt((a^2 + a b + b^2)/3) from it: both resist bounce and roll alike, k and k y^2;
-// y = L/sqrt(12) all along a sleeper of length L. With gaps they are what
-// its two ends strike. A point at y has the height z_l (1/2 + y/g) + z_r (1/2 - y/g).
-// `one` stands below the left side's unknown alone.
+// y = L/sqrt(12) all along a sleeper of length L. With gaps they are what its two ends strike.
+double TrackParameters::bearing_arm() const {
+  if (dimension == Dimension::plane) return 0;
+  const double half = sleeper_length / 2, none = sleeper.unsupported / 2;
+  return std::sqrt((half * half + half * none + none * none) / 3);
+}
+
+// A point at y has the height z_l (1/2 + y/g) + z_r (1/2 - y/g). `one` stands below the left side's
+// unknown alone.
 Kelvin Line::Room::under(const Sleeper& sleeper, std::size_t side, const Kelvin& one) const {
   if (sides == 1) return one;
-  const double half = parameters.track.sleeper_length / 2;
-  const double none = parameters.track.sleeper.unsupported / 2;
-  const double aside =
-      std::sqrt((half * half + half * none + none * none) / 3) / parameters.track.gauge;
+  const double aside = parameters.track.bearing_arm() / parameters.track.gauge;
   return {{one.unknown[0], sleeper.unknown[1 - side], one.unknown[1]},
           {0.5 + aside, 0.5 - aside, -1},
           one.stiffness,
@@ -307,12 +308,12 @@ void Line::Room::add_pad_below(std::size_t index, std::size_t side) {
 }
 
 // A sleeper that hangs over ground that moves meets it where it is.
-void Line::Room::hang(std::size_t index, const Kelvin& bed, double gap) {
-  stops.push_back(stop_of(bed, gap));
+void Line::Room::hang(std::size_t index, std::size_t side, const Kelvin& bed) {
+  stops.push_back(stop_of(bed, gap_below(sleepers[index].x, side)));
   if (parameters.ballast.mass > 0) return;
-  sleepers[index].stop = static_cast<std::int32_t>(stops.size() - 1);
+  sleepers[index].stop[side] = static_cast<std::int32_t>(stops.size() - 1);
   if (is_of(MovedPart::ground, index))
-    stops.back().seat = static_cast<std::int32_t>(index - parameters.first_moved);
+    stops.back().seat = static_cast<std::int32_t>((index - parameters.first_moved) * sides + side);
 }
 
 // Sleeper (- pad) - ballast spring (- ballast mass - spring) - ground.
@@ -321,21 +322,20 @@ void Line::Room::add_ballast(std::size_t index, std::size_t side) {
   const BallastParameters& ballast = parameters.ballast;
   add_pad_below(index, side);
   const Kelvin bed = bed_below(sleeper, side);
-  if (const double gap = gap_below(sleeper.x, side); gap > 0)
-    hang(index, bed, gap);
+  Kelvin& lowest = sleeper.lowest[side];
+  if (gap_below(sleeper.x, side) > 0)
+    hang(index, side, bed);
   else
-    connect(sleeper.lowest = bed);
-  if (ballast.mass == 0) {
-    if (sleeper.lowest.unknown[0] >= 0) sleeper.on = {{sleeper.lowest.unknown[0], 1}};
-    return;
+    connect(lowest = bed);
+  if (ballast.mass > 0) {
+    const std::int32_t below = sleeper.ballast[side];
+    const double factor = bed_factor(sleeper.x, side);
+    add(mass, below, below, ballast.mass);
+    lowest = between(below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor);
+    connect(lowest);
   }
-  const std::int32_t below = sleeper.ballast[side];
-  const double factor = bed_factor(sleeper.x, side);
-  add(mass, below, below, ballast.mass);
-  sleeper.lowest =
-      between(below, -1, ballast.below_stiffness * factor, ballast.below_damping * factor);
-  connect(sleeper.lowest);
-  sleeper.on = {{below, 1}};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (lowest.unknown[k] >= 0) sleeper.on[side].emplace_back(lowest.unknown[k], lowest.value[k]);
 }
 
 // Sleepers at the very ends carry half a spacing, but are whole: the run-in hides it.

@@ -135,22 +135,26 @@ double Line::seat_force(std::size_t i, const Vector& u, const Vector& v,
   return pad.stiffness * pressed + pad.damping * rate + stiffer + across;
 }
 
-double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const {
+double Line::ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat,
+                          std::size_t side) const {
   const Sleeper& sleeper = room_->sleepers.at(i);
-  if (sleeper.on.empty()) return 0;  // it hangs
+  const Kelvin& lowest = sleeper.lowest.at(side);
+  if (sleeper.on[side].empty()) return 0;  // it hangs
   double height = 0, rate = 0;
-  for (const auto& [unknown, share] : sleeper.on)
+  for (const auto& [unknown, share] : sleeper.on[side])
     height += share * u[unknown], rate += share * v[unknown];
-  return sleeper.lowest.stiffness * (seat.height - height) +
-         sleeper.lowest.damping * (seat.rate - rate);
+  return lowest.stiffness * (seat.height - height) + lowest.damping * (seat.rate - rate);
 }
 
-std::int32_t Line::ground_stop(std::size_t i) const { return room_->sleepers.at(i).stop; }
+std::int32_t Line::ground_stop(std::size_t i, std::size_t side) const {
+  return room_->sleepers.at(i).stop.at(side);
+}
 
-std::array<double, 2> Line::ground_spring(std::size_t i) const {
-  const Sleeper& sleeper = room_->sleepers.at(i);
-  if (sleeper.stop < 0) return {sleeper.lowest.stiffness, sleeper.lowest.damping};
-  const Stop& stop = stops()[static_cast<std::size_t>(sleeper.stop)];
+std::array<double, 2> Line::ground_spring(std::size_t i, std::size_t side) const {
+  const Kelvin& lowest = room_->sleepers.at(i).lowest.at(side);
+  const std::int32_t number = ground_stop(i, side);
+  if (number < 0) return {lowest.stiffness, lowest.damping};
+  const Stop& stop = stops()[static_cast<std::size_t>(number)];
   return {stop.stiffness, stop.damping};
 }
 
@@ -160,7 +164,7 @@ void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
   const bool ground = room_->parameters.moves == MovedPart::ground;
   for (std::size_t k = 0; k < seats.size(); ++k) {
     const Sleeper& sleeper = room_->sleepers[first_moved() + k / sides()];
-    const Kelvin& held = ground ? sleeper.lowest : sleeper.pad[k % sides()];
+    const Kelvin& held = (ground ? sleeper.lowest : sleeper.pad)[k % sides()];
     const double force = held.stiffness * seats[k].height + held.damping * seats[k].rate;
     if (!ground && held.unknown[0] >= 0) to[held.unknown[0]] += force;
     if (!ground && sides() == 2) {
@@ -170,7 +174,7 @@ void Line::add_seats(const std::vector<Seat>& seats, Vector& to) const {
             sleeper.across_stiffness * seats[k].height + sleeper.across_damping * seats[k].rate;
     }
     if (!ground) continue;
-    for (const auto& [unknown, share] : sleeper.on) to[unknown] += share * force;
+    for (const auto& [unknown, share] : sleeper.on[k % sides()]) to[unknown] += share * force;
   }
 }
 

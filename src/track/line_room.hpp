@@ -31,11 +31,11 @@ struct Sleeper {
   // N/m, N s/m: what the compression of the other pad adds to the force of each.
   double across_stiffness = 0, across_damping = 0;
   std::array<double, 2> beyond{};  // N/m, what the pads add beyond their knee
-  Kelvin lowest = {};              // on the ground; plane
-  // What stands on it, plane: unknowns whose sum, each times its number, is its height.
-  std::vector<std::pair<std::int32_t, double>> on = {};
-  std::int32_t stop = -1;             // the same of a sleeper that hangs, number of a stop; plane
-  std::vector<RailNode> across = {};  // of one that bends, left end first
+  std::array<Kelvin, 2> lowest{};  // on the ground
+  // What stands on it: unknowns whose sum, each times its number, is its height.
+  std::array<std::vector<std::pair<std::int32_t, double>>, 2> on{};
+  std::array<std::int32_t, 2> stop{-1, -1};  // the same of an end that hangs, number of a stop
+  std::vector<RailNode> across = {};         // of one that bends, left end first
 };
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
@@ -54,14 +54,15 @@ struct Line::Room {
   void add_sleeper_mass(const Sleeper& sleeper);
   void add_pad_below(std::size_t index, std::size_t side);
   void add_ballast(std::size_t index, std::size_t side);
-  void hang(std::size_t index, const Kelvin& bed, double gap);
+  void hang(std::size_t index, std::size_t side, const Kelvin& bed);
   Kelvin bed_below(const Sleeper& sleeper, std::size_t side) const;
   Kelvin under(const Sleeper& sleeper, std::size_t side, const Kelvin& one) const;
   // Of sleepers that bend.
   void number_across(Sleeper& sleeper);
   void add_across(std::size_t index);
   void hang_across(std::size_t index, std::size_t e);
-  void press_across(std::size_t index);
+  void press_across(std::size_t index, std::size_t side);
+  std::array<double, 2> felt_across(std::size_t e, std::size_t side) const;
   BeamElement across_element(const Sleeper& sleeper, std::size_t e) const;
   std::array<std::int32_t, 4> unknowns_across(const Sleeper& sleeper, std::size_t e) const;
   std::array<double, 2> bed_across(const Sleeper& sleeper, std::size_t e) const;

@@ -298,18 +298,18 @@ double Passage::on_sleeper(std::size_t i, std::size_t side) const {
   return room.line.seat_force(i, room.track.displacement, room.track.velocity, {}, side);
 }
 
-Seat Passage::ground_below(std::size_t i) const {
+Seat Passage::ground_below(std::size_t i, std::size_t side) const {
   const Line& line = room_->line;
   const bool moved = line.moves() == MovedPart::ground && i >= line.first_moved() &&
                      i - line.first_moved() < line.moved();
-  return moved ? room_->seats[i - line.first_moved()] : Seat{};
+  return moved ? seat(i - line.first_moved(), side) : Seat{};
 }
 
-double Passage::ground_force(std::size_t i) const {
+double Passage::ground_force(std::size_t i, std::size_t side) const {
   const Room& room = *room_;
-  const double ballast =
-      room.line.ground_force(i, room.track.displacement, room.track.velocity, ground_below(i));
-  const std::int32_t stop = room.line.ground_stop(i);
+  const double ballast = room.line.ground_force(i, room.track.displacement, room.track.velocity,
+                                                ground_below(i, side), side);
+  const std::int32_t stop = room.line.ground_stop(i, side);
   if (stop < 0) return ballast;
   return ballast + room.line.stops()[static_cast<std::size_t>(stop)].force(
                        room.approach[room.wheels_rolling() + stop], room.stop_rate[stop]);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "line_room.hpp"
@@ -127,7 +128,7 @@ void Line::Room::add_across(std::size_t index) {
                 element.stiffness() + bed * below);
     if (hangs) hang_across(index, e);
   }
-  if (sides == 1) press_across(index);
+  for (std::size_t side = 0; side < sides; ++side) press_across(index, side);
 }
 
 // Where it hangs, at two points of each element: Gauss's, which a bed that presses evenly does not
@@ -147,19 +148,42 @@ void Line::Room::hang_across(std::size_t index, std::size_t e) {
   }
 }
 
-// The ground below feels all of the ballast: k (g - mean w), the mean over what lies on it.
-void Line::Room::press_across(std::size_t index) {
+// Of the ground's height at the spring of a side, what the left and the right end of an element
+// feel of it: all on one rail; on two, between which the ground is a straight line,
+//   phi(y) = (1 +- y/d)/2,   d the arm of the springs, y m to the left of the middle.
+std::array<double, 2> Line::Room::felt_across(std::size_t e, std::size_t side) const {
+  if (sides == 1) return {1, 1};
+  const double arm = (side == 0 ? 1 : -1) * parameters.track.bearing_arm();
+  const auto at = [&](double s) { return (1 + (mesh->whole / 2 - s) / arm) / 2; };
+  return {at(mesh->from_end[e]), at(mesh->from_end[e + 1])};
+}
+
+// The ground below feels all of the ballast, of k per length at heights w. On two rails its force
+// at a side is that of its work there,
+//   integral of k phi (g - w) = K g - integral of k phi w,   K = integral of k phi^2,
+// g its height there; what the other side does, integral of k phi_l phi_r, is none with such an
+// arm.
+void Line::Room::press_across(std::size_t index, std::size_t side) {
   Sleeper& sleeper = sleepers[index];
-  if (gap_below(sleeper.x, 0) > 0) return;
-  sleeper.lowest.stiffness = parameters.ballast.stiffness * bed_factor(sleeper.x, 0);
-  sleeper.lowest.damping = parameters.ballast.damping * bed_factor(sleeper.x, 0);
+  for (std::size_t one = 0; one < sides; ++one)
+    if (gap_below(sleeper.x, one) > 0) return;
+  Kelvin& lowest = sleeper.lowest[side];
+  std::map<std::int32_t, double> on;
   for (std::size_t e = 0; e < mesh->elements(); ++e) {
-    const Four share = across_element(sleeper, e).area(mesh->on_ballast(e)) / mesh->ballast;
+    const auto [from, to] = mesh->on_ballast(e);
+    const auto [bed, damper] = bed_across(sleeper, e);
+    const std::array<double, 2> felt = felt_across(e, side);
+    const auto phi = [&](double xi) { return felt[0] + (felt[1] - felt[0]) * xi; };
+    const double a = phi(from), b = phi(to);
+    const double square = (to - from) * mesh->length(e) * (a * a + a * b + b * b) / 3;
+    lowest.stiffness += bed * square, lowest.damping += damper * square;
+    const Four share = bed * across_element(sleeper, e).area({from, to}, felt);
     const auto unknown = unknowns_across(sleeper, e);
     for (std::size_t k = 0; k < 4; ++k)
-      if (unknown[k] >= 0 && share[static_cast<Eigen::Index>(k)] != 0)
-        sleeper.on.emplace_back(unknown[k], share[static_cast<Eigen::Index>(k)]);
+      if (unknown[k] >= 0) on[unknown[k]] += share[static_cast<Eigen::Index>(k)];
   }
+  for (const auto& [unknown, share] : on)
+    if (share != 0) sleeper.on[side].emplace_back(unknown, share / lowest.stiffness);
 }
 
 bool Line::sleepers_bend() const { return room_->mesh.has_value(); }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A track on a ground of elements: what is refused and how, every parameter of the footing acts,
-the same bits on any number of ranks and after a stop, balances.
+"""A track on a ground of elements, of one rail or two: what is refused and how, every parameter of
+the footing acts, the same bits on any number of ranks and after a stop, balances.
 
     track_on_ground.py PROGRAM DECK NETIRAIL_DECK FOLDER
 """
@@ -27,7 +27,12 @@ REFUSED = {
     "ground.integrator=newmark": "must be explicit: ballast and ground exchange forces",
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
     "track.support=continuous": "must be sleepers: the ground is below their ballast",
-    "track.dimension=space": "must be plane on a ground",
+    "track.dimension=space": "footing.rails: must be 2 below two rails",
+    "track.dimension=space footing.rails=1.5": "footing.rails = 1.5: must be 2 below two rails",
+    "track.dimension=space footing.rails=2":
+        "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
+    "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":
+        "must be plane on a ground in a plane: below two rails it is one in space (dimension)",
     "train.start=1": "the train comes from the rigid rail before the track",
     "pad.uplift=true": "pad.uplift = true: must be false on a ground",
     "dimension=plane": "and y have no effect in a plane model",
@@ -57,6 +62,8 @@ STEPS = [
 # Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
 # to 1e-20 J.
 BALANCE = 1e-9
+# Relative. Wheels' contacts are solved to 1e-12 m, which is 1 mN, of 20 kN on the ground.
+ALIKE = 1e-7
 
 
 def facts(of):
@@ -71,7 +78,7 @@ def check_balance(place, what, most=BALANCE):
 
 def check_refusals(program, deck):
     for change, words in REFUSED.items():
-        ran = program(1, "check", deck, change)
+        ran = program(1, "check", deck, *change.split())
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
     if TOLD["footing.width=0.7"] in program.done(1, "check", deck).stdout:
@@ -189,6 +196,66 @@ def check_seat_loads(program, deck, folder):
         raise SystemExit(f"seats are loaded with {largest[0]} N, the ground gets {largest[1]} N")
 
 
+# Whole sleepers off the middle of a wider ground, ends that hang, a load to the left.
+TWO_RAILS = ["track.dimension=space", "footing.rails=2", "footing.length=2.8", "footing.y=1.7",
+             "ground.y=[0,3.6]"]
+ONE_END = """
+[[track.zone]]
+from = 5.9
+to = 6.1
+gap = 5e-3
+side = "left"
+"""
+
+
+def check_two_rails(program, deck, folder):
+    """Rows of both ends, left before right; the same bits on any number of ranks and after a stop;
+    what hangs does not press, what is loaded more presses more, alike rails are alike; also over
+    sleepers that bend."""
+    path = folder / "two_rails.toml"
+    path.write_text(deck.read_text(encoding="utf-8") + ONE_END, encoding="utf-8")
+    words = [*TWO_RAILS, "vehicle.own.body_offset=0.2"]
+    for ranks in (1, 2, 3, 4):
+        place = folder / f"two_rails_{ranks}"
+        program.done(ranks, "run", path, *words, "-o", place)
+        same_bits(folder / "two_rails_1", place, f"two rails on {ranks} ranks", facts)
+        check_balance(place, "two rails")
+        if "roll_moment" not in summary(place)["coupling"]:
+            raise SystemExit("no balance of moments about the track")
+    for stop, before, after in ((1, 2, 1), (217, 3, 2)):
+        place = folder / f"two_rails_stopped_{stop}"
+        program.done(before, "run", path, *words, f"passage.stop_after={stop}", "-o", place, code=3)
+        program.done(after, "resume", place)
+        same_bits(folder / "two_rails_1", place, f"two rails, stopped after {stop} steps", facts)
+        check_balance(place, "two rails, stopped")
+    found = datasets(folder / "two_rails_1" / "results.h5")
+    most = found["history/ground/force"].max(axis=0)
+    if len(most) != 4 or found["history/ground/displacement"].shape[1] != 4:
+        raise SystemExit(f"two sleepers have {len(most)} ends")
+    if most[0] != 0 or most[1] < 1e4 or most[2] < 1.05 * most[3]:
+        raise SystemExit(f"largest forces on the ground below a left end that hangs, its right "
+                         f"one, and both of the next sleeper under a load to the left: {most} N")
+    words += ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
+    for ranks in (1, 3):
+        place = folder / f"two_rails_bending_{ranks}"
+        program.done(ranks, "run", deck, *words, "-o", place)
+        same_bits(folder / "two_rails_bending_1", place, f"bending, {ranks} ranks", facts)
+        check_balance(place, "two rails, sleepers that bend")
+    place = folder / "two_rails_bending_stopped"
+    program.done(2, "run", deck, *words, "passage.stop_after=217", "-o", place, code=3)
+    program.done(1, "resume", place)
+    same_bits(folder / "two_rails_bending_1", place, "two rails, bending, stopped", facts)
+    program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "-o", folder / "alike")
+    program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "track.dimension=plane", "-o",
+                 folder / "as_one")
+    for name in ("displacement", "force"):
+        ends, one = (datasets(folder / place / "results.h5")[f"history/ground/{name}"]
+                     for place in ("alike", "as_one"))
+        off = np.abs(ends - np.repeat(one, 2, axis=1)).max() / np.abs(one).max()
+        if not off < ALIKE:
+            raise SystemExit(f"ground/{name} of two rails alike differs by {off} from that of one")
+
+
 PLAIN = [f"ground.block.{name}.present=false" for name in ("ugm", "cbm", "abutment")]
 
 
@@ -226,6 +293,7 @@ def main():
     check_hanging(program, deck, folder)
     check_bending_sleepers(program, deck, folder)
     check_seat_loads(program, deck, folder)
+    check_two_rails(program, deck, folder)
     check_netirail(program, netirail, folder)
 
 

@@ -1,7 +1,7 @@
 // Rectangles on a surface through which bodies that have no surface of their own press on it: a
-// force is spread evenly over a rectangle and goes to the nodes by shape functions; the motion
-// below it is the mean by the same weights, so that force, moment and work are the same on both
-// sides.
+// force is spread over a rectangle, evenly or rising linearly across it, and goes to the nodes by
+// shape functions; the motion below it is the mean by the same weights, so that force, moment and
+// work are the same on both sides.
 #pragma once
 
 #include <array>
@@ -16,6 +16,11 @@ namespace trackbed::couple {
 
 struct Rectangle {
   std::array<double, 2> x, y;  // m, from and to
+  // 1/m: the pressure at y is 1 + tilt (y - middle) times its mean. Of a length L its force acts
+  // tilt L^2/12 beside the middle and feels, besides the mean, the slope across (of least squares)
+  // times as much.
+  double tilt = 0;
+  double middle_y() const { return (y[0] + y[1]) / 2; }
 };
 
 class Footprints {

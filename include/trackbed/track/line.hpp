@@ -101,6 +101,7 @@ struct TrackParameters {
   std::vector<TrackZone> zones;
   // m, between the rails that wheels roll on; 0: one rail.
   double wheel_gauge() const { return dimension == Dimension::space ? gauge : 0; }
+  double bearing_arm() const;  // m, ballast springs of two rails beside the middle; of one: 0
   void declare(input::Section& s);
   void declare_space(input::Section& s);
   void declare_sleepers(input::Section& s);
@@ -197,11 +198,12 @@ class Line {
   // before right.
   double seat_force(std::size_t i, const Vector& u, const Vector& v,
                     const std::array<Seat, 2>& seats = {}, std::size_t side = 0) const;
-  // N, of the ballast of sleeper i on the ground, compression positive; of a hanging sleeper
-  // without what its stop does. Plane tracks on sleepers.
-  double ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat) const;
-  std::int32_t ground_stop(std::size_t i) const;             // number of that stop; -1: none
-  std::array<double, 2> ground_spring(std::size_t i) const;  // N/m, N s/m
+  // N, of the ballast of sleeper i, on two rails of that end, on the ground, compression positive;
+  // of an end that hangs without what its stop does. None of beams that hang.
+  double ground_force(std::size_t i, const Vector& u, const Vector& v, const Seat& seat,
+                      std::size_t side = 0) const;
+  std::int32_t ground_stop(std::size_t i, std::size_t side = 0) const;  // its number; -1: none
+  std::array<double, 2> ground_spring(std::size_t i, std::size_t side = 0) const;  // N/m, N s/m
   // Adds what pads of moved sleepers, or ballast on moved ground, do besides holding, N.
   void add_seats(const std::vector<Seat>& seats, Vector& to) const;
   // N m in the rail just left of x, which should be a node; positive where it is bent upwards

@@ -56,10 +56,10 @@ class Passage {
   const Seat& seat(std::size_t i, std::size_t side = 0) const;  // as it was placed last
   // N, on sleeper i of those on springs, by its pad or as a seat load; downwards positive.
   double on_sleeper(std::size_t i, std::size_t side = 0) const;
-  // Of sleeper i of a plane track: N, downwards, on the ground below its ballast, and how that
-  // stands; at the present time. The ground is at rest unless it is moved.
-  double ground_force(std::size_t i) const;
-  Seat ground_below(std::size_t i) const;
+  // Of sleeper i, on two rails of that end: N, downwards, on the ground below its ballast, and how
+  // that stands; at the present time. The ground is at rest unless it is moved.
+  double ground_force(std::size_t i, std::size_t side = 0) const;
+  Seat ground_below(std::size_t i, std::size_t side = 0) const;
   // Puts the train back to its start, at rest as at the begin, on a rail that goes on as it is. For
   // trains that start on rigid rails.
   void send_again();

@@ -1,12 +1,13 @@
-// A rectangle on a surface: weights sum to one and have its centre, whatever faces it cuts; an even
-// pressure gives nodes of zones their tributary area; means are the same bits on any number of
-// ranks.
+// A rectangle on a surface: weights sum to one and have the centre of its pressure, whatever faces
+// it cuts; an even pressure gives nodes of zones their tributary area, one that rises the integrals
+// of their hats; means are the same bits on any number of ranks.
 #include "trackbed/couple/footprints.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace trackbed::couple {
 namespace {
@@ -94,6 +95,76 @@ TEST(Footprints, AnEvenPressureIsSharedByTributaryArea) {
       EXPECT_NEAR(weight * area, tributary, rounding) << node;
     }
   }
+}
+
+// Of both signs, so that at one end there is a pull.
+std::vector<Rectangle> tilted(double tilt) {
+  std::vector<Rectangle> all = rectangles;
+  for (Rectangle& r : all) r.tilt = tilt / (r.y[1] - r.y[0]);
+  return all;
+}
+
+void expect_force_where_it_acts(const Surface& surface) {
+  for (const double tilt : {3.0, std::sqrt(12.0), -std::sqrt(12.0)}) {
+    const std::vector<Rectangle> all = tilted(tilt);
+    const Footprints prints(par::Comm::world(), surface, {}, all);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Vec3 centre = Vec3::Zero();
+      double sum = 0;
+      for (const auto& [node, weight] : prints.shares(i)) {
+        centre += weight * surface.position[static_cast<std::size_t>(node)];
+        sum += weight;
+      }
+      const double length = all[i].y[1] - all[i].y[0];
+      EXPECT_NEAR(sum, 1, rounding);
+      EXPECT_NEAR(centre.x(), (all[i].x[0] + all[i].x[1]) / 2, rounding);
+      EXPECT_NEAR(centre.y(), all[i].middle_y() + tilt * length / 12, rounding);
+    }
+  }
+}
+
+// A pressure that rises across has its force aside of the middle; on zones and on triangles.
+TEST(Footprints, PressedUnevenlyKeepForceAndMoment) {
+  Surface turned = plate();
+  for (std::size_t t = 0; t < turned.triangles.size(); t += 2)
+    std::rotate(turned.triangles[t].begin(), turned.triangles[t].begin() + 1,
+                turned.triangles[t].end());
+  expect_force_where_it_acts(plate());
+  expect_force_where_it_acts(turned);
+}
+
+// Per zone b wide: of a pressure p(y) a node amid others gets b p there, one at the border y0 of
+// the rectangle b/2 p(y0) and a sixth of b^2 times the slope, inwards.
+TEST(Footprints, PressedUnevenlyGiveNodesTheIntegralsOfTheirHats) {
+  const Surface surface = plate();
+  const std::vector<Rectangle> all = tilted(std::sqrt(12.0));
+  const Footprints prints(par::Comm::world(), surface, {}, all);
+  constexpr double zone = 0.25;
+  for (const std::size_t i : {2, 3}) {
+    const Rectangle& r = all[i];
+    std::map<double, double> at_y;
+    for (const auto& [node, weight] : prints.shares(i))
+      at_y[surface.position[static_cast<std::size_t>(node)].y()] += weight;
+    for (const auto& [y, weight] : at_y) {
+      const double pressure = 1 + r.tilt * (y - r.middle_y());
+      const bool low = y - r.y[0] < rounding, high = r.y[1] - y < rounding;
+      double expected = zone * pressure;
+      if (low || high) expected = expected / 2 + (low ? 1 : -1) * zone * zone / 6 * r.tilt;
+      EXPECT_NEAR(weight * (r.y[1] - r.y[0]), expected, rounding) << y;
+    }
+  }
+}
+
+// Both springs of a sleeper together are the even pressure, to the rounding of their sum.
+TEST(Footprints, PressedUnevenlyBothWaysAreEven) {
+  const Surface surface = plate();
+  const Footprints even(par::Comm::world(), surface, {}, rectangles);
+  const Footprints left(par::Comm::world(), surface, {}, tilted(3)),
+      right(par::Comm::world(), surface, {}, tilted(-3));
+  for (std::size_t i = 0; i < rectangles.size(); ++i)
+    for (std::size_t k = 0; k < even.shares(i).size(); ++k)
+      EXPECT_NEAR(left.shares(i)[k].weight + right.shares(i)[k].weight,
+                  2 * even.shares(i)[k].weight, 1e-15);
 }
 
 // What hangs over the border is lost: a deck that does so is refused.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "support/verified.hpp"
@@ -160,6 +161,40 @@ TEST(SleepersThatBend, StandOnGroundThatMoves) {
   for (const double y : {0.0, 0.75, 1.25})
     verified::near(fmt::format("sleeper at {:g} m, ground lifted by 1 mm", y), "m",
                    line.sleeper_at(5, y).deflection(lifted), 1e-3, 1e-12);
+}
+
+// Below two rails, ballast less than half as stiff on the left, the left rail loaded: force and
+// moment are those of the load, and a track on ground that leans, leans with it.
+TEST(SleepersThatBend, StandOnGroundThatLeans) {
+  LineParameters p;
+  p.track = bending(8, BeamTheory::timoshenko);
+  p.track.length = 6, p.track.run_in = 0, p.track.ends = RailEnds::free;
+  p.track.sleeper.unsupported = 0.5;
+  p.track.zones = {{.from = -1, .to = 7, .bed = 0.4, .side = ZoneSide::left}};
+  p.first_moved = 0, p.moved = 11, p.moves = MovedPart::ground;
+  const Line line(p);
+  const double arm = p.track.bearing_arm();
+  const std::array<Seat, 2> leans{Seat{.height = 1e-3, .rate = 0}, {.height = -5e-4, .rate = 0}};
+  std::vector<Seat> seats;
+  for (std::size_t i = 0; i < 11; ++i) seats.insert(seats.end(), leans.begin(), leans.end());
+  Vector load = Vector::Zero(line.system().mass.rows());
+  line.at(3.1, 0).add(-100e3, load);
+  line.add_seats(seats, load);
+  const Vector u = Statics(line.system()).flexibility(load), rest = Vector::Zero(u.size());
+  double sum = 0, moment = 0;
+  for (std::size_t i = 0; i < 11; ++i)
+    for (const std::size_t side : {0, 1}) {
+      const double force = line.ground_force(i, u, rest, leans[side], side);
+      sum += force, moment += force * (side == 0 ? arm : -arm);
+    }
+  verified::near("sum of forces on the ground, left rail loaded", "N", sum, 100e3, 0.1);
+  verified::near("their moment about the track's middle", "N m", moment, 75e3, 0.1);
+  load.setZero();
+  line.add_seats(seats, load);
+  const Vector lifted = Statics(line.system()).flexibility(load);
+  for (const double y : {-1.25, 0.0, 0.75})
+    verified::near(fmt::format("sleeper at {:g} m on ground that leans", y), "m",
+                   line.sleeper_at(5, y).deflection(lifted), 2.5e-4 + 7.5e-4 * y / arm, 1e-12);
 }
 
 }  // namespace

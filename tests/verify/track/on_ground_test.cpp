@@ -8,74 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "app/ground_below.hpp"
-#include "app/track_built.hpp"
 #include "support/verified.hpp"
-#include "unit/fem/ground_scene.hpp"
 #include "verify/ground/half_space.hpp"
+#include "verify/track/on_ground_scene.hpp"
 
 namespace trackbed::app {
 namespace {
 
 using par::Comm;
-
-constexpr std::size_t before = 7;  // sleepers on springs before those on the ground
-
-// A track of 19 sleepers, some of them from 0.3 m on along the ground; a blow amid them.
-Model model_of(std::int64_t count, const fem::Elastic& soil) {
-  Model m;
-  m.kind = ModelKind::track_on_ground;
-  m.track.line.track.length = 10.8;
-  m.track.line.track.run_in = 2.4;
-  m.track.line.ballast = {.stiffness = 100e6, .damping = 50e3};
-  m.ground = fem::box({0.6 * static_cast<double>(count), 1.2, 1.2}, {4 * count, 1, 8}, soil);
-  m.ground.plane = fem::PlaneState::strain;
-  m.ground.base = fem::Base::fixed;
-  m.ground.sides = fem::Sides::roller;
-  m.thickness = 1.2;
-  m.footing.before = before;
-  m.footing.count = count;
-  m.footing.first = 0.3;
-  m.footing.width = 0.6;
-  m.track.passage.forces = {{.kind = track::ForceKind::impact,
-                             .at = 0.6 * (before + static_cast<double>((count - 1) / 2)),
-                             .size = 50e3,
-                             .length = 0.01}};
-  m.track.passage.step = 1e-3;
-  m.track.train.vehicles = {};
-  return m;
-}
-
-// Both sides as a run has them.
-struct Pair {
-  explicit Pair(const Model& m) : whole(Comm::world(), m), built(whole.track, whole.line) {}
-  void step() { whole.below->advance(built.passage); }
-  void run(double time) {
-    for (std::int64_t n = std::llround(time / whole.below->step()); n > 0; --n) step();
-  }
-  double energy() const {
-    double sum = 0;
-    for (const char* of : {"track_j", "ground_kinetic_j", "ground_elastic_j"})
-      sum += whole.below->energies(built.passage)[of].get<double>();
-    return sum;
-  }
-  Together whole;
-  Built built;
-};
-
-// m, of sleeper i.
-double sleeper(const Pair& pair, std::size_t i) {
-  return pair.built.passage.line_motion().displacement[pair.built.line.sleeper_unknown(i)];
-}
-
-// The peak of a blow that takes 2 s, long beside all periods (20 ms): at rest to (10 ms/s)^2. What
-// its begin has set swinging is damped away by then; dampers feel no velocity at the peak.
-Model at_rest(Model m) {
-  m.ground.rayleigh_mass = 50;
-  m.track.passage.forces[0].size = 100e3;
-  m.track.passage.forces[0].length = 2;
-  return m;
-}
 
 // A sleeper whose footprint is all of the ground: a column, H/(M A) with M = E (1-nu)/((1+nu)
 // (1-2nu)), which zones give exactly; above it the ballast spring, and a pad of `under` m/N.
@@ -161,12 +101,6 @@ Histories shaken(double step) {
     found[1].push_back(pair.built.passage.ground_below(before + 2).height);
   }
   return found;
-}
-
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 TEST(TrackOnGround, IsOfSecondOrder) {
