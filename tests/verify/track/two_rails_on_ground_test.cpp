@@ -236,6 +236,14 @@ void check_energy(Model m) {
 
 TEST(TwoRailsOnGround, KeepsEnergyAtTheLongestStep) { check_energy(wide(3)); }
 
+// Three springs in series below each end: what stands on the ground is a mass of ballast.
+TEST(TwoRailsOnGround, KeepsEnergyOfPadsAndBallastMasses) {
+  Model m = wide(3);
+  m.track.line.under_sleeper = {.stiffness = 80e6, .damping = 0};
+  m.track.line.ballast.mass = 300, m.track.line.ballast.below_damping = 0;
+  check_energy(m);
+}
+
 // Ballast half as stiff on the left, none below the middle.
 Model bending(track::BeamTheory theory, double young) {
   Model m = wide(3);
