@@ -191,6 +191,11 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
   };
   across("ground.side_y_low", ground.side_y_low);
   across("ground.side_y_high", ground.side_y_high);
+  for (std::size_t b = 0; b < ground.blocks.size(); ++b) {
+    const std::string key = fmt::format("ground.block[{}].y", b);
+    s.rule(key, dimension == Dimension::space || ground.blocks[b].y.empty(),
+           "must not be given in a plane model", {.reads = {"dimension", key}});
+  }
   constexpr fem::Sides none = fem::Sides::as_sides;
   const bool taken =
       ground.side_x_low == none || ground.side_x_high == none ||

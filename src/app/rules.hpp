@@ -12,7 +12,8 @@ void declare_train(const Model& model, input::Section& s);  // once the track is
 // Parts of declare_rules.
 void declare_ground_mesh(const Model& model, input::Section& s);
 void declare_ground_sides(const Model& model, input::Section& s);
-// What has no effect: sides that a plane model does not have, `sides` where each has its own.
+// What has no effect: sides that a plane model does not have, `sides` where each has its own. A
+// plane model's blocks have no place across.
 void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension,
                         input::Section& s);
 void declare_ground_yields(const Model& model, input::Section& s);

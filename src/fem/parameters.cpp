@@ -87,6 +87,20 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
          {.weight = input::Weight::warning, .reads = about.reads});
 }
 
+// Where it lies across the track, in space.
+void declare_width(const GroundParameters& ground, std::size_t number, Section& s) {
+  const Block& block = ground.blocks[number];
+  if (!ground.present || !block.present || block.y.size() != 2 || ground.y.size() != 2) return;
+  const std::string key = fmt::format("block[{}].y", number);
+  const Range y{ground.y[0], ground.y[1]}, wide{block.y[0], block.y[1]};
+  const About about{.reads = {"y", "zones_y", "ratio_y", "fine_y", key}};
+  const std::string place = fmt::format("the ground: y from {:g} to {:g} m", y.low, y.high);
+  if (ground.sections.empty() && width_in(wide, ground.edges(1)) < 0)
+    return s.rule(key, false, fmt::format("holds the centre of no zone of {}", place), about);
+  s.rule(key, y.holds(wide), fmt::format("is cut where it reaches beyond {}", place),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
 // A layer between the centres of two rows of zones would be left out without a word.
 void declare_height(const GroundParameters& ground, std::size_t number, Section& s) {
   if (!ground.present || ground.zones_z < 1 || ground.layers[number].thickness <= 0) return;
@@ -269,6 +283,9 @@ void Block::declare(Section& s) {
          "must list x and z of at least 3 corners");
   s.rule("outline", !crosses_itself(outline),
          "crosses itself; list the corners in the order in which one meets them going round");
+  s.numbers("y", y, {.unit = "m"},
+            "From and to, across the track (space); none: all of the ground's width.");
+  s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two numbers, from and to");
   solid.declare(s);
   strength.declare(s);
 }
@@ -329,6 +346,7 @@ void GroundParameters::declare_shape(Section& s) {
             "natural ground on both sides.");
   for (std::size_t l = 0; l < layers.size(); ++l) declare_height(*this, l, s);
   for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
+  for (std::size_t b = 0; b < blocks.size(); ++b) declare_width(*this, b, s);
 }
 
 void GroundParameters::declare_steps(Section& s) {

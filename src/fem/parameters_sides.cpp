@@ -65,6 +65,20 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, const std::s
       {.reads = {key, before + "base_motion", before + "layer", before + "block"}});
 }
 
+// Columns beside the sides across the track are those of its first row of zones.
+void declare_blocks(const GroundParameters& p, Section& s) {
+  bool columns = false;
+  for (const int axis : {0, 1})
+    columns = columns || p.side(axis, false) == Sides::free_field ||
+              p.side(axis, true) == Sides::free_field;
+  for (std::size_t b = 0; b < p.blocks.size(); ++b) {
+    const std::string key = fmt::format("block[{}].y", b);
+    s.rule(key, !columns || p.blocks[b].y.empty(),
+           "cannot be given with free-field sides: the ground beside goes on as it is at one side",
+           {.reads = {key, "sides", "side_x_low", "side_x_high", "side_y_low", "side_y_high"}});
+  }
+}
+
 // Whether the first and the last zone along an axis are of one size.
 bool alike_at_both_ends(const GroundParameters& p, int axis) {
   constexpr double rounding = 1e-6;
@@ -173,6 +187,7 @@ void GroundParameters::declare_sides(Section& s) {
          {.reads = {"base", "sides", "base_motion"}});
   for (const NamedSide& side : single_sides(*this)) declare_kind(*this, side, "", s);
   for (const int axis : {0, 1}) declare_periodic(*this, axis, s);
+  declare_blocks(*this, s);
 }
 
 }  // namespace trackbed::fem

@@ -136,6 +136,7 @@ KNOBS = {
     "ground.block.[].name": ("ground.block.0.name=bridge", []),
     "ground.block.[].present": ("ground.block.0.present=false", []),
     "ground.block.[].outline": ("ground.block.0.outline=[0,0, 0.4,0, 0.4,-0.2, 0,-0.2]", []),
+    "ground.block.[].y": ("ground.block.0.y=[-0.2, 0]", [*SPACE, "ground.zones_y=2"]),
     "ground.block.[].young": ("ground.block.0.young=200e6", []),
     "ground.block.[].poisson": ("ground.block.0.poisson=0.3", []),
     "ground.block.[].density": ("ground.block.0.density=2000", []),

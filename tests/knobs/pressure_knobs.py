@@ -32,8 +32,14 @@ AROUND = {
     "pressure.[].file": ["pressure.plate.course=table", "pressure.plate.begin=0",
                          "pressure.plate.duration=0", "pressure.plate.file={folder}/single.csv"],
 }
+HALF = ("ground.block=[{name='half',outline=[1,0,3,0,3,-1,1,-1],young=1e7,poisson=0.3,"
+        "density=1700,y=[-1,0]}]")
 # Change of the deck -> words of the refusal.
 REFUSED = {
+    f"{HALF} ground.block.half.y=[0]": "must be two numbers, from and to",
+    f"{HALF} ground.block.half.y=[0.01,0.02]": "holds the centre of no zone of the ground: y from",
+    f"{HALF} dimension=plane": "ground.block[0].y = [-1, 0]: must not be given in a plane model",
+    f"{HALF} ground.sides=free_field": "cannot be given with free-field sides",
     "pressure.plate.x=[2,1]": "must be two numbers, from and to",
     "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
     "pressure.plate.y=[0,3]": "beyond the top of the ground (-1 to 1 m)",
@@ -58,6 +64,7 @@ REFUSED = {
 }
 # Change of the deck -> words of the warning.
 WARNED = {
+    f"{HALF} ground.block.half.y=[-3,0]": "is cut where it reaches beyond the ground: y from -1",
     "pressure.surcharge.duration=1": "has no effect on this course",
     "pressure.plate.begin=1": "lies behind the end of the last stage, 0.04 s",
     "time.substeps=2": "has no effect without stones",

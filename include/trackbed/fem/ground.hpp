@@ -54,6 +54,7 @@ struct Block {
   std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
   Elastic solid;
   Strength strength = {};
+  std::vector<double> y = {};  // m, from and to; empty: all of the ground's width
   void declare(input::Section& s);
 };
 

@@ -87,6 +87,20 @@ TEST(SidesAcross, RollerIsAPlaneOfSymmetry) {
   }
 }
 
+// One on each side of the whole, one in the half.
+TEST(SidesAcross, BlocksHaveTheirPlace) {
+  GroundParameters whole = symmetric(Integrator::explicit_);
+  whole.blocks.push_back(whole.blocks[0]);
+  whole.blocks[0].y = {1, 2}, whole.blocks[1].y = {-2, -1};
+  GroundParameters half = whole;
+  half.y = {0, 2}, half.zones_y = 2;
+  half.side_y_low = Sides::roller;
+  half.blocks.pop_back();
+  EXPECT_LT(half_from_whole(whole, half, Dimension::space), bound(Integrator::explicit_));
+  half.blocks[0].y = {0, 1};
+  EXPECT_GT(half_from_whole(whole, half, Dimension::space), 1e-3);
+}
+
 // The wave is symmetric about a plane along the track however it shakes, about one across only
 // upwards.
 TEST(SidesAcross, RollerIsAPlaneOfSymmetryOfAWave) {
