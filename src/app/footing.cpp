@@ -18,13 +18,24 @@ constexpr double rounding = 1e-9;  // m, of borders that are meant to meet
 bool is_plane(const Model& model) { return model.dimension == Dimension::plane; }
 bool two_rails(const Model& model) { return model.track.line.track.dimension == Dimension::space; }
 
-// The exchange needs both sides at the same instants, and a ground that has no weight.
+// The exchange needs both sides at the same instants, and a ground that has no weight. Implicit
+// grounds by other integrators than the track's can gain energy with it
+// (docs/decisions/track_on_ground.md).
 void declare_kind(const Model& model, input::Section& s) {
   const input::About about{.reads = {"ground", "model"}};
   s.rule("ground.present", model.ground.present, "must be true: without it the model is \"track\"",
          about);
-  s.rule("ground.integrator", model.ground.integrator == fem::Integrator::explicit_,
-         "must be explicit: ballast and ground exchange forces at each of its steps", about);
+  const fem::GroundParameters& ground = model.ground;
+  const bool newmark = ground.integrator == fem::Integrator::newmark;
+  s.rule("ground.integrator", newmark || ground.integrator == fem::Integrator::explicit_,
+         "must be explicit or newmark below a track, which takes average acceleration: others can "
+         "gain energy with it",
+         about);
+  s.rule("ground.newmark_beta",
+         !newmark || (ground.newmark_beta == 0.25 && ground.newmark_gamma == 0.5),
+         "and newmark_gamma must be 0.25 and 0.5 below a track, which takes average acceleration: "
+         "others can gain energy with it",
+         about);
   s.rule("ground.layer", !model.ground.yields(),
          "must not yield below a track without stones, whose weight is not in the model", about);
 }

@@ -7,6 +7,12 @@
 // g'_n+1, which only the damper feels, is that amid the step and h/2 of the acceleration at its
 // begin: off by h^2. So both sides are of second order, and no force is late (Belytschko, Mullen
 // 1978, doi:10.1002/nme.1620121008: explicit nodes next to implicit ones).
+//
+// An implicit ground gives way to forces of the end of its step. It takes the step under forces
+// that are expected, F_n + (F_n - F_n-1); the track, which knows what each force adds to the
+// ground's heights in a step (a full matrix, made once by a solve for each footprint), finds its
+// own motion, the forces and the heights that fit each other; under these the ground takes the step
+// anew, from there. What is left between both sides is the tolerance of the linear solver.
 #include "app/ground_below.hpp"
 
 #include <fmt/format.h>
@@ -53,6 +59,8 @@ GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
       first_(static_cast<std::size_t>(model.footing.before)),
       sides_(model.track.line.track.dimension == Dimension::space ? 2 : 1),
       rails_(model.footing.rails / static_cast<double>(sides_)),
+      expected_(footprints_.count(), 0.0),
+      force_before_(expected_),
       force_(footprints_.count(), 0.0),
       load_(ground_.top().nodes(), Vec3::Zero()),
       mean_(footprints_.count(), 0.0),
@@ -64,7 +72,8 @@ GroundBelow::GroundBelow(const par::Comm& comm, const Model& model)
   for (const couple::Rectangle& r : footprints_of(model))
     centre_.push_back(
         {(r.x[0] + r.x[1]) / 2, r.middle_y() + (centre_.size() % 2 == 0 ? arm : -arm)});
-  const double stable = stable_step(model), longest = model.track.passage.step;
+  const double longest = model.track.passage.step;
+  const double stable = implicit() ? longest : stable_step(model);
   constexpr double rounding = 1e-9;
   step_ = longest / std::max(1.0, std::ceil(longest / stable - rounding));
 }
@@ -116,55 +125,120 @@ double GroundBelow::largest_coupling(const std::vector<double>& mass) const {
 }
 
 void GroundBelow::advance(track::Passage& passage) {
-  ground_.begin_step(step_);
-  sense(passage);
+  const std::vector<Vec3> load_before = load_;
+  if (implicit() && !founded_) found(passage);
+  begin_step();
+  std::vector<double> heights = sense(passage);
   passage.advance();
   press(passage);
   ground_.end_step(load_);
+  if (implicit()) heights = heights_below();
+  follow(heights);
+  if (implicit()) compare(passage);
+  account(load_before);
   ++steps_here_;
 }
 
-// What the track finds below its ballast at the end of the step.
-void GroundBelow::sense(track::Passage& passage) {
+// How far a force on one footprint lowers all of them by the end of a step. Unit forces would be
+// lost in the quanta of heights, so these have quanta of their own.
+void GroundBelow::found(track::Passage& passage) {
+  constexpr double spare = 100;  // of sums of weights, which have both signs below two rails
+  const auto count = static_cast<Eigen::Index>(footprints_.count());
+  Eigen::MatrixXd give(count, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    std::vector<double> one(footprints_.count(), 0.0);
+    one[static_cast<std::size_t>(j)] = 1;
+    std::vector<Vec3> load(load_.size(), Vec3::Zero());
+    footprints_.press(one, load);
+    std::vector<couple::Footprints::Values> values{{{}, 0}};
+    for (const Vec3& way : ground_.give_way(step_, load)) {
+      values[0].own.push_back(-way.z());
+      values[0].largest = std::max(values[0].largest, spare * std::abs(way.z()));
+    }
+    values[0].largest = comm_.max(values[0].largest);
+    const std::vector<double> lower = footprints_.means(values)[0];
+    for (Eigen::Index i = 0; i < count; ++i)
+      give(i, j) = rails_ * lower[static_cast<std::size_t>(i)];
+  }
+  passage.found_on(give);
+  founded_ = true;
+}
+
+void GroundBelow::begin_step() {
+  if (!implicit()) return ground_.begin_step(step_);
+  for (std::size_t i = 0; i < force_.size(); ++i) expected_[i] = 2 * force_[i] - force_before_[i];
+  std::vector<Vec3> load(load_.size(), Vec3::Zero());
+  footprints_.press(expected_, load);
+  ground_.begin_step(step_, load);
+}
+
+// What the track finds below its ballast at the end of the step. Returns the heights.
+std::vector<double> GroundBelow::sense(track::Passage& passage) {
+  const double ahead = implicit() ? 0 : 0.5 * step_;
   std::vector<couple::Footprints::Values> values{{{}, largest_height}, {{}, largest_rate}};
-  for (std::size_t n = 0; n < own_.size(); ++n) {
-    const fem::Ground::TopMotion motion = ground_.top_motion(own_[n]);
-    way_[n] = motion.displacement.z() - height_[n];
-    height_[n] = motion.displacement.z();
-    values[0].own.push_back(height_[n]);
-    values[1].own.push_back(motion.velocity.z() + 0.5 * step_ * motion.acceleration.z());
+  for (const std::int32_t node : own_) {
+    const fem::Ground::TopMotion motion = ground_.top_motion(node);
+    values[0].own.push_back(motion.displacement.z());
+    values[1].own.push_back(motion.velocity.z() + ahead * motion.acceleration.z());
   }
   const auto means = footprints_.means(values);
   std::vector<track::Seat> seats(footprints_.count());
-  for (std::size_t i = 0; i < seats.size(); ++i) {
-    mean_way_[i] = means[0][i] - mean_[i];
-    mean_[i] = means[0][i];
+  for (std::size_t i = 0; i < seats.size(); ++i)
     seats[i] = {.height = means[0][i], .rate = means[1][i]};
-  }
-  passage.place_seats(seats);
+  if (implicit())
+    passage.place_seats(seats, Eigen::Map<const track::Vector>(
+                                   expected_.data(), static_cast<Eigen::Index>(expected_.size())) /
+                                   rails_);
+  else
+    passage.place_seats(seats);
+  return means[0];
 }
 
 // The ballast's forces of this instant go to the nodes.
 void GroundBelow::press(const track::Passage& passage) {
-  const std::vector<double> force_before = force_;
-  const std::vector<Vec3> load_before = load_;
+  force_before_ = force_;
   for (std::size_t i = 0; i < force_.size(); ++i)
     force_[i] = rails_ * passage.ground_force(sleeper(i), i % sides_);
   std::fill(load_.begin(), load_.end(), Vec3::Zero());
   footprints_.press(force_, load_);
-  account(force_before, load_before);
+}
+
+std::vector<double> GroundBelow::heights_below() const {
+  std::vector<couple::Footprints::Values> values{{{}, largest_height}};
+  for (const std::int32_t node : own_)
+    values[0].own.push_back(ground_.top_motion(node).displacement.z());
+  return footprints_.means(values)[0];
+}
+
+// How far nodes and footprints, now at these heights, went in the step.
+void GroundBelow::follow(const std::vector<double>& mean) {
+  for (std::size_t n = 0; n < own_.size(); ++n) {
+    const double height = ground_.top_motion(own_[n]).displacement.z();
+    way_[n] = height - height_[n];
+    height_[n] = height;
+  }
+  for (std::size_t i = 0; i < mean.size(); ++i) mean_way_[i] = mean[i] - mean_[i];
+  mean_ = mean;
+}
+
+void GroundBelow::compare(const track::Passage& passage) {
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const double found = passage.seat(i / sides_, i % sides_).height;
+    height_off_ = std::max(height_off_, std::abs(found - mean_[i]));
+    most_height_ = std::max(most_height_, std::abs(mean_[i]));
+  }
 }
 
 // Force and moments about the middle of the first sleeper's footprint of both sides; work over the
 // step by the mean of the forces at its ends, which is what leapfrog's kicks give to a ground
-// without dampers, to second order. Forces below one rail have no arm across the track.
-void GroundBelow::account(const std::vector<double>& force_before,
-                          const std::vector<Vec3>& load_before) {
+// without dampers, to second order, and average acceleration exactly. Forces below one rail have no
+// arm across the track.
+void GroundBelow::account(const std::vector<Vec3>& load_before) {
   double force = 0, all = 0;
   std::array<double, 2> moment{}, all_moment{};
   const std::array origin = {centre_[0][0], (centre_[0][1] + centre_[sides_ - 1][1]) / 2};
   for (std::size_t i = 0; i < force_.size(); ++i) {
-    const double given = (force_before[i] + force_[i]) / 2;
+    const double given = (force_before_[i] + force_[i]) / 2;
     force += force_[i], all += std::abs(force_[i]);
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double turns = force_[i] * (centre_[i][axis] - origin[axis]);
@@ -192,12 +266,14 @@ Json GroundBelow::figures() const {
   const fem::GroundTotals totals = ground_.totals();
   const double seconds = comm_.max(totals.seconds);
   const auto done = static_cast<double>(totals.elements) * static_cast<double>(steps_here_);
-  return {{"elements", totals.elements},
+  Json of{{"elements", totals.elements},
           {"unknowns", totals.unknowns},
           {"steps", totals.steps},
           {"step_s", step_},
           {"element_steps_per_second_per_core", ratio(done, seconds) / comm_.size()},
           {"state_hash", fmt::format("{:016x}", state_hash())}};
+  if (implicit()) of["iterations_mean"] = totals.iterations_mean;
+  return of;
 }
 
 double GroundBelow::seconds() const { return ground_.seconds(); }
@@ -210,6 +286,7 @@ Json GroundBelow::balance() const {
   Json of{{"force", force_off_}, {"moment", moment_off_[0]}};
   if (sides_ == 2) of["roll_moment"] = moment_off_[1];
   of["work"] = ratio(std::abs(nodes.value() - work_), all_work_);
+  if (implicit()) of["height"] = ratio(height_off_, most_height_);
   return of;
 }
 
@@ -254,7 +331,8 @@ void GroundBelow::save(io::File& file) const {
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
   nodes.carry();
   const std::vector<std::int64_t> quanta(nodes.counts().begin(), nodes.counts().end());
-  const std::vector<double> sums{work_, all_work_, force_off_, moment_off_[0], moment_off_[1]};
+  const std::vector<double> sums{work_,          all_work_,   force_off_,  moment_off_[0],
+                                 moment_off_[1], height_off_, most_height_};
   const auto root = [&](const auto& values) {
     return std::span(values).first(comm_.root() ? values.size() : 0);
   };
@@ -262,13 +340,17 @@ void GroundBelow::save(io::File& file) const {
                      {"N",
                       "of the ballast of each sleeper on the ground, down positive; of two "
                       "rails of each end, left before right"});
+  if (implicit())
+    file.write<double>(std::string(group) + "/force_before", root(force_before_), 1,
+                       {"N", "the same a step earlier"});
   file.write<std::int64_t>(std::string(group) + "/node_work", root(quanta), 2,
                            {"-", "work on the ground by its nodes so far, quanta of a fine sum"});
   file.write<double>(
       std::string(group) + "/sums", root(sums), sums.size(),
-      {"J, J, -, -, -",
+      {"J, J, -, -, -, m, m",
        "work on the ground so far, sum of its magnitudes; largest imbalance of force "
-       "and of moments about y and x"});
+       "and of moments about y and x; of an implicit ground largest imbalance of height, largest "
+       "height"});
 }
 
 void GroundBelow::load(const io::File& file) {
@@ -276,18 +358,15 @@ void GroundBelow::load(const io::File& file) {
   force_ = file.read_all<double>(std::string(group) + "/force");
   if (force_.size() != footprints_.count())
     throw RunError(std::string(group) + "/force belongs to another number of sleepers");
+  if (implicit()) force_before_ = file.read_all<double>(std::string(group) + "/force_before");
   footprints_.press(force_, load_);
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
   if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
   const auto sums = file.read_all<double>(std::string(group) + "/sums");
   work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2);
   moment_off_ = {sums.at(3), sums.size() > 4 ? sums[4] : 0};  // older programs had no second one
-  std::vector<couple::Footprints::Values> values{{{}, largest_height}};
-  for (std::size_t n = 0; n < own_.size(); ++n) {
-    height_[n] = ground_.top_motion(own_[n]).displacement.z();
-    values[0].own.push_back(height_[n]);
-  }
-  mean_ = footprints_.means(values)[0];
+  if (sums.size() > 6) height_off_ = sums[5], most_height_ = sums[6];
+  follow(heights_below());
 }
 
 }  // namespace trackbed::app

@@ -26,6 +26,7 @@ class GroundBelow {
   // s: a whole part of passage.step that is stable; `limit` says what limits it if that is less.
   double step() const { return step_; }
   const std::string& limit() const { return limit_; }
+  std::size_t footprints() const { return footprints_.count(); }
   // One step of both. Collective; throws as Passage::advance.
   void advance(track::Passage& passage);
   std::string trouble() const { return ground_.trouble(); }  // of this rank, or empty
@@ -43,11 +44,17 @@ class GroundBelow {
 
  private:
   std::size_t sleeper(std::size_t footprint) const { return first_ + footprint / sides_; }
+  bool implicit() const { return ground_.is_implicit(); }
   double stable_step(const Model& model);
   double largest_coupling(const std::vector<double>& mass) const;
-  void sense(track::Passage& passage);
+  void found(track::Passage& passage);
+  void begin_step();
+  std::vector<double> sense(track::Passage& passage);
   void press(const track::Passage& passage);
-  void account(const std::vector<double>& force_before, const std::vector<Vec3>& load_before);
+  std::vector<double> heights_below() const;
+  void follow(const std::vector<double>& mean);
+  void compare(const track::Passage& passage);
+  void account(const std::vector<Vec3>& load_before);
 
   par::Comm comm_;
   fem::Ground ground_;
@@ -61,6 +68,10 @@ class GroundBelow {
   double step_;
   std::string limit_;
   std::int64_t steps_here_ = 0;  // since built; for the speed alone
+  // Of an implicit ground: whether the track knows how it gives way; N on each footprint, what was
+  // expected at the end of this step, and the end of the step before the last.
+  bool founded_ = false;
+  std::vector<double> expected_, force_before_;
   // At the end of the last step: N on each footprint, on each node of the top; m, of each footprint
   // and of own nodes, and how far they went in it.
   std::vector<double> force_;
@@ -73,6 +84,9 @@ class GroundBelow {
   // Largest relative imbalance of a step: of force, of moments about y (pitch) and x (roll).
   double force_off_ = 0;
   std::array<double, 2> moment_off_{};
+  // m, of an implicit ground: largest difference of where the track found it and where it came to;
+  // largest height.
+  double height_off_ = 0, most_height_ = 0;
 };
 
 // The line of a model of kind track_on_ground: which of its sleepers stand on what moves.

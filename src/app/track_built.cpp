@@ -131,6 +131,10 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model, co
                         of["elements"].get<std::int64_t>(), of["unknowns"].get<std::int64_t>(),
                         built.line.sleeper_x(built.line.first_moved()),
                         built.line.sleeper_x(built.line.first_moved() + built.line.moved() - 1)));
+  if (model.ground.integrator != fem::Integrator::explicit_)
+    say(comm, fmt::format("  step: {:.4g} s (passage.step), the ground implicit: two solves in "
+                          "each, {} before the first",
+                          whole.track.passage.step, whole.below->footprints()));
   if (whole.track.passage.step < model.track.passage.step)
     say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,
                           whole.below->limit()));

@@ -209,12 +209,14 @@ Ground::Ground(Ground&&) noexcept = default;
 
 // s. The words name what limits it, for the log.
 double Ground::stable_step(std::string* limit) const {
-  const bool implicit = room_->parameters.integrator != Integrator::explicit_;
+  const bool implicit = is_implicit();
   if (limit != nullptr) *limit = implicit ? "nothing: implicit" : room_->limit;
   // Implicit steps are stable at any length; accuracy is the caller's choice.
   if (implicit) return std::numeric_limits<double>::infinity();
   return room_->parameters.safety * room_->critical;
 }
+
+bool Ground::is_implicit() const { return room_->parameters.integrator != Integrator::explicit_; }
 
 Surface& Ground::top() { return room_->surface; }
 const std::vector<int>& Ground::top_owner() const { return room_->mesh.top_owner; }
@@ -230,7 +232,7 @@ void Ground::try_solvers(double dt) { room_->try_solvers(dt); }
 // simulation for the scheme.
 void Ground::advance(double dt, std::span<const Vec3> top_force) {
   const auto begin = std::chrono::steady_clock::now();
-  const bool implicit = room_->parameters.integrator != Integrator::explicit_;
+  const bool implicit = is_implicit();
   const Nodal before = implicit ? room_->state.load : Nodal();
   room_->set_load(top_force);
   if (implicit)
@@ -242,25 +244,45 @@ void Ground::advance(double dt, std::span<const Vec3> top_force) {
   room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Local but for ghosts. A step that is too long would only show as divergence.
-void Ground::begin_step(double dt) {
+// Explicit: local but for ghosts. A step that is too long would only show as divergence.
+void Ground::begin_step(double dt, std::span<const Vec3> expected) {
   const auto begin = std::chrono::steady_clock::now();
   constexpr double rounding = 1e-9;
-  require(room_->parameters.integrator == Integrator::explicit_ &&
-              dt <= room_->parameters.safety * room_->critical * (1 + rounding),
-          "a ground in halves of steps is explicit, and the step is stable");
+  require(dt <= stable_step() * (1 + rounding), "a ground in halves of steps takes stable ones");
   room_->step_in_halves = dt;
-  room_->begin_step(dt);
+  if (is_implicit()) {
+    const Nodal before = room_->state.load;
+    room_->set_load(expected);
+    room_->expected = room_->state.load;
+    room_->implicit_window(dt, before);
+    room_->show_motion();
+  } else {
+    room_->begin_step(dt);
+  }
   room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void Ground::end_step(std::span<const Vec3> top_force) {
   const auto begin = std::chrono::steady_clock::now();
   room_->set_load(top_force);
-  room_->end_step(room_->step_in_halves);
+  if (is_implicit())
+    room_->correct_window(room_->step_in_halves, room_->expected);
+  else
+    room_->end_step(room_->step_in_halves);
   room_->time += room_->step_in_halves;
   room_->publish();
   room_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::vector<Vec3> Ground::give_way(double dt, std::span<const Vec3> top_force) {
+  const Nodal before = room_->state.load;
+  room_->set_load(top_force);
+  Nodal moved = room_->give_way(dt);
+  room_->state.load = before;
+  if (room_->flat_top) room_->mesh.exchange(moved);
+  std::vector<Vec3> ways;
+  for (const TopNode& top : room_->own_top) ways.push_back(room_->at_top(moved, top.node));
+  return ways;
 }
 
 }  // namespace trackbed::fem

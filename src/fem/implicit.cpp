@@ -124,13 +124,13 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
     free_field->implicit_step(dt, s, time + dt);
     free_field->act_on(state.internal);
   }
-  const double rounding = balance(s, before);
+  rounding_ = balance(s, before);
   extrapolate();
   // Held freedoms keep a = 0: the solver leaves them out.
   if (plasticity) {
-    newton(dt, s, rounding);
+    newton(dt, s, rounding_);
   } else {
-    iterations += implicit_->solve(right_, state.acceleration, rounding);
+    iterations += implicit_->solve(right_, state.acceleration, rounding_);
     ++solves;
   }
   ++steps;
@@ -139,6 +139,40 @@ void Ground::Room::implicit_window(double dt, const Nodal& before) {
       state.displacement[c][n] += s.beta * dt * dt * state.acceleration[c][n];
       state.velocity[c][n] += s.gamma * dt * state.acceleration[c][n];
     }
+}
+
+// Solved from the accelerations of the expected load, whose right side is still there: what is left
+// to do is the change alone, to the tolerance of the whole.
+void Ground::Room::correct_window(double dt, const Nodal& expected_load) {
+  require(!plasticity, "a ground that yields takes its step once");
+  const AlphaScheme s = alpha_scheme(parameters);
+  mixed_ = state.acceleration;
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : mesh.own)
+      right_[c][n] += (1 - s.alpha_f) * (state.load[c][n] - expected_load[c][n]);
+  iterations += implicit_->solve(right_, state.acceleration, rounding_);
+  ++solves;
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : mesh.own) {
+      const double change = state.acceleration[c][n] - mixed_[c][n];
+      state.displacement[c][n] += s.beta * dt * dt * change;
+      state.velocity[c][n] += s.gamma * dt * change;
+    }
+}
+
+Nodal Ground::Room::give_way(double dt) {
+  require(!plasticity, "a ground that yields is not linear");
+  const AlphaScheme s = alpha_scheme(parameters);
+  prepare_window(dt, s);
+  Nodal moved(components(), mesh.nodes());
+  right_.fill(0);
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : top_nodes)
+      right_[c][n] = (1 - s.alpha_f) * (state.load[c][n] + state.settled[c][n]);
+  implicit_->solve(right_, moved);
+  for (int c = 0; c < components(); ++c)
+    for (const std::int32_t n : mesh.own) moved[c][n] *= s.beta * dt * dt;
+  return moved;
 }
 
 }  // namespace trackbed::fem

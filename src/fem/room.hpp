@@ -79,6 +79,10 @@ struct Ground::Room {
   void begin_step(double h);
   void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);
+  // The window just taken once more, its load at the end now state.load instead of `expected`.
+  void correct_window(double dt, const Nodal& expected);
+  // m: what state.load, and what is settled, at the end of a window adds to displacements there.
+  Nodal give_way(double dt);
   bool settle(std::span<const Vec3> top_force, const Ground::GoOn& go_on);
   void try_solvers(double dt);
   // Local; of the model's state, whatever is asked: Pa since rest or at rest.
@@ -107,6 +111,7 @@ struct Ground::Room {
   std::unique_ptr<Extremes> extremes;      // if begun, of all zones held
   double time = 0;                         // s since `settle`, for that wave
   double step_in_halves = 0;               // s, of begin_step and end_step
+  Nodal expected;                          // N, of an implicit one, the load it began with
   Surface surface;
   std::vector<TopNode> own_top;
   // Of a ground from a file: local node of the top and number of a face there, ascending.
@@ -168,7 +173,7 @@ struct Ground::Room {
   Nodal begin_force_, end_force_, residual_;   // N: of plastic strain at begin and end; of Newton
   Nodal newton_step_, search_from_;            // m/s^2: of Newton; where a search along it begins
   Nodal stiff_;  // N/m, diagonal of K, with what damping by stiffness adds to it; held: 0
-  double implicit_step_ = -1;
+  double implicit_step_ = -1, rounding_ = 0;  // s; N, of the right side
 };
 
 }  // namespace trackbed::fem

@@ -133,6 +133,7 @@ void Passage::Room::renew_flexibility() {
   }
   flexibility.topRightCorner(wheels, stops) =
       flexibility.bottomLeftCorner(stops, wheels).transpose();
+  if (ground) add_ground_to_flexibility();
 }
 
 // m/s, of a stop's approach at the end of the step, as Newmark's formula has velocities.
@@ -241,7 +242,8 @@ Vector Passage::Room::pushed(const Vector& force) const {
 void Passage::Room::step() {
   ++steps;
   place_wheels();
-  const Vector of_track = track.free_change(constant_load);
+  Vector of_track = track.free_change(constant_load);
+  if (ground) settle_seats(of_track);
   if (contacts() == 0) return track.accept(of_track);
   const Eigen::Index wheels = wheels_rolling();
   const Vector of_train = vehicles.free_change(train.weight());
@@ -252,6 +254,7 @@ void Passage::Room::step() {
     stop_rate[k] = rate(k);
     stop_before[k] = approach[wheels + k];
   }
+  if (ground) press_seats(force, of_track);
   track.accept(of_track + track.flexibility(pushed(force)));
   vehicles.accept(of_train + wheel_change * force.head(wheels));
   for (std::size_t k = 0; k < rolling.size(); ++k)

@@ -34,6 +34,13 @@ struct Passage::Room {
   Vector pushed(const Vector& force) const;
   Vector approaches(const Vector& of_track, const Vector& of_train) const;
   double wheel_height(const Train::Wheel& wheel, const Vector& of_train) const;
+  Vector ballast_forces(const Vector& u, const Vector& v, const std::vector<Seat>& on) const;
+  void found_on(const Matrix& give);
+  void see_ground(std::size_t from, std::size_t to);
+  void add_ground_to_flexibility();
+  void move_seats(const Vector& way, Vector& of_track);
+  void settle_seats(Vector& of_track);
+  void press_seats(const Vector& contact_forces, Vector& of_track);
   double improve_rest(Vector& u, const Matrix& g, const Vector& without);
   double rate(Eigen::Index stop) const;
   Vector forces() const;
@@ -64,8 +71,16 @@ struct Passage::Room {
   double rate_slope = 0;            // 1/s, of the rate per approach: 2/h, at rest 0
   Vector constant_load;             // N on the track's unknowns
   std::vector<Seat> seats;          // of moved sleepers, at the end of the step
-  Vector train_at_rest;             // m, equilibrium at the start
-  Vector wheels_at_rest;            // m, approaches in it
+  // A ground that gives way to the forces of the step, as passage_ground.cpp has it.
+  struct Ground {
+    Vector forces;    // N, of the ballast, under which the ground stands as seats say
+    Columns columns;  // Z, m of the track's unknowns per m of each seat
+    Matrix give;      // G, m/N
+    Matrix seen;      // R', m of each contact's approach per m of each seat
+  };
+  std::optional<Ground> ground;
+  Vector train_at_rest;   // m, equilibrium at the start
+  Vector wheels_at_rest;  // m, approaches in it
   std::int64_t steps = 0, iterations = 0, lost = 0;
 };
 

@@ -24,7 +24,11 @@ REFUSED = {
     "footing.before=3": "1.8 m behind the begin of the track, within its run-in of 2.4 m",
     "track.length=9": "puts the last sleeper on the ground 7.2 m behind",
     "ground.present=false": "without it the model is \"track\"",
-    "ground.integrator=newmark": "must be explicit: ballast and ground exchange forces",
+    "ground.integrator=hht": "must be explicit or newmark below a track",
+    "ground.integrator=newmark ground.newmark_gamma=0.6 ground.newmark_beta=0.3025":
+        "ground.newmark_beta = 0.3025: and newmark_gamma must be 0.25 and 0.5 below a track",
+    "ground.integrator=newmark ground.newmark_beta=0.3":
+        "must be 0.25 and 0.5 below a track, which takes average acceleration",
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
     "track.support=continuous": "must be sleepers: the ground is below their ballast",
     "track.dimension=space": "footing.rails: must be 2 below two rails",
@@ -43,7 +47,9 @@ REFUSED = {
 # What `check` says of decks that it takes.
 TOLD = {"footing.width=0.7": "is more than track.spacing (0.6 m): footprints of neighbours overlap",
         "ballast.damping=4e6":
-            "limited by ballast dampers on the ground's top (the ground alone by zones of layer"}
+            "limited by ballast dampers on the ground's top (the ground alone by zones of layer",
+        "ground.integrator=newmark":
+            "step: 0.0002 s (passage.step), the ground implicit: two solves in each, 6 before"}
 # The ground divides the step: what is said is of the step taken.
 STEPS = [
     (["passage.step=1e-2"], [], ["in a step", "history_interval"]),
@@ -64,6 +70,8 @@ STEPS = [
 BALANCE = 1e-9
 # Relative. Wheels' contacts are solved to 1e-12 m, which is 1 mN, of 20 kN on the ground.
 ALIKE = 1e-7
+# Relative. An implicit ground is solved to 1e-8 of its forces in each of 90 steps.
+SOLVED = 1e-6
 
 
 def facts(of):
@@ -121,6 +129,34 @@ def check_resume(program, deck, folder):
     ran = program(1, "resume", place, "ground.layer.soil.young=70e6", "-o", folder / "other")
     if ran.returncode != 2 or "young" not in ran.stderr:
         raise SystemExit(f"another ground must be refused: {ran.stdout}{ran.stderr}")
+
+
+def check_implicit(program, deck, folder):
+    """In steps three times the explicit one: any number of ranks to the solver's tolerance, the
+    same bits after a stop on as many, of one rail and of two, where sleepers hang and pads kink."""
+    path = folder / "implicit.toml"
+    path.write_text(deck.read_text(encoding="utf-8") + ONE_END.replace("5e-3", "1e-4"),
+                    encoding="utf-8")
+    step = ["ground.integrator=newmark", "passage.step=1e-3", "pad.knee=1e-4", "pad.beyond=400e6"]
+    for name, words in (("one", ["pad.damping=50e3"]), ("both", TWO_RAILS)):
+        here = path if name == "both" else deck
+        for ranks in (1, 2, 4):
+            place = folder / f"implicit_{name}_{ranks}"
+            program.done(ranks, "run", here, *step, *words, "-o", place)
+            check_balance(place, f"implicit, {ranks} ranks", SOLVED)
+            found, other = (datasets(folder / f"implicit_{name}_{n}" / "results.h5")
+                            for n in (ranks, 1))
+            for quantity, values in other.items():
+                off = np.abs(found[quantity] - values).max()
+                if not off <= SOLVED * np.abs(values).max():
+                    raise SystemExit(f"implicit, {name}: {quantity} on {ranks} ranks is off by "
+                                     f"{off}")
+        stopped = folder / f"implicit_{name}_stopped"
+        program.done(2, "run", here, *step, *words, "passage.stop_after=37", "-o", stopped, code=3)
+        program.done(2, "resume", stopped)
+        same_bits(folder / f"implicit_{name}_2", stopped, "implicit, stopped after 37 steps", facts)
+    if summary(stopped)["ground"]["steps"] != 90:
+        raise SystemExit(f"{summary(stopped)['ground']['steps']} steps of 1 ms in 0.09 s")
 
 
 def check_unused_options(program, deck, folder):
@@ -288,6 +324,7 @@ def main():
     check_refusals(program, deck)
     check_ranks(program, deck, folder)
     check_resume(program, deck, folder)
+    check_implicit(program, deck, folder)
     check_unused_options(program, deck, folder)
     check_knobs(program, deck, folder)
     check_hanging(program, deck, folder)

@@ -211,11 +211,17 @@ class Ground {
   // step. Afterwards top() holds position at the start and motion over the window. Explicit steps
   // are of second order, with damping by stiffness, which acts half a step late, of first.
   void advance(double dt, std::span<const Vec3> top_force);
-  // The same for one explicit step in two halves, for a load that depends on where the top goes:
+  // The same for one step in two halves, for a load that depends on where the top goes. Explicit:
   // `begin_step` moves the nodes by dt under the load they have, `end_step` gives them the load of
-  // their new place (as above) and completes their velocities. dt is at most stable_step().
-  void begin_step(double dt);
+  // their new place (as above) and completes their velocities; dt is at most stable_step().
+  // Implicit: `begin_step` takes the step under the load `expected` at its end, `end_step` takes it
+  // anew under another one, from there; not of a ground that yields.
+  void begin_step(double dt, std::span<const Vec3> expected = {});
   void end_step(std::span<const Vec3> top_force);
+  // Of an elastic ground in implicit steps of dt: what `top_force` at the end of one adds to the
+  // displacement there, m, of the own top nodes. Changes nothing. Collective.
+  std::vector<Vec3> give_way(double dt, std::span<const Vec3> top_force);
+  bool is_implicit() const;
   std::string trouble() const;  // of this rank (divergence, not a number), or empty
 
   // For output: of the own top nodes, in the order of own_top(): displacement from the reference,
@@ -226,8 +232,8 @@ class Ground {
     double sigma_z;
   };
   TopState top_state(std::int32_t node) const;
-  // Of an own top node: between the halves of a step displacement at its end, velocity amid it and
-  // acceleration at its begin.
+  // Of an own top node: between the halves of an explicit step displacement at its end, velocity
+  // amid it and acceleration at its begin; of an implicit one all at its end, as expected.
   struct TopMotion {
     Vec3 displacement, velocity, acceleration;  // m, m/s, m/s^2
   };

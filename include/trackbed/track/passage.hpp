@@ -51,6 +51,13 @@ class Passage {
   // two rails left before right of each. Until it is called: where they were when the rail was
   // laid.
   void place_seats(const std::vector<Seat>& seats);
+  // Of a ground that gives way to the forces of the end of a step: each column of `give` is what a
+  // force at one seat lowers all of them by in a step, m/N, rates following by average acceleration
+  // as on the track. From then on `place_seats` says how the ground stands under `forces` of the
+  // ballast (N, downwards, as `ground_force`), and the step finds forces and ground that fit each
+  // other.
+  void found_on(const Eigen::MatrixXd& give);
+  void place_seats(const std::vector<Seat>& seats, const Vector& forces);
   // N, of the pad on the i-th of them; compression positive.
   double seat_force(std::size_t i, std::size_t side = 0) const;
   const Seat& seat(std::size_t i, std::size_t side = 0) const;  // as it was placed last
