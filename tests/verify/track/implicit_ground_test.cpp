@@ -166,5 +166,21 @@ TEST(ImplicitGround, FindsKneesAndGapsInLongSteps) {
   }
 }
 
+// Wheels of a bogie, whose contacts are solved with the ground below them: two axles over it.
+TEST(ImplicitGround, WheelsFindTheGround) {
+  Model m = model_of(5, {5e6, 0.3, 2000});
+  m.track.passage.forces = {};
+  m.track.train.vehicles = {"x2_bogie"};
+  m.track.train.speed = 80, m.track.train.start = 0;
+  Pair pair(implicit(m, 1e-3));
+  double most = 0;
+  for (int n = 0; n < 120; ++n) {
+    pair.step();
+    most = std::max(most, pair.built.passage.ground_force(before + 2));
+  }
+  verified::above("largest force below a sleeper", "N", most, 2e4);
+  check_balance(pair, "two axles", 1e-7);
+}
+
 }  // namespace
 }  // namespace trackbed::app
