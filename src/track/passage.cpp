@@ -136,10 +136,25 @@ void Passage::Room::renew_flexibility() {
   if (ground) add_ground_to_flexibility();
 }
 
-// m/s, of a stop's approach at the end of the step, as Newmark's formula has velocities.
-double Passage::Room::rate(Eigen::Index stop) const {
-  return rate_slope * (approach[wheels_rolling() + stop] - stop_before[stop]) - stop_rate[stop];
+// Where a stop's seat is placed from outside, which tells its rate; else it stands still or is
+// found together with the stop.
+Seat Passage::Room::placed(Eigen::Index stop) const {
+  const std::int32_t seat = line.stops()[static_cast<std::size_t>(stop)].seat;
+  return seat < 0 || ground ? Seat{} : seats[static_cast<std::size_t>(seat)];
 }
+
+// m, of a stop's approach what is the track's own.
+double Passage::Room::own_approach(Eigen::Index stop) const {
+  return approach[wheels_rolling() + stop] - placed(stop).height;
+}
+
+// m/s, the same of its rate at the end of the step, as Newmark's formula has velocities. A seat of
+// other steps in time would swing to and fro in this formula for ever.
+double Passage::Room::own_rate(Eigen::Index stop) const {
+  return rate_slope * (own_approach(stop) - stop_before[stop]) - stop_rate[stop];
+}
+
+double Passage::Room::rate(Eigen::Index stop) const { return own_rate(stop) + placed(stop).rate; }
 
 // N, of each contact at its present approach.
 Vector Passage::Room::forces() const {
@@ -251,8 +266,8 @@ void Passage::Room::step() {
   solve_contacts(approaches(track.displacement + of_track, vehicles.displacement + of_train));
   const Vector force = forces();
   for (Eigen::Index k = 0; k < stop_rate.size(); ++k) {
-    stop_rate[k] = rate(k);
-    stop_before[k] = approach[wheels + k];
+    stop_rate[k] = own_rate(k);
+    stop_before[k] = own_approach(k);
   }
   if (ground) press_seats(force, of_track);
   track.accept(of_track + track.flexibility(pushed(force)));
@@ -315,7 +330,8 @@ double Passage::ground_force(std::size_t i, std::size_t side) const {
   const std::int32_t stop = room.line.ground_stop(i, side);
   if (stop < 0) return ballast;
   return ballast + room.line.stops()[static_cast<std::size_t>(stop)].force(
-                       room.approach[room.wheels_rolling() + stop], room.stop_rate[stop]);
+                       room.approach[room.wheels_rolling() + stop],
+                       room.stop_rate[stop] + room.placed(stop).rate);
 }
 
 // Nodes do not show what the rail gives way between them: of a force there force^2 local/2.

@@ -55,7 +55,8 @@ void Passage::save(io::File& file, const std::string& group, const par::Comm& co
           {item.unit, item.meaning}, comm.root());
   write(file, group + "/approach", room.approach, {"m", "of wheels and rail, then of stops"},
         comm.root());
-  write(file, group + "/stop_rate", room.stop_rate, {"m/s", "of the stops' approach"}, comm.root());
+  write(file, group + "/stop_rate", room.stop_rate,
+        {"m/s", "of the stops' approach, without what moved seats add"}, comm.root());
   std::vector<double> seats;
   for (const Seat& seat : room.seats) seats.insert(seats.end(), {seat.height, seat.rate});
   file.write<double>(group + "/seats", std::span(seats).first(comm.root() ? seats.size() : 0), 2,
@@ -75,13 +76,14 @@ void Passage::load(const io::File& file, const std::string& group) {
     read(file, group + "/" + item.name, item.of(room.track, room.vehicles));
   read(file, group + "/approach", room.approach);
   read(file, group + "/stop_rate", room.stop_rate);
-  room.stop_before = room.approach.tail(room.stop_rate.size());
   const std::vector<double> seats = file.read_all<double>(group + "/seats");
   const auto counts = file.read_all<std::int64_t>(group + "/counts");
   if (seats.size() != 2 * room.seats.size() || counts.size() != 3)
     throw RunError(group + " belongs to another track");
   for (std::size_t k = 0; k < room.seats.size(); ++k)
     room.seats[k] = {seats[2 * k], seats[2 * k + 1]};
+  for (Eigen::Index k = 0; k < room.stop_before.size(); ++k)
+    room.stop_before[k] = room.own_approach(k);
   room.steps = counts[0], room.iterations = counts[1], room.lost = counts[2];
 }
 

@@ -61,7 +61,7 @@ void Passage::Room::start() {
       throw RunError("the train finds no static equilibrium on the track: is every wheel loaded?");
   vehicles.displacement = u;
   track.displacement -= columns * forces();
-  stop_before = approach.tail(contacts() - wheels_rolling());
+  for (Eigen::Index k = 0; k < stop_before.size(); ++k) stop_before[k] = own_approach(k);
   rate_slope = 2 / parameters.step;
   train_at_rest = u;
   wheels_at_rest = approach.head(wheels_rolling());

@@ -42,6 +42,9 @@ struct Passage::Room {
   void settle_seats(Vector& of_track);
   void press_seats(const Vector& contact_forces, Vector& of_track);
   double improve_rest(Vector& u, const Matrix& g, const Vector& without);
+  Seat placed(Eigen::Index stop) const;
+  double own_approach(Eigen::Index stop) const;
+  double own_rate(Eigen::Index stop) const;
   double rate(Eigen::Index stop) const;
   Vector forces() const;
   Vector slopes() const;
@@ -67,7 +70,7 @@ struct Passage::Room {
   std::vector<RailPoint> point;     // below each wheel, at the end of the step
   std::vector<RailPoint> touching;  // of each contact
   Vector approach;                  // m, of each contact
-  Vector stop_before, stop_rate;    // m, m/s, of the stops' approach at the begin of the step
+  Vector stop_before, stop_rate;    // m, m/s, the track's own of stops, at the begin of the step
   double rate_slope = 0;            // 1/s, of the rate per approach: 2/h, at rest 0
   Vector constant_load;             // N on the track's unknowns
   std::vector<Seat> seats;          // of moved sleepers, at the end of the step

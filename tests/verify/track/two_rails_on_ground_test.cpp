@@ -309,6 +309,27 @@ TEST(TwoRailsOnGround, KeepsEnergyOfEndsThatHang) {
   verified::below("largest change of energy in 50 ms", "-", furthest / after, 2e-4);
 }
 
+// Under a load that hardly changes: what dampers of closed gaps feel of the ground, which takes
+// other steps in time than the track, must not swing to and fro. A blow of 2 s bends by (pi h/2
+// s)^2 of its peak in a step h, below 1e-6.
+TEST(TwoRailsOnGround, ForcesOfEndsThatHangAreSteady) {
+  Model m = at_rest(wide(3));
+  m.track.line.track.zones = {{.from = 4.7, .to = 4.9, .gap = 1e-4, .side = track::ZoneSide::left}};
+  Pair pair(m);
+  pair.run(1);
+  std::array<double, 3> last{};  // N, of the last steps
+  double bend = 0, least = 1e300;
+  for (int n = 0; n < 20; ++n) {
+    pair.step();
+    last = {last[1], last[2], pair.built.passage.ground_force(before + 1, 0)};
+    if (n < 2) continue;
+    bend = std::max(bend, std::abs(last[0] - 2 * last[1] + last[2]));
+    least = std::min(least, last[0]);
+  }
+  verified::above("force of the end that hangs", "N", least, 1e4);
+  verified::below("bend of the force in three steps, relative", "-", bend / least, 1e-5);
+}
+
 // A ground a million times as stiff, and as heavy: two rails alone, but for what the ground gives.
 TEST(TwoRailsOnGround, ARigidGroundIsTheTrackAlone) {
   Model m = wide(3, {60e12, 0.3, 2000e6});
