@@ -150,7 +150,7 @@ def numbers(run, length, extremes=None, run_in=0):
         if "extreme/rail/displacement" in run:
             lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-            found[f"rail at {x}, down"] = (1e3 * down, "mm")
+            found[f"rail at {x}, down"] = (1e3 * down + 0.0, "mm")  # never minus zero
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))

@@ -53,17 +53,23 @@ void see_wheels(const TrackModel& model, const Built& built, WheelExtremes& whee
       wheels.see(built.passage.wheel_force(i));
 }
 
+// Of the lowest place of a rail, m.
+std::string words_of_lowest(double lowest) {
+  const std::string far = fmt::format("{:.4f} mm", std::abs(1e3 * lowest));
+  return lowest > 0 && far != "0.0000 mm" ? "never lower than " + far + " up" : "down to " + far;
+}
+
 // Where the wheels have not been is nothing to tell.
 void conclude(const par::Comm& comm, const TrackModel& model, const Built& built,
               const WheelExtremes& wheels, const std::vector<double>& lowest) {
   const std::size_t sides = built.line.sides();
   const bool by_train = model.passage.loaded_by == track::LoadedBy::train;
   for (std::size_t i = 0; by_train && i < lowest.size(); ++i)
-    say(comm, fmt::format("  {}rail at {:g} m: down to {:.4f} mm",
+    say(comm, fmt::format("  {}rail at {:g} m: {}",
                           sides == 1   ? ""
                           : i % 2 == 0 ? "left "
                                        : "right ",
-                          model.passage.points[i / sides], -1e3 * lowest[i]));
+                          model.passage.points[i / sides], words_of_lowest(lowest[i])));
   if (!wheels.any) return;
   const Way open = between_run_ins(model.line.track);
   say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN{}", wheels.least / 1e3, wheels.most / 1e3,

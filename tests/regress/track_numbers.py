@@ -60,6 +60,20 @@ def check_envelope(place):
                                          f"have {wanted}")
 
 
+def check_raised(program, decks, folder):
+    """A rail that stands up all the time, before a train at rest, is never lower."""
+    ran = program.done(1, "run", decks / "plain.toml", "train.speed=0", "train.start=20",
+                       "irregularity.kind=none", "irregularity.fade=10", "passage.duration=4e-3",
+                       "passage.points=[22.2]", "passage.history_interval=2e-4", "-o",
+                       folder / "raised")
+    with h5py.File(folder / "raised/results.h5") as file:
+        least = file["history/rail/displacement"][()].min()
+    found = summary(folder / "raised")["track"]["rail_lowest_m"]
+    words = f"rail at 22.2 m: never lower than {1e3 * least:.4f} mm up"
+    if not least > 1e-6 or found != [least] or words not in ran.stdout:
+        raise SystemExit(f"lowest rail {found}, rows have {least}; wanted '{words}':\n{ran.stdout}")
+
+
 def check_run_ins(program, decks, folder):
     """A flat strikes the nearly rigid rail of the run-in several times as hard as the track, whose
     forces are those told; a bridge has no run-in."""
@@ -222,6 +236,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_extremes(program, decks, folder)
+    check_raised(program, decks, folder)
     check_run_ins(program, decks, folder)
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
