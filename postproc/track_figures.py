@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws a run of a track alone (model = "track") and prints the table of its numbers. Extremes are
-those of every step where the run has them, else of the rows of its histories.
+those of every step where the run has them, else of the rows of its histories. Wheel forces are
+those between the run-ins, where the track is as it is given.
 
     track_figures.py RESULT_DIR -o DIR
 
@@ -70,6 +71,18 @@ def on_track(run, length):
     return (x >= 0) & (x <= length)
 
 
+def between_run_ins(run, length, run_in):
+    """Whether each wheel is where the track is as it is given, [time, wheel]."""
+    x = history(run, "wheel/x")
+    return (x >= run_in) & (x <= length - run_in)
+
+
+def run_in_of(deck):
+    """m; of a bridge 0."""
+    track = deck["track"]
+    return 0 if track.get("support") == "none" else track.get("run_in", 0)
+
+
 def rolling(run):
     """Numbers of the wheels that roll: axles of constant force have no height, the program writes
     zeros. All of a program without heights."""
@@ -98,15 +111,23 @@ def of_sleepers(run, what, end):
     return getattr(history(run, f"sleeper/{what}"), end)(axis=0)  # of an older program
 
 
-def wheel_numbers(run, length, extremes):
-    force = history(run, "wheel/force")[on_track(run, length)]
+def wheel_forces(run, length, run_in, extremes):
+    """Of wheels between the run-ins; nothing if none was there."""
+    force = history(run, "wheel/force")[between_run_ins(run, length, run_in)]
     if not len(force):
-        raise read.Unreadable("no wheel was on the track while histories were written")
+        return {}
     most = extremes.get("wheel_force_max_n", force.max())
     least = extremes.get("wheel_force_min_n", force.min())
-    found = {"largest wheel force": (most / 1e3, "kN"),
-             "least wheel force": (least / 1e3, "kN"),
-             "scatter of wheel forces": (force.std() / 1e3, "kN")}
+    where = " between the run-ins" if run_in > 0 else ""
+    return {f"largest wheel force{where}": (most / 1e3, "kN"),
+            f"least wheel force{where}": (least / 1e3, "kN"),
+            f"scatter of wheel forces{where}": (force.std() / 1e3, "kN")}
+
+
+def wheel_numbers(run, length, run_in, extremes):
+    if not on_track(run, length).any():
+        raise read.Unreadable("no wheel was on the track while histories were written")
+    found = wheel_forces(run, length, run_in, extremes)
     wheels = rolling(run)
     if "history/wheel/height" in run and wheels:
         path = track_measures.loaded_rail(history(run, "wheel/x")[:, wheels[0]],
@@ -117,18 +138,19 @@ def wheel_numbers(run, length, extremes):
     return found
 
 
-def numbers(run, length, extremes=None):
-    """Name -> (value, unit). Of wheels only while they are on the track. `extremes`: those of the
-    summary."""
-    extremes = extremes or {}
-    found = wheel_numbers(run, length, extremes) if "history/wheel/force" in run else {}
+def numbers(run, length, extremes=None, run_in=0):
+    """Name -> (value, unit). Of wheels only while they are on the track, their forces between its
+    run-ins. `extremes`: those of the summary."""
+    extremes, found = extremes or {}, {}
+    if "history/wheel/force" in run:
+        found = wheel_numbers(run, length, run_in, extremes)
     time = run["history/time"].values
     if "history/rail/displacement" in run:
         lowest = extremes.get("rail_lowest_m", history(run, "rail/displacement").min(axis=0))
         if "extreme/rail/displacement" in run:
             lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-            found[f"rail at {x}, down"] = (1e3 * down, "mm")
+            found[f"rail at {x}, down"] = (1e3 * down + 0.0, "mm")  # never minus zero
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
@@ -306,8 +328,8 @@ def main():
         write_figure(given.folder / "receptance.png", draw_receptances(*found))
         write.whole(given.folder / "receptance.csv", table_of(*found).encode())
     text = "".join(f"{name:60} {value:10.4g} {unit}\n"
-                   for name, (value, unit) in numbers(run, length,
-                                                      extremes_of(given.results)).items())
+                   for name, (value, unit) in numbers(run, length, extremes_of(given.results),
+                                                      run_in_of(deck)).items())
     write.whole(given.folder / "track.txt", text.encode())
     print(text, end="")
 

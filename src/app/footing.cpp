@@ -105,21 +105,51 @@ void declare_overlap(const Model& model, input::Section& s) {
       {.weight = input::Weight::warning, .reads = {"footing", "track"}});
 }
 
+// Told of the one that is out: a width beyond what sleepers leave each other, where those at the
+// ends have that much room, else where they stand.
+void declare_along(const Model& model, const input::About& about, input::Section& s) {
+  const FootingParameters& footing = model.footing;
+  const std::vector<double>& x = model.ground.x;
+  const auto [from, to] = extent_of(model);
+  const double spacing = model.track.line.track.spacing;
+  const double room = std::min(from - x[0], x[1] - to) + footing.width / 2;
+  const bool width = footing.width > spacing && room >= spacing / 2 - rounding;
+  s.rule(
+      "footing.width", !width || footing.width / 2 <= room + rounding,
+      fmt::format("puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to "
+                  "{:g} m): the outermost sleepers have {:g} m beside their middle "
+                  "(footing.first)",
+                  from, to, x[0], x[1], room),
+      about);
+  s.rule("footing.first", width || from >= x[0] - rounding,
+         fmt::format("puts a footprint from {:g} m on, beyond the ground (ground.x: {:g} to {:g} "
+                     "m)",
+                     from, x[0], x[1]),
+         about);
+  s.rule("footing.count", width || to <= x[1] + rounding,
+         fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
+                     to, x[0], x[1]),
+         about);
+}
+
+// Told of the length where no place would be wide enough, else of the place, of footprints between
+// `low` and `high`, m, on what `where` names.
+void declare_across(const FootingParameters& footing, double low, double high,
+                    const std::string& where, const input::About& about, input::Section& s) {
+  const double from = footing.y - footing.length / 2, to = footing.y + footing.length / 2;
+  const bool fits = footing.length <= high - low + rounding;
+  s.rule(fits ? "footing.y" : "footing.length", from >= low - rounding && to <= high + rounding,
+         fmt::format("puts footprints from y = {:g} to {:g} m, beyond {} (footing.{})", from, to,
+                     where, fits ? "length" : "y"),
+         about);
+}
+
 void declare_place(const Model& model, input::Section& s) {
   const FootingParameters& footing = model.footing;
   const fem::GroundParameters& ground = model.ground;
   const input::About about{.reads = {"ground", "footing", "track", "dimension"}};
   if (ground.x.size() != 2 || ground.y.size() != 2) return;  // another rule's sentence
-  const auto [from, to] = extent_of(model);
-  s.rule("footing.first", from >= ground.x[0] - rounding,
-         fmt::format("puts a footprint from {:g} m on, beyond the ground (ground.x: {:g} to {:g} "
-                     "m)",
-                     from, ground.x[0], ground.x[1]),
-         about);
-  s.rule("footing.count", to <= ground.x[1] + rounding,
-         fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
-                     to, ground.x[0], ground.x[1]),
-         about);
+  declare_along(model, about, s);
   s.rule("dimension", !is_plane(model) || !ground.of_tetrahedra(),
          "must be space on a ground of tetrahedra (ground.mesh, ground.section)", about);
   if (is_plane(model)) {
@@ -128,19 +158,15 @@ void declare_place(const Model& model, input::Section& s) {
            "and y have no effect in a plane model: footprints are as long as it is thick", about);
     return;
   }
-  const double low = footing.y - footing.length / 2, high = footing.y + footing.length / 2;
-  s.rule("footing.length", low >= ground.y[0] - rounding && high <= ground.y[1] + rounding,
-         fmt::format("puts footprints from y = {:g} to {:g} m, beyond the ground (ground.y: {:g} "
-                     "to {:g} m)",
-                     low, high, ground.y[0], ground.y[1]),
-         about);
+  const double low = ground.y[0], high = ground.y[1];
+  declare_across(footing, low, high,
+                 fmt::format("the ground (ground.y: {:g} to {:g} m)", low, high), about, s);
   if (ground.sections.empty()) return;
+  const auto [from, to] = extent_of(model);
   const double half = ground.narrowest_crest(from, to);
-  s.rule("footing.length", std::max(-low, high) <= half + rounding,
-         fmt::format("puts footprints from y = {:g} to {:g} m, beyond the crest of ground.section "
-                     "({:g} m on either side)",
-                     low, high, half),
-         about);
+  declare_across(footing, -half, half,
+                 fmt::format("the crest of ground.section ({:g} m on either side)", half), about,
+                 s);
 }
 
 }  // namespace

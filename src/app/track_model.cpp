@@ -75,6 +75,46 @@ void declare_vehicles(const TrackModel& model, input::Section& s) {
            {.reads = {"vehicle"}});
 }
 
+bool runs(const TrackModel& model, const track::VehicleParameters& vehicle) {
+  const std::vector<std::string>& names = model.train.vehicles;
+  return std::find(names.begin(), names.end(), vehicle.name) != names.end();
+}
+
+void declare_unused_vehicles(const TrackModel& model, input::Section& s) {
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i)
+    s.rule(fmt::format("vehicle[{}].name", i), runs(model, model.vehicles[i]),
+           "is no vehicle of the train (train.vehicles): what stands here has no effect",
+           {.weight = input::Weight::warning, .reads = {"vehicle", "train.vehicles"}});
+}
+
+// kg, of all that stands on the rails; springs and their moments do not matter to what wheels
+// carry.
+double mass_of(const track::VehicleParameters& whole) {
+  const double bogies = whole.kind == track::VehicleKind::coach   ? 2
+                        : whole.kind == track::VehicleKind::bogie ? 1
+                                                                  : 0;
+  const double wheelsets = std::max(2 * bogies, 1.0);
+  return whole.body_mass + bogies * whole.bogie_mass + wheelsets * whole.wheelset_mass;
+}
+
+// Stands on both rails while m_body |offset| < m gauge/2: then every wheel is pressed at rest, for
+// axles share alike.
+void declare_tipping(const TrackModel& model, input::Section& s) {
+  if (model.line.track.dimension == Dimension::plane) return;
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i) {
+    const track::VehicleParameters whole = track::complete(model.vehicles[i]);
+    if (whole.body_offset == 0 || !runs(model, whole) || !track::lacking(whole).empty()) continue;
+    const bool body = whole.kind != track::VehicleKind::wheel;
+    if (!body || whole.kind == track::VehicleKind::forces) continue;
+    const double most = mass_of(whole) * model.line.track.gauge / (2 * whole.body_mass);
+    s.rule(fmt::format("vehicle[{}].body_offset", i), std::abs(whole.body_offset) < most,
+           fmt::format("tips the vehicle over: on rails {:g} m apart (track.gauge) it stands with "
+                       "less than {:.4g} m",
+                       model.line.track.gauge, most),
+           {.reads = {"vehicle", "train.vehicles", "track"}});
+  }
+}
+
 // Steps must see a force rise and fall, or it is another one, or none.
 void declare_force_in_time(const track::RailForce& force, const std::string& name, double step,
                            input::Section& s) {
@@ -294,6 +334,8 @@ void TrackModel::declare(input::Section& s) {
   s.table("passage", passage, "The run of a track alone; on a bed step and tolerance count.");
   declare_size(*this, s);
   declare_vehicles(*this, s);
+  declare_unused_vehicles(*this, s);
+  declare_tipping(*this, s);
   declare_speed(*this, s);
   declare_forces(*this, s);
   declare_sides(*this, s);

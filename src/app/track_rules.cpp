@@ -137,6 +137,21 @@ void declare_unused(const track::IrregularityParameters& p, const std::string& s
   unused("file", !p.file.empty(), p.kind == Kind::file);
 }
 
+// Of a shape from `begin` to `end`, m, on the track: wheels that it strikes there meet a rail that
+// is nearly rigid.
+void declare_run_in(const track::TrackParameters& track, const std::string& at, double begin,
+                    double end, input::Section& s) {
+  const Way open = between_run_ins(track);
+  const double from = std::max(begin, 0.0), to = std::min(end, track.length);
+  const double over = std::max(std::min(to, open.to) - std::max(from, open.from), 0.0);
+  s.rule(at, 2 * over >= to - from,
+         fmt::format("puts {} of it in a run-in (track.run_in: up to {:g} and from {:g} m on), "
+                     "where rail and supports are up to {:g} times as stiff: its forces are none "
+                     "of a track, and those of the summary are of wheels between the run-ins",
+                     over > 0 ? "most" : "all", open.from, open.to, track.run_in_factor),
+         {.weight = input::Weight::warning, .reads = {at.substr(0, at.find('.')), "track"}});
+}
+
 void declare_irregularity(const TrackModel& model, const track::IrregularityParameters& p,
                           const std::string& section, input::Section& s) {
   const double length = model.line.track.length;
@@ -150,6 +165,8 @@ void declare_irregularity(const TrackModel& model, const track::IrregularityPara
   s.rule(section + ".at", !closed || (begin < length && end > 0),
          fmt::format("puts it beyond the track, which is {:g} m long", length),
          {.weight = input::Weight::warning, .reads = reads});
+  if (closed && begin < length && end > 0)
+    declare_run_in(model.line.track, section + ".at", begin, end, s);
   // What nothing rolls over is told elsewhere.
   if (const std::optional<Way> way = way_of_wheels(model);
       way && closed && begin < length && end > 0)
@@ -186,6 +203,11 @@ void declare_alike(const TrackModel& model, input::Section& s) {
 }
 
 }  // namespace
+
+Way between_run_ins(const track::TrackParameters& track) {
+  const double run_in = track.support == track::Support::none ? 0 : track.run_in;
+  return {run_in, track.length - run_in};
+}
 
 void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int64_t count,
                           input::Section& s) {

@@ -16,6 +16,8 @@ void declare_track_rules(const TrackModel& model, input::Section& s);
 // the `first` on, which stones bear, there is none. The track must be countable.
 void declare_ballast_mass(const TrackModel& model, std::int64_t first, std::int64_t count,
                           input::Section& s);
+// Where the track is as it is given: between its run-ins, m; of a bridge all of it.
+Way between_run_ins(const track::TrackParameters& track);
 // Parameters that another one leaves without effect.
 void declare_idle(const TrackModel& model, input::Section& s);
 // Sentences on what stands in files of irregularities; throws InputError for a bad one.

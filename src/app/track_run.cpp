@@ -44,11 +44,19 @@ std::int64_t steps_of(const TrackModel& model, const Built& built) {
 }
 
 // Every step, whether it makes a row or not: extremes do not depend on the interval of the
-// histories. Wheels on the rigid rails before and behind the track have nothing to tell.
-void see_wheels(const Built& built, WheelExtremes& wheels) {
+// histories. Wheels on the rigid rails before and behind the track, and on rails that become so,
+// have nothing to tell of it.
+void see_wheels(const TrackModel& model, const Built& built, WheelExtremes& wheels) {
+  const Way open = between_run_ins(model.line.track);
   for (std::size_t i = 0; i < built.train.wheels().size(); ++i)
-    if (const double x = built.passage.wheel_x(i); x >= 0 && x <= built.line.length())
+    if (const double x = built.passage.wheel_x(i); x >= open.from && x <= open.to)
       wheels.see(built.passage.wheel_force(i));
+}
+
+// Of the lowest place of a rail, m.
+std::string words_of_lowest(double lowest) {
+  const std::string far = fmt::format("{:.4f} mm", std::abs(1e3 * lowest));
+  return lowest > 0 && far != "0.0000 mm" ? "never lower than " + far + " up" : "down to " + far;
 }
 
 // Where the wheels have not been is nothing to tell.
@@ -57,13 +65,17 @@ void conclude(const par::Comm& comm, const TrackModel& model, const Built& built
   const std::size_t sides = built.line.sides();
   const bool by_train = model.passage.loaded_by == track::LoadedBy::train;
   for (std::size_t i = 0; by_train && i < lowest.size(); ++i)
-    say(comm, fmt::format("  {}rail at {:g} m: down to {:.4f} mm",
+    say(comm, fmt::format("  {}rail at {:g} m: {}",
                           sides == 1   ? ""
                           : i % 2 == 0 ? "left "
                                        : "right ",
-                          model.passage.points[i / sides], -1e3 * lowest[i]));
-  if (wheels.any)
-    say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN", wheels.least / 1e3, wheels.most / 1e3));
+                          model.passage.points[i / sides], words_of_lowest(lowest[i])));
+  if (!wheels.any) return;
+  const Way open = between_run_ins(model.line.track);
+  say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN{}", wheels.least / 1e3, wheels.most / 1e3,
+                        open.from > 0 ? fmt::format(", between the run-ins ({:g} to {:g} m)",
+                                                    open.from, open.to)
+                                      : ""));
 }
 
 // All that moves, to tell whether two runs did the same to the last bit.
@@ -206,7 +218,7 @@ bool Run::go() {
 }
 
 void Run::see() {
-  see_wheels(built, wheels);
+  see_wheels(model_, built, wheels);
   histories.see(built.passage);
 }
 

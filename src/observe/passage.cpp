@@ -2,6 +2,7 @@
 #include "trackbed/observe/passage.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "observe/room.hpp"
 #include "trackbed/core/error.hpp"
@@ -43,7 +44,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
   const std::size_t sides = line.sides(), points_each = sides * points_.size(),
                     sleepers_each = sides * sleepers_.size();
   const bool on_ground = line.moved() > 0 && line.moves() == track::MovedPart::ground;
-  lowest_.assign(points_each, 0);
+  lowest_.assign(points_each, std::numeric_limits<double>::infinity());
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
       {"history/wheel/x", {"m", "where it is"}, wheels, {}},

@@ -1,4 +1,6 @@
 // Equilibrium of train and track before the first step.
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 
 #include "passage_room.hpp"
@@ -11,6 +13,14 @@ namespace {
 constexpr int most_iterations = 100;
 constexpr double first_pressed = 1e-6;  // m, any above 0: its force is none
 constexpr double most_change = 1e300;   // m, of what is no number
+
+std::string why_no_rest(const Train& train) {
+  std::string text = "the train finds no static equilibrium on the track: is every wheel loaded?";
+  for (const VehicleParameters& vehicle : train.vehicles())
+    if (vehicle.body_offset != 0)
+      return text + fmt::format(" Perhaps less body_offset of {} helps", vehicle.name);
+  return text;
+}
 
 }  // namespace
 
@@ -57,8 +67,7 @@ void Passage::Room::start() {
       approach[wheels_rolling() + k] = first_pressed;
   int round = 0;
   while (improve_rest(u, g, without) > parameters.tolerance)
-    if (++round == most_iterations)
-      throw RunError("the train finds no static equilibrium on the track: is every wheel loaded?");
+    if (++round == most_iterations) throw RunError(why_no_rest(train));
   vehicles.displacement = u;
   track.displacement -= columns * forces();
   for (Eigen::Index k = 0; k < stop_before.size(); ++k) stop_before[k] = own_approach(k);

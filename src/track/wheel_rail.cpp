@@ -105,6 +105,13 @@ void WheelRailParameters::declare(input::Section& s) {
          "has no effect with law = \"hertz\"", about);
   s.rule("constant", law == WheelRailLaw::hertz || constant == 0,
          "has no effect with law = \"linear\"", about);
+  const WheelRailParameters none;
+  const auto of_flat = [&](const char* name, bool given) {
+    s.rule(name, flat_axle > 0 || !given, "has no effect: no axle has a flat (flat_axle)",
+           {.weight = input::Weight::warning, .reads = {"flat_axle", name}});
+  };
+  of_flat("flat_length", flat_length != none.flat_length);
+  of_flat("flat_at", flat_at != none.flat_at);
   s.rule("flat_length", flat_axle == 0 || flat_length <= bodies.wheel_radius,
          "must be at most the radius of the wheel",
          {.reads = {"flat_axle", "flat_length", "wheel_radius"}});

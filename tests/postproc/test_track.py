@@ -38,6 +38,21 @@ def test_wheels_count_on_the_track_alone():
     assert found["least wheel force"] == (pytest.approx(50), "kN")
 
 
+def test_forces_count_between_the_run_ins_alone():
+    """Forces that only a nearly rigid rail makes, before 4 and beyond 16 m, are none of a track."""
+    run = made()
+    x, force = run["history/wheel/x"].values, run["history/wheel/force"].values
+    force[(x < 4) | (x > 16)] = 500e3
+    found = track_figures.numbers(run, 20, run_in=4)
+    assert found["largest wheel force between the run-ins"] == (pytest.approx(60), "kN")
+    assert found["scatter of wheel forces between the run-ins"][0] < 10
+    assert track_figures.numbers(run, 20)["largest wheel force"] == (pytest.approx(500), "kN")
+    deck = {"track": {"run_in": 4, "support": "none"}}
+    assert track_figures.run_in_of(deck) == 0
+    run["history/wheel/x"].values[:] = 2
+    assert not any("wheel force" in name for name in track_figures.numbers(run, 20, run_in=4))
+
+
 def test_the_first_wheel_is_one_that_rolls():
     """Axles of constant force before it have neither a height nor a force worth drawing."""
     run = made()

@@ -10,6 +10,8 @@ import pathlib
 import shutil
 import sys
 
+import h5py
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
@@ -40,6 +42,8 @@ wheelbase = 2.5
 """
 SEATS = ["train.vehicles=[]", "passage.loaded_by=seats", "irregularity.kind=none",
          "irregularity.fade=10", "train.start=10"]
+OWN = ['train.vehicles=["own"]']
+TWO_RAILS = ["track.dimension=space", *OWN]
 NO_TRAIN = ["train.vehicles=[]", "passage.duration=0.1"]
 # Changes of the plain deck, what is added to it, words of the refusal.
 REFUSED = [
@@ -80,6 +84,14 @@ REFUSED = [
      "vehicle[0].bogie_distance = 2: must be more than the wheelbase of 2.56 m"),
     ([], VEHICLE.format(COACH.replace("= 18", "= 2.5")),
      "vehicle[0].bogie_distance = 2.5: must be more than the wheelbase of 2.5 m"),
+    (["track.dimension=space", "track.gauge=1.9", "track.sleeper_length=1.6"], "",
+     "track.sleeper_length = 1.6: must be longer than the gauge of 1.9 m: rails lie on the"),
+    # 30 t of body on 8 t of bogies and wheelsets tip over with 38/30 of half the gauge.
+    (TWO_RAILS, VEHICLE.format(COACH.replace("= 20", "= 21") + "body_offset = -0.951\n"),
+     "vehicle[0].body_offset = -0.951: tips the vehicle over: on rails 1.5 m apart (track.gauge) "
+     "it stands with less than 0.95 m"),
+    (TWO_RAILS, VEHICLE.format('like = "manchester_1"\nbody_offset = 2'),
+     "vehicle[0].body_offset = 2: tips the vehicle over"),
 ]
 WARNED = [
     (["passage.duration=0.1"], '[[force]]\nat = 5\nsize = 1e3\nkind = "impact"\nlength = 1e-3\n',
@@ -90,6 +102,8 @@ WARNED = [
      "irregularity_right.seed: is that of the left rail (1): both are alike"),
     (['train.vehicles=["hxd1_unit"]', "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.05"], "",
      "is one of constant force, which does not roll"),
+    ([], VEHICLE.format('like = "manchester_1"'),
+     'vehicle[0].name = "own": is no vehicle of the train (train.vehicles)'),
     ([], ZONE.format(70, 80, "bed = 2"), "begins a zone beyond the track"),
     ([], ZONE.format(20, 30, "bed = 1.0"), "begins a zone that changes nothing"),
     (["passage.duration=0.1"], FORCE + "begin = 0.1\n", "lies beyond the run, which takes 0.1 s"),
@@ -104,6 +118,13 @@ WARNED = [
     (["passage.duration=1e-4"], "", "is shorter than a time step (passage.step)"),
     (["irregularity.kind=vee", "irregularity.at=5", "train.start=40"], "",
      "irregularity.at = 5: puts it where no wheel gets: they roll from 18.44 m on"),
+    (["irregularity.kind=joint", "irregularity.at=3"], "",
+     "irregularity.at = 3: puts all of it in a run-in (track.run_in: up to 6 and from 54 m on)"),
+    (["irregularity.kind=versine", "irregularity.at=5.9", "irregularity.length=2"], "",
+     "irregularity.at = 5.9: puts most of it in a run-in"),
+    (["irregularity.kind=vee", "irregularity.at=60"], "", "puts all of it in a run-in"),
+    (["irregularity.kind=waves", "irregularity.at=50", "irregularity.waves=10",
+      "irregularity.length=1"], "", "irregularity.at = 50: puts most of it in a run-in"),
     (["irregularity.kind=waves", "irregularity.at=20", "passage.duration=0.3"], "",
      "irregularity.at = 20: puts it where no wheel gets: they roll up to 15 m"),
     ([], ZONE.format(30.1, 30.5, "bed = 2"), "without a sleeper: `bed` and `gap` have no effect"),
@@ -154,7 +175,7 @@ WARNED = [
       for key, value in (("rail.mass", 1e-09), ("rail.area", 1e-05), ("rail.inertia", 1e-09),
                          ("track.sleeper_mass", 0.3), ("track.sleeper.width", 0.001),
                          ("track.sleeper.height", 0.001))),
-    (["track.dimension=space", "track.sleeper_length=0.26"], "",
+    (["track.dimension=space", "track.sleeper_length=0.26", "track.gauge=0.2"], "",
      "track.sleeper_length = 0.26 is far from the usual"),
     (["train.start=-400", "passage.duration=0.2"], "",
      "train.start = -400: leaves the train before the track: its first axle gets to -390 m in the "
@@ -187,6 +208,9 @@ IDLE = [
       "track.sleeper_mass": "track.sleeper_mass=250"}),
     ("there are no sleepers", ["track.support=continuous", "track.dimension=space"],
      ["track.support=sleepers"], {"track.sleeper_length": "track.sleeper_length=2.5"}),
+    ("no axle has a flat", [], ["wheel_rail.flat_axle=1"],
+     {"wheel_rail.flat_length": "wheel_rail.flat_length=0.12",
+      "wheel_rail.flat_at": "wheel_rail.flat_at=8"}),
     ("there is no run-in", ["track.run_in=0"], ["track.run_in=6"],
      {"track.run_in_factor": "track.run_in_factor=50"}),
     ("a rail without support is a bridge", ["track.support=none"], ["track.support=sleepers"],
@@ -211,12 +235,13 @@ SOUND = [
     (["under_sleeper_pad.stiffness=8e7", "under_sleeper_pad.from=30"], ""),
     ([], ZONE.format(-1, 11.9, "bed = 2")), ([], ZONE.format(59.9, 60, "bed = 2")),
     (["track.ends=free", "passage.duration=0.1"], FORCE.replace("5", "60")),
-    ([], VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
-    ([], VEHICLE.format('like = "manchester_1"\nkind = "coach"')),
-    ([], VEHICLE.format(COACH.replace('kind = "coach"\n', "").replace("20", "21"))),
-    ([], VEHICLE.format('like = "x2_bogie"\nbogie_mass = 3e3\nsecondary_damping = 30e3\n'
+    (OWN, VEHICLE.format('like = "manchester_1"\nbody_mass = 40e3')),
+    (OWN, VEHICLE.format('like = "manchester_1"\nkind = "coach"')),
+    (OWN, VEHICLE.format(COACH.replace('kind = "coach"\n', "").replace("20", "21"))),
+    (OWN, VEHICLE.format('like = "x2_bogie"\nbogie_mass = 3e3\nsecondary_damping = 30e3\n'
                         'wheelbase = 2.5')),
     (["irregularity.kind=waves", "irregularity.at=20", "irregularity.fade=10"], ""),
+    (["track.dimension=space", "track.support=continuous", "track.gauge=1.9"], ""),
     # No vehicle: where it would start does not matter.
     (["train.vehicles=[]", "train.start=10", "irregularity.kind=none", "irregularity.fade=10",
       "track.length=6", "track.run_in=2", "passage.duration=0.01", "passage.points=[3]"], FORCE),
@@ -224,7 +249,7 @@ SOUND = [
     (["irregularity.kind=vee", "train.start=35"], ""),
     (["train.start=-8", "passage.duration=0.2"], ""),
     (["train.speed=0", "train.start=30", "passage.duration=0.1"], ""),
-    ([], VEHICLE.format('like = "manchester_1"\nbogie_distance = 2.6')),
+    (OWN, VEHICLE.format('like = "manchester_1"\nbogie_distance = 2.6')),
     (["rail.mass=5", "rail.area=1e-3", "track.sleeper_mass=20"], ""),
     (["irregularity.kind=joint", "irregularity.fade=10", "irregularity.length=0.1"], ""),
     (["irregularity.shortest=0.1", "wheel_rail.flat_axle=1", "wheel_rail.flat_length=0.1"], ""),
@@ -434,6 +459,24 @@ def check_loads(program, decks, folder):
             raise SystemExit(f"{rows} {changes}: '{wanted}' is wanted, not {said}")
 
 
+def check_tipping(program, decks, folder):
+    """Vehicles that are not refused stand on rigid rails with every wheel pressed, however little;
+    on a track that gives way more below some axles they need some more."""
+    more, changes = VEHICLE.format(COACH.replace("= 20", "= 21")), ["irregularity.kind=none",
+                                                                    "irregularity.fade=10"]
+    deck = deck_with(decks, folder, more + "body_offset = 0.949\n")
+    changes += [*TWO_RAILS, "passage.duration=2e-4", "--force", "-o", folder / "tips"]
+    program.done(1, "run", deck, *changes, "train.start=-1")
+    with h5py.File(folder / "tips/results.h5") as file:
+        least = file["history/wheel/force"][0].min()
+    wanted = 9.81 * (38e3 * 1.5 / 2 - 30e3 * 0.949) / 1.5 / 4  # N, of each of four right wheels
+    if abs(least - wanted) > 1e-3 * wanted:
+        raise SystemExit(f"a vehicle about to tip over: {least} N, {wanted} N are wanted")
+    ran = program(1, "run", deck, *changes, "train.start=25")
+    if ran.returncode != 4 or "less body_offset of own helps" not in ran.stderr:
+        raise SystemExit(f"a vehicle that tips over on the track:\n{ran.stderr}")
+
+
 def check_ends(program, decks, folder):
     """What no track does is said when the run has ended, and what it may do for a moment is not."""
     off, force, down = "wheels were off the rail in", "a wheel pressed the rail", "the rail at 30 m"
@@ -497,6 +540,7 @@ def main():
     check_places(program, decks, folder)
     check_long_profile(program, decks, folder)
     check_loads(program, decks, folder)
+    check_tipping(program, decks, folder)
     check_ends(program, decks, folder)
     check_kept(program, decks, folder)
 

@@ -60,6 +60,40 @@ def check_envelope(place):
                                          f"have {wanted}")
 
 
+def check_raised(program, decks, folder):
+    """A rail that stands up all the time, before a train at rest, is never lower."""
+    ran = program.done(1, "run", decks / "plain.toml", "train.speed=0", "train.start=20",
+                       "irregularity.kind=none", "irregularity.fade=10", "passage.duration=4e-3",
+                       "passage.points=[22.2]", "passage.history_interval=2e-4", "-o",
+                       folder / "raised")
+    with h5py.File(folder / "raised/results.h5") as file:
+        least = file["history/rail/displacement"][()].min()
+    found = summary(folder / "raised")["track"]["rail_lowest_m"]
+    words = f"rail at 22.2 m: never lower than {1e3 * least:.4f} mm up"
+    if not least > 1e-6 or found != [least] or words not in ran.stdout:
+        raise SystemExit(f"lowest rail {found}, rows have {least}; wanted '{words}':\n{ran.stdout}")
+
+
+def check_run_ins(program, decks, folder):
+    """A flat strikes the nearly rigid rail of the run-in several times as hard as the track, whose
+    forces are those told; a bridge has no run-in."""
+    words = ["irregularity.kind=none", "irregularity.fade=10", "wheel_rail.flat_axle=1",
+             "passage.history_interval=2e-4"]
+    for name, support, span, told in (("flat", [], (6, 54), ", between the run-ins (6 to 54 m)"),
+                                      ("bridge", ["track.support=none", "rail.inertia=1"],
+                                       (0, 60), " kN\n")):
+        ran = program.done(1, "run", decks / "plain.toml", *words, *support, "-o", folder / name)
+        with h5py.File(folder / name / "results.h5") as file:
+            force, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
+        most = force[(x >= span[0]) & (x <= span[1])].max()
+        found = summary(folder / name)["track"]["wheel_force_max_n"]
+        print(f"{name}: {found:.0f} N, anywhere {force[(x >= 0) & (x <= 60)].max():.0f} N")
+        if found != most or f"to {most / 1e3:.2f} kN{told.removeprefix(' kN')}" not in ran.stdout:
+            raise SystemExit(f"{name}: {found} N, rows have {most} N:\n{ran.stdout}")
+        if name == "flat" and force.max() < 3 * most:
+            raise SystemExit(f"the run-in strikes with {force.max()} N: is this test one?")
+
+
 def check_d1(program, decks, folder):
     """Of what was drawn or read, of each rail; that of the spectrum is the same for all seeds."""
     left, right = 3e-3 * np.sqrt(0.5), 1e-3 * np.sqrt(0.5)  # m, of waves of 8 m
@@ -202,6 +236,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     check_extremes(program, decks, folder)
+    check_raised(program, decks, folder)
+    check_run_ins(program, decks, folder)
     check_d1(program, decks, folder)
     check_crossing(program, decks, folder)
     check_lost(program, decks, folder)

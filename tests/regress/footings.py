@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+"""Sleepers beside the ground of a track: the parameter that is out is the one that is refused.
+
+    footings.py PROGRAM DECK
+"""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
+# Of a ground of 4.8 m times 2 m with six sleepers 0.6 m apart, the first at 0.9 m, the last at 3.9.
+ENDS = "footing.first=0.3 ground.x=[0,3.6]"  # as much before the first as behind the last
+REFUSED = {
+    "footing.y=1.5": "footing.y = 1.5: puts footprints from y = 0.8 to 2.2 m, beyond the ground "
+                     "(ground.y: 0 to 2 m) (footing.length)",
+    "footing.y=-4": "footing.y = -4: puts footprints from y = -4.7 to -3.3 m, beyond the ground",
+    "footing.length=2.2": "footing.length = 2.2: puts footprints from y = -0.2 to 2 m, beyond the "
+                          "ground (ground.y: 0 to 2 m) (footing.y)",
+    f"{ENDS} footing.width=0.7":
+        "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
+        "(ground.x: 0 to 3.6 m): the outermost sleepers have 0.3 m beside their middle "
+        "(footing.first)",
+    "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
+    "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
+    "footing.first=5 footing.width=0.7": "footing.count = 6: puts a footprint up to 8.35 m",
+    "footing.count=8": "footing.count = 8: puts a footprint up to 5.35 m"}
+SOUND = [ENDS, f"{ENDS} footing.width=0.6", "footing.length=2 footing.y=1"]
+
+
+def main():
+    program, deck = Program(sys.argv[1]), sys.argv[2]
+    for change, words in REFUSED.items():
+        ran = program(1, "check", deck, *change.split())
+        said = [line for line in ran.stderr.splitlines() if "beyond the ground" in line]
+        if ran.returncode != 2 or len(said) != 1 or words not in said[0]:
+            raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
+    for change in SOUND:
+        program.done(1, "check", deck, *change.split())
+
+
+if __name__ == "__main__":
+    main()
