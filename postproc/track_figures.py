@@ -26,7 +26,7 @@ import track_measures  # noqa: E402
 import write  # noqa: E402
 
 FILTER = signals.LowPass()
-SHOWN_WHEELS = 4  # those of the first vehicle that rolls
+SHOWN_AXLES = 4  # those of the first vehicle that rolls
 
 
 def history(run, name):
@@ -166,8 +166,10 @@ def numbers(run, length, extremes=None, run_in=0):
 def draw_wheels(run, length, panel):
     x, force = history(run, "wheel/x"), history(run, "wheel/force")
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
-    for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_WHEELS]:
-        panel.plot(x[:, i], shown[:, i], lw=0.8, label=f"wheel {i + 1}")
+    twice = two_rails(run)  # an axle's wheels then stand left before right
+    for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]:
+        axle = f"axle {i // 2 + 1}, {('left', 'right')[i % 2]}"
+        panel.plot(x[:, i], shown[:, i], lw=0.8, label=axle if twice else f"wheel {i + 1}")
     panel.set(xlabel="x of the wheel, m", ylabel="wheel force, kN")
 
 

@@ -290,7 +290,8 @@ void VehicleParameters::declare_roll(input::Section& s) {
   const auto inertia = [&](const char* of, double& value, const char* words) {
     s.number(of, value, {.unit = "kg m2", .at_least = 0}, words);
   };
-  inertia("body_roll", body_roll, "Roll inertia of the body (on two rails); 0: mass (1.33 m)^2.");
+  inertia("body_roll", body_roll,
+          "Roll inertia of the body about its centre of mass (on two rails); 0: mass (1.33 m)^2.");
   inertia("bogie_roll", bogie_roll, "Of one bogie (on two rails); 0: mass (0.81 m)^2.");
   inertia("wheelset_roll", wheelset_roll, "Of one wheelset (on two rails); 0: mass (0.79 m)^2.");
   s.number("primary_base", primary_base, {.unit = "m", .at_least = 0, .usually_to = 3},

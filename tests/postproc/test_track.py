@@ -53,6 +53,21 @@ def test_forces_count_between_the_run_ins_alone():
     assert not any("wheel force" in name for name in track_figures.numbers(run, 20, run_in=4))
 
 
+def test_wheels_of_two_rails_are_left_and_right():
+    """The first four of five axles, each side of them."""
+    run = made(sleepers=False)
+    x = 10 * run["history/time"].values[:, None] - np.repeat(2.0 * np.arange(5), 2)
+    run["history/wheel/x"] = read.Quantity(x, "m", "made for a test")
+    run["history/wheel/force"] = read.Quantity(50e3 + 0 * x, "N", "made for a test")
+    run["rail/x"] = read.Quantity(np.array([5.0, 5.0]), "m", "made for a test")
+    dent = np.repeat(run["history/rail/displacement"].values[:, None], 2, axis=1)
+    run["history/rail/displacement"] = read.Quantity(dent, "m", "made for a test")
+    figure = track_figures.draw(run, 20)
+    assert [line.get_label() for line in figure.axes[0].lines] == [
+        f"axle {axle}, {side}" for axle in range(1, 5) for side in ("left", "right")]
+    plt.close(figure)
+
+
 def test_the_first_wheel_is_one_that_rolls():
     """Axles of constant force before it have neither a height nor a force worth drawing."""
     run = made()
