@@ -95,7 +95,7 @@ class Loop:
         self.spare_inputs()
         self.table, self.rows = [] if given.force else self.old_table(), []
         if not given.force:
-            self.refuse_other_each()
+            self.refuse_others()
         self.try_decks(done)
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
@@ -166,6 +166,18 @@ class Loop:
             if tuple(rows.fieldnames or ()) != self.columns:
                 launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
             return list(rows)
+
+    def refuse_others(self):
+        """Names the number of the command line that is not the one of the folder's rounds."""
+        self.refuse_other_each()
+        for name, run, key in (("load", "weigh", "load"), ("trains", "trains", "cycles")):
+            deck = self.given.folder / f"round_0/{run}.toml"
+            if not (deck.is_file() and deck.with_suffix("").exists()):
+                continue
+            told = tomllib.loads(deck.read_text(encoding="utf-8"))["stage"][-1][key]
+            if told != getattr(self.given, name):
+                launch.refuse(f"{self.given.folder} holds rounds with {name} = {told:.9g}, not "
+                              f"{getattr(self.given, name):.9g}: take another folder, or --force")
 
     def refuse_other_each(self):
         """A round lies on a rail that has sunk by what the first one lost, times its trains, times
@@ -354,7 +366,7 @@ class Loop:
         for i, k in np.ndindex(self.settled.shape):
             self.rows.append(dict(zip(self.columns, map(str, (
                 number, self.x[i], *([self.sides[k]] if self.two() else []), stiffness[i],
-                force[:, i, k].max(), wheel, lost[i, k], -self.settled[i, k])))))
+                force[:, i, k].max(), wheel, lost[i, k], 0.0 - self.settled[i, k])))))
         self.settled = self.settled + lost * self.given.trains * self.given.each
         print(f"round {number}: support {stiffness.min() / 1e6:.1f} to {stiffness.max() / 1e6:.1f} "
               f"MN/m, seats up to {force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, "

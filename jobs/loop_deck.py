@@ -197,7 +197,7 @@ class LoopDeck:
         spacing, length = self.sleepers["spacing"], self.value("track.length")
         at = self.seats_on_track()
         points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
-                  **dict(zip(at, -settled))}
+                  **dict(zip(at, 0.0 - settled))}  # 0 is no -0.0
         return "x_m,z_m\n" + "".join(f"{float(x)!r},{float(points[x])!r}\n"
                                      for x in sorted(points) if 0 <= x <= length)
 

@@ -6,6 +6,7 @@ what becomes of the rounds that a folder holds.
 """
 import os
 import pathlib
+import re
 import shutil
 import signal
 import sys
@@ -75,12 +76,19 @@ def check_rounds(loops, deck):
     place = loops.folder / "rounds"
     loops.ends(0, "round 2", deck, place)
     first = contents(place)
+    for name in ("handover.csv", "round_0/geometry.csv"):
+        if re.search(r"-0\.0\b", (place / name).read_text(encoding="utf-8")):
+            raise SystemExit(f"{name}: a rail that has not sunk lies at 0.0")
     loops.ends(0, "keeps its rounds from 1 on", deck, place, "--rounds", "1")
-    said = loops.ends(2, "holds rounds with each = 1, not 10: take another folder", deck, place,
-                      "--each", "10")
-    if len(said.splitlines()) != 1:
-        raise SystemExit(f"another `each` must be refused at once: {said}")
-    loops.ends(2, "round_0/weigh holds a run of another deck", deck, place, "--load", "20e3")
+    for name, told, other in (("each", 1, 10), ("load", 30000, 20000), ("trains", 2, 3)):
+        said = loops.ends(2, f"holds rounds with {name} = {told}, not {other}: take another folder",
+                          deck, place, f"--{name}", str(other))
+        if len(said.splitlines()) != 1:
+            raise SystemExit(f"another `{name}` must be refused at once: {said}")
+    stiffer = loops.folder / "stiffer.toml"
+    stiffer.write_text(deck.read_text(encoding="utf-8").replace("young = 500e6", "young = 600e6"),
+                       encoding="utf-8")
+    loops.ends(2, "rounds/bed holds a run of another deck", stiffer, place)
     if changed := {path for path, _ in contents(place).items() ^ first.items()}:
         raise SystemExit(f"what the folder held has changed: {changed}")
     (place / "handover.csv").unlink()

@@ -120,7 +120,7 @@ def check_loop_again(source, program, folder, place):
     if ran.returncode or table.read_bytes() != first or kept.stat().st_mtime_ns != written:
         raise SystemExit(f"handover.py again: {ran.stdout}{ran.stderr}")
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
-    if ran.returncode != 2 or "weigh holds a run of another deck" not in ran.stderr:
+    if ran.returncode != 2 or "holds rounds with load = 30000, not 20000" not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
     # What one train stands for changes the geometry alone: the second round is another one.
     ran = again(deck_of_loop(source, folder), "--each", "10")
