@@ -97,6 +97,9 @@ def check_loop(source, program, folder):
     lost = [float(row["settlement_per_train_m"]) for row in rows]
     if len(rows) != 8 or min(stiffness) < 5e6 or max(stiffness) > 1e9:
         raise SystemExit(f"supports: {stiffness} N/m")
+    worth = [float(row["stiffness_spread_N_m"]) for row in rows] / np.array(stiffness)
+    if not 0 < worth.min() or worth.max() > 0.1:
+        raise SystemExit(f"supports are worth {worth}")
     if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
     check_geometry(program, place / "round_1", lost[:4])
