@@ -11,8 +11,8 @@ command line may replace. The bed is run up to that stage in FOLDER/bed; STATE, 
 an earlier run of the deck, or the folder it is in, saves that. One round, in FOLDER/round_K:
 
 1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
-   load goes (the median of its parts) is the support stiffness of each sleeper, of two rails half
-   of it below each.
+   load goes, without ringing and slips (support.py), is the support stiffness of each sleeper, of
+   two rails half of it below each.
 2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that
    lies as the sleepers have settled so far.
 3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats"), in a stage
@@ -56,15 +56,15 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 import launch  # noqa: E402
-from loop_deck import RAMP, LoopDeck, table_of_seats  # noqa: E402
+import support  # noqa: E402
+from loop_deck import FALL, LoopDeck, table_of_seats  # noqa: E402
 
 OPTIONS = ("rounds", "trains", "each", "load")
 LOCK = "handover.lock"
 # What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
 OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png|lock)")
-PARTS = 11  # of that fall, each with a slope: stones that slip spoil few of them
-COLUMNS = ("stiffness_N_m", "largest_seat_force_N", "largest_wheel_force_N",
-           "settlement_per_train_m", "geometry_before_m")
+COLUMNS = ("stiffness_N_m", "stiffness_spread_N_m", "largest_seat_force_N",
+           "largest_wheel_force_N", "settlement_per_train_m", "geometry_before_m")
 
 
 class Loop:
@@ -95,7 +95,7 @@ class Loop:
         self.spare_inputs()
         self.table, self.rows = [] if given.force else self.old_table(), []
         if not given.force:
-            self.refuse_other_each()
+            self.refuse_others()
         self.try_decks(done)
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
@@ -166,6 +166,18 @@ class Loop:
             if tuple(rows.fieldnames or ()) != self.columns:
                 launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
             return list(rows)
+
+    def refuse_others(self):
+        """Names the number of the command line that is not the one of the folder's rounds."""
+        self.refuse_other_each()
+        for name, run, key in (("load", "weigh", "load"), ("trains", "trains", "cycles")):
+            deck = self.given.folder / f"round_0/{run}.toml"
+            if not (deck.is_file() and deck.with_suffix("").exists()):
+                continue
+            told = tomllib.loads(deck.read_text(encoding="utf-8"))["stage"][-1][key]
+            if told != getattr(self.given, name):
+                launch.refuse(f"{self.given.folder} holds rounds with {name} = {told:.9g}, not "
+                              f"{getattr(self.given, name):.9g}: take another folder, or --force")
 
     def refuse_other_each(self):
         """A round lies on a rail that has sunk by what the first one lost, times its trains, times
@@ -300,12 +312,31 @@ class Loop:
             return file["history/time"][()].ravel()[rows], found
 
     def weigh(self, number, folder):
-        """N/m, of the support of each sleeper and rail."""
+        """N/m, of the support of each sleeper and rail, and what this is worth."""
         time, sleeper = self.run_bed(self.deck.weighing(number, self.given.load), folder / "weigh")
-        parts = np.array_split(np.flatnonzero(time >= time[-1] - RAMP), PARTS)
-        return np.array([np.median([np.polyfit(z[part], force[part], 1)[0] for part in parts])
-                         for z, force in zip(sleeper["displacement"].T,
-                                             sleeper["seat_force"].T)]) / self.rails
+        fall = time >= time[-1] - FALL
+        found = [support.support(force, z) for force, z in zip(sleeper["seat_force"][fall].T,
+                                                               sleeper["displacement"][fall].T)]
+        self.refuse_unweighed(number, found)
+        return np.array([(one.stiffness, one.spread) for one in found]).T / self.rails
+
+    def refuse_unweighed(self, number, found):
+        """Ends the loop if a support that was weighed says nothing."""
+        without = [(x, one) for x, one in zip(self.x, found) if one.drowned()]
+        if not without:
+            return
+        x, one = without[0]
+        why, remedy = (f"the load of {self.given.load:g} N drowns in what the bed moves by itself",
+                       "a larger handover.load (--load)")
+        if one.sinks():
+            why, remedy = ("the bed still gives way while its load goes",
+                           "a bed that is bedded in for longer, with more load, up to "
+                           "handover.after")
+        print(f"round {number}: {why}: the support of the sleeper at x = {x:g} m is "
+              f"{one.stiffness / 1e6:.3g} +- {one.spread / 1e6:.2g} MN/m ({len(without)} of "
+              f"{len(found)} sleepers have none): take {remedy}, with --force or in another folder",
+              file=sys.stderr)
+        sys.exit(launch.FAILED)
 
     def pass_track(self, folder, stiffness):
         """Seat forces, N of one rail, [time, sleeper, side], their table for the bed; largest wheel
@@ -345,21 +376,19 @@ class Loop:
     def round(self, number):
         folder = self.given.folder / f"round_{number}"
         launch.make_folder(folder)
-        stiffness = self.weigh(number, folder)
-        if not (stiffness > 0).all():
-            print(f"round {number}: a sleeper has no support: {stiffness} N/m", file=sys.stderr)
-            sys.exit(launch.FAILED)
+        stiffness, spread = self.weigh(number, folder)
         force, seats, wheel = self.pass_track(folder, stiffness)
         lost = self.pass_bed(number, folder, seats)
         for i, k in np.ndindex(self.settled.shape):
             self.rows.append(dict(zip(self.columns, map(str, (
                 number, self.x[i], *([self.sides[k]] if self.two() else []), stiffness[i],
-                force[:, i, k].max(), wheel, lost[i, k], -self.settled[i, k])))))
+                spread[i], force[:, i, k].max(), wheel, lost[i, k], 0.0 - self.settled[i, k])))))
         self.settled = self.settled + lost * self.given.trains * self.given.each
         print(f"round {number}: support {stiffness.min() / 1e6:.1f} to {stiffness.max() / 1e6:.1f} "
-              f"MN/m, seats up to {force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, "
-              f"settlement per train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm "
-              "(most)", flush=True)
+              f"MN/m (+- {1e2 * (spread / stiffness).max():.1f} % at most), seats up to "
+              f"{force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, settlement per "
+              f"train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm (most)",
+              flush=True)
 
     def later_rows(self):
         """Of rounds that handover.csv has beyond those of this command, if of the same loop."""

@@ -16,6 +16,7 @@ import tomllib
 import numpy as np
 
 import launch
+import support
 
 OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train", "wheel_rail",
                 "irregularity", "irregularity_right", "passage")
@@ -26,7 +27,8 @@ OF_A_TRACK_ALONE = ("duration", "wall_time", "stop_after", "checkpoint_interval"
 INSTEAD = {"duration": "the loop's trains run until their last axle has left",
            "settlement": "a round has as many trains as handover.trains says",
            "cycles": "a round has as many trains as handover.trains says"}
-WEIGHING, RAMP = 0.3, 0.12  # s, of the stage and of its load's rise and fall
+WEIGHING = 0.3  # s, of the stage: its load rises in one half and falls in the other
+FALL = 0.12  # s, its end, when a tenth of the load has gone: before, what it pressed still settles
 
 
 def is_section(value):
@@ -170,12 +172,18 @@ class LoopDeck:
         if missing := [key for key in ("first", "spacing", "count") if key not in self.sleepers]:
             launch.refuse(f"{self.path}: [sleepers] must say {' and '.join(missing)}")
 
+        interval, rows = self.value("output.history_interval"), support.LEAST_ROWS
+        if interval * rows > FALL:
+            launch.refuse(f"{self.path}: output.history_interval = {interval:g} s: at most "
+                          f"{FALL / rows:g} s, or supports cannot be weighed")
+
     def weighing(self, number, load):
-        """Stage of a slow load; contacts and ground are those of the train, stones are calmed."""
+        """Stage of a slow load, a haversine: ramps have corners, at which the bed begins to ring.
+        Contacts and ground are those of the train, stones are calmed."""
         own = {key: value for key, value in self.train.items()
                if key in ("seat_force", "ground_moves", "friction")}
         return {"name": f"weigh_{number}", "kind": "load", "duration": WEIGHING, "load": load,
-                "ramp": RAMP, "local_damping": 0.2, **own}
+                "cycles": 1, "local_damping": 0.2, **own}
 
     def trains(self, number, count):
         return {"name": f"trains_{number}", **self.train, "cycles": count}
@@ -197,7 +205,7 @@ class LoopDeck:
         spacing, length = self.sleepers["spacing"], self.value("track.length")
         at = self.seats_on_track()
         points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
-                  **dict(zip(at, -settled))}
+                  **dict(zip(at, 0.0 - settled))}  # 0 is no -0.0
         return "x_m,z_m\n" + "".join(f"{float(x)!r},{float(points[x])!r}\n"
                                      for x in sorted(points) if 0 <= x <= length)
 

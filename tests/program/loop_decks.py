@@ -31,6 +31,8 @@ def refused_decks(text):
     yield text + "cycles = 3\n", "cycles = 3 is not for the loop"
     yield text + "cycles = 1\nsettlement = 1e-4\n", "settlement = 0.0001 is not for the loop"
     yield text.replace("first = 0.6 ", "# first "), "[sleepers] must say first"
+    yield (text.replace("history_interval = 5e-4", "history_interval = 0.01"),
+           "output.history_interval = 0.01 s: at most 0.005 s, or supports cannot be weighed")
     yield text.replace("speed = 60 ", "speeed = 60 "), "did you mean train.speed?"
 
 

@@ -97,6 +97,9 @@ def check_loop(source, program, folder):
     lost = [float(row["settlement_per_train_m"]) for row in rows]
     if len(rows) != 8 or min(stiffness) < 5e6 or max(stiffness) > 1e9:
         raise SystemExit(f"supports: {stiffness} N/m")
+    worth = [float(row["stiffness_spread_N_m"]) for row in rows] / np.array(stiffness)
+    if not 0 < worth.min() or worth.max() > 0.1:
+        raise SystemExit(f"supports are worth {worth}")
     if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
     check_geometry(program, place / "round_1", lost[:4])
@@ -120,7 +123,7 @@ def check_loop_again(source, program, folder, place):
     if ran.returncode or table.read_bytes() != first or kept.stat().st_mtime_ns != written:
         raise SystemExit(f"handover.py again: {ran.stdout}{ran.stderr}")
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
-    if ran.returncode != 2 or "weigh holds a run of another deck" not in ran.stderr:
+    if ran.returncode != 2 or "holds rounds with load = 30000, not 20000" not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
     # What one train stands for changes the geometry alone: the second round is another one.
     ran = again(deck_of_loop(source, folder), "--each", "10")

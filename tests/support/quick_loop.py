@@ -5,9 +5,9 @@
 
 `run` writes results of the right shape that hang on nothing but the deck; rank 0 does. What the
 environment variable FAILS names (a folder's name, as weigh) ends as its other half says:
-FAILS=weigh:kill, weigh:lost, weigh:input, weigh:wait. REAL is the program that checks and
-describes; what is written here as a checkpoint it would not take for one, so decks that start from
-one pass.
+FAILS=weigh:kill, weigh:lost, weigh:input, weigh:wait; with weigh:sink sleepers sink on while their
+load goes. REAL is the program that checks and describes; what is written here as a checkpoint it
+would not take for one, so decks that start from one pass.
 """
 import json
 import os
@@ -45,9 +45,14 @@ def fail(how, deck):
 def histories(deck):
     """Time, stage, displacement and seat force of each sleeper; wheels."""
     time_s = np.linspace(0, 0.3, ROWS)
-    push = 30e3 * np.clip(np.minimum(time_s, 0.3 - time_s) / 0.12, 0, 1)
+    stage = deck.get("stage", [{}])[-1]
+    push = stage.get("load", 30e3) / 2 * (1 - np.cos(2 * np.pi * time_s / 0.3))
     loss = 1e-5 * (1 + np.arange(SLEEPERS)) * time_s[:, None] / 0.3
     down = -push[:, None] / STIFFNESS - loss * ("load" in deck)
+    if stage.get("name", "").startswith("weigh"):  # stones that have not come to rest
+        down += 1e-6 * np.random.default_rng(1).standard_normal(down.shape)
+        if os.environ.get("FAILS") == "weigh:sink":
+            down -= 2 * time_s[:, None] * 30e3 / STIFFNESS / 0.1
     sign = 1 if deck.get("model") == "track" else -1  # which way the force on a seat counts
     return {"time": time_s, "stage": np.full(ROWS, len(deck.get("stage", [])) - 1),
             "sleeper/displacement": down,
@@ -58,7 +63,7 @@ def histories(deck):
 def run(path, folder):
     deck = tomllib.loads(path.read_text(encoding="utf-8"))
     name, _, how = os.environ.get("FAILS", "").partition(":")
-    if name == folder.name:
+    if name == folder.name and how != "sink":
         folder.mkdir(parents=True, exist_ok=True)
         fail(how, path)
     if RANK:
