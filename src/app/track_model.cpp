@@ -183,6 +183,12 @@ void declare_sides(const TrackModel& model, input::Section& s) {
          "same is for the right rail (irregularity_right)", about);
   s.rule("irregularity_right.kind", space || model.irregularity_right.kind == Kind::same,
          "needs two rails (track.dimension = \"space\")", about);
+  const track::TrackParameters& track = model.line.track;
+  const bool two_seats = space && track.support == track::Support::sleepers && !model.on_bed;
+  s.rule("track.sleeper_length", !two_seats || track.sleeper_length > track.gauge,
+         fmt::format("must be longer than the gauge of {:g} m: rails lie on the sleepers",
+                     track.gauge),
+         {.reads = {"track"}});
   for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
     s.rule(fmt::format("force[{}].side", i), space || model.passage.forces[i].number() == 0,
            "needs two rails (track.dimension = \"space\")", about);

@@ -169,6 +169,9 @@ void declare_sides(const Model& model, input::Section& s) {
   s.rule("track.gauge", gauge < length,
          fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
          about);
+  s.rule("track.sleeper_length", model.track.line.track.sleeper_length > gauge,
+         fmt::format("must be longer than the gauge of {:g} m: rails lie on the sleepers", gauge),
+         about);
   if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
   const auto& free = model.sleepers.free;
   s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),

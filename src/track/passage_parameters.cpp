@@ -164,10 +164,10 @@ void TrackParameters::declare_sleepers(input::Section& s) {
                                      "sleeper_length", "sleeper_inertia"}};
   s.rule("sleeper.model", !bends || support == Support::sleepers,
          "must be rigid where there are none (support)", about);
-  const bool two_seats = bends || (dimension == Dimension::space && support == Support::sleepers);
-  s.rule("sleeper_length", !two_seats || sleeper_length > gauge,
-         fmt::format("must be longer than the gauge of {:g} m: rails lie on the sleepers", gauge),
-         about);
+  s.rule(
+      "sleeper_length", !bends || sleeper_length > gauge,
+      fmt::format("must be longer than the gauge of {:g} m: sleepers bend below the rails", gauge),
+      about);
   s.rule("rails", !bends || rails == 2,
          "must be 2 with sleepers that bend: a plane track has half of each", about);
   s.rule("sleeper_inertia", !bends || sleeper_inertia == 0,

@@ -26,6 +26,7 @@ SOLID = ["sleepers.model=solid", "solid.seats=[-0.15,0.15]", "solid.seat_size=[0
 REFUSED = {
     "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
+    "track.sleeper_length=0.2": "must be longer than the gauge of 0.3 m: rails lie on the sleepers",
     "sleepers.model=solid": "solid.seats: must be [0.15, -0.15] below two rails",
     "sleepers.model=solid solid.seats=[-0.1,0.15] solid.seat_size=[0.15,0.1]":
         "must be [0.15, -0.15] below two rails",
