@@ -43,11 +43,8 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
 // Files go through Open MPI's ROMIO unless the environment says otherwise. Its OMPIO (4.1) opens a
 // named semaphore per file name on the node: a run killed just then leaves it locked, and the next
 // run that opens a file of that name, in whatever folder, waits for ever.
-// A process that no mpirun started starts no daemon of its own either: that is for processes that
-// start others, and costs a quarter of the time of `check`.
 Environment::Environment(int& argc, char**& argv) {
   setenv("OMPI_MCA_io", "romio321", 0);
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   MPI_Init(&argc, &argv);
 }
 Environment::~Environment() { MPI_Finalize(); }
