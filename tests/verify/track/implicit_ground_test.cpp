@@ -161,8 +161,9 @@ TEST(ImplicitGround, FindsKneesAndGapsInLongSteps) {
     const track::Passage& passage = pair.built.passage;
     check_balance(pair, two ? "knees and gaps of two rails" : "knees and gaps", 1e-7);
     verified::below(
-        "rounds of Newton's method in a step", "-",
-        static_cast<double>(passage.iterations()) / static_cast<double>(passage.steps()), 6);
+        two ? "rounds of Newton's method in a step, two rails"
+            : "rounds of Newton's method in a step",
+        "-", static_cast<double>(passage.iterations()) / static_cast<double>(passage.steps()), 6);
   }
 }
 
