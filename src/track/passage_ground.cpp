@@ -48,6 +48,8 @@ void Passage::Room::found_on(const Matrix& give) {
   }
   ground.emplace();
   ground->forces = Vector::Zero(count);
+  // What was read from a checkpoint knew of no ground yet.
+  for (Eigen::Index k = 0; k < stop_before.size(); ++k) stop_before[k] = own_approach(k);
   ground->columns = track.flexibility(loads);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Vector way = ground->columns.col(k);
