@@ -13,6 +13,36 @@ std::size_t body(const Scene& scene, std::int32_t piece) {
   return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
 }
 
+// Eight contacts on their way into lanes and back.
+struct alignas(64) StoneGroup {
+  Lane3 d, N, T, x, vi, vj, wi, wj;
+  double M[lanes], spread[lanes], root_mass[lanes], radius[lanes], rolling_radius[lanes];
+  LawLanes law;
+  RollingLanes rolling;
+  Lane3 xi, roll;
+  double turn[lanes], size[lanes], ring[lanes];
+  Lane3 force, turn_i, turn_j;
+
+  [[gnu::always_inline]] StoneTouch<Lanes> touch() const {
+    return {d.get(),
+            N.get(),
+            T.get(),
+            x.get(),
+            vi.get(),
+            vj.get(),
+            wi.get(),
+            wj.get(),
+            dem::load(M),
+            dem::load(spread),
+            dem::load(root_mass),
+            dem::load(radius),
+            Lanes{},
+            law.get(),
+            rolling.get(),
+            dem::load(rolling_radius)};
+  }
+};
+
 // Places from the centre of i, the periodic shift in the difference, as in the loop over balls.
 void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size_t k,
           StoneGroup& g) {
@@ -25,8 +55,9 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   g.M[k] = o.wrench.M, g.spread[k] = o.wrench.spread;
   g.vi.put(k, s.v[i]), g.vj.put(k, s.v[j]);
   g.wi.put(k, s.w[i]), g.wj.put(k, s.w[j]);
-  g.xi.put(k, list.xi[o.entry]);
-  g.root_mass[k] = list.xi[o.entry].w, g.turn[k] = list.turn[o.entry].x;
+  const Vec4 &xi = list.xi[o.entry], &turn = list.turn[o.entry];
+  g.xi.put(k, xi), g.root_mass[k] = xi.w;
+  g.turn[k] = turn.x, g.size[k] = turn.y, g.ring[k] = turn.z;
   // The curvature of a contact is that of the roundings; rolling takes the balls around the pieces.
   const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
   const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
@@ -34,14 +65,15 @@ void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size
   if (list.roll.empty()) return;
   const double bi = scene.pieces.x[static_cast<std::size_t>(o.piece)].w;
   const double bj = scene.pieces.x[static_cast<std::size_t>(entry.piece)].w;
-  g.rolling.set(k, scene.laws[entry.law].rolling, bi * bj / (bi + bj), list.roll[o.entry]);
+  g.rolling.set(k, scene.laws[entry.law].rolling), g.rolling_radius[k] = bi * bj / (bi + bj);
+  g.roll.put(k, list.roll[o.entry]);
 }
 
 // In the order of the list, ghosts too; those are dropped.
 void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
          State& state) {
-  list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry].x = g.turn[k];
-  if (!list.roll.empty()) list.roll[o.entry].set(g.rolling.roll.at(k));
+  list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry] = {g.turn[k], g.size[k], g.ring[k], 0};
+  if (!list.roll.empty()) list.roll[o.entry].set(g.roll.at(k));
   const std::size_t i = body(scene, o.piece), j = body(scene, list.entries[o.entry].piece);
   Vec4 &fi = state.f[i], &ti = state.t[i], &fj = state.f[j], &tj = state.t[j];
   fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
@@ -59,8 +91,12 @@ double overlap_over_radius(const Overlap& o, const Scene& scene, const StoneList
 
 template <bool rolls>
 void respond_all(StoneGroup& g, double dt) {
-#pragma omp simd
-  for (std::size_t k = 0; k < lanes; ++k) respond<rolls>(g, k, dt);
+  StoneStretch<Lanes> h{g.xi.get(), {}, dem::load(g.turn), dem::load(g.size), dem::load(g.ring)};
+  if constexpr (rolls) h.roll = g.roll.get();
+  const StoneForce<Lanes> f = respond<rolls>(g.touch(), dt, h);
+  g.force.set(f.force), g.turn_i.set(f.turn_i), g.turn_j.set(f.turn_j);
+  g.xi.set(h.xi), store(h.turn, g.turn), store(h.size, g.size), store(h.ring, g.ring);
+  if constexpr (rolls) g.roll.set(h.roll);
 }
 
 }  // namespace
