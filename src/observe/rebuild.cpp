@@ -17,10 +17,9 @@ namespace trackbed::observe {
 namespace {
 
 // With one level of names below; those of `named_histories` have two.
-constexpr std::array plain_histories = {"history/energy", "history/sleeper", "history/ground",
-                                        "history/platen", "history/wheel",   "history/rail",
-                                        "history/body",   "history/seat",    "history/solid",
-                                        "history/total"};
+constexpr std::array plain_histories = {
+    "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
+    "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
 
 constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
                                         "history/surface"};

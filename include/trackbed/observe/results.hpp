@@ -136,8 +136,8 @@ class Results {
              std::span<const double> sleeper_x, const std::vector<Region>& regions);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
-  // Contact network, stones and surface of the bed (cells of `cell` m; 0: no bed) as they are, under
-  // /chains/<stage>, /stones/<stage> and /surface/<stage>.
+  // Contact network, stones and surface of the bed (cells of `cell` m; 0: no bed) as they are,
+  // under /chains/<stage>, /stones/<stage> and /surface/<stage>.
   void snapshot(const std::string& stage, const Scene& scene, double cell);
   // Extremes over the history rows of stage number `stage`, from the values of its first row.
   void envelope(std::int64_t stage);

@@ -50,7 +50,7 @@ TEST(Held, KeepsVelocityAndSpinUnderForces) {
   driven.held = true;
   std::vector<dem::NewParticle> all{driven};
   for (Id k = 1; k <= 4; ++k)
-    all.push_back(sphere_at(k, {0.012 * static_cast<double>(k) - 0.03, 0.002, 0.05}, {0, 0, -1}));
+    all.push_back(sphere_at(k, {0.025 * static_cast<double>(k) - 0.0625, 0.002, 0.06}, {0, 0, -1}));
   const auto run = [&](const par::Comm& comm) {
     dem::Particles particles = scene_of(comm, all, damped());
     bool touched = false;
