@@ -61,6 +61,9 @@ class Results:
     walls: dict  # of each wall `force`, N, and `displacement`, m: [time, x y z]
     platen: dict  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
     regions: dict  # of each its histories; [time, cell], tensors [time, cell, 6]
+    placed: dict  # of each stone that the deck places its histories: [time], [time, x y z]
+    surfaces: dict  # of each plate and box `force`, `impulse`, `peak_force`, `displacement`
+    total: dict  # of all stones that the deck places: momentum, angular momentum, contacts
     sleeper_envelope: dict
     ground_envelope: dict
     chains: dict
@@ -147,9 +150,10 @@ def _warnings(summary):
     return tuple(json.loads(summary.read_text(encoding="utf-8")).get("warnings", ()))
 
 
-def _walls(file):
+def _named(file, place):
+    """Histories of each of the parts that have names."""
     return {name: _quantities(file, group.name)
-            for name, group in (file["history/wall"].items() if "history/wall" in file else ())}
+            for name, group in (file[place].items() if place in file else ())}
 
 
 def _platen(file):
@@ -206,7 +210,10 @@ def _results(file_path, file):
         ground=_of_places(file, "history/ground"),
         energy=_quantities(file, "history/energy"),
         grading=_array(file, "bed/grading").reshape(-1, 4),
-        walls=_walls(file),
+        walls=_named(file, "history/wall"),
+        placed=_named(file, "history/stone"),
+        surfaces=_named(file, "history/surface"),
+        total=_quantities(file, "history/total"),
         warnings=_warnings(file_path.parent / "summary.json"),
         platen=_platen(file),
         regions=_regions(file),

@@ -214,6 +214,7 @@ void Simulation::save(io::File& file) {
   if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
   if (world_.platen) world_.platen->save(file, "platen", comm_);
   if (world_.tines) world_.tines->save(file, "tines", comm_);
+  if (world_.placement) world_.placement->save(file);
   actions_.save(file);
   save_surfaces(world_, file);
 }
@@ -248,6 +249,10 @@ void Simulation::load(const io::File& file) {
     world_.tines.emplace(world_.make_tines());
     world_.tines->load(file, "tines");
     world_.tines->show_at_rest(static_cast<double>(course_.clock.window()) * course_.clock.dt());
+  }
+  if (world_.placement) {
+    world_.placement->load(file);
+    world_.placement->show(course_.clock.time(), 0);
   }
   if (course_.begun) actions_.load(file, course_.steps.window);
   actions_.load_done(file);

@@ -14,6 +14,7 @@
 #include "app/compatible.hpp"
 #include "app/estimate.hpp"
 #include "app/ground_alone.hpp"
+#include "app/placed_check.hpp"
 #include "app/result_folder.hpp"
 #include "app/spent.hpp"
 #include "app/version.hpp"
@@ -72,7 +73,10 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(model, deck, origin);
   checked_ground(model, deck, warnings);
   try_options(comm, model);
-  if (!alone) require_stones(comm, model, deck);
+  if (model.is_placed())
+    warnings.add(require_placed(comm, model, deck));
+  else if (!alone)
+    require_stones(comm, model, deck);
   look_at_cell(model, deck, origin);
   look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
@@ -111,7 +115,9 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(model, deck, warnings);
   const GroundFile ground = checked_ground(model, deck, warnings);
   warn_of_unused_options(comm, try_options(comm, model));
-  const StonesOfLayers stones = require_stones(comm, model, deck);
+  if (model.is_placed()) warnings.add(require_placed(comm, model, deck));
+  const StonesOfLayers stones =
+      model.is_placed() ? StonesOfLayers{} : require_stones(comm, model, deck);
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
   World world(comm, model);
@@ -122,6 +128,8 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   // What is left to do after a start hangs on stones that only a run loads.
   if (!model.has_stones()) {
     for (const std::string& line : estimate_alone(world)) print(comm, line + "\n");
+  } else if (model.is_placed()) {
+    for (const std::string& line : estimate_placed(world, deck)) print(comm, line + "\n");
   } else if (start.empty() && model.stages.front().kind == StageKind::fill) {
     actions.begin(model.stages.front());
     const dem::Totals totals = world.particles.totals();

@@ -106,6 +106,9 @@ bool matters(std::string_view key, const Holds& holds) {
                                         "sleepers.width", "sleepers.height", "sleepers.length",
                                         "sleepers.bevel", "sleepers.y",      "sleepers.model"};
   if (is_one_of(key, always)) return true;
+  // Placed at the begin of the run; where plates are follows from the deck and the time.
+  for (const char* table : {"stone[", "plate[", "box[", "domain."})
+    if (key.starts_with(table)) return true;
   if (is_one_of(key, placed)) return holds.sleepers;
   if (key.starts_with("tamping.")) return holds.tines;
   if (holds.solids && matters_to_solids(key, holds)) return true;
@@ -128,6 +131,10 @@ Values defaults_of(const std::string& kind) {
   if (kind == "\"track\"") model.kind = ModelKind::track;
   if (kind == "\"track_on_ground\"") model.kind = ModelKind::track_on_ground;
   if (kind == "\"ground\"") model.kind = ModelKind::ground, model.pressures.resize(1);
+  if (kind == "\"stones\"") {
+    model.kind = ModelKind::stones;
+    model.placed.stones.resize(1), model.placed.plates.resize(1), model.placed.boxes.resize(1);
+  }
   model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);
   model.ground.borders.resize(1), model.ground.sections.resize(1);
   model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);

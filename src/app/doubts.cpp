@@ -97,7 +97,7 @@ std::vector<std::string> doubts_of_end(const World& world, StageKind last) {
   std::vector<std::string> doubts;
   if (const std::string doubt = doubt_of_sleepers(world); !doubt.empty()) doubts.push_back(doubt);
   const std::int64_t stones = world.comm.sum(flying(world));
-  if (stones > 0 && last != StageKind::fill && last != StageKind::cribs)
+  if (stones > 0 && world.model.has_bed() && last != StageKind::fill && last != StageKind::cribs)
     doubts.push_back(fmt::format("{} stone{} at the end: faster than {:g} m/s or above the walls",
                                  stones, stones > 1 ? "s fly" : " flies", fast));
   // A few are those of a violent fill; they cost a hundred times a contact's work.

@@ -214,8 +214,6 @@ std::string CouplingLimit::words() const {
                      contacts > 1 ? "s" : "", stiffness);
 }
 
-namespace {
-
 // A step that is asked for and is too long is refused, never shortened in silence.
 void require_stable(const Model& model, const input::Deck& deck, double limit,
                     const std::string& words) {
@@ -223,6 +221,8 @@ void require_stable(const Model& model, const input::Deck& deck, double limit,
     throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
                                   deck.where("time.step"), model.time.step, limit, words)});
 }
+
+namespace {
 
 // Rooms know no decks: a sentence that begins with a parameter's name gets its place.
 std::string placed(const std::string& words, const input::Deck& deck) {

@@ -60,6 +60,10 @@ struct StonesStep {
 StonesStep step_of(const Model& model, const StonesOfLayers& layers);  // of all of them together
 StonesStep step_of(const World& world);  // of the stones there are; collective
 
+// Throws InputError if the deck's sub-step is above `limit`, s, which `words` explain.
+void require_stable(const Model& model, const input::Deck& deck, double limit,
+                    const std::string& words);
+
 // Equal on any number of ranks. Throws InputError if the deck's window or step is above what is
 // stable. Collective.
 Steps choose_steps(const World& world, const StonesStep& stones, const Stage& stage,

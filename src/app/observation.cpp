@@ -94,13 +94,17 @@ void Simulation::sample() {
   const observe::TrainInstant train = actions_.train().instant();
   const observe::SolidState solids =
       world_.solids ? world_.solids->observed() : observe::SolidState{};
+  const observe::PlacedInstant placed =
+      world_.placement ? world_.placement->instant(world_.particles, course_.clock.time())
+                       : observe::PlacedInstant{};
   results_.sample(world_.scene(), {.time = course_.clock.time(),
                                    .stage = static_cast<std::int64_t>(course_.stage),
                                    .seat_force = seat_force_,
                                    .walls = walls,
                                    .platen = model_.uses_platen() ? &platen : nullptr,
                                    .train = model_.has_train() ? &train : nullptr,
-                                   .solids = world_.solids ? &solids : nullptr});
+                                   .solids = world_.solids ? &solids : nullptr,
+                                   .placed = world_.placement ? &placed : nullptr});
 }
 
 // At most two of a run's own are kept. Those of a run that was stopped and resumed are not known

@@ -12,6 +12,7 @@
 
 #include "app/ground_alone.hpp"
 #include "app/limits.hpp"
+#include "app/placed_rules.hpp"
 #include "app/rules.hpp"
 
 namespace trackbed::app {
@@ -156,7 +157,7 @@ void TimeParameters::declare(input::Section& s) {
       "step", step <= 2 * rough_step,
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
                   rough_step));
-  s.rule("step", step == 0 || step >= 1e-3 * rough_step,
+  s.rule("step", step == 0 || step >= 1e-3 * rough_step || rough_step == input::unbounded,
          fmt::format("is less than a thousandth of what stability asks for, about {:.3g} s",
                      rough_step),
          {.weight = input::Weight::warning, .reads = {"step"}});
@@ -173,8 +174,9 @@ void TimeParameters::declare(input::Section& s) {
 }
 
 void Output::declare(input::Section& s) {
-  s.number("history_interval", history_interval, {.unit = "s", .above = 0},
-           "Simulated time between rows of the histories, rounded to windows.");
+  s.number(
+      "history_interval", history_interval, {.unit = "s", .at_least = 0},
+      "Simulated time between rows of the histories, rounded to windows; 0: a row after each.");
   s.flag("fields", fields, "Write fields for ParaView at the end of each stage.");
   s.number(
       "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
@@ -231,14 +233,17 @@ void Model::declare_space(input::Section& s) {
 void Model::declare(input::Section& s) {
   s.text("title", title, "What the deck is about.");
   s.choice(
-      "model", kind, {"bed", "track", "track_on_ground", "ground"},
+      "model", kind, {"bed", "track", "track_on_ground", "ground", "stones"},
       "bed: stones, ground and sleepers under seat loads; track: a train on rail and springs "
       "alone, made of title and the sections that say so; track_on_ground: the same with "
       "[ground] below the springs of some sleepers; ground: [ground] alone under [[pressure]], "
-      "in stages of kind run.");
+      "in stages of kind run; stones: each [[stone]], [[plate]] and [[box]] where the deck places "
+      "it, "
+      "in stages of kind run and settle.");
   track.on_bed = kind == ModelKind::bed;
   track.on_ground = kind == ModelKind::track_on_ground;
   if (kind == ModelKind::ground) return declare_ground_alone(s);
+  if (kind == ModelKind::stones) return declare_placed(s);
   if (kind == ModelKind::track) return track.declare(s);
   if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
   declare_bed(s);
@@ -253,6 +258,8 @@ void Model::declare(input::Section& s) {
   declare_footing(*this, s);
   s.tables("pressure", pressures, pressure_meaning);
   declare_pressures(*this, s);
+  placed.declare(s);
+  declare_no_placed(placed, s);
   s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
   declare_handover(*this, s);
 }
@@ -346,6 +353,7 @@ double Model::pressure_in(const Stage& stage) const {
 // A stone that leaves the box in z is lost and stops the run: so the box is generous. In a plane
 // model y has just the thickness.
 dem::Domain Model::domain() const {
+  if (is_placed()) return domain_of_placed(*this);
   dem::Domain domain;
   domain.dimension = dimension;
   domain.thickness = dimension == Dimension::plane ? thickness : 1;
@@ -367,6 +375,13 @@ dem::Domain Model::domain() const {
     if (!domain.periodic[static_cast<std::size_t>(axis)])
       domain.low[axis] -= around, domain.high[axis] += around;
   return domain;
+}
+
+// Stones that are placed one by one have no walls around them but those that are placed as well.
+bed::Container Model::container() const {
+  bed::Container container = bed.container_in(domain());
+  if (is_placed()) container.periodic = {true, true};
+  return container;
 }
 
 }  // namespace trackbed::app

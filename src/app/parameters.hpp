@@ -10,6 +10,7 @@
 #include "app/solid.hpp"
 #include "app/track_model.hpp"
 #include "trackbed/bed/bed.hpp"
+#include "trackbed/bed/placed.hpp"
 #include "trackbed/bed/tamping.hpp"
 #include "trackbed/couple/pressures.hpp"
 #include "trackbed/dem/particles.hpp"
@@ -99,8 +100,24 @@ struct TimeParameters {
 
 // bed: stones, ground, sleepers and seat loads; track: a train on a rail and springs alone;
 // track_on_ground: the same with a ground below the springs of some sleepers, without stones;
-// ground: a ground under loads of its own, in stages as a bed has them.
-enum class ModelKind { bed, track, track_on_ground, ground };
+// ground: a ground under loads of its own, in stages as a bed has them; stones: single stones and
+// surfaces, each placed by the deck, in stages as well.
+enum class ModelKind { bed, track, track_on_ground, ground, stones };
+
+// Where stones may be; empty: chosen.
+struct DomainParameters {
+  std::vector<double> low, high;  // m
+  void declare(input::Section& s);
+};
+
+// What a model of kind stones is made of.
+struct PlacedParameters {
+  std::vector<bed::StoneParameters> stones;
+  std::vector<bed::PlateParameters> plates;
+  std::vector<bed::BoxParameters> boxes;
+  DomainParameters domain;
+  void declare(input::Section& s);
+};
 
 // Read once, then constant: what a run changes lives in World and Course.
 struct Model {
@@ -117,6 +134,7 @@ struct Model {
   bed::BedParameters bed;
   fem::GroundParameters ground;
   std::vector<couple::PressureParameters> pressures;  // of a ground alone
+  PlacedParameters placed;                            // of stones alone
   track::SleeperParameters sleepers;
   SolidParameters solid;
   track::SeatLoadParameters load;
@@ -137,14 +155,16 @@ struct Model {
   bool has_one_grading() const;  // all stones are poured by this deck, by one stage
   bool uses_platen() const;
   bool has_train() const;  // in any stage
-  bool has_stages() const { return kind == ModelKind::bed || kind == ModelKind::ground; }
-  bool has_stones() const { return kind == ModelKind::bed; }
+  bool has_stages() const { return has_stones() || kind == ModelKind::ground; }
+  bool has_stones() const { return has_bed() || is_placed(); }
+  bool has_bed() const { return kind == ModelKind::bed; }
+  bool is_placed() const { return kind == ModelKind::stones; }  // stone by stone
   bool uses_walls() const;  // or the platen, which is of their material
   bool has_solid_rails() const;
   bool uses_sleepers() const;  // places them, or finds them in the checkpoint it starts from
   int material(const std::string& name) const { return physics.material(name); }
   dem::Domain domain() const;
-  bed::Container container() const { return bed.container_in(domain()); }
+  bed::Container container() const;
   double pressure_in(const Stage& stage) const;  // Pa, of the platen
 
  private:
@@ -153,6 +173,8 @@ struct Model {
   void declare_time(input::Section& s);
   void declare_on_ground(input::Section& s);
   void declare_ground_alone(input::Section& s);
+  void declare_placed(input::Section& s);
+  void declare_dem(input::Section& s);
 };
 
 }  // namespace trackbed::app

@@ -149,7 +149,7 @@ void Progress::rest(int rounds, double flows) {
 
 void Progress::stage_ends(const StageRecord& record) {
   std::string stones;
-  if (record.particles > 0)
+  if (record.bulk_density > 0)
     stones = fmt::format("bulk density {:.0f} kg/m3, ", record.bulk_density);
   if (record.platen_pressure >= 0)
     stones += fmt::format("averaged platen pressure {:.1f} kPa, ", record.platen_pressure / 1e3);

@@ -39,6 +39,7 @@ void declare_stages(const Model& model, input::Section& s);
 void declare_names_of_stages(const Model& model, input::Section& s);  // parts of it
 void declare_uses_of_stages(const Model& model, input::Section& s);
 void declare_names_of_pressures(const Model& model, input::Section& s);
+void declare_names_of_placed(const Model& model, input::Section& s);
 void declare_regions(const Model& model, input::Section& s);
 // Which layers of the bed are poured, and whether its outline can be.
 void declare_layers(const Model& model, input::Section& s);

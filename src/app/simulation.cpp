@@ -64,8 +64,10 @@ void Simulation::window() {
   move_sleepers(dt);
   press_platen(dt);
   move_walls(world_, course_.stage, static_cast<double>(course_.clock.window()) * dt, dt);
+  if (world_.placement) world_.placement->show(course_.clock.time(), dt);
   move_ground(dt);
   move_stones(dt);
+  if (world_.placement) world_.placement->watch(world_.particles, world_.on_placed(), dt);
   average_support(dt);
 }
 
@@ -296,7 +298,8 @@ void Simulation::end_stage() {
   {
     const auto timing = timers_.scope(Verb::output);
     if (model_.has_stones())
-      results_.snapshot(stage().name, world_.scene(), model_.output.surface_cell);
+      results_.snapshot(stage().name, world_.scene(),
+                        model_.has_bed() ? model_.output.surface_cell : 0);
     results_.flush();
     if (is_last_passage()) results_.envelope(static_cast<std::int64_t>(course_.stage));
     if (model_.output.fields) {

@@ -205,6 +205,19 @@ void declare_names_of_pressures(const Model& model, input::Section& s) {
   declare_names("pressure", "pressures", model.pressures, {.reads = {"pressure"}}, s);
 }
 
+// Groups of the results. Plates and boxes are surfaces alike.
+void declare_names_of_placed(const Model& model, input::Section& s) {
+  const PlacedParameters& placed = model.placed;
+  declare_names("stone", "stones", placed.stones, {.reads = {"stone"}}, s);
+  declare_names("plate", "plates", placed.plates, {.reads = {"plate"}}, s);
+  declare_names("box", "boxes", placed.boxes, {.reads = {"box"}}, s);
+  for (std::size_t i = 0; i < placed.boxes.size(); ++i)
+    s.rule(fmt::format("box[{}].name", i),
+           std::none_of(placed.plates.begin(), placed.plates.end(),
+                        [&](const auto& plate) { return plate.name == placed.boxes[i].name; }),
+           "is the name of a [[plate]]; give it another", {.reads = {"plate", "box"}});
+}
+
 void declare_stages(const Model& model, input::Section& s) {
   const auto& stages = model.stages;
   declare_names_of_stages(model, s);

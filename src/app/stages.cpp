@@ -75,6 +75,7 @@ void StageActions::begin(const Stage& stage) {
   world_.particles.set_friction(stage.friction);
   const bool pressed = presses(stage.kind) || stage.kind == StageKind::release;
   if (!pressed && world_.platen) world_.take_platen_away();
+  if (world_.placement && &stage == &model_.stages.front()) world_.place_stones();
   if (stage.kind == StageKind::fill) pour(stage);
   if (stage.kind == StageKind::sleepers) place_sleepers(stage);
   if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);

@@ -198,7 +198,7 @@ StageRecord record_of(const Stage& stage, const Course& course, const Model& mod
   // A heap without walls is no layer: 0.
   const auto& names = world.walls.names();
   const bool heap = !names.empty() && world.walls.displacement(names.back()).z() > 0;
-  const double volume = heap ? 0 : world.walls.area() * 2 * mean_height;
+  const double volume = heap || !model.has_bed() ? 0 : world.walls.area() * 2 * mean_height;
   const bool pressed = presses(stage.kind) && world.platen;
   return {.name = stage.name,
           .time = course.clock.time(),

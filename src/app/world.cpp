@@ -30,6 +30,7 @@ World::World(const par::Comm& world, const Model& deck)
     if (!model.pressures.empty())
       pressures.emplace(comm, ground->top(), model.ground.periodic(0), model.pressures);
   }
+  if (model.is_placed()) placement.emplace(comm, model);
   if (!model.uses_sleepers()) return;
   if (model.sleepers.model == track::SleeperBody::solid) {
     auto made = std::make_unique<SolidSleepers>(model);
@@ -58,6 +59,8 @@ void World::meet() {
   };
   if (ground) add(ground->top(), ground->top_owner());
   for (Surface& wall : walls.surfaces()) add(wall);
+  if (placement)
+    for (Surface& surface : placement->surfaces()) add(surface);
   first_sleeper_ = touched_.size();
   if (sleepers && sleepers->placed())
     for (Surface& sleeper : sleepers->surfaces()) add(sleeper);
@@ -127,6 +130,20 @@ void World::take_tines_away() {
   meet();
 }
 
+// A window too short for anything to move, with surfaces at rest: stones that touch where they
+// begin are kicked by those forces from the first sub-step on, and not from the second.
+void World::place_stones() {
+  constexpr double instant = 1e-30;  // s
+  placement->place(particles);
+  placement->show(0, 0);
+  meet();
+  coupler.publish();
+  particles.advance(instant, 1);
+  const dem::SurfaceAction& did = particles.surface_action();
+  coupler.collect(1, instant, {did.force, did.moment, did.work});
+  placement->begin(particles, on_placed());
+}
+
 // Minus infinity without stones. A hull of balls is as high as the highest of them.
 double World::top_of_stones() const {
   double top = -std::numeric_limits<double>::infinity();
@@ -176,6 +193,15 @@ Vec3 World::on(const std::string& surface) const {
     if (touched.surface->name == surface)
       for (const Vec3& node : coupler.mean_force(touched.number)) force += node;
   return force;
+}
+
+std::vector<Vec3> World::on_placed() const {
+  std::vector<Vec3> forces;
+  for (const Touched& touched : touched_) {  // plates and boxes alone
+    forces.emplace_back(Vec3::Zero());
+    for (const Vec3& node : coupler.mean_force(touched.number)) forces.back() += node;
+  }
+  return forces;
 }
 
 observe::Scene World::scene() {

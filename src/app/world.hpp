@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/parameters.hpp"
+#include "app/placement.hpp"
 #include "app/solid_sleepers.hpp"
 #include "trackbed/couple/coupler.hpp"
 #include "trackbed/couple/pressures.hpp"
@@ -40,12 +41,16 @@ struct World {
   double top_of_stones() const;      // m, highest point of any stone. Collective.
   double mean_ground_level() const;  // m above z = 0, where it began. Collective.
 
+  // The stones of a deck that places them, and the forces on them where they begin. Collective.
+  void place_stones();
+
   // Mean force of the last window, N.
   std::vector<std::span<const Vec3>> on_sleepers() const;
   std::span<const Vec3> on_ground() const;                // per top node, valid on own nodes
   double on_platen() const;                               // vertical
   std::array<std::span<const Vec3>, 2> on_tines() const;  // per node
   Vec3 on(const std::string& surface) const;  // all of it; zero if there is no such surface
+  std::vector<Vec3> on_placed() const;        // each plate and box
 
   observe::Scene scene();
   std::vector<observe::WallState> wall_states() const;  // tines count as walls
@@ -69,10 +74,11 @@ struct World {
   std::optional<couple::Pressures> pressures;  // of a ground alone
   std::vector<std::int32_t> watched;  // nodes of its top in the histories: from where it began
   std::unique_ptr<track::Sleepers> sleepers;
-  SolidSleepers* solids = nullptr;    // the same, if they are solids
-  std::optional<bed::Platen> platen;  // while it presses
-  std::optional<bed::Tines> tines;    // while they tamp
-  bed::Walls walls;                   // with a floor at z = 0 if there is no ground
+  SolidSleepers* solids = nullptr;     // the same, if they are solids
+  std::optional<bed::Platen> platen;   // while it presses
+  std::optional<bed::Tines> tines;     // while they tamp
+  bed::Walls walls;                    // with a floor at z = 0 if there is no ground
+  std::optional<Placement> placement;  // of model = "stones"
   couple::Coupler coupler;
   // Load of the bed on the ground, averaged over settle_average, N per top node, own nodes only:
   // the ground is in equilibrium with it when it is let go.

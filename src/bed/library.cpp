@@ -125,6 +125,7 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
                             ? spheres_in(import.mesh, wanted.spheres, named.notes)
                             : rounded_pieces(import.mesh, wanted, radius, named.notes);
     named.shape = geom::template_of(pieces, solid, geom::smallest_hole(pieces));
+    named.axes = solid.axes;
   } catch (const std::invalid_argument& problem) {
     throw InputError({file + ": " + problem.what()});
   }

@@ -98,8 +98,10 @@ void Particles::load(const io::File& file, const std::string& group) {
   for (const Template& shape : load_templates(file, group + "/template")) r.shapes.add(shape);
   visit_state(r.state, [&](auto quantity, auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
-    unflatten(file.read_share<T>(group + "/" + quantity.name), array, quantity.columns);
+    const std::string path = group + "/" + quantity.name;
+    if (is_stored(file, path)) unflatten(file.read_share<T>(path), array, quantity.columns);
   });
+  r.state.held.resize(r.state.id.size(), 0);
   r.state.growing = file.integer_attribute(group, "growing");
   r.state.grown = file.number_attribute(group, "grown");
   // A share by number of rows, not by place; the rebuild sends each to its owner.

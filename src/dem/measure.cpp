@@ -32,7 +32,9 @@ ParticleView Particles::operator[](std::size_t b) const {
           q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
           s.f[b].vec3(),
           s.t[b].vec3(),
-          q};
+          q,
+          s.l[b].vec3(),
+          s.held[b] != 0};
 }
 
 void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, double)>& see) const {
@@ -213,13 +215,14 @@ struct Terms {
   static void add(Axes& axes, const Vec3& term) {
     for (int a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(term[a]);
   }
-  void add(const ParticleView& p, const Vec3& angular_momentum, double g) {
+  void add(const ParticleView& p, double g) {
     mass.push_back(p.mass);
     // Rotation: 1/2 L . w, the same in any axes.
-    kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() + 0.5 * angular_momentum.dot(p.spin));
+    kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() +
+                      0.5 * p.angular_momentum.dot(p.spin));
     potential.push_back(p.mass * g * p.position.z());
-    // Gravity is not in the stored force.
-    net.push_back((p.force - Vec3(0, 0, p.mass * g)).norm());
+    // Gravity is not in the stored force. What holds a held particle balances whatever acts on it.
+    net.push_back(p.held ? 0 : (p.force - Vec3(0, 0, p.mass * g)).norm());
     add(momentum, p.mass * p.velocity);
   }
   void add(const ContactView& c, double energy) {
@@ -257,7 +260,7 @@ Totals Particles::totals() const {
   Terms terms;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     const ParticleView p = (*this)[b];
-    terms.add(p, r.state.l[b].vec3(), r.parameters.gravity);
+    terms.add(p, r.parameters.gravity);
     total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
   }
   std::vector<std::pair<Id, Id>> touching;
@@ -297,6 +300,7 @@ std::uint64_t Particles::state_hash() const {
     h = hash_bytes(&s.q[b], sizeof s.q[b], h);
     h = hash_bytes(&s.v[b], 3 * sizeof(double), h);
     h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
+    if (s.held[b] != 0) h = hash_bytes(&s.held[b], sizeof s.held[b], h);
     sum += mix(h);
   }
   for (const std::vector<History>& records : {r.history(), r.waiting})

@@ -132,6 +132,13 @@ class PairFinder {
     return !pieces.first_corner.empty() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
   }
 
+  // Beside a held particle the other one's alone: no force moves what is held.
+  static double effective_mass(const State& s, std::size_t i, std::size_t j) {
+    const double m_i = s.v[i].w, m_j = s.v[j].w;
+    if (s.held[i] != 0) return m_j;
+    return s.held[j] != 0 ? m_i : m_i * m_j / (m_i + m_j);
+  }
+
   // The law is looked up here and not in each sub-step; that there is one has been checked
   // (`check_laws`).
   void add_entry(std::size_t p, std::size_t r, std::uint16_t shift, std::int64_t key) {
@@ -142,8 +149,7 @@ class PairFinder {
         scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
     require(law >= 0, "particles meet whose materials have no contact law");
     // Masses do not change between rebuilds, so neither does the root of m_eff.
-    const double m_i = s.v[i].w, m_j = s.v[j].w;
-    Vec4 xi{0, 0, 0, std::sqrt(m_i * m_j / (m_i + m_j))}, roll{};
+    Vec4 xi{0, 0, 0, std::sqrt(effective_mass(s, i, j))}, roll{};
     // Rows and entries ascend like the sorted history, so one pass over it serves all.
     const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j])};
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;

@@ -67,7 +67,7 @@ void Particles::add(std::span<const NewParticle> mine) {
     r.state.id.back() = p.id, r.state.shape.back() = p.shape;
     r.state.material.back() = p.material, r.state.scale.back() = p.scale;
     r.state.x.back().set(p.position), r.state.q.back() = vec4(p.attitude.normalized());
-    r.state.v.back().set(p.velocity);
+    r.state.v.back().set(p.velocity), r.state.held.back() = p.held ? 1 : 0;
   }
   const std::size_t begin = r.state.own;
   r.state.own = r.state.size();
@@ -209,7 +209,8 @@ double Particles::stable_step(std::string* limit) const {
   const Room& r = *room_;
   double lightest = std::numeric_limits<double>::infinity(), largest = 0;
   for (std::size_t b = 0; b < r.state.own; ++b) {
-    lightest = std::min(lightest, r.mass(b));
+    // A held one is as if it were infinitely heavy.
+    if (r.state.held[b] == 0) lightest = std::min(lightest, r.mass(b));
     largest = std::max(largest, r.radius(b));
   }
   lightest = r.comm.min(lightest), largest = r.comm.max(largest);
@@ -247,8 +248,10 @@ void Particles::set_friction(double mu) { room_->laws.override_friction(mu); }
 
 // Positions and histories stay: springs are as loaded as they were.
 void Particles::stop() {
-  for (auto* motion : {&room_->state.v, &room_->state.l, &room_->state.w})
-    for (Vec4& value : *motion) value.x = value.y = value.z = 0;
+  State& state = room_->state;
+  for (auto* motion : {&state.v, &state.l, &state.w})
+    for (std::size_t b = 0; b < motion->size(); ++b)
+      if (state.held[b] == 0) (*motion)[b].x = (*motion)[b].y = (*motion)[b].z = 0;
 }
 
 std::size_t Particles::size() const { return room_->state.own; }

@@ -19,12 +19,13 @@ struct State {
   std::vector<Id> id;
   std::vector<std::int64_t> shape, material;
   std::vector<double> scale;
-  std::vector<Vec4> x;  // m, centre of mass, unwrapped; w: bounding radius
-  std::vector<Vec4> q;  // attitude, unit quaternion
-  std::vector<Vec4> v;  // m/s; w: mass
-  std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes
-  std::vector<Vec4> f;  // N, from contacts, at the time of x
-  std::vector<Vec4> t;  // Nm
+  std::vector<std::int64_t> held;  // 1: velocity and spin are prescribed
+  std::vector<Vec4> x;             // m, centre of mass, unwrapped; w: bounding radius
+  std::vector<Vec4> q;             // attitude, unit quaternion
+  std::vector<Vec4> v;             // m/s; w: mass
+  std::vector<Vec4> l;             // kg m^2/s, angular momentum in space axes
+  std::vector<Vec4> f;             // N, from contacts, at the time of x
+  std::vector<Vec4> t;             // Nm
   // Derived
   std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
   std::vector<Vec4> inertia;  // kg m^2, principal moments
@@ -61,6 +62,8 @@ constexpr void visit_all(S& s, Visit&& visit) {
   visit(Quantity<1, once>{"shape", "-", "number of its template"}, s.shape);
   visit(Quantity<1, once>{"material", "-", "number of its material"}, s.material);
   visit(Quantity<1, once>{"scale", "-", "size over the template's"}, s.scale);
+  visit(Quantity<1, once>{"held", "-", "1: keeps velocity and spin whatever the forces; else 0"},
+        s.held);
   visit(Quantity<3, each_step>{"position", "m", "centre of mass, unwrapped across periodic sides"},
         s.x);
   visit(Quantity<4, turning>{"attitude", "-", "quaternion x y z w from principal axes to space"},

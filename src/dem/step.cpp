@@ -66,6 +66,21 @@ void rotate_in_space(Vec4& attitude, const Vec4& momentum, const Vec4& inertia, 
   attitude = vec4(q);
 }
 
+// A body that keeps its spin turns about it, and its angular momentum follows the attitude. The
+// spin comes from the momentum, as everywhere: so it is the same before and after a change of
+// ranks.
+void rotate_steadily(Vec4& attitude, Vec4& momentum, const Vec4& inertia, double dt) {
+  const Vec3 moments = inertia.vec3();
+  Quat q = quat(attitude);
+  const Vec3 body = q.conjugate() * momentum.vec3();
+  const Vec3 spin = q * Vec3(body.cwiseQuotient(moments));
+  const double rate = spin.norm();
+  if (!(rate > 0)) return;
+  q = (Quat(Eigen::AngleAxisd(dt * rate, spin / rate)) * q).normalized();
+  attitude = vec4(q);
+  momentum.set(q * Vec3((q.conjugate() * spin).cwiseProduct(moments)));
+}
+
 }  // namespace
 
 // w = I^-1 L in space axes. Ghosts get the bits of their owner afterwards: L is not sent.
@@ -89,6 +104,7 @@ void Particles::Room::kick(double dt) {
   const double half = 0.5 * dt, weight = -parameters.gravity;
   const bool plane = domain.dimension == Dimension::plane;
   for (std::size_t b = 0; b < state.own; ++b) {
+    if (state.held[b] != 0) continue;
     Vec4 &v = state.v[b], &l = state.l[b];
     Vec4 f = state.f[b], t = state.t[b];
     f.z += v.w * weight;
@@ -127,6 +143,8 @@ void Particles::Room::kick_and_drift(double dt) {
         Quat attitude = quat(q);
         turn(attitude, momentum, 1, dt * l.y / inertia.y);
         q = vec4(attitude.normalized());
+      } else if (state.held[b] != 0) {
+        rotate_steadily(q, state.l[b], inertia, dt);
       } else {
         rotate_in_space(q, l, inertia, dt);
       }

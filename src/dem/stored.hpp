@@ -38,6 +38,11 @@ inline void unflatten(const std::vector<double>& numbers, std::vector<Vec4>& arr
   }
 }
 
+// False for what files from before particles could be held do not have: none of theirs is.
+inline bool is_stored(const io::File& file, const std::string& path) {
+  return !path.ends_with("/held") || file.has(path);
+}
+
 // What an array of T becomes in a file.
 template <class T>
 struct Number {

@@ -39,8 +39,10 @@ OneCell read_cell(const io::File& file, const std::string& group, const Tiling& 
   OneCell cell;
   visit_state(cell.state, [&](auto quantity, auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
-    unflatten(file.read_all<T>(group + "/" + quantity.name), array, quantity.columns);
+    const std::string path = group + "/" + quantity.name;
+    if (is_stored(file, path)) unflatten(file.read_all<T>(path), array, quantity.columns);
   });
+  cell.state.held.resize(cell.state.id.size(), 0);
   std::vector<std::size_t> order(cell.state.id.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

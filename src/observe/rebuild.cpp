@@ -16,10 +16,13 @@ namespace trackbed::observe {
 
 namespace {
 
-// With one level of names below; regions and walls have two.
-constexpr std::array plain_histories = {"history/energy", "history/sleeper", "history/ground",
-                                        "history/platen", "history/wheel",   "history/rail",
-                                        "history/body",   "history/seat",    "history/solid"};
+// With one level of names below; those of `named_histories` have two.
+constexpr std::array plain_histories = {
+    "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
+    "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
+
+constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
+                                        "history/surface"};
 
 // Unit and meaning go along: the copy is as readable as the file.
 io::Label label_of(const io::File& file, const std::string& path) {
@@ -58,7 +61,7 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
   for (const char* group : plain_histories)
     for (const std::string& path : members(from, group))
       copy_history<double>(comm, from, to, path, rows);
-  for (const char* list : {"history/region", "history/wall"})
+  for (const char* list : named_histories)
     for (const std::string& one : members(from, list))
       for (const std::string& path : members(from, one))
         copy_history<double>(comm, from, to, path, rows);
@@ -82,9 +85,12 @@ void read_through(const io::File& file) {
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
     if (file.has(place)) file.read_share<double>(place);
   if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
-  for (const char* list : {"chains", "stones", "surface", "history/region", "history/wall"})
+  const auto read_all_of = [&](const char* list) {
     for (const std::string& one : members(file, list))
       for (const std::string& path : members(file, one)) file.read_share<double>(path);
+  };
+  for (const char* list : {"chains", "stones", "surface"}) read_all_of(list);
+  for (const char* list : named_histories) read_all_of(list);
 }
 
 // A resumed run replaces the file, so it must not be guessed that it may go.

@@ -128,6 +128,7 @@ void Results::sample(const Scene& scene, const Instant& instant) {
   if (instant.platen) room.sample_platen(*instant.platen);
   if (instant.train) room.sample_train(*instant.train, instant.seat_force.size());
   if (instant.solids) room.sample_solids(*instant.solids);
+  if (instant.placed) room.sample_placed(*instant.placed);
   room.sample_regions(scene.particles);
   ++room.rows;
   if (room.times.size() >= rows_in_memory) flush();

@@ -27,7 +27,7 @@ struct Results::Room {
   // Changes the file as a whole: on a copy that then takes its name. Collective.
   void replace(const std::function<void(io::File&)>& change);
   std::vector<std::vector<Column>*> groups() {
-    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid};
+    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
   }
   void append_to(io::File& file);
   void sample_energy(const dem::Totals& totals);
@@ -37,6 +37,7 @@ struct Results::Room {
   void sample_walls(std::span<const WallState> walls);
   void sample_solids(const SolidState& state);
   void sample_platen(const PlatenState& state);
+  void sample_placed(const PlacedInstant& instant);
   void sample_train(const TrainInstant& instant, std::size_t sleepers);
   void sample_regions(const dem::Particles& particles);
 
@@ -52,6 +53,7 @@ struct Results::Room {
   std::vector<Region> regions;
   std::vector<Column> energy, sleeper, ground;
   std::vector<Column> platen, train, solid;
+  std::vector<Column> placed;  // of all stones and surfaces together, then those of each
   std::vector<Column> wall;    // force and displacement of the first, then those of the next
   std::vector<Column> region;  // those of the first region, then those of the next
 };

@@ -93,7 +93,8 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     sieved.insert(sieved.end(), {stone.size, stone.mass});
   }
   // The same on all ranks; one writes it.
-  const std::vector<double> surface = surface_of(room_->comm, scene.particles, cell);
+  const std::vector<double> surface =
+      cell > 0 ? surface_of(room_->comm, scene.particles, cell) : std::vector<double>{};
   const std::span<const double> own(surface.data(), room_->comm.root() ? surface.size() : 0);
   room_->replace([&](io::File& file) {
     // One group per stage: a deck has no two stages of one name.
@@ -104,8 +105,9 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
     file.write<double>(pebbles + "/sieved", sieved, 2,
                        {"m, kg", "of each stone: smallest opening it passes, and mass"});
-    file.write<double>("surface/" + stage + "/top", own, 3,
-                       {"m", "x, y of each cell, and z of the highest stone in it"});
+    if (cell > 0)
+      file.write<double>("surface/" + stage + "/top", own, 3,
+                         {"m", "x, y of each cell, and z of the highest stone in it"});
     file.write<double>(pebbles + "/radius", stones.radius, 1, {"m", "of each pebble"});
   });
 }

@@ -41,6 +41,7 @@ struct PolyhedronParameters {
   std::int64_t pieces = 3;             // compound
   std::vector<double> spheres{5, 10};  // fewest and most, clump
   void declare(input::Section& s);
+  bool operator==(const PolyhedronParameters&) const = default;
 };
 
 // What a layer of the bed is made of, and how much of it there is.

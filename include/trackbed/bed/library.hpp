@@ -18,6 +18,7 @@ struct NamedShape {
   std::string name;
   dem::Template shape;
   std::vector<std::string> notes;  // what was mended, how near it comes; not kept in files
+  Quat axes = Quat::Identity();    // of a mesh, from the shape's axes to its own; not kept
 };
 
 // What is made of a mesh: spheres if `spheres` is above 0, else rounded convex pieces. `rounding`

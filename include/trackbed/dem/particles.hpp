@@ -35,6 +35,7 @@ struct NewParticle {
   Quat attitude = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  // m/s
   Vec3 spin = Vec3::Zero();      // rad/s, in space axes
+  bool held = false;             // keeps velocity and spin whatever the forces
 };
 
 struct Domain {
@@ -62,6 +63,8 @@ struct ParticleView {
   double size;                                   // m, smallest opening it passes
   Vec3 position, velocity, spin, force, torque;  // force without gravity
   Quat attitude;
+  Vec3 angular_momentum;  // kg m^2/s, about the centre of mass, in space axes
+  bool held;
 };
 
 // One touching pair, from the side that counts it (each contact is seen once over all ranks).
@@ -153,7 +156,7 @@ class Particles {
   std::string trouble();
   void set_local_damping(double alpha);  // overrides the materials' value; < 0: back to theirs
   void set_friction(double mu);          // overrides that of all contacts; < 0: back to theirs
-  void stop();                           // all velocities to zero (end of a packing stage)
+  void stop();  // all velocities to zero (end of a packing stage), but those of held particles
   // Particles with this id and higher ones, which are still to be added, have this share of their
   // size, in (0, 1], and all of their mass; then all of these grow to a larger one. Local, to be
   // called alike on all ranks. At most one batch grows at a time.

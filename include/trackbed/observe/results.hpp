@@ -53,15 +53,46 @@ struct SolidState {
   std::vector<double> bending_stress;                        // below each seat, then amid a sleeper
 };
 
+// A stone that the deck places by name, and what contacts did to it.
+struct StoneInstant {
+  std::string name;
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
+  Quat attitude = Quat::Identity();  // from the axes that its shape was described in to space
+  Vec3 momentum = Vec3::Zero(), angular_momentum = Vec3::Zero();  // about its centre of mass
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  // of all contacts, without gravity
+  Vec3 impulse = Vec3::Zero();                       // N s, of that force since the begin
+  double peak_force = 0;                             // N, largest since the begin
+  std::int64_t contacts = 0;
+};
+
+// A plate or box that the deck places.
+struct SurfaceInstant {
+  std::string name;
+  Vec3 force = Vec3::Zero(), displacement = Vec3::Zero();  // mean of the last window; from time 0
+  Vec3 impulse = Vec3::Zero();                             // N s, since the begin
+  double peak_force = 0;                                   // N, largest since the begin
+};
+
+// All of them in the order of the deck; energies in J, of all stones.
+struct PlacedInstant {
+  std::vector<StoneInstant> stones;
+  std::vector<SurfaceInstant> surfaces;
+  double translational = 0, rotational = 0;
+  double supplied = 0, dissipated = 0;  // by what is driven; the rest of the balance
+  Vec3 momentum = Vec3::Zero(), angular_momentum = Vec3::Zero();  // about the origin
+  std::int64_t contacts = 0;
+};
+
 // The instant of a history row.
 struct Instant {
-  double time = 0;                      // s
-  std::int64_t stage = 0;               // number of the stage in the deck
-  std::span<const double> seat_force;   // N, downwards, per sleeper
-  std::span<const WallState> walls;     // all that the run ever has, in the same order
-  const PlatenState* platen = nullptr;  // null: never one in this run
-  const TrainInstant* train = nullptr;  // null: never one in this run
-  const SolidState* solids = nullptr;   // null: never any in this run
+  double time = 0;                        // s
+  std::int64_t stage = 0;                 // number of the stage in the deck
+  std::span<const double> seat_force;     // N, downwards, per sleeper
+  std::span<const WallState> walls;       // all that the run ever has, in the same order
+  const PlatenState* platen = nullptr;    // null: never one in this run
+  const TrainInstant* train = nullptr;    // null: never one in this run
+  const SolidState* solids = nullptr;     // null: never any in this run
+  const PlacedInstant* placed = nullptr;  // null: never any in this run
 };
 
 struct About {
@@ -105,8 +136,8 @@ class Results {
              std::span<const double> sleeper_x, const std::vector<Region>& regions);
   void sample(const Scene& scene, const Instant& instant);
   std::int64_t rows() const;
-  // Contact network, stones and surface of the bed (cells of `cell` m) as they are now, under
-  // /chains/<stage>, /stones/<stage> and /surface/<stage>.
+  // Contact network, stones and surface of the bed (cells of `cell` m; 0: no bed) as they are,
+  // under /chains/<stage>, /stones/<stage> and /surface/<stage>.
   void snapshot(const std::string& stage, const Scene& scene, double cell);
   // Extremes over the history rows of stage number `stage`, from the values of its first row.
   void envelope(std::int64_t stage);

@@ -1,0 +1,150 @@
+// Parameters of single stones and of surfaces, each declared once.
+//
+// Bounds and rules here are those of one table; what tables have to do with each other is checked
+// where all of them are known.
+#include "trackbed/bed/placed.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+namespace trackbed::bed {
+
+namespace {
+
+constexpr const char* place_of_turn =
+    "Axis of any length about which it is turned by `angle`, counter-clockwise seen from its tip.";
+
+void declare_turn(std::vector<double>& axis, double& angle, input::Section& s) {
+  s.numbers("axis", axis, {.unit = "-"}, place_of_turn, 3);
+  s.number("angle", angle, {.unit = "degrees"}, "Angle of that turn.");
+  s.rule("axis", axis.size() != 3 || vector_of(axis).norm() > 0, "must not be zero");
+}
+
+bool are_spheres(const std::vector<double>& spheres) {
+  bool radii = spheres.size() % 4 == 0;
+  for (std::size_t k = 3; k < spheres.size(); k += 4) radii = radii && spheres[k] > 0;
+  return radii;
+}
+
+// Kinds that are drawn, and so have no size of their own.
+bool is_drawn(const ShapeParameters& p) {
+  return p.shape == ShapeKind::polyhedron || p.shape == ShapeKind::compound ||
+         (p.shape == ShapeKind::clump && p.spheres.empty());
+}
+
+void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
+  const bool block = p.shape == ShapeKind::block, hull = p.shape == ShapeKind::hull;
+  const bool filed = p.shape == ShapeKind::library || p.shape == ShapeKind::mesh;
+  s.rule("sides", !block || p.sides.size() == 3, "must be three lengths for a block");
+  bool wide = true;
+  for (const double side : p.sides) wide = wide && side > 2 * p.rounding;
+  s.rule("sides", !block || wide,
+         fmt::format("must each be above 2 rounding = {:g} m", 2 * p.rounding));
+  constexpr std::size_t fewest = 12;  // a tetrahedron
+  s.rule("corners", !hull || (p.corners.size() >= fewest && p.corners.size() % 3 == 0),
+         "must hold x, y, z of at least four corners for a hull");
+  s.rule("spheres", are_spheres(p.spheres),
+         "must hold x, y, z and a radius above 0 of each sphere");
+  s.rule("file", !filed || !p.file.empty(),
+         p.shape == ShapeKind::mesh ? "must name a mesh (.stl, .ply or .obj)"
+                                    : "must name a library of shapes, as `trackbed shapes "
+                                      "scan.stl --library FILE` makes them");
+  s.rule("size", !is_drawn(p) || p.size > 0, "must be above 0 m for a stone that is drawn");
+  s.rule("size", p.size == 0 || is_drawn(p) || filed,
+         "is for drawn stones, libraries and meshes: the others have their lengths");
+}
+
+}  // namespace
+
+void ShapeParameters::declare(input::Section& s) {
+  s.choice("shape", shape,
+           {"ball", "block", "clump", "hull", "polyhedron", "compound", "library", "mesh"},
+           "ball: sphere, in a plane disk; block: cuboid; clump: spheres joined, in a plane disks; "
+           "hull: convex hull of corners; polyhedron: drawn irregular one; compound: the same cut "
+           "into convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "
+           "pieces. All but ball and clump are for space.");
+  s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-5, .usually_to = 1},
+           "Radius (ball).");
+  s.numbers("sides", sides, {.unit = "m", .above = 0},
+            "Lengths along x, y, z over all, rounding included (block).");
+  s.numbers("corners", corners, {.unit = "m"}, "x, y, z of each corner before rounding (hull).");
+  s.number("rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
+           "Radius of edges and corners (block: the faces keep their places; hull: the volume is "
+           "kept).");
+  s.numbers("spheres", spheres, {.unit = "m"},
+            "x, y, z, radius of each sphere (clump); none: a drawn polyhedron filled with spheres. "
+            "In a plane y counts for nothing.");
+  s.table("polyhedron", polyhedron,
+          "Drawn stones, as of a bed; of a mesh `vertices` of each piece at most, `rounding` and "
+          "`pieces` at most count.");
+  s.integer("seed", seed, {.at_least = 0}, "Another seed draws another stone.");
+  s.file("file", file, "Mesh (.stl, .ply, .obj) or library of shapes.", input::Named::origin);
+  s.text("entry", entry, "Name of the shape in its library; none: the only one there.");
+  s.number("unit", unit, {.unit = "m", .above = 0}, "Length of a unit of the mesh.");
+  s.number("size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
+           "Smallest square hole the stone passes, which scales it (drawn, library, mesh); 0: as "
+           "the file has it.");
+  declare_rules_of_shape(*this, s);
+}
+
+void StoneParameters::declare(input::Section& s) {
+  s.text("name", name, "Name of the stone in histories, sentences and overrides.", {}, true);
+  ShapeParameters::declare(s);
+  s.text("material", material, "Contact material, which has the density.");
+  s.choice("motion", motion, {"free", "fixed", "driven"},
+           "free: moved by forces; fixed: stays where it is; driven: keeps velocity and spin "
+           "whatever the forces.");
+  s.numbers("position", position, {.unit = "m"}, "Of the centre of mass.", 3);
+  declare_turn(axis, angle, s);
+  s.numbers("velocity", velocity, {.unit = "m/s"}, "Of the centre of mass, at the begin.", 3);
+  s.numbers("spin", spin, {.unit = "rad/s"}, "Angular velocity in space axes, at the begin.", 3);
+  s.rule(
+      "motion",
+      motion != MotionKind::fixed || (vector_of(velocity).isZero(0) && vector_of(spin).isZero(0)),
+      "is fixed, but velocity or spin is not zero: take driven",
+      {.reads = {"motion", "velocity", "spin"}});
+}
+
+void PlateParameters::declare(input::Section& s) {
+  s.text("name", name, "Name of the plate in histories, sentences and overrides.", {}, true);
+  s.text("material", material, "Contact material.");
+  s.numbers("centre", centre, {.unit = "m"}, "Of the rectangle, at time 0.", 3);
+  s.numbers("normal", normal, {.unit = "-"},
+            "To the side of the stones, of any length: from behind the plate is not there.", 3);
+  s.numbers("size", size, {.unit = "m", .above = 0},
+            "Lengths of its sides; in a plane the first counts.", 2);
+  s.numbers("edge", edge, {.unit = "-"},
+            "Direction of the first side, as far as it is across the normal; zero: x, or y where "
+            "the normal is along x (space).",
+            3);
+  s.numbers("velocity", velocity, {.unit = "m/s"}, "That it keeps whatever presses on it.", 3);
+  const Vec3 n = vector_of(normal), e = vector_of(edge);
+  s.rule("normal", normal.size() != 3 || n.norm() > 0, "must not be zero");
+  constexpr double least = 1e-6;  // sine of the angle between both
+  s.rule("edge", n.cross(e).norm() >= least * n.norm() * e.norm(), "must not be along the normal",
+         {.reads = {"edge", "normal"}});
+}
+
+void BoxParameters::declare(input::Section& s) {
+  s.text("name", name, "Name of the box in histories, sentences and overrides.", {}, true);
+  s.text("material", material, "Contact material.");
+  s.numbers("low", low, {.unit = "m"}, "Corner of smallest x, y, z, before it is turned.", 3);
+  s.numbers("high", high, {.unit = "m"}, "Corner of largest x, y, z.", 3);
+  s.choice("side", side, {"inside", "outside"},
+           "inside: stones are in it; outside: it is a body that stones touch from outside. In a "
+           "plane it has no faces across y.");
+  declare_turn(axis, angle, s);
+  s.numbers("velocity", velocity, {.unit = "m/s"}, "That it keeps whatever presses on it.", 3);
+  s.rule("high",
+         low.size() != 3 || high.size() != 3 || (vector_of(high) - vector_of(low)).minCoeff() > 0,
+         "must be above `low` in x, y and z", {.reads = {"low", "high"}});
+}
+
+Quat turn_of(const std::vector<double>& axis, double angle) {
+  const Vec3 about = vector_of(axis);
+  if (angle == 0 || !(about.norm() > 0)) return Quat::Identity();
+  return Quat(Eigen::AngleAxisd(angle * std::numbers::pi / 180, about.normalized()));
+}
+
+}  // namespace trackbed::bed

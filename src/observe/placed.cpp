@@ -1,0 +1,86 @@
+// Histories of stones and surfaces that a deck places by name: what a row adds to the columns.
+#include "observe/room.hpp"
+
+namespace trackbed::observe {
+
+namespace {
+
+// Columns are made at the first row and filled in the same order at each.
+class Filler {
+ public:
+  explicit Filler(std::vector<Column>& columns)
+      : columns_(columns), makes_(columns.empty()), next_(0) {}
+
+  void put(const std::string& path, const io::Label& label, std::span<const double> numbers) {
+    if (makes_) columns_.push_back({path, label, numbers.size()});
+    Column& column = columns_[next_++];
+    column.values.insert(column.values.end(), numbers.begin(), numbers.end());
+  }
+  void put(const std::string& path, const io::Label& label, double number) {
+    put(path, label, std::span<const double>(&number, 1));
+  }
+  void put(const std::string& path, const io::Label& label, const Vec3& value) {
+    put(path, label, std::span<const double>(value.data(), 3));
+  }
+
+ private:
+  std::vector<Column>& columns_;
+  bool makes_;
+  std::size_t next_;
+};
+
+void put(Filler& to, const StoneInstant& stone) {
+  const std::string group = "history/stone/" + stone.name + "/";
+  to.put(group + "position", {"m", "x y z of the centre of mass"}, stone.position);
+  to.put(group + "attitude",
+         {"-", "quaternion x y z w from the axes of its shape, as the deck has them, to space"},
+         std::span<const double>(stone.attitude.coeffs().data(), 4));
+  to.put(group + "velocity", {"m/s", "x y z, of the centre of mass"}, stone.velocity);
+  to.put(group + "spin", {"rad/s", "angular velocity, x y z"}, stone.spin);
+  to.put(group + "momentum", {"kg m/s", "x y z"}, stone.momentum);
+  to.put(group + "angular_momentum", {"kg m2/s", "about the centre of mass, x y z"},
+         stone.angular_momentum);
+  to.put(group + "force", {"N", "of all contacts on it, x y z, without gravity"}, stone.force);
+  to.put(group + "torque", {"Nm", "of all contacts on it about the centre of mass, x y z"},
+         stone.torque);
+  to.put(group + "impulse", {"N s", "of that force since the begin of the run, x y z"},
+         stone.impulse);
+  to.put(group + "peak_force", {"N", "largest size of that force since the begin of the run"},
+         stone.peak_force);
+  to.put(group + "contacts", {"-", "of its pieces"}, static_cast<double>(stone.contacts));
+}
+
+void put(Filler& to, const SurfaceInstant& surface) {
+  const std::string group = "history/surface/" + surface.name + "/";
+  to.put(group + "force", {"N", "from stones, x y z, mean of the last window"}, surface.force);
+  to.put(group + "displacement", {"m", "x y z, from where it was at time 0"}, surface.displacement);
+  to.put(group + "impulse", {"N s", "of that force since the begin of the run, x y z"},
+         surface.impulse);
+  to.put(group + "peak_force", {"N", "largest size of that force since the begin of the run"},
+         surface.peak_force);
+}
+
+}  // namespace
+
+void Results::Room::sample_placed(const PlacedInstant& instant) {
+  Filler to(placed);
+  to.put("history/energy/translational", {"J", "kinetic, of the stones' centres of mass"},
+         instant.translational);
+  to.put("history/energy/rotational", {"J", "kinetic, about the stones' centres of mass"},
+         instant.rotational);
+  to.put("history/energy/supplied",
+         {"J", "work of driven surfaces and stones on the others since the begin of the run"},
+         instant.supplied);
+  to.put("history/energy/dissipated",
+         {"J", "energy at the begin and supplied since, less what there is: friction, dampers"},
+         instant.dissipated);
+  to.put("history/total/momentum", {"kg m/s", "of all stones, x y z"}, instant.momentum);
+  to.put("history/total/angular_momentum", {"kg m2/s", "of all stones about the origin, x y z"},
+         instant.angular_momentum);
+  to.put("history/total/contacts", {"-", "of pieces of stones, with surfaces too"},
+         static_cast<double>(instant.contacts));
+  for (const StoneInstant& stone : instant.stones) put(to, stone);
+  for (const SurfaceInstant& surface : instant.surfaces) put(to, surface);
+}
+
+}  // namespace trackbed::observe

@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""Decks that place single stones, against closed forms: free flight, rebound, free rotation,
+sliding and rolling on a slope, a collision of two, a stack at rest; what is driven; a plane model.
+
+    placed.py PROGRAM INPUTS_VERIFY FOLDER
+"""
+import math
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+sys.path.insert(0, str(HERE.parents[1] / "postproc"))
+import read  # noqa: E402
+from program import Program, expect  # noqa: E402
+
+GRAVITY = 9.81
+
+
+class Bench:
+    def __init__(self, program, decks, folder):
+        self.program, self.decks, self.folder = program, decks, folder
+
+    def run(self, deck, *overrides, name=None, ranks=1):
+        """Results of a deck by its name under inputs/verify, or by its path."""
+        path = deck if isinstance(deck, pathlib.Path) else self.decks / f"{deck}.toml"
+        place = self.folder / (name or path.stem)
+        self.program.done(ranks, "run", path, *overrides, "-o", place)
+        return read.results(place)
+
+
+def require(holds, words):
+    if not holds:
+        raise SystemExit(words)
+
+
+def near(found, wanted, tolerance, what):
+    difference = np.abs(np.asarray(found) - np.asarray(wanted))
+    worst = np.unravel_index(np.nanargmax(difference), difference.shape)
+    require(np.all(difference <= tolerance),
+            f"{what}: {np.asarray(found)[worst]} is {difference[worst]:.3g} off, at {worst}")
+
+
+def column(results, stone, name):
+    return results.placed[stone][name].values
+
+
+def mass_of_ball(radius, density):
+    return density * 4 / 3 * math.pi * radius**3
+
+
+def check_decks(bench):
+    """Every deck is valid without a warning, and runs."""
+    decks = sorted(bench.decks.glob("*.toml"))
+    require(len(decks) >= 6, f"decks are missing: {decks}")
+    for deck in decks:
+        ran = bench.program.done(1, "check", deck)
+        expect("is valid" in ran.stdout and "warning" not in ran.stdout, f"{deck} is odd", ran)
+        expect("estimated wall time" in ran.stdout, f"{deck}: no estimate", ran)
+
+
+def check_flight(bench):
+    """Without forces positions and attitude follow from time alone; under gravity parabolas, on
+    which velocity Verlet is exact."""
+    for gravity in (0, GRAVITY):
+        found = bench.run("impact", "plate.glass.centre=[0,0,-1]", "stage.impact.duration=1e-3",
+                          "output.history_interval=1e-5", f"dem.gravity={gravity}",
+                          name=f"flight_{gravity}")
+        t = found.time
+        start, speed = np.array([0, 0, 2.51e-3]), np.array([1.95, 0, -3.377])
+        fall = np.array([0, 0, -gravity])
+        near(column(found, "ball", "position"),
+             start + np.outer(t, speed) + np.outer(t**2 / 2, fall), 1e-12, "place in free flight")
+        near(column(found, "ball", "velocity"), speed + np.outer(t, fall), 1e-11, "its speed")
+        near(column(found, "ball", "peak_force"), 0, 0, "force in free flight")
+        total = found.energy["kinetic"].values + found.energy["potential"].values
+        near(total, total[0], 1e-10 * total[0], "energy in free flight")
+
+
+def check_impact(bench):
+    """e = 1 head on: the speed comes back; impulse on ball and plate is the change of momentum."""
+    # Velocity Verlet: second order in the step, of which there are 100 in a contact.
+    found = bench.run("impact", "contact.0.restitution=1", "stone.ball.velocity=[0,0,-3]",
+                      name="rebound")
+    velocity = column(found, "ball", "velocity")
+    near(velocity[-1], [0, 0, 3], 1e-3 * 3, "rebound with restitution 1")
+    found = bench.run("impact")
+    momentum, impulse = column(found, "ball", "momentum"), column(found, "ball", "impulse")
+    force = column(found, "ball", "force")
+    mass = mass_of_ball(2.5e-3, 4000)
+    near(momentum[-1] - mass * np.array([1.95, 0, -3.377]), impulse[-1], 1e-12 * 1e-3, "impulse")
+    plate = found.surfaces["glass"]
+    near(plate["impulse"].values, -impulse, 1e-11 * np.abs(impulse).max(), "impulse on the plate")
+    near(plate["force"].values, -force, 1e-11 * np.abs(force).max(), "force on the plate")
+    sizes = np.linalg.norm(force, axis=1)
+    require(len(found.time) > 200 and (sizes > 0).sum() > 50, "the impact is not resolved")
+    near(column(found, "ball", "peak_force").ravel(), np.maximum.accumulate(sizes), 0, "peak")
+    # A damper that may not pull leaves no force at the end of a contact.
+    contacts = found.total["contacts"].values.ravel()
+    require(np.all(contacts[sizes > 0] == 1) and contacts[0] == contacts[-1] == 0
+            and contacts.sum() < (sizes > 0).sum() + 20, f"number of contacts: {contacts}")
+
+
+def check_rotation(bench):
+    found = bench.run("rotation")
+    momentum = column(found, "block", "angular_momentum")
+    near(momentum, momentum[0], 1e-13 * np.abs(momentum).max(), "angular momentum")
+    energy = found.energy["rotational"].values.ravel()
+    near(energy, energy[0], 1e-4 * energy[0], "energy of free rotation")
+    q = column(found, "block", "attitude")
+    up = 1 - 2 * (q[:, 0]**2 + q[:, 2]**2)  # cosine between its middle axis and y
+    require(up.min() < -0.99 and up.max() > 0.99, "the block does not turn over")
+    # About a principal axis attitude is the angle itself.
+    found = bench.run("rotation", "stone.block.spin=[0,0,3]", "stone.block.axis=[0,0,1]",
+                      "stone.block.angle=20", name="steady")
+    angle = (math.radians(20) + 3 * found.time) / 2
+    wanted = np.stack([0 * angle, 0 * angle, np.sin(angle), np.cos(angle)], axis=1)
+    near(column(found, "block", "attitude"), wanted, 1e-9, "attitude about one axis")
+
+
+def check_slope(bench):
+    found = bench.run("slope")
+    tilt, mu = math.radians(20), 0.2
+    down = np.array([math.cos(tilt), 0, -math.sin(tilt)])
+    t = found.time
+    late = t > 0.1  # once both lie on the plate
+    for stone, wanted in (("block", GRAVITY * (math.sin(tilt) - mu * math.cos(tilt))),
+                          ("ball", 5 / 7 * GRAVITY * math.sin(tilt))):
+        along = column(found, stone, "velocity") @ down
+        slope = np.polyfit(t[late], along[late], 1)[0]
+        near(slope, wanted, 1e-3 * wanted, f"acceleration of the {stone}")
+    # Rolling: spin times radius is speed.
+    near(column(found, "ball", "spin")[late, 1] * 0.02,
+         (column(found, "ball", "velocity") @ down)[late], 2e-3, "rolling of the ball")
+    heat = found.energy["dissipated"].values.ravel()
+    require(np.all(np.diff(heat[late]) > 0), "friction gives energy")
+
+
+def check_pair(bench):
+    found = bench.run("pair", ranks=2)
+    for name in ("momentum", "angular_momentum"):
+        sums = found.total[name].values
+        near(sums, sums[0], 1e-13 * np.abs(sums).max(), f"{name} of both")
+    near(column(found, "large", "impulse"), -column(found, "small", "impulse"), 1e-16,
+         "impulses of both")
+    require(np.linalg.norm(column(found, "large", "impulse")[-1]) > 1e-3, "they do not meet")
+
+
+def check_stack(bench):
+    found = bench.run("stack")
+    weight = {name: GRAVITY * 2650 * volume for name, volume in (
+        ("low", block(0.06, 0.06, 0.04)), ("middle", block(0.05, 0.05, 0.04)),
+        ("top", block(0.04, 0.04, 0.03)))}
+    for name, own in weight.items():
+        near(column(found, name, "force")[-1], [0, 0, own], 1e-6 * own, f"force on {name}")
+    total = sum(weight.values())
+    near(found.surfaces["floor"]["force"].values[-1], [0, 0, -total], 1e-6 * total, "floor")
+    near([column(found, name, "contacts")[-1].item() for name in weight], [2, 2, 1], 0, "contacts")
+    require(found.energy["kinetic"].values[-1] < 1e-12, "the stack does not come to rest")
+
+
+def block(a, b, c, r=2e-3):
+    """Volume of a block with rounded edges: core, slabs, edges, corners."""
+    x, y, z = a - 2 * r, b - 2 * r, c - 2 * r
+    return (x * y * z + 2 * r * (x * y + y * z + z * x) + math.pi * r**2 * (x + y + z)
+            + 4 / 3 * math.pi * r**3)
+
+
+def check_driven(bench):
+    """A ball between a plate that comes down and a fixed stone: both keep their speed, and what
+    they supply is what the ball has and the dampers took."""
+    changes = ["stone.block.motion=driven", "stone.block.velocity=[0.1,0,0]",
+               "stone.block.spin=[1,2,3]"]
+    found = bench.run("rotation", *changes, "time.step=1e-4", name="driven")
+    t = found.time
+    near(column(found, "block", "spin"), [[1, 2, 3]] * len(t), 1e-11, "spin of a driven stone")
+    near(column(found, "block", "position"), np.outer(t, [0.1, 0, 0]), 1e-12, "its place")
+    found = bench.run("pair", "stone.small.motion=driven", "stone.large.spin=[0,0,0]",
+                      name="bat")
+    velocity = column(found, "small", "velocity")
+    near(velocity, [[-1, 0.3, -0.2]] * len(velocity), 0, "speed of a driven stone")
+    supplied = found.energy["supplied"].values.ravel()[-1]
+    gained = found.energy["kinetic"].values.ravel()
+    lost = found.energy["dissipated"].values.ravel()[-1]
+    near(supplied, gained[-1] - gained[0] + lost, 1e-12, "work of the bat")
+    require(supplied > 1e-4 and lost > 0, "the bat does no work")
+    found = bench.run("impact", "plate.glass.velocity=[0,0,2]", "stone.ball.velocity=[0,0,-1]",
+                      "contact.0.restitution=1", name="racket")
+    near(column(found, "ball", "velocity")[-1], [0, 0, 5], 5e-3, "rebound off a moving plate")
+    near(found.surfaces["glass"]["displacement"].values, np.outer(found.time, [0, 0, 2]), 1e-18,
+         "way of the plate")
+    # Twice the change of momentum times the plate's speed; by the trapezoid rule.
+    near(found.energy["supplied"].values[-1].item(), mass_of_ball(2.5e-3, 4000) * 6 * 2,
+         2e-3 * 0.003, "work of the plate")
+
+
+PLANE = """title = "Disk and clump in a box"
+model = "stones"
+dimension = "plane"
+thickness = 0.5
+
+[[material]]
+name = "stone"
+density = 2000
+
+[[contact]]
+first = "stone"
+second = "stone"
+k_n = 1e6
+k_s = 1e6
+friction = 0
+
+[[stone]]
+name = "disk"
+radius = 0.02
+material = "stone"
+position = [0.1, 0, 0.1]
+velocity = [1, 0, 0.4]
+
+[[stone]]
+name = "pair"
+shape = "clump"
+spheres = [-0.01, 0, 0, 0.01, 0.01, 0, 0, 0.01]
+material = "stone"
+position = [-0.1, 0, 0.1]
+angle = 90
+spin = [0, 5, 0]
+
+[[box]]
+name = "walls"
+material = "stone"
+low = [-0.2, 0, 0]
+high = [0.2, 1, 0.3]
+
+[dem]
+gravity = 0
+safety = 0.05
+
+[[stage]]
+name = "fly"
+duration = 0.5
+"""
+
+
+def check_plane(bench):
+    deck = bench.folder / "plane.toml"
+    deck.write_text(PLANE, encoding="utf-8")
+    bench.program.done(1, "check", deck)
+    found = bench.run(deck, ranks=2)
+    mass = 2000 * 0.5 * math.pi * 0.02**2
+    near(column(found, "disk", "momentum")[0], [mass, 0, 0.4 * mass], 1e-12, "mass of a disk")
+    near(column(found, "pair", "attitude")[0] * math.sqrt(2), [0, 1, 0, 1], 5e-3, "attitude")
+    energy = found.energy["kinetic"].values + found.energy["elastic"].values
+    # Steps of s sqrt(m/k) leave s^2/4 of the energy of a contact open.
+    near(energy, energy[0], 0.05**2 / 4 * energy[0], "energy without friction and dampers")
+    require(column(found, "disk", "peak_force")[-1] > 0, "the disk does not meet the walls")
+
+
+def main():
+    folder = pathlib.Path(sys.argv[3])
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
+    for check in (check_decks, check_flight, check_impact, check_rotation, check_slope, check_pair,
+                  check_stack, check_driven, check_plane):
+        check(bench)
+        print(check.__name__, "done")
+
+
+if __name__ == "__main__":
+    main()
