@@ -16,7 +16,7 @@ namespace trackbed::dem {
 // Collective. May be called at any time between windows, also before new lists exist: histories
 // that wait for them are written like those in the lists.
 void Particles::save(io::File& file, const std::string& group) const {
-  const Room& r = *room_;
+  Room& r = *room_;
   visit_state(r.state, [&](auto quantity, const auto& array) {
     using T = typename Number<std::decay_t<decltype(array[0])>>::type;
     const auto numbers = flat(array, r.state.own, quantity.columns);

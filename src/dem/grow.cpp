@@ -13,6 +13,7 @@ namespace trackbed::dem {
 // at most, `path`: features found before hold as long as that says.
 // Ghosts have no angular momentum here: their spin comes from their owners in the next sub-step.
 void Particles::Room::grow_to(double share) {
+  store_near_pairs(), near_valid = false;
   const double more = share - state.grown;
   state.grown = share;
   for (std::size_t b = 0; b < state.size(); ++b) derive_size(b);

@@ -291,7 +291,7 @@ Totals Particles::totals() const {
 // to. Forces are left out: what they are made of is in it. Sums of hashes wrap around, so order
 // does not matter.
 std::uint64_t Particles::state_hash() const {
-  const Room& r = *room_;
+  Room& r = *room_;
   std::uint64_t sum = 0;
   for (std::size_t b = 0; b < r.state.own; ++b) {
     const State& s = r.state;
@@ -330,6 +330,7 @@ Memory Particles::memory() const {
   to = &memory.contacts;
   for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
     count(list->rows, list->entries, list->xi, list->roll, list->size);
+  count(r.near.blocks, r.near.size, r.near.roll);
   count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
   memory.contacts += r.stone_contacts.memory();

@@ -1,30 +1,21 @@
-// Forces of pieces on pieces, in three passes: which entries touch (cheap, most do not); eight
-// touching contacts at a time through the law (vectorised: all lanes do the same arithmetic, so a
-// contact's bits do not depend on its lane); the forces added to the particles in the order of the
-// list. The sphere's case (piece = particle) is compiled apart.
+// Forces of balls on balls: the law on blocks of eight near pairs (near_pairs.hpp), whose particles
+// are loaded as rows and transposed in registers; forces are turned back into rows and added to the
+// particles in the order of the list. All lanes do the same arithmetic, so a contact's bits do not
+// depend on its lane; lanes that do not touch add zero. The sphere's case (piece = particle) is
+// compiled apart.
 //
-// Cost per touching contact of spheres: about 150 flops with 2 roots and 3 divisions, and 0.5 kB of
-// particle data that mostly sits in cache when ids run along the bed.
+// Cost per pair of spheres: about 150 flops, 2 roots and 3 divisions for eight at a time, 320 bytes
+// of particle data that mostly sits in cache when ids run along the bed, and 88 bytes of the block.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "room.hpp"
+#include "rows.hpp"
 
 namespace trackbed::dem {
 
 namespace {
-
-// Eight contacts: what the law reads and what it gives.
-// Filled from scattered particles, worked on in lanes, written back: the copy pays because the law
-// has two roots and three divisions, which cost the same for eight as for one.
-struct alignas(64) Group {
-  Lane3 d, vi, vj, wi, wj, ai, aj;        // a: piece centre from the particle's, clumps only
-  Lane3 xi, roll, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
-  double ri[lanes], rj[lanes], root_mass[lanes], size[lanes], overlap[lanes];
-  LawLanes law;
-  RollingLanes rolling;
-};
 
 // Arrays of the pair loop, so that the compiler sees plain pointers.
 struct Arrays {
@@ -37,141 +28,153 @@ struct Arrays {
   Vec4* t;
 };
 
-// Marks entries that touch; those that do no more lose their history.
-// A contact that opens gives its springs back at once: a stone that comes again meets it without
-// history, on whatever rank and after whatever rebuild.
-void find_touching(const Vec4* piece_x, PairList& list) {
-  list.touching.clear();
-  for (const Row& row : list.rows) {
-    const Vec4 pi = piece_x[row.piece];
-    for (std::uint32_t e = row.begin; e < row.end; ++e) {
-      Entry& entry = list.entries[e];
-      const Vec4& pj = piece_x[entry.piece];
-      const Vec4& h = list.shifts[entry.shift];
-      const double dx = pj.x - pi.x + h.x, dy = pj.y - pi.y + h.y, dz = pj.z - pi.z + h.z;
-      const double reach = pi.w + pj.w;
-      // Squares: most entries do not touch and need no root. What is not a number does not touch.
-      if (dx * dx + dy * dy + dz * dz < reach * reach) {
-        entry.touching = 1;
-        list.touching.push_back({e, row.piece});
-      } else if (entry.touching) {
-        list.forget(e);
-      }
+// Particles of the lanes of a block. Piece and particle have one number if each particle is one
+// sphere.
+struct Bodies {
+  std::size_t i[lanes], j[lanes];
+  template <bool spheres>
+  [[gnu::always_inline]] void find(const PairBlock& b, const std::int32_t* body) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      i[k] = static_cast<std::size_t>(spheres ? b.i[k] : body[b.i[k]]);
+      j[k] = static_cast<std::size_t>(spheres ? b.j[k] : body[b.j[k]]);
     }
   }
-}
+};
 
-// Piece and particle have one number if each particle is one sphere.
-template <bool spheres>
-std::size_t particle(const Arrays& a, std::int32_t piece) {
-  return static_cast<std::size_t>(spheres ? piece : a.body[piece]);
-}
+// The laws of a block's pairs: one for all, or looked up for each.
+struct BlockLaws {
+  const LawTable& laws;
+  Springs<Lanes> springs;
+  Rolling<Lanes> rolling;
 
-// Gathers eight contacts. The partner is brought to the image beside i by its shift; raw positions
-// are subtracted first and the shift is added to the difference, in this order on every rank.
-template <bool spheres, bool hertz, bool rolls>
-void load(const Arrays& a, const LawTable& laws, const PairList& list, const Contact* contacts,
-          std::size_t count, Group& g) {
-  for (std::size_t k = 0; k < lanes; ++k) {
-    const Contact& c = contacts[k < count ? k : 0];  // spare lanes repeat a contact, unused
-    const Entry& entry = list.entries[c.entry];
-    const Vec4 &pi = a.piece_x[c.piece], &pj = a.piece_x[entry.piece],
-               &h = list.shifts[entry.shift];
-    const std::size_t i = particle<spheres>(a, c.piece), j = particle<spheres>(a, entry.piece);
-    g.d.put(k, pj.x - pi.x + h.x, pj.y - pi.y + h.y, pj.z - pi.z + h.z);
-    g.ri[k] = pi.w, g.rj[k] = pj.w;
-    g.vi.put(k, a.v[i]), g.vj.put(k, a.v[j]);
-    g.wi.put(k, a.w[i]), g.wj.put(k, a.w[j]);
-    if constexpr (!spheres) {
-      g.ai.put(k, pi.x - a.x[i].x, pi.y - a.x[i].y, pi.z - a.x[i].z);
-      g.aj.put(k, pj.x - a.x[j].x, pj.y - a.x[j].y, pj.z - a.x[j].z);
-    }
-    const Vec4& xi = list.xi[c.entry];
-    g.xi.put(k, xi), g.root_mass[k] = xi.w;
-    g.law.set(k, laws[entry.law]);
-    if constexpr (hertz) g.size[k] = list.size[c.entry];
-    if constexpr (rolls)
-      g.rolling.set(k, laws[entry.law].rolling), g.roll.put(k, list.roll[c.entry]);
+  explicit BlockLaws(const LawTable& table) : laws(table), springs{}, rolling{} {}
+  void set_all(std::uint8_t law) {
+    const std::uint8_t same[lanes] = {law, law, law, law, law, law, law, law};
+    set(same);
   }
-}
+  void set(const std::uint8_t (&law)[lanes]) {
+    LawLanes all;
+    RollingLanes roll;
+    for (std::size_t k = 0; k < lanes; ++k)
+      all.set(k, laws[law[k]]), roll.set(k, laws[law[k]].rolling);
+    springs = all.get(), rolling = roll.get();
+  }
+};
 
-// The law on all lanes. Everything is inlined into one loop without branches.
+// Force on i (on j the opposite) and torques: on i of it, on j of the opposite with the sign
+// turned.
+struct BlockForce {
+  Lanes3 force, turn_i, turn_j;
+  Mask beyond;  // overlaps larger than allowed
+};
+
+// The law on all lanes.
 //   n = d/|d| from i to j,  delta = r_i + r_j - |d|,
 //   arms from piece centres to the middle of the overlap: (r_i - delta/2) n, -(r_j - delta/2) n,
 //   v = v_i + w_i x arm_i - v_j - w_j x arm_j,  torques arm x force.
 // Both arms end in the same point, so angular momentum is kept to rounding. The contact plane turns
 // about n with the mean of both spins: nobody's history is preferred. Centres in one place have no
-// normal; none is invented, and the overlap ends the run.
+// normal; none is invented, and the overlap ends the run. The partner is brought to the image
+// beside i by its shift; raw positions are subtracted first and the shift is added to the
+// difference, in this order on every rank. What is not a number does not touch.
 template <bool spheres, bool hertz, bool rolls>
-void respond(Group& g, double dt) {
-  const Lanes3 d = g.d.get(), wi = g.wi.get(), wj = g.wj.get();
-  const Lanes ri = dem::load(g.ri), rj = dem::load(g.rj), root_mass = dem::load(g.root_mass);
-  const Lanes distance = root(dot(d, d));
+[[gnu::always_inline]] inline BlockForce respond(const Arrays& a, const NearPairs& near,
+                                                 const BlockLaws& laws, const Bodies& at,
+                                                 PairBlock& b, Lanes* size, Lanes3* rolled,
+                                                 double dt, double allowed) {
+  const Vec4 *px = a.piece_x, *shifts = near.shifts.data();
+  const Lanes3 d = rows([&](std::size_t k) {
+                     return four(px[b.j[k]]) - four(px[b.i[k]]) + four(shifts[b.shift[k]]);
+                   }).xyz();
+  const Lanes3 u =
+      rows([&](std::size_t k) { return four(a.v[at.i[k]]) - four(a.v[at.j[k]]); }).xyz();
+  const Lanes3 wi = rows(a.w, [&](std::size_t k) { return at.i[k]; }).xyz();
+  const Lanes3 wj = rows(a.w, [&](std::size_t k) { return at.j[k]; }).xyz();
+  const Lanes squared = dot(d, d), reach = b.ri + b.rj;
+  const Mask touches = squared < reach * reach;
+  const Lanes distance = root(squared);
   const Lanes3 n = (1.0 / larger(distance, all(1e-300))) * d;
-  const Lanes reach = ri + rj, delta = reach - distance;
-  Lanes3 arm_i = (ri - 0.5 * delta) * n, arm_j = (0.5 * delta - rj) * n;
-  if constexpr (!spheres) arm_i = arm_i + g.ai.get(), arm_j = arm_j + g.aj.get();
-  const Lanes3 v = (g.vi.get() + cross(wi, arm_i)) - (g.vj.get() + cross(wj, arm_j));
-  const Springs<Lanes> law = g.law.get();
-  const Lanes radius = hertz || rolls ? ri * rj / reach : Lanes{};
-  const auto c = coefficients<hertz>(law, delta, root_mass, radius);
-  const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
-  const Lanes spring = spring_force<hertz>(law, c, delta, dot(v, n), root_mass, radius, dt);
-  const Lanes remains = hertz ? kept(dem::load(g.size), c.size) : all(1);
-  Lanes3 xi = g.xi.get();
-  const auto contact = contact_force(c, touch, spring, remains, dt, xi);
-  const Lanes3 force = contact.friction - contact.normal * n;
-  Lanes3 turn_i = cross(arm_i, force), turn_j = cross(arm_j, force);
-  // A moment of a pair: opposite on j, which `add` sees to as with all torques.
-  if constexpr (rolls) {
-    const Rolls<Lanes> t{n, wi - wj, touch.twist, contact.normal, c.k_n, radius, root_mass};
-    Lanes3 roll = g.roll.get();
-    const Lanes3 moment = rolling_moment(g.rolling.get(), t, remains, dt, roll);
-    turn_i = turn_i + moment, turn_j = turn_j + moment;
-    g.roll.set(roll);
+  const Lanes delta = reach - distance;
+  const Lanes ci = b.ri - 0.5 * delta, cj = 0.5 * delta - b.rj;
+  Lanes3 arm_i = ci * n, arm_j = cj * n;
+  if constexpr (!spheres) {
+    const auto arm = [&](const std::int32_t* piece, const std::size_t* body) {
+      return rows([&](std::size_t k) { return four(px[piece[k]]) - four(a.x[body[k]]); }).xyz();
+    };
+    arm_i = arm_i + arm(b.i, at.i), arm_j = arm_j + arm(b.j, at.j);
   }
-  g.xi.set(xi), g.force.set(force), g.turn_i.set(turn_i), g.turn_j.set(turn_j);
-  if constexpr (hertz) store(c.size, g.size);
-  store(delta / smaller(ri, rj), g.overlap);  // for the check of overlaps
+  const Lanes3 v = u + (cross(wi, arm_i) - cross(wj, arm_j));
+  const Lanes radius = hertz || rolls ? b.ri * b.rj / reach : Lanes{};
+  const auto c = coefficients<hertz>(laws.springs, delta, b.root_mass, radius);
+  const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
+  const Lanes spring =
+      spring_force<hertz>(laws.springs, c, delta, dot(v, n), b.root_mass, radius, dt);
+  const Lanes remains = hertz ? kept(*size, c.size) : all(1);
+  const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
+  const Lanes3 none{};
+  const Lanes3 force = select(touches, contact.friction - contact.normal * n, none);
+  BlockForce out{force, cross(arm_i, force), cross(arm_j, force),
+                 touches & (delta > allowed * smaller(b.ri, b.rj))};
+  // A moment of a pair: opposite on j, which whoever adds sees to as with all torques.
+  if constexpr (rolls) {
+    const Rolls<Lanes> t{n, wi - wj, touch.twist, contact.normal, c.k_n, radius, b.root_mass};
+    const Lanes3 moment =
+        select(touches, rolling_moment(laws.rolling, t, remains, dt, *rolled), none);
+    out.turn_i = out.turn_i + moment, out.turn_j = out.turn_j + moment;
+    *rolled = select(touches, *rolled, none);
+  }
+  // A contact that opens gives its springs back at once: a stone that comes again meets it without
+  // history, on whatever rank and after whatever rebuild.
+  b.xi = select(touches, b.xi, none), b.touches = touches;
+  if constexpr (hertz) *size = select(touches, c.size, Lanes{});
+  return out;
 }
 
-// Adds forces in the order of the list; returns the largest overlap over the smaller radius.
-// One contact after the other: neighbours in the list share particles, so lanes may not add at
-// once.
-template <bool spheres, bool hertz, bool rolls>
-double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t count,
-           const Group& g) {
+// Adds forces in the order of the list, one pair after the other: neighbours in the list share
+// particles, so lanes may not add at once. Ghosts collect what their owners compute as well; it is
+// dropped with them.
+[[gnu::always_inline]] inline void add(const Arrays& a, const Bodies& at, const BlockForce& b) {
+  Four force[lanes], turn_i[lanes], turn_j[lanes];
+  const auto to = [](const Lanes3& v, Four* row) {
+    to_rows({v.x, v.y, v.z, Lanes{}}, [&](std::size_t k, Four value) { row[k] = value; });
+  };
+  to(b.force, force), to(b.turn_i, turn_i), to(b.turn_j, turn_j);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const std::size_t i = at.i[k], j = at.j[k];
+    put(a.f[i], four(a.f[i]) + force[k]), put(a.t[i], four(a.t[i]) + turn_i[k]);
+    put(a.f[j], four(a.f[j]) - force[k]), put(a.t[j], four(a.t[j]) - turn_j[k]);
+  }
+}
+
+// Largest overlap over the smaller radius of a block.
+double worst_of(const Arrays& a, const NearPairs& near, const PairBlock& b) {
   double worst = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t e = contacts[k].entry;
-    Vec4& xi = list.xi[e];
-    xi.x = g.xi.x[k], xi.y = g.xi.y[k], xi.z = g.xi.z[k];
-    if constexpr (hertz) list.size[e] = g.size[k];
-    if constexpr (rolls) list.roll[e].set(g.roll.at(k));
-    // Ghosts collect what their owners compute as well; it is dropped with them.
-    const std::size_t i = particle<spheres>(a, contacts[k].piece);
-    const std::size_t j = particle<spheres>(a, list.entries[e].piece);
-    Vec4 &fi = a.f[i], &ti = a.t[i], &fj = a.f[j], &tj = a.t[j];
-    fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
-    ti.x += g.turn_i.x[k], ti.y += g.turn_i.y[k], ti.z += g.turn_i.z[k];
-    fj.x -= g.force.x[k], fj.y -= g.force.y[k], fj.z -= g.force.z[k];
-    tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
-    worst = g.overlap[k] > worst ? g.overlap[k] : worst;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    if (b.touches[k] == 0) continue;
+    const Vec3 d = a.piece_x[b.j[k]].vec3() - a.piece_x[b.i[k]].vec3() +
+                   near.shifts[static_cast<std::size_t>(b.shift[k])].vec3();
+    worst = std::max(worst, (b.ri[k] + b.rj[k] - d.norm()) / std::min(b.ri[k], b.rj[k]));
   }
   return worst;
 }
 
-// Returns the largest overlap over the smaller radius.
+// Returns the largest overlap over the smaller radius if it is larger than `allowed`, else 0.
 template <bool spheres, bool hertz, bool rolls>
-double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
+double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double dt,
+                 double allowed) {
   double worst = 0;
-  Group group{};
-  for (std::size_t begin = 0; begin < list.touching.size(); begin += lanes) {
-    const Contact* contacts = list.touching.data() + begin;
-    const std::size_t count = std::min(lanes, list.touching.size() - begin);
-    load<spheres, hertz, rolls>(a, laws, list, contacts, count, group);
-    respond<spheres, hertz, rolls>(group, dt);
-    worst = std::max(worst, add<spheres, hertz, rolls>(a, list, contacts, count, group));
+  BlockLaws laws(table);
+  if (near.one_law && near.count > 0) laws.set_all(near.blocks[0].law[0]);
+  for (std::size_t n = 0; n < near.blocks.size(); ++n) {
+    PairBlock& b = near.blocks[n];
+    Bodies at;
+    at.find<spheres>(b, a.body);
+    if (!near.one_law) laws.set(b.law);
+    const BlockForce force =
+        respond<spheres, hertz, rolls>(a, near, laws, at, b, hertz ? &near.size[n] : nullptr,
+                                       rolls ? &near.roll[n] : nullptr, dt, allowed);
+    add(a, at, force);
+    if (any(force.beyond)) worst = std::max(worst, worst_of(a, near, b));
   }
   return worst;
 }
@@ -189,6 +192,36 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 }  // namespace
 
+// How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through
+// the law and the more often they are gathered anew (docs/decisions/particles.md).
+constexpr double near_share = 0.2;
+
+// The paths of all particles since the last gathering, own and ghosts, bound how far any two have
+// come closer.
+void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
+  double fastest = 0;
+  const bool spheres = shapes.only_spheres();
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    const Vec4 &v = state.v[b], &w = state.w[b];
+    const double turning =
+        spheres ? 0 : state.x[b].w * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
+    const double speed = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z) + turning;
+    // Written so that what is not a number ends the margin.
+    fastest = speed <= fastest ? fastest : speed;
+  }
+  near_path += fastest * dt;
+  const double margin = near_share * skin;
+  if (near_valid && 2 * near_path <= margin) return;
+  if (near_valid) near.store(pairs);
+  near.gather(piece_x, pairs, margin);
+  near_valid = true, near_path = 0;
+}
+
+// Histories of near pairs to the list, where they are read and carried over to the next one.
+void Particles::Room::store_near_pairs() {
+  if (near_valid) near.store(pairs);
+}
+
 // Local. Forces are made anew from nothing: balls first, then stones, each in the order of its
 // list, so that every particle adds up alike on any rank; surfaces follow (`feel_surfaces`).
 void Particles::Room::feel_pairs(double dt) {
@@ -203,9 +236,9 @@ void Particles::Room::feel_pairs(double dt) {
                  state.w.data(),
                  state.f.data(),
                  state.t.data()};
-  find_touching(a.piece_x, pairs);
+  gather_near_pairs(spheres ? state.x : pieces.x, dt);
   const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
-  double worst = loop(a, laws, pairs, dt);
+  double worst = loop(a, laws, near, dt, parameters.largest_overlap);
   if (shapes.any_stones()) {
     const auto& overlaps = stone_contacts.find(scene(), stones);
     worst = std::max(worst, feel_stones(overlaps, scene(), dt, stones, state));

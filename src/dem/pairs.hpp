@@ -47,13 +47,6 @@ struct Row {
   std::uint32_t begin, end;
 };
 
-// An entry that touches, with its row's piece.
-// Kept so that the passes after the first need not find the row again.
-struct Contact {
-  std::uint32_t entry;
-  std::int32_t piece;  // i
-};
-
 struct PairList {
   std::vector<Row> rows;
   std::vector<Entry> entries;
@@ -61,7 +54,6 @@ struct PairList {
   std::vector<Vec4> roll;         // m, history; empty if no law resists rolling
   std::vector<double> size;       // `size` of History; empty if no law is Hertz's
   std::vector<Vec4> shifts;       // m, [0] is zero
-  std::vector<Contact> touching;  // in this sub-step, in the order of entries
   void clear() {
     rows.clear(), entries.clear(), xi.clear(), roll.clear(), size.clear();
     shifts.assign(1, Vec4{});

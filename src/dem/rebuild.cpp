@@ -331,6 +331,7 @@ void Particles::Room::rebuild() {
   lay_out(state, shapes, pieces);
   place(state, shapes, pieces);
   find_pairs(scene(), carried, pairs, stones);
+  near_valid = false;
   stone_contacts.reset(scene(), stones);
   find_approaches(scene(), surfaces, surface_names, carried, approaches);
   find_at_border();

@@ -8,6 +8,7 @@
 #include "grid.hpp"
 #include "laws.hpp"
 #include "mesh.hpp"
+#include "near_pairs.hpp"
 #include "pairs.hpp"
 #include "state.hpp"
 #include "stones.hpp"
@@ -50,6 +51,8 @@ struct Particles::Room {
   Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
   // Forces and torques on own particles, at the present poses; histories move by one sub-step.
   void feel_pairs(double dt);
+  void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
+  void store_near_pairs();
   void feel_surfaces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
   double touch_with_corners(Approach& a, const SubStep& step);  // over rounding
@@ -105,11 +108,13 @@ struct Particles::Room {
   }
   int name_number(const std::string& name);
   void check_laws() const;  // throws InputError; collective
-  std::vector<History> history() const {
+  std::vector<History> history() {
+    store_near_pairs();
     return collect_history(state, pieces, pairs, stones, approaches, surface_names);
   }
   void forget_contacts() {
     approaches.clear(), pairs.clear(), stones.clear();
+    near.clear(), near_valid = false;
     stone_contacts.reset(scene(), stones);
   }
   par::Comm comm;
@@ -132,6 +137,9 @@ struct Particles::Room {
   Pieces pieces;
   // Lists of this rank's pieces, ghosts included; made by `rebuild`, valid while `ready`.
   PairList pairs;
+  NearPairs near;
+  bool near_valid = false;  // blocks match the list and the sizes of particles
+  double near_path = 0;     // m, longest of a particle since they were gathered
   StoneList stones;
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;
