@@ -275,8 +275,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
-    for check in (check_decks, check_flight, check_impact, check_bounce, check_rotation, check_slope,
-                  check_pair, check_stack, check_driven, check_plane):
+    for check in (check_decks, check_flight, check_impact, check_bounce, check_rotation,
+                  check_slope, check_pair, check_stack, check_driven, check_plane):
         check(bench)
         print(check.__name__, "done")
 
