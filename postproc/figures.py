@@ -345,6 +345,8 @@ def main():
     arguments = parser.parse_args()
     runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
     for run in runs:
+        if run.deck.get("model") == "stones":
+            raise read.Unreadable(f"{run.name}: holds single stones; read.py has their histories")
         if run.deck.get("model", "bed") != "bed":
             raise read.Unreadable(f"{run.name}: holds a track alone; draw it with track_figures.py")
         if not len(run.time):

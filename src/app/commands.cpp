@@ -73,10 +73,9 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(model, deck, origin);
   checked_ground(model, deck, warnings);
   try_options(comm, model);
-  if (model.is_placed())
-    warnings.add(require_placed(comm, model, deck));
-  else if (!alone)
-    require_stones(comm, model, deck);
+  const StonesToPlace to_place = require_placed(comm, model, deck);
+  warnings.add(to_place.warnings);
+  if (model.has_stages()) require_stones(comm, model, deck);
   look_at_cell(model, deck, origin);
   look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
@@ -92,6 +91,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
                       .warnings = warnings.said});
   Simulation simulation(comm, model, deck, arguments.deck, folder);
   simulation.keep(warnings.said);
+  simulation.give_shapes(to_place.shapes);
   if (!start.empty()) simulation.start_from(start);
   simulation.keep_in_state(origin.said);
   return finish(comm, simulation, folder);
@@ -115,12 +115,13 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const std::string start = checked_start(model, deck, warnings);
   const GroundFile ground = checked_ground(model, deck, warnings);
   warn_of_unused_options(comm, try_options(comm, model));
-  if (model.is_placed()) warnings.add(require_placed(comm, model, deck));
-  const StonesOfLayers stones =
-      model.is_placed() ? StonesOfLayers{} : require_stones(comm, model, deck);
+  const StonesToPlace to_place = require_placed(comm, model, deck);
+  warnings.add(to_place.warnings);
+  const StonesOfLayers stones = require_stones(comm, model, deck);
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
   World world(comm, model);
+  if (world.placement) world.placement->give_shapes(to_place.shapes);
   StageActions actions(world, model);
   Progress progress(comm);
   progress.start(world, model, arguments.deck);

@@ -86,23 +86,24 @@ InputError placed_error(const InputError& error, const input::Deck& deck) {
 
 }  // namespace
 
-std::vector<std::string> require_placed(const par::Comm& comm, const Model& model,
-                                        const input::Deck& deck) {
+StonesToPlace require_placed(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  if (!model.is_placed()) return {};
   World world(comm, model);
   try {
     world.place_stones();
   } catch (const InputError& error) {  // equal on all ranks
     throw placed_error(error, deck);
   }
-  std::vector<std::string> problems, warnings;
+  std::vector<std::string> problems;
+  StonesToPlace found{world.placement->make_shapes(), {}};
   for (const Deep& deep : deep_contacts(comm, world.particles, model.placed.stones.size())) {
     const bool too_deep = !(deep.overlap <= model.dem.largest_overlap * deep.radius);
-    (too_deep ? problems : warnings).push_back(sentence_of(deep, world, deck));
+    (too_deep ? problems : found.warnings).push_back(sentence_of(deep, world, deck));
   }
   if (!problems.empty()) throw InputError(problems);
   const StonesStep step = step_of(world);
   require_stable(model, deck, step.longest, step.limit);
-  return warnings;
+  return found;
 }
 
 // Rows of the histories not counted.

@@ -58,27 +58,48 @@ Placement::Placement(const par::Comm& comm, const Model& model)
       on_stones_(model.placed.stones.size()),
       on_surfaces_(surfaces_.surfaces().size()) {}
 
-// Equal shapes are made once. The root adds all: the first rebuild shares them out.
-void Placement::place(dem::Particles& particles) {
+namespace {
+
+// The first stone with the same shape, maybe itself.
+std::size_t first_alike(const std::vector<bed::StoneParameters>& stones, std::size_t i) {
+  const bed::ShapeParameters& wanted = stones[i];
+  const auto same =
+      std::find_if(stones.begin(), stones.begin() + static_cast<std::ptrdiff_t>(i),
+                   [&](const bed::ShapeParameters& shape) { return shape == wanted; });
+  return static_cast<std::size_t>(same - stones.begin());
+}
+
+}  // namespace
+
+// Equal shapes are made once: the size of the hole that a stone passes takes its time.
+const std::vector<bed::PlacedShape>& Placement::make_shapes() {
   const auto& stones = model_.placed.stones;
-  std::vector<bed::PlacedShape> shapes(stones.size());
-  std::vector<int> numbers(stones.size(), -1);
+  if (shapes_.size() == stones.size()) return shapes_;
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < stones.size(); ++i) {
-    const bed::ShapeParameters& wanted = stones[i];
-    const auto same = std::find_if(stones.begin(), stones.begin() + static_cast<std::ptrdiff_t>(i),
-                                   [&](const bed::ShapeParameters& s) { return s == wanted; });
-    const auto first = static_cast<std::size_t>(same - stones.begin());
+    const std::size_t first = first_alike(stones, i);
     try {
-      shapes[i] = first < i ? shapes[first] : bed::placed_shape(comm_, wanted, model_.dimension);
+      shapes_.push_back(first < i ? shapes_[first]
+                                  : bed::placed_shape(comm_, stones[i], model_.dimension));
     } catch (const InputError& error) {  // equal on all ranks
       problems.push_back(fmt::format("stone[{}].{}", i, error.what()));
-      continue;
+      shapes_.emplace_back();
     }
+  }
+  if (!problems.empty()) throw InputError(problems);
+  return shapes_;
+}
+
+// The root adds all: the first rebuild shares them out.
+void Placement::place(dem::Particles& particles) {
+  const auto& stones = model_.placed.stones;
+  const std::vector<bed::PlacedShape>& shapes = make_shapes();
+  std::vector<int> numbers(stones.size(), -1);
+  for (std::size_t i = 0; i < stones.size(); ++i) {
+    const std::size_t first = first_alike(stones, i);
     numbers[i] = first < i ? numbers[first] : particles.add_template(shapes[i].shape);
     axes_[i] = shapes[i].axes;
   }
-  if (!problems.empty()) throw InputError(problems);
   std::vector<dem::NewParticle> mine;
   for (std::size_t i = 0; comm_.root() && i < stones.size(); ++i) {
     const bed::StoneParameters& stone = stones[i];

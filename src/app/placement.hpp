@@ -17,9 +17,12 @@ class Placement {
  public:
   Placement(const par::Comm& comm, const Model& model);
 
-  // Makes the stones of the deck. Throws InputError with all that cannot be made, each sentence
-  // beginning with the key of its parameter. Collective.
-  void place(dem::Particles& particles);
+  // Makes the shapes of the stones in the order of the deck, if they are not yet given. Throws
+  // InputError with all that cannot be made, each sentence beginning with the key of its parameter.
+  // Collective.
+  const std::vector<bed::PlacedShape>& make_shapes();
+  void give_shapes(std::vector<bed::PlacedShape> shapes) { shapes_ = std::move(shapes); }
+  void place(dem::Particles& particles);  // with these shapes; collective
   std::vector<Surface>& surfaces() { return surfaces_.surfaces(); }
   // Where the surfaces are at `time` s, and their way in a window of length dt from there.
   void show(double time, double dt) { surfaces_.show(time, dt); }
@@ -51,6 +54,7 @@ class Placement {
   const par::Comm& comm_;
   const Model& model_;
   bed::PlacedSurfaces surfaces_;
+  std::vector<bed::PlacedShape> shapes_;
   std::vector<Quat> axes_;  // of each stone, from principal axes to those of its description
   std::vector<Felt> on_stones_, on_surfaces_;
   double energy_at_begin_ = 0, supplied_ = 0;  // J

@@ -33,6 +33,10 @@ class Simulation {
   void keep_in_state(const std::vector<std::string>& said) {
     course_.warnings.insert(course_.warnings.end(), said.begin(), said.end());
   }
+  // Of the stones that the deck places, made before; nothing for other models.
+  void give_shapes(const std::vector<bed::PlacedShape>& shapes) {
+    if (world_.placement) world_.placement->give_shapes(shapes);
+  }
   // Goes on exactly where the checkpoint was written.
   void resume(const std::string& checkpoint);
   // Takes the state a checkpoint at the end of a stage holds; this deck's later stages follow.

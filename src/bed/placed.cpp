@@ -110,8 +110,9 @@ void PlateParameters::declare(input::Section& s) {
   s.text("name", name, "Name of the plate in histories, sentences and overrides.", {}, true);
   s.text("material", material, "Contact material.");
   s.numbers("centre", centre, {.unit = "m"}, "Of the rectangle, at time 0.", 3);
-  s.numbers("normal", normal, {.unit = "-"},
-            "To the side of the stones, of any length: from behind the plate is not there.", 3);
+  s.numbers(
+      "normal", normal, {.unit = "-"},
+      "To the side of the stones, of any length: one that reaches it from behind ends the run.", 3);
   s.numbers("size", size, {.unit = "m", .above = 0},
             "Lengths of its sides; in a plane the first counts.", 2);
   s.numbers("edge", edge, {.unit = "-"},

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <stdexcept>
 
 #include "shapes.hpp"
@@ -20,10 +21,19 @@ namespace {
 
 constexpr int cells = 192;  // columns across a union of spheres
 
-// Exact for one piece.
-PlacedShape shape_of(const geom::Piece& piece) {
+// Mass and inertia are exact for one piece.
+PlacedShape shape_of(const geom::Piece& piece, double sieve) {
   const geom::Solid solid = geom::piece_solid(piece);
-  return {geom::template_of({piece}, solid, geom::smallest_hole({piece})), 1, solid.axes};
+  return {geom::template_of({piece}, solid, sieve), 1, solid.axes};
+}
+
+// m, the square hole that a cuboid passes along its longest side: with the middle side along one of
+// the hole's, or with both shorter ones along its diagonals, where rounding counts. (The general
+// search takes seconds for bodies with so many equal views.)
+double hole_of_block(std::vector<double> sides, double rounding) {
+  std::sort(sides.begin(), sides.end());
+  const double core = sides[0] + sides[1] - 4 * rounding;
+  return std::min(sides[1], core / std::numbers::sqrt2 + 2 * rounding);
 }
 
 // The core is smaller by the rounding on all sides, so that faces lie where the sides say.
@@ -33,14 +43,15 @@ PlacedShape block(const ShapeParameters& p) {
   for (int k = 0; k < 8; ++k)
     corners.push_back(half.cwiseProduct(
         Vec3((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1)));
-  return shape_of({geom::convex_hull(corners), p.rounding});
+  return shape_of({geom::convex_hull(corners), p.rounding}, hole_of_block(p.sides, p.rounding));
 }
 
 PlacedShape hull(const ShapeParameters& p) {
   std::vector<Vec3> corners;
   for (std::size_t k = 0; k + 2 < p.corners.size(); k += 3)
     corners.emplace_back(p.corners[k], p.corners[k + 1], p.corners[k + 2]);
-  return shape_of(geom::rounded(geom::convex_hull(corners), p.rounding));
+  const geom::Piece piece = geom::rounded(geom::convex_hull(corners), p.rounding);
+  return shape_of(piece, geom::smallest_hole({piece}));
 }
 
 PlacedShape clump(const ShapeParameters& p, Dimension dimension) {

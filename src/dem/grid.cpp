@@ -16,19 +16,21 @@ namespace {
 
 constexpr const char* axis_name[] = {"x", "y", "z"};
 constexpr double most_cells = 1 << 22;  // bounds the map when stones are tiny beside the domain
+// A rebuild looks at all cells: for a few stones in a wide domain it would be all of the work.
+constexpr double cells_per_particle = 64, fewest_cells = 4096;
 
 }  // namespace
 
 // A whole number of cells along each axis, none shorter than `edge`: what is within `edge` of a
 // place lies in its cell or the ones around it. Larger cells are slower, never wrong.
-Lattice::Lattice(const Domain& domain, double edge)
+Lattice::Lattice(const Domain& domain, double edge, double most)
     : domain_(domain), extent_(domain.high - domain.low) {
   const auto cells_of = [&](double length) {
     return (extent_ / length).array().floor().max(1).prod();
   };
   double length = edge;
   // Counted in doubles: the product may not fit in an int before it is bounded.
-  while (cells_of(length) > most_cells) length *= 1.1;
+  while (cells_of(length) > most) length *= 1.1;
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     count_[axis] = std::max(static_cast<int>(extent_[a] / length), 1);
@@ -101,11 +103,15 @@ Cell Lattice::highest(const Vec3& low, const Vec3& high) const {
 
 // Cells as long as the largest particle of their level and the skin: two of one level that may
 // touch lie in neighbouring cells.
-Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin)
+Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin,
+           std::int64_t particles)
     : domain_(domain), skin_(skin) {
   levels_.clear();
+  const double most =
+      std::min(most_cells, fewest_cells + cells_per_particle * static_cast<double>(particles));
   // All levels cover the same box, each with its own cells.
-  for (const double bound : bounds) levels_.push_back({bound, Lattice(domain, 2 * bound + skin)});
+  for (const double bound : bounds)
+    levels_.push_back({bound, Lattice(domain, 2 * bound + skin, most)});
   owner_.assign(levels_[0].lattice.size(), 0);
   // With fewer than three a particle could meet a partner and the partner's image, and one entry
   // per pair would not do.

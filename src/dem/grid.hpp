@@ -30,7 +30,8 @@ class Lattice {
   };
 
   Lattice() = default;
-  Lattice(const Domain& domain, double edge);  // edges no smaller than `edge`, m
+  // Edges no smaller than `edge`, m; at most about so many cells.
+  Lattice(const Domain& domain, double edge, double most);
 
   Image locate(const Vec3& position) const;
   std::size_t size() const;
@@ -90,10 +91,10 @@ class Grid {
   };
 
   Grid() = default;
-  // `bounds`: the largest bounding radius (m) of each level, ascending, not empty. Throws
-  // InputError if a periodic side is shorter than 3 of the largest particles with skin: two could
-  // then touch twice.
-  Grid(const Domain& domain, std::span<const double> bounds, double skin);
+  // `bounds`: the largest bounding radius (m) of each level, ascending, not empty; `particles`: of
+  // all ranks. Throws InputError if a periodic side is shorter than 3 of the largest particles with
+  // skin: two could then touch twice.
+  Grid(const Domain& domain, std::span<const double> bounds, double skin, std::int64_t particles);
 
   const std::vector<Level>& levels() const { return levels_; }
   std::size_t level_of(double bound) const;

@@ -18,6 +18,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import ground_knobs  # noqa: E402
 import mesh_knobs  # noqa: E402
+import placed_knobs  # noqa: E402
 import pressure_knobs  # noqa: E402
 import section_knobs  # noqa: E402
 import solid_knobs  # noqa: E402
@@ -352,7 +353,7 @@ def main():
     declared = set(parameters(json.loads(program.done(1, "schema").stdout)))
     listed = (set(KNOBS) | set(EXCEPTIONS) | set(track_knobs.KNOBS) | set(ground_knobs.KNOBS)
               | set(mesh_knobs.KNOBS) | set(section_knobs.KNOBS) | set(solid_knobs.KNOBS)
-              | set(pressure_knobs.KNOBS))
+              | set(pressure_knobs.KNOBS) | set(placed_knobs.KNOBS))
     problems = [f"{name}: no entry in this test" for name in sorted(declared - listed)]
     problems += [f"{name}: not a parameter" for name in sorted(listed - declared)]
     bench = Bench(program, sys.argv[2], folder)

@@ -104,6 +104,17 @@ def check_impact(bench):
             and contacts.sum() < (sizes > 0).sum() + 20, f"number of contacts: {contacts}")
 
 
+def check_bounce(bench):
+    """The force along the normal does not know of slip: between impacts the speed there is the
+    same, but for the error of velocity Verlet in ten of them."""
+    found = bench.run("bounce")
+    free = found.total["contacts"].values.ravel() == 0
+    speed = np.abs(column(found, "ball", "velocity")[free, 2])
+    near(speed, 0.2, 10 * 1e-4 * 0.2, "speed between the plates")
+    turns = np.count_nonzero(np.diff(np.sign(column(found, "ball", "velocity")[free, 2])))
+    near(turns, 10, 0, "number of impacts")
+
+
 def check_rotation(bench):
     found = bench.run("rotation")
     momentum = column(found, "block", "angular_momentum")
@@ -264,8 +275,8 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
-    for check in (check_decks, check_flight, check_impact, check_rotation, check_slope, check_pair,
-                  check_stack, check_driven, check_plane):
+    for check in (check_decks, check_flight, check_impact, check_bounce, check_rotation,
+                  check_slope, check_pair, check_stack, check_driven, check_plane):
         check(bench)
         print(check.__name__, "done")
 

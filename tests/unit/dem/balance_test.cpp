@@ -23,6 +23,8 @@ dem::ContactLaw rough() {
   return law;
 }
 
+constexpr std::int64_t many = 1000000;  // particles, so that their number bounds no grid
+
 // A skewed block with rounded edges, of about unit size.
 dem::Template stone() {
   const std::vector<Vec3> corners{{-0.7, -0.4, -0.4}, {0.6, -0.5, -0.3}, {0.5, 0.5, -0.4},
@@ -207,7 +209,7 @@ TEST(Sizes, ContactsOfLargeAndSmallAreThoseOfBruteForce) {
 TEST(Split, AThinBedIsCutAcrossItsLength) {
   const double bound[] = {0.01};
   const dem::Domain domain = test::box({0, 0, 0}, {4, 0.2, 0.2});
-  dem::Grid grid(domain, bound, 0.002);
+  dem::Grid grid(domain, bound, 0.002, many);
   const double worst = grid.share_out(std::vector<double>(grid.cells(), 1), 4);
   EXPECT_LT(worst, 1.1);
   EXPECT_EQ(worst, grid.worst(std::vector<double>(grid.cells(), 1), 4));
@@ -221,7 +223,7 @@ TEST(Split, AThinBedIsCutAcrossItsLength) {
 
 TEST(Split, FollowsRandomWork) {
   const double bound[] = {0.01};
-  dem::Grid grid(test::box({0, 0, 0}, {0.5, 0.4, 0.3}), bound, 0.002);
+  dem::Grid grid(test::box({0, 0, 0}, {0.5, 0.4, 0.3}), bound, 0.002, many);
   for (const int ranks : {2, 3, 5, 8}) {
     std::vector<double> work(grid.cells());
     double sum = 0;
@@ -247,7 +249,7 @@ TEST(Split, AGraphWithFewerVerticesThanPartsIsLeftToBisection) {
   graph.begin = {0, 0}, graph.weights = {1};
   EXPECT_TRUE(par::partition_graph(graph, 3).empty());
   const double bound[] = {0.05};
-  dem::Grid grid(test::box({0, 0, 0}, {0.1, 0.1, 0.1}), bound, 0.0);
+  dem::Grid grid(test::box({0, 0, 0}, {0.1, 0.1, 0.1}), bound, 0.0, many);
   EXPECT_EQ(grid.share_out({1.0}, 3), 3.0);  // one rank does it all
 }
 

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Placed stones: the same bits in all histories on 1, 2 and 3 ranks, and after a run was stopped
+and resumed on another number of them; a resume with another plate is refused.
+
+    placed.py PROGRAM DECK FOLDER
+"""
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program, expect, summary  # noqa: E402
+from restart import compare, stops  # noqa: E402
+from results import datasets  # noqa: E402
+
+
+def require_moves(folder):
+    """The runs show something only if stones meet each other, what is driven, and the walls."""
+    found = datasets(folder / "results.h5")
+    for path in ("surface/walls", "surface/press", "stone/arm", "stone/rock", "stone/ball",
+                 "stone/clump"):
+        if not found[f"history/{path}/peak_force"][-1] > 0:
+            raise SystemExit(f"nothing touches {path}")
+    spin = found["history/stone/arm/spin"]
+    if not np.abs(spin - [0, 0, 3]).max() < 1e-10:
+        raise SystemExit("the driven stone does not keep its spin")
+    if found["history/energy/supplied"][-1] == 0:
+        raise SystemExit("what is driven does no work")
+
+
+def main():
+    program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    shutil.rmtree(root, ignore_errors=True)
+    reference = root / "1"
+    program.done(1, "run", deck, "-o", reference)
+    require_moves(reference)
+    for ranks in (2, 3):
+        program.done(ranks, "run", deck, "-o", root / str(ranks))
+        compare(reference, root / str(ranks), f"{ranks} ranks")
+    if summary(root / "3")["balance"]["imbalance_now"] > 2.9:
+        raise SystemExit("all stones are on one rank: nothing is shown")
+    for ranks, windows in enumerate(stops(reference)):
+        folder = root / f"stopped_{windows}"
+        program.done(1 + ranks % 3, "run", deck, f"output.stop_after={windows}", "-o", folder,
+                     code=3)
+        ran = program.done(1, "resume", folder, "plate.press.velocity=[0,0,0]", code=2)
+        expect("plate[0].velocity" in ran.stderr, "another plate is taken", ran)
+        program.done(1 + (ranks + 1) % 3, "resume", folder)
+        compare(reference, folder, f"stopped after {windows} windows")
+
+
+if __name__ == "__main__":
+    main()
