@@ -1,10 +1,10 @@
 """Angle of repose of a heap of stones from a checkpoint.
 
-The surface is that of the stones' own shapes seen from above, in cells of a fraction of a stone. Of
-each height z between LEVELS of the heap's it is asked how large an area A lies above it; a straight
+The surface is that of the stones' own shapes seen from above, in cells of a fraction of a stone.
+For each height z between LEVELS of the heap's, A is the area of the surface above it; a straight
 line through z against the radius sqrt(A/pi) is the flank, its slope the tangent of the angle. Areas
 need no choice of surface stones and no exact axis, and stones that stand out of a flank or lie loose
-before its foot do not turn the line. What other measures make of heaps whose angle is known:
+before its foot do not turn the line. Other measures on heaps whose angle is known:
 docs/decisions/heap_and_strength.md.
 """
 import numpy as np
@@ -25,8 +25,8 @@ def rotation(attitude):
 
 
 def templates(saved):
-    """Of each template its pieces: corners of the core, planes (normal, distance of the core's face)
-    and rounding. `saved`: read.checkpoint."""
+    """Of each template its pieces: corners of the core, planes of its faces (normal, distance) and
+    rounding. `saved`: read.checkpoint."""
     def numbers(name):
         return saved[f"particles/template/{name}"].values
 
@@ -117,7 +117,7 @@ def slope(levels, heights, cell, turn=2 * np.pi):
 
 
 def flank(pieces, size):
-    """Angle of a heap's flank, degrees, its scatter between SECTORS, and the flank itself: radii and
+    """Angle of a heap's flank, degrees, its scatter between SECTORS, and the flank: radii and
     heights, m. `size`: of the median stone, m. The heap's height is where a square of one stone's
     side is left."""
     cell = size / CELLS

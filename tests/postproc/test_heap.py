@@ -21,7 +21,7 @@ def dice(centre, rng):
 
 def made_heap(angle, height, level, seed):
     """Cubes about the places of a face-centred lattice at a random attitude, jittered by a fifth of
-    their size, below a cone with a level top of radius `level`; each is cut off a quarter of a stone
+    their size, below a cone with a level top of radius `level`; each is cut a quarter of a stone
     too high or too low at most, so that the flank is as rough as one of stones."""
     rng = np.random.default_rng(seed)
     far = level + height / np.tan(np.radians(angle)) + 3 * SIZE

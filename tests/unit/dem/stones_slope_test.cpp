@@ -51,7 +51,7 @@ struct Slope {
     ASSERT_EQ(particles.trouble(), "");
   }
   // m, down the slope.
-  double way(std::size_t k) const { return (tilt.conjugate() * particles[k].position).x(); }
+  double along(std::size_t k) const { return (tilt.conjugate() * particles[k].position).x(); }
   double speed(std::size_t k) const { return (tilt.conjugate() * particles[k].velocity).x(); }
 };
 
@@ -60,11 +60,11 @@ TEST(StonesOnSlope, BelowTheAngleOfFrictionTheyStayWhereTheyAre) {
     Slope slope(34, count);
     slope.run(0.5);
     std::vector<double> rest;
-    for (int k = 0; k < count; ++k) rest.push_back(slope.way(static_cast<std::size_t>(k)));
+    for (int k = 0; k < count; ++k) rest.push_back(slope.along(static_cast<std::size_t>(k)));
     slope.run(1);
     for (std::size_t k = 0; k < rest.size(); ++k) {
-      EXPECT_NEAR(rest[k], 0.013, 1e-4) << k;         // m: the springs' stretch
-      EXPECT_NEAR(slope.way(k), rest[k], 1e-9) << k;  // no creep
+      EXPECT_NEAR(rest[k], 0.013, 1e-4) << k;           // m: the springs' stretch
+      EXPECT_NEAR(slope.along(k), rest[k], 1e-9) << k;  // no creep
       EXPECT_LT(slope.particles[k].velocity.norm(), 1e-9) << k;
     }
   }
