@@ -3,7 +3,7 @@
 The surface is that of the stones' own shapes seen from above, in cells of a fraction of a stone.
 For each height z between LEVELS of the heap's, A is the area of the surface above it; a straight
 line through z against the radius sqrt(A/pi) is the flank, its slope the tangent of the angle. Areas
-need no choice of surface stones and no exact axis, and stones that stand out of a flank or lie loose
+need no choice of surface stones and no exact axis; stones that stand out of a flank or lie loose
 before its foot do not turn the line. Other measures on heaps whose angle is known:
 docs/decisions/heap_and_strength.md.
 """
