@@ -16,13 +16,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+import heap  # noqa: E402
 import read  # noqa: E402
 
 GRAVITY = 9.81   # m/s^2
 SMOOTH = 1e-3    # m of displacement over which stresses are averaged: a row is one window's mean
-SECTORS = 8      # of a heap
-CELL = 1.5       # median stones, side of a square in which the highest one counts
-FLANK = (0.2, 0.8)   # of the heap's height, between which the flank is fitted
 
 # Values in degrees and MPa; [M]: from memory, not read in the source (docs/laboratory.md).
 PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range [M]": (45, 65),
@@ -113,31 +111,6 @@ def moduli(steps):
     """Constrained modulus between the ends of neighbouring stages, Pa."""
     return [(name, (pressure - steps[k][2]) / (strain - steps[k][1]))
             for k, (name, strain, pressure) in enumerate(steps[1:]) if strain != steps[k][1]]
-
-
-def flank(centres, cell):
-    """Angle of a heap's flank, degrees, its scatter between SECTORS, and the stones as distance
-    from the axis through their middle and height. In each square of side `cell` of the ground the
-    highest centre counts: squares of one size miss the surface by the same on average, rings would
-    not. A straight line is fitted through those between FLANK of the heap's height."""
-    out = centres[:, :2] - centres[:, :2].mean(axis=0)
-    radius, turn = np.hypot(*out.T), np.arctan2(*out.T)
-    foot, top = centres[:, 2].min(), centres[:, 2].max()
-    highest = {}
-    for k, square in enumerate(map(tuple, np.floor(out / cell).astype(int))):
-        if square not in highest or centres[k, 2] > centres[highest[square], 2]:
-            highest[square] = k
-    surface = np.array(list(highest.values()))
-    share = (centres[surface, 2] - foot) / (top - foot)
-    surface = surface[(FLANK[0] <= share) & (share <= FLANK[1])]
-
-    def angle(stones):
-        return np.degrees(np.arctan(-np.polyfit(radius[stones], centres[stones, 2], 1)[0]))
-
-    sector = (turn[surface] + np.pi) // (2 * np.pi / SECTORS) % SECTORS
-    parts = [surface[sector == k] for k in range(SECTORS)]
-    scatter = np.std([angle(part) for part in parts if len(part) > 2], ddof=1)
-    return angle(surface), scatter, np.c_[radius, centres[:, 2]]
 
 
 def dilation_angle(axial, volumetric):
@@ -245,16 +218,21 @@ def draw_compression(runs, folder):
 
 def draw_heaps(runs, folder):
     figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
-    lines = ["heap                angle of repose, deg   scatter of 8 sectors   stones"]
+    lines = ["heap                angle of repose, deg   scatter of "
+             f"{heap.SECTORS} sectors   stones"]
+    reach = np.zeros(2)
     for k, (run, path) in enumerate(runs):
-        centres = read.checkpoint(path)["particles/position"].values
+        saved = read.checkpoint(path)
+        stones = len(saved["particles/position"].values)
         size = np.median(next(reversed(run.stones.values())).sieved[:, 0])
-        angle, scatter, points = flank(centres, CELL * size)
-        axes.plot(points[:, 0], points[:, 1], ".", ms=3, color=f"C{k}")
-        reach = np.array([0, points[:, 1].max() / np.tan(np.radians(angle))])
-        axes.plot(reach, reach[::-1] * np.tan(np.radians(angle)), color=f"C{k}",
+        angle, scatter, points = heap.flank(heap.placed(saved), size)
+        axes.plot(points[:, 0], points[:, 1], ".", color=f"C{k}",
                   label=f"{run.name}: {angle:.1f} deg")
-        lines.append(f"{run.name:19} {angle:20.1f} {scatter:22.1f} {len(centres):8}")
+        if len(points):
+            slope, foot = np.polyfit(points[:, 0], points[:, 1], 1)
+            reach = np.array([0, -foot / slope])
+            axes.plot(reach, foot + slope * reach, color=f"C{k}", lw=1)
+        lines.append(f"{run.name:19} {angle:20.1f} {scatter:22.1f} {stones:8}")
     for name, (low, high) in PUBLISHED_REPOSE.items():
         lines.append(f"published           {name}: {low:g} to {high:g} deg")
         for angle in (low, high):
@@ -262,8 +240,9 @@ def draw_heaps(runs, folder):
                       * reach, "--", color="0.5", lw=1)
         axes.plot([], [], "--", color="0.5", label=f"{low:g} and {high:g} deg: {name}")
     axes.set_aspect("equal")
-    axes.set_xlabel("distance from the axis, m")
-    axes.set_ylabel("centres of stones, m")
+    axes.set_xlabel("radius of the circle as large as the area of the heap above a height, m")
+    axes.set_ylabel("height, m")
+    axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=8)
     figure.savefig(folder / "heap.png", dpi=130)

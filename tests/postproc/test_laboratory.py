@@ -11,19 +11,6 @@ def quantity(values):
     return read.Quantity(np.asarray(values, dtype=float), "-", "made for a test")
 
 
-@pytest.mark.parametrize("angle", [25.0, 38.0])
-def test_the_flank_of_a_cone_has_its_angle(angle):
-    cell, top = 0.02, 0.3
-    spread = np.random.default_rng(1).uniform(-1, 1, (400000, 3))
-    centres = spread * [0.7, 0.7, top / 2] + [3.0, -2.0, top / 2]
-    out = np.hypot(centres[:, 0] - 3, centres[:, 1] + 2)
-    heap = centres[centres[:, 2] < top - out * np.tan(np.radians(angle))]
-    found, scatter, points = laboratory.flank(heap, cell)
-    # The highest of the few stones of a square is a little lower than the surface, everywhere.
-    assert found == pytest.approx(angle, abs=2)
-    assert scatter < 3 and len(points) == len(heap)
-
-
 def test_dilation_angle_of_plane_and_axial_strains():
     """With s = sin psi a bed widens by (1 + s)/(1 - s) of what it loses in height."""
     axial = np.linspace(0, 0.05, 11)

@@ -22,7 +22,8 @@ ROUND = ["bed.stone=disk", "bed.sieve=[40, 53]", "bed.passing=[0, 100]", "dem.la
 SHEAR = [*ROUND, "bed.height=0.14", "bed.split=0.07", "stage.fill.duration=0.25",
          "stage.compact.duration=0.15", "stage.hold.duration=0.05", "stage.shear.duration=0.08",
          "stage.shear.displacement=0.006"]
-HEAP = [*ROUND, "bed.height=0.15", "stage.fill.duration=0.3", "stage.lift.duration=0.3",
+HEAP = [*ROUND, "bed.x=[-0.15, 0.15]", "bed.y=[-0.15, 0.15]", "bed.height=0.15",
+        "stage.fill.duration=0.3", "stage.fill.growth=0", "stage.lift.duration=0.3",
         "stage.lift.lift=0.8", "stage.heap.duration=0.05"]
 TRIAXIAL = [*ROUND, "bed.height=0.3", "stage.fill.duration=0.25", "stage.fill.growth=0.15",
             "stage.compact.duration=0.15", "stage.squeeze.duration=0.15",
