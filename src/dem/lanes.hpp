@@ -25,6 +25,12 @@ using Mask = decltype(Lanes{} < Lanes{});
 }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 [[gnu::always_inline]] inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+// Whether it holds in any lane.
+[[gnu::always_inline]] inline bool any(Mask m) {
+  m |= __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3);
+  m |= __builtin_shufflevector(m, m, 2, 3, 0, 1, 6, 7, 4, 5);
+  return (m[0] | m[1]) != 0;
+}
 // A loop, for the extension has no root; compilers can make it one instruction.
 [[gnu::always_inline]] inline Lanes root(Lanes a) {
   Lanes result;

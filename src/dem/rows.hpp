@@ -1,0 +1,71 @@
+// Eight Vec4, from wherever they are in memory, as four `Lanes`, and back: each row is loaded whole
+// and the eight are transposed in registers.
+// Rejected: filling lanes number by number, whose scalar stores the vector load then waits for.
+// Numbers of rows and not pointers to them: eight pointers for each of several arrays do not stay
+// in registers.
+#pragma once
+
+#include "lanes.hpp"
+
+namespace trackbed::dem {
+
+// One Vec4 in a register.
+using Four [[gnu::vector_size(32)]] = double;
+using FourInMemory [[gnu::vector_size(32), gnu::may_alias]] = double;
+
+struct Lanes4 {
+  Lanes x, y, z, w;
+  [[gnu::always_inline]] Lanes3 xyz() const { return {x, y, z}; }
+};
+
+[[gnu::always_inline]] inline Four four(const Vec4& v) {
+  return *reinterpret_cast<const FourInMemory*>(&v);
+}
+[[gnu::always_inline]] inline void put(Vec4& to, Four v) {
+  *reinterpret_cast<FourInMemory*>(&to) = v;
+}
+
+// a[k] is row k (low half) and row k + 4 (high half).
+[[gnu::always_inline]] inline Lanes4 transposed(const Lanes (&a)[4]) {
+  const Lanes even01 = __builtin_shufflevector(a[0], a[1], 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd01 = __builtin_shufflevector(a[0], a[1], 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes even23 = __builtin_shufflevector(a[2], a[3], 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd23 = __builtin_shufflevector(a[2], a[3], 1, 9, 3, 11, 5, 13, 7, 15);
+  return {__builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15),
+          __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15)};
+}
+
+// Rows `at(0)` to `at(7)` of an array.
+template <class At>
+[[gnu::always_inline]] inline Lanes4 rows(const Vec4* array, At&& at) {
+  Lanes pair[4];
+  for (std::size_t k = 0; k < 4; ++k)
+    pair[k] =
+        __builtin_shufflevector(four(array[at(k)]), four(array[at(k + 4)]), 0, 1, 2, 3, 4, 5, 6, 7);
+  return transposed(pair);
+}
+// Eight that follow each other.
+[[gnu::always_inline]] inline Lanes4 rows(const Vec4* array) {
+  return rows(array, [](std::size_t k) { return k; });
+}
+
+// The reverse: put_row(k, row) for each of the eight.
+template <class Put>
+[[gnu::always_inline]] inline void to_rows(const Lanes4& v, Put&& put_row) {
+  const Lanes even01 = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd01 = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes even23 = __builtin_shufflevector(v.z, v.w, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd23 = __builtin_shufflevector(v.z, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes pair[4] = {__builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13),
+                         __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13),
+                         __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15),
+                         __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15)};
+  for (std::size_t k = 0; k < 4; ++k) {
+    put_row(k, __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
+    put_row(k + 4, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
+  }
+}
+
+}  // namespace trackbed::dem
