@@ -214,10 +214,7 @@ void Particles::Room::feel_pairs(double dt) {
   find_touching(a.piece_x, pairs);
   const auto loop = loop_for(spheres, laws.any_rooted(), laws.any_rolls());
   double worst = loop(a, laws, pairs, dt);
-  if (shapes.any_stones()) {
-    const auto& overlaps = stone_contacts.find(scene(), stones);
-    worst = std::max(worst, feel_stones(overlaps, scene(), dt, stones, state));
-  }
+  if (shapes.any_stones()) worst = std::max(worst, stone_contacts.feel(scene(), dt, stones, state));
   if (worst > parameters.largest_overlap)
     report(
         fmt::format("two particles overlap by {:.3g} of the smaller radius (limit "

@@ -1,87 +1,121 @@
-// The law (stone_law.hpp) on overlapping pairs.
-// Gather, respond, add: as the loop of pair_contacts.cpp, for what `StoneContacts` found. Here a
-// lane's law is far cheaper than finding its overlap, so rooted and linear laws share one loop.
+// The law (stone_law.hpp) on blocks of pairs: the motion and the history of eight pairs are read as
+// rows and transposed, the law runs in the lanes of the wrenches, and the forces of each pair wait
+// for the pass that adds them in the order of the list.
 #include "stone_law.hpp"
 
-#include "stones.hpp"
+#include <algorithm>
+
+#include "rows.hpp"
 
 namespace trackbed::dem {
 
 namespace {
 
-std::size_t body(const Scene& scene, std::int32_t piece) {
-  return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
+[[gnu::always_inline]] inline void put(double (&to)[lanes], Lanes v) {
+  *reinterpret_cast<Lanes*>(to) = v;
 }
-
-// Places from the centre of i, the periodic shift in the difference, as in the loop over balls.
-void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size_t k,
-          StoneGroup& g) {
-  const State& s = scene.state;
-  const Entry& entry = list.entries[o.entry];
-  const std::size_t i = body(scene, o.piece), j = body(scene, entry.piece);
-  const Vec4& h = list.shifts[entry.shift];
-  g.d.put(k, s.x[j].x - s.x[i].x + h.x, s.x[j].y - s.x[i].y + h.y, s.x[j].z - s.x[i].z + h.z);
-  g.N.put(k, o.wrench.N), g.T.put(k, o.wrench.T), g.x.put(k, o.wrench.x);
-  g.M[k] = o.wrench.M, g.spread[k] = o.wrench.spread;
-  g.vi.put(k, s.v[i]), g.vj.put(k, s.v[j]);
-  g.wi.put(k, s.w[i]), g.wj.put(k, s.w[j]);
-  g.xi.put(k, list.xi[o.entry]);
-  g.root_mass[k] = list.xi[o.entry].w, g.turn[k] = list.turn[o.entry].x;
-  // The curvature of a contact is that of the roundings; rolling takes the balls around the pieces.
-  const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
-  const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
-  g.law.set(k, scene.laws[entry.law]), g.radius[k] = ri * rj / (ri + rj);
-  if (list.roll.empty()) return;
-  const double bi = scene.pieces.x[static_cast<std::size_t>(o.piece)].w;
-  const double bj = scene.pieces.x[static_cast<std::size_t>(entry.piece)].w;
-  g.rolling.set(k, scene.laws[entry.law].rolling, bi * bj / (bi + bj), list.roll[o.entry]);
+[[gnu::always_inline]] inline Lanes get(const double (&from)[lanes]) {
+  return *reinterpret_cast<const Lanes*>(from);
 }
-
-// In the order of the list, ghosts too; those are dropped.
-void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
-         State& state) {
-  list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry].x = g.turn[k];
-  if (!list.roll.empty()) list.roll[o.entry].set(g.rolling.roll.at(k));
-  const std::size_t i = body(scene, o.piece), j = body(scene, list.entries[o.entry].piece);
-  Vec4 &fi = state.f[i], &ti = state.t[i], &fj = state.f[j], &tj = state.t[j];
-  fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
-  ti.x += g.turn_i.x[k], ti.y += g.turn_i.y[k], ti.z += g.turn_i.z[k];
-  fj.x -= g.force.x[k], fj.y -= g.force.y[k], fj.z -= g.force.z[k];
-  tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
+[[gnu::always_inline]] inline void put(Lane3& to, const Lanes3& v) {
+  put(to.x, v.x), put(to.y, v.y), put(to.z, v.z);
 }
-
-// Rounding, not size: beyond it the cores overlap.
-double overlap_over_radius(const Overlap& o, const Scene& scene, const StoneList& list) {
-  const auto other = static_cast<std::size_t>(list.entries[o.entry].piece);
-  return o.wrench.M / std::min(scene.pieces.rounding[static_cast<std::size_t>(o.piece)],
-                               scene.pieces.rounding[other]);
-}
-
-template <bool rolls>
-void respond_all(StoneGroup& g, double dt) {
-#pragma omp simd
-  for (std::size_t k = 0; k < lanes; ++k) respond<rolls>(g, k, dt);
+[[gnu::always_inline]] inline Lanes3 get(const Lane3& from) {
+  return {get(from.x), get(from.y), get(from.z)};
 }
 
 }  // namespace
 
-double feel_stones(const std::vector<Overlap>& overlaps, const Scene& scene, double dt,
-                   StoneList& list, State& state) {
-  double worst = 0;
-  StoneGroup group{};
-  const auto respond_to = list.roll.empty() ? respond_all<false> : respond_all<true>;
-  for (std::size_t begin = 0; begin < overlaps.size(); begin += lanes) {
-    const std::size_t count = std::min(lanes, overlaps.size() - begin);
-    for (std::size_t k = 0; k < lanes; ++k)  // spare lanes repeat a pair, unused
-      load(overlaps[begin + (k < count ? k : 0)], scene, list, k, group);
-    respond_to(group, dt);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Overlap& o = overlaps[begin + k];
-      add(o, scene, group, k, list, state);
-      worst = std::max(worst, overlap_over_radius(o, scene, list));
-    }
+StoneLaw::StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces)
+    : scene_(scene), dt_(dt), list_(list), forces_(forces) {}
+
+template <bool rolls>
+void StoneLaw::respond_to(const Block& block, const WrenchLanes& w, Mask touching) {
+  StoneGroup& g = group_;
+  const State& s = scene_.state;
+  const auto i = [&](std::size_t k) { return block.i[k]; };
+  const auto j = [&](std::size_t k) { return block.j[k]; };
+  const auto e = [&](std::size_t k) { return block.entry[k]; };
+  put(g.d, w.d), put(g.N, w.N), put(g.T, w.T), put(g.x, w.x);
+  put(g.M, w.M), put(g.spread, w.spread);
+  put(g.vi, rows(s.v.data(), i).xyz()), put(g.vj, rows(s.v.data(), j).xyz());
+  put(g.wi, rows(s.w.data(), i).xyz()), put(g.wj, rows(s.w.data(), j).xyz());
+  const Lanes4 xi = rows(list_.xi.data(), e);
+  put(g.xi, xi.xyz()), put(g.root_mass, xi.w);
+  put(g.turn, rows(list_.turn.data(), e).x);
+  put(g.radius, block.radius);
+  if constexpr (rolls) {
+    put(g.rolling.radius, block.rolling_radius);
+    put(g.rolling.roll, rows(list_.roll.data(), e).xyz());
   }
+#pragma omp simd
+  for (std::size_t k = 0; k < lanes; ++k) dem::respond<rolls>(g, k, dt_);
+  const Lanes zero = all(0);
+  const Lanes3 zeros{zero, zero, zero};
+  for (Lane3* out : {&g.force, &g.turn_i, &g.turn_j, &g.xi})
+    put(*out, select(touching, get(*out), zeros));
+  put(g.turn, select(touching, get(g.turn), zero));
+  if constexpr (rolls) put(g.rolling.roll, select(touching, get(g.rolling.roll), zeros));
+}
+
+// Of lanes that are in use: the entry of another may be at home in another block by now.
+void StoneLaw::store_history(const Block& block, Mask) {
+  const StoneGroup& g = group_;
+  const auto store = [&](std::vector<Vec4>& to, const Lanes4& v) {
+    to_rows(v, [&](std::size_t k, Four row) {
+      if (block.used >> k & 1) dem::put(to[block.entry[k]], row);
+    });
+  };
+  const Lanes3 xi = get(g.xi);
+  store(list_.xi, {xi.x, xi.y, xi.z, get(g.root_mass)});
+  store(list_.turn, {get(g.turn), all(0), all(0), all(0)});
+  if (list_.roll.empty()) return;
+  const Lanes3 roll = get(g.rolling.roll);
+  store(list_.roll, {roll.x, roll.y, roll.z, all(0)});
+}
+
+void StoneLaw::respond(std::size_t number, const Block& block, const WrenchLanes& w) {
+  if (law_ != block.law) {
+    const Law& law = scene_.laws[block.law];
+    for (std::size_t k = 0; k < lanes; ++k) {
+      group_.law.set(k, law);
+      group_.rolling.set(k, law.rolling, 0, {});
+    }
+    law_ = block.law;
+  }
+  const Mask touching = w.M > all(0);
+  if (list_.roll.empty())
+    respond_to<false>(block, w, touching);
+  else
+    respond_to<true>(block, w, touching);
+  store_history(block, touching);
+  const auto store = [&](std::vector<Vec4>& to, const Lanes3& v) {
+    Vec4* slot = to.data() + lanes * number;
+    to_rows({v.x, v.y, v.z, all(0)}, [slot](std::size_t k, Four row) { dem::put(slot[k], row); });
+  };
+  store(forces_.force, get(group_.force));
+  store(forces_.turn_i, get(group_.turn_i));
+  store(forces_.turn_j, get(group_.turn_j));
+  // Over the smaller rounding, not the size: beyond it the cores overlap.
+  const Lanes half = block.half > all(0) ? block.half : -block.half;
+  worst_ = larger(w.M / (0.5 * block.reach - half), worst_);
+}
+
+double StoneLaw::largest_overlap() const {
+  double worst = 0;
+  for (std::size_t k = 0; k < lanes; ++k) worst = std::max(worst, worst_[k]);
   return worst;
+}
+
+// Ghosts too; what they collect is dropped with them.
+void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state) {
+  const auto plus = [](Vec4& to, Four v) { put(to, four(to) + v); };
+  const auto minus = [](Vec4& to, Four v) { put(to, four(to) - v); };
+  for (const PlaceOfPair& pair : order) {
+    const Four f = four(forces.force[pair.slot]);
+    plus(state.f[pair.i], f), plus(state.t[pair.i], four(forces.turn_i[pair.slot]));
+    minus(state.f[pair.j], f), minus(state.t[pair.j], four(forces.turn_j[pair.slot]));
+  }
 }
 
 }  // namespace trackbed::dem

@@ -10,6 +10,8 @@
 
 #include "features.hpp"
 #include "laws.hpp"
+#include "pairs.hpp"
+#include "stone_blocks.hpp"
 
 namespace trackbed::dem {
 
@@ -115,5 +117,45 @@ template <bool rolls>
     g.turn_j.x[k] += m.x, g.turn_j.y[k] += m.y, g.turn_j.z[k] += m.z;
   }
 }
+
+// What pairs do to their particles, by slot (block and lane).
+struct PairForces {
+  std::vector<Vec4> force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
+  void resize(std::size_t slots) {
+    for (auto* rows : {&force, &turn_i, &turn_j})
+      if (rows->size() < slots) rows->resize(slots);
+  }
+  std::size_t memory() const { return 3 * force.capacity() * sizeof(Vec4); }
+};
+
+struct PlaceOfPair {
+  std::uint32_t slot, i, j;  // particles
+};
+
+// Adds them in the order given.
+void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state);
+
+// The law on blocks of pairs, one after the other.
+class StoneLaw {
+ public:
+  StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces);
+  // Moves the histories of block `number` by dt and leaves its forces. A pair that does not overlap
+  // has neither.
+  void respond(std::size_t number, const Block& block, const WrenchLanes& w);
+  double largest_overlap() const;  // over the smaller radius
+
+ private:
+  template <bool rolls>
+  void respond_to(const Block& block, const WrenchLanes& w, Mask touching);
+  void store_history(const Block& block, Mask touching);
+
+  const Scene& scene_;
+  double dt_;
+  StoneList& list_;
+  PairForces& forces_;
+  int law_ = -1;  // that the lanes of `group_` hold
+  Lanes worst_ = all(0);
+  StoneGroup group_{};
+};
 
 }  // namespace trackbed::dem
