@@ -29,6 +29,16 @@ namespace {
 StoneLaw::StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces)
     : scene_(scene), dt_(dt), list_(list), forces_(forces) {}
 
+void StoneLaw::prefetch(const Block& block) const {
+  const State& s = scene_.state;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    __builtin_prefetch(&list_.xi[block.entry[k]], 1);
+    __builtin_prefetch(&list_.turn[block.entry[k]], 1);
+    __builtin_prefetch(&s.v[block.j[k]]);
+    __builtin_prefetch(&s.w[block.j[k]]);
+  }
+}
+
 template <bool rolls>
 void StoneLaw::respond_to(const Block& block, const WrenchLanes& w, Mask touching) {
   StoneGroup& g = group_;

@@ -142,6 +142,8 @@ class StoneLaw {
   // Moves the histories of block `number` by dt and leaves its forces. A pair that does not overlap
   // has neither.
   void respond(std::size_t number, const Block& block, const WrenchLanes& w);
+  // Begins to load what the law will read of a block: rows that are in no order of addresses.
+  void prefetch(const Block& block) const;
   double largest_overlap() const;  // over the smaller radius
 
  private:

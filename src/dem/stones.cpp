@@ -280,6 +280,7 @@ double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State
   for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
     Block& block = blocks_.blocks()[n];
     if (!block.used) continue;
+    if (n + 1 < blocks_.blocks().size()) law.prefetch(blocks_.blocks()[n + 1]);
     WrenchLanes w = blocks_.wrenches(block, scene, list);
     follow(scene, list, block, w);
     law.respond(n, block, w);
