@@ -225,6 +225,7 @@ void Model::declare_space(input::Section& s) {
       "thickness", thickness, {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
       "Extent of a plane model across the track: that of half a sleeper if seat loads are those of "
       "one rail.");
+  physics.thickness = dimension == Dimension::plane ? thickness : 0;
 }
 
 void Model::declare(input::Section& s) {

@@ -85,7 +85,7 @@ void take_history(const std::vector<History>& history, std::int64_t key, int nam
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
     const std::int64_t code = -1 - h->second;
     Approach::Patch patch{.patch = static_cast<int>(code & 0xffffffff), .touching = true};
-    patch.turn = h->turn;
+    patch.turn = h->turn, patch.size = h->size, patch.ring = h->ring;
     patch.xi.set(Eigen::Map<const Vec3>(h->xi));
     patch.roll.set(Eigen::Map<const Vec3>(h->roll));
     patches.push_back(patch);

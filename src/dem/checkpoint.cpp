@@ -25,7 +25,7 @@ void Particles::save(io::File& file, const std::string& group) const {
   });
   save_templates(file, group + "/template", r.shapes.templates(), r.comm);
   std::vector<std::int64_t> keys;
-  std::vector<double> xi, roll;
+  std::vector<double> xi, size, roll;
   const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& h : records)
@@ -34,6 +34,7 @@ void Particles::save(io::File& file, const std::string& group) const {
       if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
         keys.insert(keys.end(), {h.first, h.second});
         xi.insert(xi.end(), {h.xi[0], h.xi[1], h.xi[2], h.turn});
+        size.insert(size.end(), {h.size, h.ring});
         roll.insert(roll.end(), h.roll, h.roll + 3);
       }
   file.write<std::int64_t>(group + "/history/keys", keys, 2,
@@ -43,6 +44,11 @@ void Particles::save(io::File& file, const std::string& group) const {
   file.write<double>(
       group + "/history/xi", xi, 4,
       {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
+  file.write<double>(
+      group + "/history/size", size, 2,
+      {"m, m3",
+       "contact size sqrt(R delta) to which the displacement belongs, and that times "
+       "the contact's spread; with a linear law 1 and the spread, m2"});
   if (r.laws.any_rolls())
     file.write<double>(group + "/history/roll", roll, 3,
                        {"m", "displacement of rolling x y z; missing if no contact resists it"});
@@ -61,6 +67,7 @@ void Particles::save(io::File& file, const std::string& group) const {
 std::vector<History> read_histories(const io::File& file, const std::string& group) {
   const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
   const auto xi = file.read_all<double>(group + "/history/xi");
+  const auto size = file.read_all<double>(group + "/history/size");
   const std::string rolling = group + "/history/roll";
   auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
   roll.resize(3 * keys.size() / 2, 0.0);
@@ -70,6 +77,8 @@ std::vector<History> read_histories(const io::File& file, const std::string& gro
                    keys[2 * k + 1],
                    {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]},
                    xi[4 * k + 3],
+                   size[2 * k],
+                   size[2 * k + 1],
                    {roll[3 * k], roll[3 * k + 1], roll[3 * k + 2]}});
   return all;
 }

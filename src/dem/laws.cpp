@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/dem/stiffness.hpp"
@@ -25,21 +26,24 @@ int material_named(const Physics& physics, const std::string& name) {
 }
 
 // Without a coefficient none at all: the kernels then leave rolling out altogether.
-Rolling rolling_of(const ContactLaw& c) {
+Rolling<double> rolling_of(const ContactLaw& c) {
   if (!(c.rolling_friction > 0)) return {};
   return {c.rolling_friction, c.rolling_stiffness, c.zeta_r};
+}
+
+double least_force(const ContactLaw& c) {
+  return c.attraction ? -std::numeric_limits<double>::infinity() : 0;
 }
 
 // c = 2 zeta sqrt(m_eff k); the masses are those of the pair and follow later, so c is kept over
 // sqrt(m_eff).
 Law linear_law(const ContactLaw& c) {
-  return {.rooted = false,
-          .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
-          .k_n = c.k_n,
-          .k_s = c.k_s,
-          .c_n = 2 * c.zeta_n * std::sqrt(c.k_n),
-          .c_s = 2 * c.zeta_s * std::sqrt(c.k_s),
-          .mu = c.friction,
+  return {.springs = {.k_n = c.k_n,
+                      .k_s = c.k_s,
+                      .c_n = 2 * c.zeta_n * std::sqrt(c.k_n),
+                      .c_s = 2 * c.zeta_s * std::sqrt(c.k_s),
+                      .mu = c.friction,
+                      .least = least_force(c)},
           .rolling = rolling_of(c)};
 }
 
@@ -64,7 +68,37 @@ HertzStiffness hertz_stiffness(const Material& a, const Material& b) {
 
 // With a = sqrt(R delta), m: c_n = 2 sqrt(5/6) beta sqrt(2 E* a m_eff), and c_s with 8 G* in place
 // of 2 E*. The kernels multiply by sqrt(a m_eff).
-Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
+Law spherical_hertz_law(const ContactLaw& c, const HertzStiffness& k) {
+  const double damping = 2 * std::sqrt(5.0 / 6.0) * hertz_damping(c.restitution, !c.attraction);
+  return {.springs = {.k_n = k.normal(),
+                      .k_s = k.shear(),
+                      .c_n = damping * std::sqrt(2 * k.e_star),
+                      .c_s = damping * std::sqrt(8 * k.g_star),
+                      .mu = c.friction,
+                      .least = least_force(c),
+                      .hertz = 1},
+          .rolling = rolling_of(c)};
+}
+
+// Parallel cylinders of length L, plane models: F = pi/4 E* L delta whatever the radii (the
+// logarithm of the exact law is left out: Popov 2010, Contact Mechanics and Friction, 5.16,
+// doi:10.1007/978-3-642-10803-7), and the tangential stiffness in Mindlin's ratio 4 G*/E* to it.
+struct LineStiffness {
+  double normal, shear;  // N/m
+  LineStiffness(const HertzStiffness& k, double length)
+      : normal(std::numbers::pi / 4 * k.e_star * length), shear(4 * k.g_star / k.e_star * normal) {}
+};
+
+Law line_hertz_law(const ContactLaw& c, const HertzStiffness& k, double length) {
+  const LineStiffness line(k, length);
+  ContactLaw linear = c;
+  linear.k_n = line.normal, linear.k_s = line.shear;
+  linear.zeta_n = linear.zeta_s = linear_damping(c.restitution, !c.attraction);
+  return linear_law(linear);
+}
+
+// `thickness`: m, of a plane model; 0 in space.
+Law hertz_law(const ContactLaw& c, const Material& a, const Material& b, double thickness) {
   if (a.young <= 0 || b.young <= 0)
     // A deck is checked before (parameters.cpp); this is for callers without one.
     throw InputError(
@@ -72,39 +106,30 @@ Law hertz_law(const ContactLaw& c, const Material& a, const Material& b) {
                      "materials",
                      a.name, b.name)});
   const HertzStiffness k = hertz_stiffness(a, b);
-  const double beta = hertz_damping(c.restitution, !c.attraction);
-  const double damping = 2 * std::sqrt(5.0 / 6.0) * beta;
-  return {.rooted = true,
-          .least = c.attraction ? -std::numeric_limits<double>::infinity() : 0,
-          .k_n = k.normal(),
-          .k_s = k.shear(),
-          .c_n = damping * std::sqrt(2 * k.e_star),
-          .c_s = damping * std::sqrt(8 * k.g_star),
-          .mu = c.friction,
-          .rolling = rolling_of(c)};
+  return thickness > 0 ? line_hertz_law(c, k, thickness) : spherical_hertz_law(c, k);
 }
 
 // The only place where kinds of laws become numbers.
-Law law_of(const ContactLaw& c, const Material& a, const Material& b) {
+Law law_of(const ContactLaw& c, const Material& a, const Material& b, double thickness) {
   Law law;
   switch (c.kind) {
     case LawKind::linear:
       law = linear_law(c);
       break;
     case LawKind::hertz:
-      law = hertz_law(c, a, b);
+      law = hertz_law(c, a, b, thickness);
       break;
   }
   return law;
 }
 
-// N/m, normal and tangential; hertz: at this contact radius, sqrt(R delta), m.
+// N/m, normal and tangential; hertz in space: at this contact size, sqrt(R delta), m.
 struct Stiffness {
   double normal = 0, shear = 0;
 };
 
-Stiffness stiffness_of(const ContactLaw& c, const Material& a, const Material& b,
-                       double contact_radius) {
+Stiffness stiffness_of(const ContactLaw& c, const Material& a, const Material& b, double thickness,
+                       double contact_size) {
   Stiffness k;
   switch (c.kind) {
     case LawKind::linear:
@@ -112,22 +137,24 @@ Stiffness stiffness_of(const ContactLaw& c, const Material& a, const Material& b
       break;
     case LawKind::hertz: {
       const HertzStiffness over = hertz_stiffness(a, b);
-      k = {over.normal() * contact_radius, over.shear() * contact_radius};
+      k = {over.normal() * contact_size, over.shear() * contact_size};
+      if (thickness > 0) {
+        const LineStiffness line(over, thickness);
+        k = {line.normal, line.shear};
+      }
       break;
     }
   }
   return k;
 }
 
-// Restitution of m x'' = -(x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x') from x' = 1: the Hertz
-// collision in units of its mass and stiffness. Fourth-order Runge-Kutta.
-// In these units the collision has no parameter but beta: restitution does not depend on speed,
-// size or stiffness, which is what this form of damping is for.
-double restitution_of(double beta, bool cut) {
-  const double damping = 2 * std::sqrt(5.0 / 6.0) * beta * std::sqrt(1.5);
+// Restitution of x'' = -force(x, x') that begins with x = 0, x' = 1: a collision in units of its
+// mass, stiffness and speed. `cut`: the force does not pull. Fourth-order Runge-Kutta.
+template <class Force>
+double restitution_of(const Force& law, bool cut) {
   const auto force = [&](double x, double v) {
     if (x <= 0) return 0.0;
-    const double f = x * std::sqrt(x) + damping * std::sqrt(std::sqrt(x)) * v;
+    const double f = law(x, v);
     return cut ? std::max(f, 0.0) : f;
   };
   double x = 0, v = 1;
@@ -147,6 +174,19 @@ double restitution_of(double beta, bool cut) {
   return std::max(-v, 0.0);
 }
 
+// The damping whose collision has this restitution. The more damping the slower the return, so
+// bisection finds it. 45 halvings leave 6e-13.
+template <class Restitution>
+double damping_for(double restitution, const Restitution& of) {
+  if (restitution >= 1) return 0;
+  double low = 0, high = 20;
+  for (int i = 0; i < 45; ++i) {
+    const double middle = 0.5 * (low + high);
+    (of(middle) > restitution ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace
 
 bool needs_young(LawKind kind) {
@@ -161,16 +201,24 @@ bool needs_young(LawKind kind) {
   return needs;
 }
 
-// The more damping the slower the return, so bisection finds the one beta. 45 halvings leave 6e-13.
-// The closed form ln e / sqrt(ln^2 e + pi^2) holds with attraction only.
+// In these units a Hertz collision, x^1.5 + 2 sqrt(5/6) beta sqrt(1.5) x^0.25 x', has no parameter
+// but beta: restitution does not depend on speed, size or stiffness, which is what this form of
+// damping is for. With attraction beta = ln e / sqrt(ln^2 e + pi^2).
 double hertz_damping(double restitution, bool cut) {
-  if (restitution >= 1) return 0;
-  double low = 0, high = 20;
-  for (int i = 0; i < 45; ++i) {
-    const double middle = 0.5 * (low + high);
-    (restitution_of(middle, cut) > restitution ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  return damping_for(restitution, [&](double beta) {
+    const double damping = 2 * std::sqrt(5.0 / 6.0) * beta * std::sqrt(1.5);
+    return restitution_of(
+        [&](double x, double v) {
+          return x * std::sqrt(x) + damping * std::sqrt(std::sqrt(x)) * v;
+        },
+        cut);
+  });
+}
+
+double linear_damping(double restitution, bool cut) {
+  return damping_for(restitution, [&](double zeta) {
+    return restitution_of([&](double x, double v) { return x + 2 * zeta * v; }, cut);
+  });
 }
 
 // Hertz: k = F/delta; the slope of F is 1.5 times that, which the safety of the step covers. A
@@ -183,8 +231,8 @@ double stiffest_contact(const Physics& physics, double radius, double largest_ov
     const auto material = [&](int m) {
       return m < 0 ? Material{} : physics.materials[static_cast<std::size_t>(m)];
     };
-    const Stiffness k =
-        stiffness_of(c, material(a), material(b), radius * std::sqrt(largest_overlap));
+    const Stiffness k = stiffness_of(c, material(a), material(b), physics.thickness,
+                                     radius * std::sqrt(largest_overlap));
     const double rolling = c.rolling_friction > 0 ? c.rolling_stiffness * k.normal : 0;
     stiffest = std::max({stiffest, k.normal, k.shear, rolling});
   }
@@ -233,15 +281,15 @@ LawTable::LawTable(const Physics& physics)
     if (pair_[a * materials_ + b] >= 0)
       problems.push_back(fmt::format("contact {}-{} is given twice", c.first, c.second));
     pair_[a * materials_ + b] = pair_[b * materials_ + a] = static_cast<int>(laws_.size());
-    laws_.push_back(law_of(c, physics.materials[a], physics.materials[b]));
+    laws_.push_back(law_of(c, physics.materials[a], physics.materials[b], physics.thickness));
   }
   if (!problems.empty()) throw InputError(problems);
-  for (const Law& law : laws_) friction_.push_back(law.mu), rolls_ |= law.rolling.mu > 0;
+  for (const Law& law : laws_) friction_.push_back(law.springs.mu), rolls_ |= law.rolling.mu > 0;
 }
 
 // For stages that pack with less friction. The limit of rolling is not touched.
 void LawTable::override_friction(double mu) {
-  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].mu = mu < 0 ? friction_[k] : mu;
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].springs.mu = mu < 0 ? friction_[k] : mu;
 }
 
 }  // namespace trackbed::dem

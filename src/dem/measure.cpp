@@ -72,7 +72,7 @@ namespace {
 // Elastic part of a contact's force on the first piece.
 // Dampers are left out: they belong to velocities of half a sub-step earlier, which are gone.
 Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
-  const Coefficients c = coefficients<true>(law, delta, 0, radius);
+  const auto c = coefficients<true>(law.springs, delta, 0.0, radius);
   return -c.k_n * delta * n - c.k_s * xi.vec3();
 }
 
@@ -138,7 +138,7 @@ struct Particles::ContactLoop {
     const double ri = pieces.rounding[i], rj = pieces.rounding[j], radius = ri * rj / (ri + rj);
     const Law& law = laws[entry.law];
     const Vec4& xi = stones.xi[o.entry];
-    const Coefficients c = coefficients<true>(law, o.wrench.M, 0, radius);
+    const auto c = coefficients<true>(law.springs, o.wrench.M, 0.0, radius);
     const Vec3 force = -c.k_n * o.wrench.M * o.wrench.N - c.k_s * xi.vec3();
     const double turn = stones.turn[o.entry].x;
     see(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
@@ -178,7 +178,7 @@ struct Particles::ContactLoop {
     if (!(p.radius > 0)) return;  // loaded, not yet felt
     const auto i = static_cast<std::size_t>(a.piece);
     const Law& law = laws[static_cast<std::size_t>(a.law)];
-    const Coefficients c = coefficients<true>(law, p.overlap, 0, p.radius);
+    const auto c = coefficients<true>(law.springs, p.overlap, 0.0, p.radius);
     const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
     see(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
                     p.overlap, centre(a.piece), p.point, p.N.normalized()},
@@ -299,15 +299,12 @@ std::uint64_t Particles::state_hash() const {
     h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
     sum += mix(h);
   }
-  // Without resistance to rolling, the hash of what there is without it.
-  // `roll` is the last member of History for this reason.
-  const std::size_t bytes = r.laws.any_rolls() ? sizeof(History) : offsetof(History, roll);
   for (const std::vector<History>& records : {r.history(), r.waiting})
     for (const History& record : records) {
       const Id first = particle_of(record.first);
       const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
       if (std::binary_search(r.state.id.begin(), end, first))
-        sum += mix(hash_bytes(&record, bytes));
+        sum += mix(hash_bytes(&record, sizeof record));
     }
   return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
 }
@@ -328,7 +325,7 @@ Memory Particles::memory() const {
   count(r.pieces.pace, r.pieces.last_path);
   to = &memory.contacts;
   for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
-    count(list->rows, list->entries, list->xi, list->roll);
+    count(list->rows, list->entries, list->xi, list->roll, list->size);
   count(r.stones.turn, r.approaches);
   for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
   memory.contacts += r.stone_contacts.memory();

@@ -19,9 +19,9 @@ namespace {
 // Filled from scattered particles, worked on in lanes, written back: the copy pays because the law
 // has two roots and three divisions, which cost the same for eight as for one.
 struct alignas(64) Group {
-  Lane3 d, vi, vj, wi, wj, ai, aj;  // a: piece centre from the particle's, clumps only
-  Lane3 xi, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
-  double ri[lanes], rj[lanes], root_mass[lanes];
+  Lane3 d, vi, vj, wi, wj, ai, aj;        // a: piece centre from the particle's, clumps only
+  Lane3 xi, roll, force, turn_i, turn_j;  // turn: torque on the particle, of force and of -force
+  double ri[lanes], rj[lanes], root_mass[lanes], size[lanes], overlap[lanes];
   LawLanes law;
   RollingLanes rolling;
 };
@@ -69,7 +69,7 @@ std::size_t particle(const Arrays& a, std::int32_t piece) {
 
 // Gathers eight contacts. The partner is brought to the image beside i by its shift; raw positions
 // are subtracted first and the shift is added to the difference, in this order on every rank.
-template <bool spheres, bool rolls>
+template <bool spheres, bool hertz, bool rolls>
 void load(const Arrays& a, const LawTable& laws, const PairList& list, const Contact* contacts,
           std::size_t count, Group& g) {
   for (std::size_t k = 0; k < lanes; ++k) {
@@ -89,8 +89,9 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
     const Vec4& xi = list.xi[c.entry];
     g.xi.put(k, xi), g.root_mass[k] = xi.w;
     g.law.set(k, laws[entry.law]);
+    if constexpr (hertz) g.size[k] = list.size[c.entry];
     if constexpr (rolls)
-      g.rolling.set(k, laws[entry.law].rolling, pi.w * pj.w / (pi.w + pj.w), list.roll[c.entry]);
+      g.rolling.set(k, laws[entry.law].rolling), g.roll.put(k, list.roll[c.entry]);
   }
 }
 
@@ -101,53 +102,43 @@ void load(const Arrays& a, const LawTable& laws, const PairList& list, const Con
 // Both arms end in the same point, so angular momentum is kept to rounding. The contact plane turns
 // about n with the mean of both spins: nobody's history is preferred. Centres in one place have no
 // normal; none is invented, and the overlap ends the run.
-template <bool spheres, bool rooted, bool rolls>
+template <bool spheres, bool hertz, bool rolls>
 void respond(Group& g, double dt) {
-#pragma omp simd
-  for (std::size_t k = 0; k < lanes; ++k) {
-    const double dx = g.d.x[k], dy = g.d.y[k], dz = g.d.z[k];
-    const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-    const double over = 1.0 / (distance > 1e-300 ? distance : 1e-300);
-    const double reach = g.ri[k] + g.rj[k], delta = reach - distance;
-    const double nx = dx * over, ny = dy * over, nz = dz * over;
-    const double ci = g.ri[k] - 0.5 * delta, cj = 0.5 * delta - g.rj[k];
-    double rix = ci * nx, riy = ci * ny, riz = ci * nz;
-    double rjx = cj * nx, rjy = cj * ny, rjz = cj * nz;
-    if constexpr (!spheres) {
-      rix += g.ai.x[k], riy += g.ai.y[k], riz += g.ai.z[k];
-      rjx += g.aj.x[k], rjy += g.aj.y[k], rjz += g.aj.z[k];
-    }
-    const double wix = g.wi.x[k], wiy = g.wi.y[k], wiz = g.wi.z[k];
-    const double wjx = g.wj.x[k], wjy = g.wj.y[k], wjz = g.wj.z[k];
-    const double vx = (g.vi.x[k] + (wiy * riz - wiz * riy)) - (g.vj.x[k] + (wjy * rjz - wjz * rjy));
-    const double vy = (g.vi.y[k] + (wiz * rix - wix * riz)) - (g.vj.y[k] + (wjz * rjx - wjx * rjz));
-    const double vz = (g.vi.z[k] + (wix * riy - wiy * rix)) - (g.vj.z[k] + (wjx * rjy - wjy * rjx));
-    const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
-    const Law law = g.law.at(k);
-    const Coefficients c =
-        coefficients<rooted>(law, delta, g.root_mass[k], rooted ? g.ri[k] * g.rj[k] / reach : 0.0);
-    Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
-    const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, delta, twist}, dt, xi);
-    g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
-    g.force.x[k] = f.x, g.force.y[k] = f.y, g.force.z[k] = f.z;
-    g.turn_i.x[k] = riy * f.z - riz * f.y, g.turn_j.x[k] = rjy * f.z - rjz * f.y;
-    g.turn_i.y[k] = riz * f.x - rix * f.z, g.turn_j.y[k] = rjz * f.x - rjx * f.z;
-    g.turn_i.z[k] = rix * f.y - riy * f.x, g.turn_j.z[k] = rjx * f.y - rjy * f.x;
-    // A moment of a pair: opposite on j, which `add` sees to as with all torques.
-    if constexpr (rolls) {
-      const Rolls t{nx, ny, nz, twist, wix - wjx, wiy - wjy, wiz - wjz, f.w, 0, g.root_mass[k]};
-      const Vec4 m = g.rolling.moment(k, c.k_n, t, dt);
-      g.turn_i.x[k] += m.x, g.turn_i.y[k] += m.y, g.turn_i.z[k] += m.z;
-      g.turn_j.x[k] += m.x, g.turn_j.y[k] += m.y, g.turn_j.z[k] += m.z;
-    }
-    g.d.x[k] = delta / (g.ri[k] < g.rj[k] ? g.ri[k] : g.rj[k]);  // for the check of overlaps
+  const Lanes3 d = g.d.get(), wi = g.wi.get(), wj = g.wj.get();
+  const Lanes ri = dem::load(g.ri), rj = dem::load(g.rj), root_mass = dem::load(g.root_mass);
+  const Lanes distance = root(dot(d, d));
+  const Lanes3 n = (1.0 / larger(distance, all(1e-300))) * d;
+  const Lanes reach = ri + rj, delta = reach - distance;
+  Lanes3 arm_i = (ri - 0.5 * delta) * n, arm_j = (0.5 * delta - rj) * n;
+  if constexpr (!spheres) arm_i = arm_i + g.ai.get(), arm_j = arm_j + g.aj.get();
+  const Lanes3 v = (g.vi.get() + cross(wi, arm_i)) - (g.vj.get() + cross(wj, arm_j));
+  const Springs<Lanes> law = g.law.get();
+  const Lanes radius = hertz || rolls ? ri * rj / reach : Lanes{};
+  const auto c = coefficients<hertz>(law, delta, root_mass, radius);
+  const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
+  const Lanes spring = spring_force<hertz>(law, c, delta, dot(v, n), root_mass, radius, dt);
+  const Lanes remains = hertz ? kept(dem::load(g.size), c.size) : all(1);
+  Lanes3 xi = g.xi.get();
+  const auto contact = contact_force(c, touch, spring, remains, dt, xi);
+  const Lanes3 force = contact.friction - contact.normal * n;
+  Lanes3 turn_i = cross(arm_i, force), turn_j = cross(arm_j, force);
+  // A moment of a pair: opposite on j, which `add` sees to as with all torques.
+  if constexpr (rolls) {
+    const Rolls<Lanes> t{n, wi - wj, touch.twist, contact.normal, c.k_n, radius, root_mass};
+    Lanes3 roll = g.roll.get();
+    const Lanes3 moment = rolling_moment(g.rolling.get(), t, remains, dt, roll);
+    turn_i = turn_i + moment, turn_j = turn_j + moment;
+    g.roll.set(roll);
   }
+  g.xi.set(xi), g.force.set(force), g.turn_i.set(turn_i), g.turn_j.set(turn_j);
+  if constexpr (hertz) store(c.size, g.size);
+  store(delta / smaller(ri, rj), g.overlap);  // for the check of overlaps
 }
 
 // Adds forces in the order of the list; returns the largest overlap over the smaller radius.
 // One contact after the other: neighbours in the list share particles, so lanes may not add at
 // once.
-template <bool spheres, bool rolls>
+template <bool spheres, bool hertz, bool rolls>
 double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t count,
            const Group& g) {
   double worst = 0;
@@ -155,7 +146,8 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
     const std::uint32_t e = contacts[k].entry;
     Vec4& xi = list.xi[e];
     xi.x = g.xi.x[k], xi.y = g.xi.y[k], xi.z = g.xi.z[k];
-    if constexpr (rolls) list.roll[e].set(g.rolling.roll.at(k));
+    if constexpr (hertz) list.size[e] = g.size[k];
+    if constexpr (rolls) list.roll[e].set(g.roll.at(k));
     // Ghosts collect what their owners compute as well; it is dropped with them.
     const std::size_t i = particle<spheres>(a, contacts[k].piece);
     const std::size_t j = particle<spheres>(a, list.entries[e].piece);
@@ -164,22 +156,22 @@ double add(const Arrays& a, PairList& list, const Contact* contacts, std::size_t
     ti.x += g.turn_i.x[k], ti.y += g.turn_i.y[k], ti.z += g.turn_i.z[k];
     fj.x -= g.force.x[k], fj.y -= g.force.y[k], fj.z -= g.force.z[k];
     tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
-    worst = g.d.x[k] > worst ? g.d.x[k] : worst;
+    worst = g.overlap[k] > worst ? g.overlap[k] : worst;
   }
   return worst;
 }
 
 // Returns the largest overlap over the smaller radius.
-template <bool spheres, bool rooted, bool rolls>
+template <bool spheres, bool hertz, bool rolls>
 double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double dt) {
   double worst = 0;
   Group group{};
   for (std::size_t begin = 0; begin < list.touching.size(); begin += lanes) {
     const Contact* contacts = list.touching.data() + begin;
     const std::size_t count = std::min(lanes, list.touching.size() - begin);
-    load<spheres, rolls>(a, laws, list, contacts, count, group);
-    respond<spheres, rooted, rolls>(group, dt);
-    worst = std::max(worst, add<spheres, rolls>(a, list, contacts, count, group));
+    load<spheres, hertz, rolls>(a, laws, list, contacts, count, group);
+    respond<spheres, hertz, rolls>(group, dt);
+    worst = std::max(worst, add<spheres, hertz, rolls>(a, list, contacts, count, group));
   }
   return worst;
 }
@@ -187,12 +179,12 @@ double pair_loop(const Arrays& a, const LawTable& laws, PairList& list, double d
 // The loop compiled for what these shapes and laws need.
 // A flag of the laws or shapes as a whole, not of a contact: one exception among many contacts
 // makes all take the general loop.
-auto loop_for(bool spheres, bool rooted, bool rolls) {
+auto loop_for(bool spheres, bool hertz, bool rolls) {
   constexpr decltype(&pair_loop<false, false, false>) loops[] = {
       pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,
       pair_loop<false, true, true>,   pair_loop<true, false, false>, pair_loop<true, false, true>,
       pair_loop<true, true, false>,   pair_loop<true, true, true>};
-  return loops[4 * spheres + 2 * rooted + rolls];
+  return loops[4 * spheres + 2 * hertz + rolls];
 }
 
 }  // namespace
@@ -212,7 +204,7 @@ void Particles::Room::feel_pairs(double dt) {
                  state.f.data(),
                  state.t.data()};
   find_touching(a.piece_x, pairs);
-  const auto loop = loop_for(spheres, laws.any_rooted(), laws.any_rolls());
+  const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
   double worst = loop(a, laws, pairs, dt);
   if (shapes.any_stones()) worst = std::max(worst, stone_contacts.feel(scene(), dt, stones, state));
   if (worst > parameters.largest_overlap)

@@ -148,13 +148,15 @@ class PairFinder {
     const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j])};
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;
     std::uint8_t touching = 0;
-    double turn = 0;
+    Vec4 turn{};
+    double size = 0;
     // Touching from the start: what does not touch any more forgets its history in the next
     // sub-step.
     if (next_ < history_.size() && !(wanted < history_[next_])) {
       touching = 1;
       xi.set(Eigen::Map<const Vec3>(history_[next_].xi));
-      turn = history_[next_].turn;
+      turn = {history_[next_].turn, history_[next_].size, history_[next_].ring, 0};
+      size = history_[next_].size;
       roll.set(Eigen::Map<const Vec3>(history_[next_].roll));
     }
     const bool stones = has_corners(p) || has_corners(r);
@@ -163,7 +165,10 @@ class PairFinder {
         {static_cast<std::int32_t>(r), shift, static_cast<std::uint8_t>(law), touching});
     list.xi.push_back(xi);
     if (rolls_) list.roll.push_back(roll);
-    if (stones) stones_.turn.push_back({turn, 0, 0, 0});
+    if (stones)
+      stones_.turn.push_back(turn);
+    else if (hertz_)
+      list.size.push_back(size);
   }
 
   const Scene& scene_;
@@ -171,7 +176,7 @@ class PairFinder {
   PairList& pairs_;
   StoneList& stones_;
   Cells cells_;
-  bool rolls_ = scene_.laws.any_rolls();
+  bool rolls_ = scene_.laws.any_rolls(), hertz_ = scene_.laws.any_hertz();
   std::vector<Partner> partners_;
   std::map<std::array<int, 3>, std::uint16_t> numbers_;
   std::size_t next_ = 0;
@@ -201,10 +206,13 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
       for (std::uint32_t e = row.begin; e < row.end; ++e) {
         if (!list.entries[e].touching) continue;
         const Vec4 roll = list.roll.empty() ? Vec4{} : list.roll[e];
+        const Vec4 about = turn ? (*turn)[e] : Vec4{0, list.size.empty() ? 1 : list.size[e], 0, 0};
         all.push_back({key(row.piece),
                        key(list.entries[e].piece),
                        {list.xi[e].x, list.xi[e].y, list.xi[e].z},
-                       turn ? (*turn)[e].x : 0.0,
+                       about.x,
+                       about.y,
+                       about.z,
                        {roll.x, roll.y, roll.z}});
       }
   };
@@ -216,6 +224,8 @@ std::vector<History> collect_history(const State& state, const Pieces& pieces,
                      patch_key(names[static_cast<std::size_t>(a.surface)], p.patch),
                      {p.xi.x, p.xi.y, p.xi.z},
                      p.turn,
+                     p.size,
+                     p.ring,
                      {p.roll.x, p.roll.y, p.roll.z}});
   std::sort(all.begin(), all.end());
   return all;

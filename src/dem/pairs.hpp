@@ -59,25 +59,29 @@ struct PairList {
   std::vector<Entry> entries;
   std::vector<Vec4> xi;           // m, history; w: sqrt of the effective mass
   std::vector<Vec4> roll;         // m, history; empty if no law resists rolling
+  std::vector<double> size;       // `size` of History; empty if no law is Hertz's
   std::vector<Vec4> shifts;       // m, [0] is zero
   std::vector<Contact> touching;  // in this sub-step, in the order of entries
   void clear() {
-    rows.clear(), entries.clear(), xi.clear(), roll.clear(), shifts.assign(1, Vec4{});
+    rows.clear(), entries.clear(), xi.clear(), roll.clear(), size.clear();
+    shifts.assign(1, Vec4{});
   }
   // Of an entry that does not touch any more.
   void forget(std::uint32_t e) {
     entries[e].touching = 0;
     xi[e].set(Vec3::Zero());
     if (!roll.empty()) roll[e] = {};
+    if (!size.empty()) size[e] = 0;
   }
 };
 
 // Pairs with a piece of several corners (stones.hpp).
 // Lists of their own: their contacts are found otherwise and cost many times as much.
 struct StoneList : PairList {
-  std::vector<Vec4> turn;  // x: rad, relative rotation about the normal, cut by friction
+  // x: rad, relative rotation about the normal, cut by friction; y, z: `size` and `ring` of History
+  std::vector<Vec4> turn;
   void clear() { PairList::clear(), turn.clear(); }
-  void forget(std::uint32_t e) { PairList::forget(e), turn[e].x = 0; }
+  void forget(std::uint32_t e) { PairList::forget(e), turn[e] = {}; }
 };
 
 // A piece near a surface.
@@ -93,8 +97,9 @@ struct Approach {
     int patch;
     bool touching;
     Vec4 xi{};
-    double turn = 0;  // rad
-    Vec4 roll{};      // m
+    double turn = 0;            // rad
+    double size = 0, ring = 0;  // as in History
+    Vec4 roll{};                // m
     // As felt in the last sub-step; radius 0: not yet.
     double overlap = 0, radius = 0;  // m
     double spread = 0;               // m^2

@@ -30,9 +30,23 @@ void Parameters::declare(input::Section& s) {
            "Acceleration along -z.");
 }
 
+namespace {
+
+// The thickness that line contacts have is that of the particles.
+Physics within(Physics physics, const Domain& domain) {
+  physics.thickness = domain.dimension == Dimension::plane ? domain.thickness : 0;
+  return physics;
+}
+
+}  // namespace
+
 Particles::Room::Room(const par::Comm& comm_, const Physics& physics_,
                       const Parameters& parameters_, const Domain& domain_)
-    : comm(comm_), physics(physics_), parameters(parameters_), domain(domain_), laws(physics_) {}
+    : comm(comm_),
+      physics(within(physics_, domain_)),
+      parameters(parameters_),
+      domain(domain_),
+      laws(physics) {}
 
 Particles::Particles(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
                      const Domain& domain)

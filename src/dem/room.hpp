@@ -29,6 +29,7 @@ struct Pressed {
   std::span<const MeshContact> contacts;
   std::span<const double> weights;
   double k_n, f_n;  // N/m; N, along the normal
+  double kept;      // of the stretch of springs, since the step before
 };
 
 // The rank's particles with all that is derived from them. What a checkpoint holds of it: the

@@ -18,39 +18,27 @@ namespace trackbed::dem {
 
 namespace {
 
-// Number: double, or Lanes for eight bodies. Every operation is rounded alike in both, so what is
-// computed for one body has the bits of a lane.
-template <class Number>
-struct Axes {
-  Number x, y, z;
-};
-
-template <class Number>
-[[gnu::always_inline]] inline Axes<Number> cross(const Axes<Number>& a, const Axes<Number>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 // v turned by the unit quaternion (u, w): v + 2 w u x v + 2 u x (u x v).
-template <class Number>
-[[gnu::always_inline]] inline Axes<Number> turned(const Axes<Number>& u, Number w,
-                                                  const Axes<Number>& v) {
-  Axes<Number> uv = cross(u, v);
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> turned(const Triple<Real>& u, Real w,
+                                                  const Triple<Real>& v) {
+  Triple<Real> uv = cross(u, v);
   uv = {uv.x + uv.x, uv.y + uv.y, uv.z + uv.z};
-  const Axes<Number> uuv = cross(u, uv);
+  const Triple<Real> uuv = cross(u, uv);
   return {v.x + w * uv.x + uuv.x, v.y + w * uv.y + uuv.y, v.z + w * uv.z + uuv.z};
 }
 
 // From space to principal axes: by the conjugate.
-template <class Number>
-[[gnu::always_inline]] inline Axes<Number> to_body(const Number (&q)[4], const Axes<Number>& v) {
-  return turned(Axes<Number>{-q[0], -q[1], -q[2]}, q[3], v);
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> to_body(const Real (&q)[4], const Triple<Real>& v) {
+  return turned(Triple<Real>{-q[0], -q[1], -q[2]}, q[3], v);
 }
 
-template <class Number>
-[[gnu::always_inline]] inline Axes<Number> spin(const Number (&q)[4], const Axes<Number>& momentum,
-                                                const Axes<Number>& over_inertia) {
-  const Axes<Number> body = to_body(q, momentum);
-  return turned(Axes<Number>{q[0], q[1], q[2]}, q[3],
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> spin(const Real (&q)[4], const Triple<Real>& momentum,
+                                                const Triple<Real>& over_inertia) {
+  const Triple<Real> body = to_body(q, momentum);
+  return turned(Triple<Real>{q[0], q[1], q[2]}, q[3],
                 {body.x * over_inertia.x, body.y * over_inertia.y, body.z * over_inertia.z});
 }
 
@@ -85,9 +73,9 @@ template <int a>
 }
 
 // The attitude after dt; over_inertia: 1/I of the principal axes.
-[[gnu::always_inline]] inline void rotate(Lanes (&q)[4], const Axes<Lanes>& momentum,
-                                          const Axes<Lanes>& over_inertia, double dt) {
-  const Axes<Lanes> body = to_body(q, momentum);
+[[gnu::always_inline]] inline void rotate(Lanes (&q)[4], const Triple<Lanes>& momentum,
+                                          const Triple<Lanes>& over_inertia, double dt) {
+  const Triple<Lanes> body = to_body(q, momentum);
   Lanes l[3] = {body.x, body.y, body.z};
   turn<0>(q, l, 0.5 * dt * l[0] * over_inertia.x);
   turn<1>(q, l, 0.5 * dt * l[1] * over_inertia.y);
@@ -114,12 +102,12 @@ Lanes drift_and_rotate(const Bodies& b, double dt) {
   Lanes4 x = rows(b.x);
   x.x = x.x + dt * v.x, x.y = x.y + dt * v.y, x.z = x.z + dt * v.z;
   store(x, b.x);
-  const Axes<Lanes> momentum{l.x, l.y, l.z};
-  const Axes<Lanes> over_inertia{all(1) / inertia.x, all(1) / inertia.y, all(1) / inertia.z};
+  const Triple<Lanes> momentum{l.x, l.y, l.z};
+  const Triple<Lanes> over_inertia{all(1) / inertia.x, all(1) / inertia.y, all(1) / inertia.z};
   Lanes q[4] = {q0.x, q0.y, q0.z, q0.w};
   rotate(q, momentum, over_inertia, dt);
   store({q[0], q[1], q[2], q[3]}, b.q);
-  const Axes<Lanes> w = spin(q, momentum, over_inertia);
+  const Triple<Lanes> w = spin(q, momentum, over_inertia);
   store({w.x, w.y, w.z, all(0)}, b.w);
   const Lanes4 from = rows(b.reference_x), before = rows(b.reference_q);
   const Lanes dx = x.x - from.x, dy = x.y - from.y, dz = x.z - from.z;
@@ -147,8 +135,9 @@ Lanes drift_and_rotate_rest(const Bodies& b, std::size_t count, double dt) {
 
 Vec4 spin_of(const Vec4& attitude, const Vec4& momentum, const Vec4& inertia) {
   const double q[4] = {attitude.x, attitude.y, attitude.z, attitude.w};
-  const Axes<double> over_inertia{1 / inertia.x, 1 / inertia.y, 1 / inertia.z};
-  const Axes<double> w = spin(q, Axes<double>{momentum.x, momentum.y, momentum.z}, over_inertia);
+  const Triple<double> over_inertia{1 / inertia.x, 1 / inertia.y, 1 / inertia.z};
+  const Triple<double> w =
+      spin(q, Triple<double>{momentum.x, momentum.y, momentum.z}, over_inertia);
   return {w.x, w.y, w.z, 0};
 }
 

@@ -129,6 +129,8 @@ struct History {
   std::int64_t second = 0;     // key of the other piece, or -1 - (surface * 2^32 + patch)
   double xi[3] = {0, 0, 0};    // m, tangential displacement
   double turn = 0;             // rad, relative rotation about the normal
+  double size = 1;             // m, contact size at which xi was stretched; linear law: 1
+  double ring = 0;             // m^3, that times the contact's spread; linear law: m^2
   double roll[3] = {0, 0, 0};  // m, displacement of rolling; zero if no law resists it
 
   bool operator<(const History& o) const {

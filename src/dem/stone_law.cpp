@@ -9,23 +9,6 @@
 
 namespace trackbed::dem {
 
-namespace {
-
-[[gnu::always_inline]] inline void put(double (&to)[lanes], Lanes v) {
-  *reinterpret_cast<Lanes*>(to) = v;
-}
-[[gnu::always_inline]] inline Lanes get(const double (&from)[lanes]) {
-  return *reinterpret_cast<const Lanes*>(from);
-}
-[[gnu::always_inline]] inline void put(Lane3& to, const Lanes3& v) {
-  put(to.x, v.x), put(to.y, v.y), put(to.z, v.z);
-}
-[[gnu::always_inline]] inline Lanes3 get(const Lane3& from) {
-  return {get(from.x), get(from.y), get(from.z)};
-}
-
-}  // namespace
-
 StoneLaw::StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces)
     : scene_(scene), dt_(dt), list_(list), forces_(forces) {}
 
@@ -39,75 +22,73 @@ void StoneLaw::prefetch(const Block& block) const {
   }
 }
 
+// The history of a pair that does not touch is zero. Rows of lanes in use only are stored: the
+// entry of another may be in another block by now.
+void StoneLaw::store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
+                             Lanes root_mass) {
+  const Lanes zero = all(0);
+  const auto keep = [&](Lanes value) { return select(touching, value, zero); };
+  const auto store_rows = [&](std::vector<Vec4>& to, const Lanes4& v) {
+    to_rows(v, [&](std::size_t k, Four row) {
+      if (block.used >> k & 1) put(to[block.entry[k]], row);
+    });
+  };
+  store_rows(list_.xi, {keep(h.xi.x), keep(h.xi.y), keep(h.xi.z), root_mass});
+  store_rows(list_.turn, {keep(h.turn), keep(h.size), keep(h.ring), zero});
+  if (!list_.roll.empty())
+    store_rows(list_.roll, {keep(h.roll.x), keep(h.roll.y), keep(h.roll.z), zero});
+}
+
 template <bool rolls>
-void StoneLaw::respond_to(const Block& block, const WrenchLanes& w, Mask touching) {
-  StoneGroup& g = group_;
+void StoneLaw::respond_to(std::size_t number, const Block& block, const WrenchLanes& w) {
   const State& s = scene_.state;
   const auto i = [&](std::size_t k) { return block.i[k]; };
   const auto j = [&](std::size_t k) { return block.j[k]; };
   const auto e = [&](std::size_t k) { return block.entry[k]; };
-  put(g.d, w.d), put(g.N, w.N), put(g.T, w.T), put(g.x, w.x);
-  put(g.M, w.M), put(g.spread, w.spread);
-  put(g.vi, rows(s.v.data(), i).xyz()), put(g.vj, rows(s.v.data(), j).xyz());
-  put(g.wi, rows(s.w.data(), i).xyz()), put(g.wj, rows(s.w.data(), j).xyz());
-  const Lanes4 xi = rows(list_.xi.data(), e);
-  put(g.xi, xi.xyz()), put(g.root_mass, xi.w);
-  put(g.turn, rows(list_.turn.data(), e).x);
-  put(g.radius, block.radius);
-  if constexpr (rolls) {
-    put(g.rolling.radius, block.rolling_radius);
-    put(g.rolling.roll, rows(list_.roll.data(), e).xyz());
-  }
-#pragma omp simd
-  for (std::size_t k = 0; k < lanes; ++k) dem::respond<rolls>(g, k, dt_);
-  const Lanes zero = all(0);
-  const Lanes3 zeros{zero, zero, zero};
-  for (Lane3* out : {&g.force, &g.turn_i, &g.turn_j, &g.xi})
-    put(*out, select(touching, get(*out), zeros));
-  put(g.turn, select(touching, get(g.turn), zero));
-  if constexpr (rolls) put(g.rolling.roll, select(touching, get(g.rolling.roll), zeros));
-}
-
-// Of lanes that are in use: the entry of another may be at home in another block by now.
-void StoneLaw::store_history(const Block& block, Mask) {
-  const StoneGroup& g = group_;
-  const auto store = [&](std::vector<Vec4>& to, const Lanes4& v) {
-    to_rows(v, [&](std::size_t k, Four row) {
-      if (block.used >> k & 1) dem::put(to[block.entry[k]], row);
-    });
+  const Lanes4 xi = rows(list_.xi.data(), e), turn = rows(list_.turn.data(), e);
+  StoneStretch<Lanes> h{xi.xyz(), {}, turn.x, turn.y, turn.z};
+  if constexpr (rolls) h.roll = rows(list_.roll.data(), e).xyz();
+  const StoneTouch<Lanes> touch{w.d,
+                                w.N,
+                                w.T,
+                                w.x,
+                                rows(s.v.data(), i).xyz(),
+                                rows(s.v.data(), j).xyz(),
+                                rows(s.w.data(), i).xyz(),
+                                rows(s.w.data(), j).xyz(),
+                                w.M,
+                                w.spread,
+                                xi.w,
+                                block.radius,
+                                Lanes{},
+                                law_.get(),
+                                rolling_.get(),
+                                block.rolling_radius};
+  const StoneForce<Lanes> f = dem::respond<rolls>(touch, dt_, h);
+  const Mask touching = w.M > all(0);
+  store_history(block, touching, h, xi.w);
+  const auto leave = [&](std::vector<Vec4>& to, const Lanes3& v) {
+    Vec4* slot = to.data() + lanes * number;
+    const Lanes zero = all(0);
+    to_rows({select(touching, v.x, zero), select(touching, v.y, zero), select(touching, v.z, zero),
+             zero},
+            [slot](std::size_t k, Four row) { put(slot[k], row); });
   };
-  const Lanes3 xi = get(g.xi);
-  store(list_.xi, {xi.x, xi.y, xi.z, get(g.root_mass)});
-  store(list_.turn, {get(g.turn), all(0), all(0), all(0)});
-  if (list_.roll.empty()) return;
-  const Lanes3 roll = get(g.rolling.roll);
-  store(list_.roll, {roll.x, roll.y, roll.z, all(0)});
+  leave(forces_.force, f.force), leave(forces_.turn_i, f.turn_i), leave(forces_.turn_j, f.turn_j);
 }
 
 void StoneLaw::respond(std::size_t number, const Block& block, const WrenchLanes& w) {
-  if (law_ != block.law) {
+  if (law_number_ != block.law) {
     const Law& law = scene_.laws[block.law];
-    for (std::size_t k = 0; k < lanes; ++k) {
-      group_.law.set(k, law);
-      group_.rolling.set(k, law.rolling, 0, {});
-    }
-    law_ = block.law;
+    for (std::size_t k = 0; k < lanes; ++k) law_.set(k, law), rolling_.set(k, law.rolling);
+    law_number_ = block.law;
   }
-  const Mask touching = w.M > all(0);
   if (list_.roll.empty())
-    respond_to<false>(block, w, touching);
+    respond_to<false>(number, block, w);
   else
-    respond_to<true>(block, w, touching);
-  store_history(block, touching);
-  const auto store = [&](std::vector<Vec4>& to, const Lanes3& v) {
-    Vec4* slot = to.data() + lanes * number;
-    to_rows({v.x, v.y, v.z, all(0)}, [slot](std::size_t k, Four row) { dem::put(slot[k], row); });
-  };
-  store(forces_.force, get(group_.force));
-  store(forces_.turn_i, get(group_.turn_i));
-  store(forces_.turn_j, get(group_.turn_j));
+    respond_to<true>(number, block, w);
   // Over the smaller rounding, not the size: beyond it the cores overlap.
-  const Lanes half = block.half > all(0) ? block.half : -block.half;
+  const Lanes half = larger(block.half, -block.half);
   worst_ = larger(w.M / (0.5 * block.reach - half), worst_);
 }
 

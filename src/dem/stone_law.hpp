@@ -1,12 +1,11 @@
-// The law on contacts of pieces with corners, eight at a time. With the pair's generalised normal
-// (N, T) the overlap grows at the rate M' = (v_i - v_j) . N + w_i . T - w_j . (T - D x N), D from
-// the first centre to the second: spring and damper of the law act on M and M' and their force
-// works on nothing else. Friction acts at the mean point of contact, in the plane across N;
-// relative rotation about N is resisted like a ring of the contact's spread would do (zero for a
-// corner). Resistance to rolling takes the balls around the two pieces for their radii.
+// The law on contacts of pieces with corners, one (Real = double, on surfaces) or eight (Lanes) at
+// a time. With the pair's generalised normal (N, T) the overlap grows at the rate M' = (v_i - v_j)
+// . N + w_i . T - w_j . (T - D x N), D from the first centre to the second: spring and damper of
+// the law act on M and M' and their force works on nothing else. Friction acts at the mean point of
+// contact, in the plane across N; relative rotation about N is resisted like a ring of the
+// contact's spread would do (zero for a corner). Resistance to rolling takes the balls around the
+// two pieces for their radii.
 #pragma once
-
-#include <cmath>
 
 #include "features.hpp"
 #include "laws.hpp"
@@ -15,107 +14,75 @@
 
 namespace trackbed::dem {
 
-// The overlap M (m) as the spring shall feel it in a sub-step in which the contact opens or closes.
-//
-// Velocity Verlet kicks with half a sub-step's force on either side of each pose, so where M begins
-// (or ends) within the sub-step it gives the spring more time than it has: the energy of an elastic
-// collision was wrong by up to (dt^2 k / m_c) / 4, m_c the effective mass at the contact (a corner:
-// down to an eighth of a stone's), whatever the accuracy in between. With the rate M' the contact
-// has acted for a = M / |M'| < dt on one side, and the exact impulse k |M'| a^2 / 2 there and k M
-// dt / 2 on the other make the force k M (1 + a / dt) / 2. What is left is third order. A contact
-// at rest, M > |M'| dt, is not changed. Hertz's force begins smoothly and needs none of this.
-[[gnu::always_inline]] inline double felt_overlap(double M, double rate, double dt) {
-  const double way = (rate < 0 ? -rate : rate) * dt;
-  return M < way ? 0.5 * M * (1 + M / way) : M;
-}
-
-// One contact per lane. Places are relative to the centre of i. The surface's case
-// (surface_contacts.cpp) uses lane 0 alone, with d and spin of j zero and `drift` for how its
-// features move.
-struct alignas(64) StoneGroup {
-  Lane3 d, N, T, x, vi, vj, wi, wj, xi;  // in; d: centre of j from that of i
-  double M[lanes], spread[lanes], turn[lanes], root_mass[lanes];
-  double radius[lanes];  // m, of the two curvatures together
-  LawLanes law;
-  RollingLanes rolling;
-  double drift[lanes];  // m/s, rate at which features of j move along N against its motion at x
-  Lane3 force, turn_i, turn_j;       // out, on i; torque on j of the opposite force
-  double f_n[lanes], moment[lanes];  // out: force along -N, moment of torsion
+// What the law reads of a contact; places are relative to the centre of i. On a surface d and the
+// spin of j are zero and `drift` tells how the surface's features move.
+template <class Real>
+struct StoneTouch {
+  Triple<Real> d, N, T, x;      // d: centre of j from that of i
+  Triple<Real> vi, vj, wi, wj;  // m/s, rad/s
+  Real M, spread;               // m, m^2
+  Real root_mass, radius;       // radius: m, of the two curvatures together
+  Real drift;                   // m/s, of features of j along N against its motion at x
+  Springs<Real> law;
+  Rolling<Real> rolling;
+  Real rolling_radius;  // m, reduced, of the balls around the two pieces
 };
 
-// Moment about the normal, on i, from a torsion spring of stiffness k_s spread, cut at the moment
-// that friction can carry at this spread.
-// As `slide` in one dimension, with lengths times sqrt(spread): a ring of that radius, twisted, has
-// the stiffness k_s spread (Nm/rad) and slips at mu F_n sqrt(spread). Corners have no spread and no
-// torsion.
-[[gnu::always_inline]] inline double torsion(const Coefficients& c, double spread, double rate,
-                                             double limit, double dt, double& turn) {
-  const double stiffness = c.k_s * spread, damping = c.c_s * spread;
-  const double grown = turn + rate * dt;
-  const double moment = -stiffness * grown - damping * rate;
-  const bool slips = moment > limit || moment < -limit;
-  const double cut = moment > 0 ? limit : -limit;
-  const double kept = stiffness > 0 ? -(cut + damping * rate) / stiffness : 0.0;
-  turn = slips ? kept : (stiffness > 0 ? grown : 0.0);
-  return slips ? cut : moment;
-}
+// What a contact remembers (state.hpp, History).
+template <class Real>
+struct StoneStretch {
+  Triple<Real> xi, roll;
+  Real turn, size, ring;
+};
+
+template <class Real>
+struct StoneForce {
+  Triple<Real> force, turn_i, turn_j;  // on i; torque on j of the opposite force
+  Triple<Real> friction;
+  Real f_n, moment, k_n;  // force along -N, moment of torsion, N/m
+};
 
 // Force on i: friction - f_n N, and torque x cross friction - f_n T + moment n; on j the opposite
 // force, and the torque about its own centre. f_n is the spring's force on M, N; the normal force
 // is f_n |N|, since |N| may exceed 1 (several features) or fall short of it (features that face
-// each other); it limits friction and torsion.
-template <bool rolls>
-[[gnu::always_inline]] inline void respond(StoneGroup& g, std::size_t k, double dt) {
-  const double Nx = g.N.x[k], Ny = g.N.y[k], Nz = g.N.z[k];
-  const double Tx = g.T.x[k], Ty = g.T.y[k], Tz = g.T.z[k];
-  const double dx = g.d.x[k], dy = g.d.y[k], dz = g.d.z[k];
-  const double Sx = Tx - (dy * Nz - dz * Ny), Sy = Ty - (dz * Nx - dx * Nz),
-               Sz = Tz - (dx * Ny - dy * Nx);  // T about the centre of j
-  const double wix = g.wi.x[k], wiy = g.wi.y[k], wiz = g.wi.z[k];
-  const double wjx = g.wj.x[k], wjy = g.wj.y[k], wjz = g.wj.z[k];
-  const double length = std::sqrt(Nx * Nx + Ny * Ny + Nz * Nz);
-  const double over = 1 / (length > 1e-300 ? length : 1e-300);
-  const double nx = Nx * over, ny = Ny * over, nz = Nz * over;
-  const double ax = g.x.x[k], ay = g.x.y[k], az = g.x.z[k];  // arms
-  const double bx = ax - dx, by = ay - dy, bz = az - dz;
-  const double ux = g.vi.x[k] - g.vj.x[k], uy = g.vi.y[k] - g.vj.y[k], uz = g.vi.z[k] - g.vj.z[k];
-  const double rate = ux * Nx + uy * Ny + uz * Nz + (wix * Tx + wiy * Ty + wiz * Tz) -
-                      (wjx * Sx + wjy * Sy + wjz * Sz) - g.drift[k];  // of M
-  const double px = ux + (wiy * az - wiz * ay) - (wjy * bz - wjz * by);
-  const double py = uy + (wiz * ax - wix * az) - (wjz * bx - wjx * bz);
-  const double pz = uz + (wix * ay - wiy * ax) - (wjx * by - wjy * bx);
+// each other); it limits friction and torsion. Moves the history by dt.
+template <bool rolls, class Real>
+[[gnu::always_inline]] inline StoneForce<Real> respond(const StoneTouch<Real>& g, double dt,
+                                                       StoneStretch<Real>& h) {
+  const Triple<Real> S = g.T - cross(g.d, g.N);  // T about the centre of j
+  const Real length = root(dot(g.N, g.N));
+  const Triple<Real> n = (1.0 / larger(length, Real{} + 1e-300)) * g.N;
+  const Triple<Real> arm_j = g.x - g.d, u = g.vi - g.vj;
+  const Real rate = dot(u, g.N) + dot(g.wi, g.T) - dot(g.wj, S) - g.drift;  // of M
+  const Triple<Real> p = u + cross(g.wi, g.x) - cross(g.wj, arm_j);
   // `contact_force` takes the rate of overlap from the velocity along n: here it is that of M.
-  const double correct = rate - (px * nx + py * ny + pz * nz);
-  const double vx = px + correct * nx, vy = py + correct * ny, vz = pz + correct * nz;
-  Law law = g.law.at(k);
-  law.mu *= length;
-  const Coefficients c = coefficients<true>(law, g.M[k], g.root_mass[k], g.radius[k]);
-  const double felt = g.law.rooted[k] > 0 ? g.M[k] : felt_overlap(g.M[k], rate, dt);
-  const double twist = 0.5 * ((wix + wjx) * nx + (wiy + wjy) * ny + (wiz + wjz) * nz);
-  Vec4 xi{g.xi.x[k], g.xi.y[k], g.xi.z[k], 0};
-  const Vec4 f = contact_force(c, {nx, ny, nz, vx, vy, vz, felt, twist}, dt, xi);
-  g.xi.x[k] = xi.x, g.xi.y[k] = xi.y, g.xi.z[k] = xi.z;
-  const double f_n = f.w;
-  const double sx = f.x + f_n * nx, sy = f.y + f_n * ny, sz = f.z + f_n * nz;  // friction
-  double turn = g.turn[k];
-  const double limit = c.mu * (f_n > 0 ? f_n : 0.0) * std::sqrt(g.spread[k]);
-  const double spin = (wix - wjx) * nx + (wiy - wjy) * ny + (wiz - wjz) * nz;
-  const double moment = torsion(c, g.spread[k], spin, limit, dt, turn);
-  g.turn[k] = turn, g.f_n[k] = f_n, g.moment[k] = moment;
-  g.force.x[k] = sx - f_n * Nx, g.force.y[k] = sy - f_n * Ny, g.force.z[k] = sz - f_n * Nz;
-  g.turn_i.x[k] = (ay * sz - az * sy) - f_n * Tx + moment * nx;
-  g.turn_i.y[k] = (az * sx - ax * sz) - f_n * Ty + moment * ny;
-  g.turn_i.z[k] = (ax * sy - ay * sx) - f_n * Tz + moment * nz;
-  g.turn_j.x[k] = (by * sz - bz * sy) - f_n * Sx + moment * nx;
-  g.turn_j.y[k] = (bz * sx - bx * sz) - f_n * Sy + moment * ny;
-  g.turn_j.z[k] = (bx * sy - by * sx) - f_n * Sz + moment * nz;
+  const Triple<Real> v = p + (rate - dot(p, n)) * n;
+  Springs<Real> law = g.law;
+  law.mu = law.mu * length;
+  const auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
+  const Real spring = spring_force<true>(law, c, g.M, rate, g.root_mass, g.radius, dt);
+  const Real remains = kept(h.size, c.size);
+  const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
+  const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);
+  const Real f_n = contact.normal, ring = c.size * g.spread;
+  const Real limit = c.mu * larger(f_n, Real{}) * root(g.spread);
+  const Slider<Real> twisted{c.k_s * g.spread, c.c_s * g.spread, limit, kept(h.ring, ring)};
+  const Triple<Real> spin = g.wi - g.wj;
+  const Real moment = torsion(twisted, dot(spin, n), dt, h.turn);
+  StoneForce<Real> out{contact.friction - f_n * g.N,
+                       cross(g.x, contact.friction) - f_n * g.T + moment * n,
+                       cross(arm_j, contact.friction) - f_n * S + moment * n,
+                       contact.friction,
+                       f_n,
+                       moment,
+                       c.k_n};
   if constexpr (rolls) {
-    const Rolls t{nx,        ny,        nz,           twist, wix - wjx,
-                  wiy - wjy, wiz - wjz, f_n * length, 0,     g.root_mass[k]};
-    const Vec4 m = g.rolling.moment(k, c.k_n, t, dt);
-    g.turn_i.x[k] += m.x, g.turn_i.y[k] += m.y, g.turn_i.z[k] += m.z;
-    g.turn_j.x[k] += m.x, g.turn_j.y[k] += m.y, g.turn_j.z[k] += m.z;
+    const Rolls<Real> t{n, spin, touch.twist, f_n * length, c.k_n, g.rolling_radius, g.root_mass};
+    const Triple<Real> m = rolling_moment(g.rolling, t, remains, dt, h.roll);
+    out.turn_i = out.turn_i + m, out.turn_j = out.turn_j + m;
   }
+  h.size = c.size, h.ring = ring;
+  return out;
 }
 
 // What pairs do to their particles, by slot (block and lane).
@@ -148,16 +115,18 @@ class StoneLaw {
 
  private:
   template <bool rolls>
-  void respond_to(const Block& block, const WrenchLanes& w, Mask touching);
-  void store_history(const Block& block, Mask touching);
+  void respond_to(std::size_t number, const Block& block, const WrenchLanes& w);
+  void store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
+                     Lanes root_mass);
 
   const Scene& scene_;
   double dt_;
   StoneList& list_;
   PairForces& forces_;
-  int law_ = -1;  // that the lanes of `group_` hold
+  LawLanes law_{};
+  RollingLanes rolling_{};
+  int law_number_ = -1;  // of the law that the lanes hold
   Lanes worst_ = all(0);
-  StoneGroup group_{};
 };
 
 }  // namespace trackbed::dem

@@ -13,6 +13,9 @@ namespace trackbed::dem {
 
 namespace {
 
+Triple<double> triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 vec3(const Triple<double>& v) { return {v.x, v.y, v.z}; }
+
 // Modulo 2^64, which is defined and as associative: the quantum keeps the sums of a window clear of
 // it (Particles::expect_load), but a surface whose load nobody takes may go round. The coupler's
 // balance sees sums that did.
@@ -97,13 +100,18 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   const Vec3 arm = (piece.vec3() - state.x[b].vec3()) + c.distance * c.normal;
   const Vec3 spin = state.w[b].vec3();
   const Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion_at(surface, c, step) / step.dt;
-  const Vec3& n = c.normal;
   // A surface does not spin: the contact turns with half the particle's spin about the normal.
-  const Touch touch{n.x(), n.y(), n.z(), v.x(), v.y(), v.z(), patch.overlap, 0.5 * spin.dot(n)};
-  const Law& law = laws[static_cast<std::size_t>(a.law)];
-  const Coefficients k = coefficients<true>(law, touch.delta, std::sqrt(mass(b)), piece.w);
-  const Vec4 felt = contact_force(k, touch, step.dt, patch.xi);
-  const Vec3 force = felt.vec3(), torque = arm.cross(force);
+  const Touch<double> touch{triple(c.normal), triple(v), patch.overlap, 0.5 * spin.dot(c.normal)};
+  const Springs<double>& law = laws[static_cast<std::size_t>(a.law)].springs;
+  const double root_mass = std::sqrt(mass(b));
+  const auto k = coefficients<true>(law, touch.delta, root_mass, piece.w);
+  const double spring =
+      spring_force<true>(law, k, touch.delta, v.dot(c.normal), root_mass, piece.w, step.dt);
+  const double remains = kept(patch.size, k.size);
+  Triple<double> xi = triple(patch.xi.vec3());
+  const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);
+  patch.xi.set(vec3(xi)), patch.size = k.size;
+  const Vec3 force = vec3(contact.friction) - contact.normal * c.normal, torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
   add_to_surface(a, c, force, step);
@@ -111,7 +119,8 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
   constexpr double whole = 1;
   if (laws.any_rolls())
-    resist_rolling(a, patch, {std::span(&c, 1), std::span(&whole, 1), k.k_n, felt.w}, step);
+    resist_rolling(a, patch,
+                   {std::span(&c, 1), std::span(&whole, 1), k.k_n, contact.normal, remains}, step);
 }
 
 double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
@@ -216,22 +225,25 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   Approach::Patch& patch = patch_record(a, contacts[0].patch);
   patch.overlap = w.M, patch.radius = rounding, patch.spread = w.spread, patch.N = w.N;
   patch.point = w.x + state.x[b].vec3();
-  thread_local StoneGroup g{};
-  g.N.put(0, w.N), g.T.put(0, w.T), g.x.put(0, w.x), g.M[0] = w.M, g.spread[0] = w.spread;
-  g.vi.put(0, state.v[b]), g.wi.put(0, state.w[b]), g.vj.put(0, Vec3(motion / step.dt));
-  g.drift[0] = (closing - motion.dot(w.N)) / step.dt;
-  g.xi.put(0, patch.xi), g.turn[0] = patch.turn, g.root_mass[0] = std::sqrt(mass(b));
-  g.law.set(0, laws[static_cast<std::size_t>(a.law)]), g.radius[0] = rounding;
-  respond<false>(g, 0, step.dt);
-  patch.xi.set(g.xi.at(0)), patch.turn = g.turn[0];
-  const Vec3 friction = g.force.at(0) + g.f_n[0] * w.N;
+  StoneTouch<double> g{};
+  g.N = triple(w.N), g.T = triple(w.T), g.x = triple(w.x), g.M = w.M, g.spread = w.spread;
+  g.vi = triple(state.v[b].vec3()), g.wi = triple(state.w[b].vec3());
+  g.vj = triple(motion / step.dt);
+  g.drift = (closing - motion.dot(w.N)) / step.dt;
+  g.root_mass = std::sqrt(mass(b)), g.radius = rounding;
+  g.law = laws[static_cast<std::size_t>(a.law)].springs;
+  StoneStretch<double> h{triple(patch.xi.vec3()), {}, patch.turn, patch.size, patch.ring};
+  const StoneForce<double> f = respond<false>(g, step.dt, h);
+  const double remains = kept(patch.size, h.size);
+  patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
+  const Vec3 friction = vec3(f.friction);
   const Vec3 ring =
-      w.spread > 0 ? Vec3(g.moment[0] / w.spread * w.N.normalized()) : Vec3(Vec3::Zero());
+      w.spread > 0 ? Vec3(f.moment / w.spread * w.N.normalized()) : Vec3(Vec3::Zero());
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const MeshContact& c = contacts[k];
     const Vec3 part =
-        slope[k] / total * (friction + ring.cross(c.point - w.x)) - g.f_n[0] * slope[k] * c.normal;
+        slope[k] / total * (friction + ring.cross(c.point - w.x)) - f.f_n * slope[k] * c.normal;
     add_to_surface(a, c, part, step);
     force += part, torque += c.point.cross(part);
   }
@@ -239,10 +251,8 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   state.t[b].set(state.t[b].vec3() + torque);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
-  if (laws.any_rolls()) {
-    const double k_n = coefficients<true>(g.law.at(0), w.M, 0, rounding).k_n;
-    resist_rolling(a, patch, {contacts, slope, k_n, g.f_n[0] * w.N.norm()}, step);
-  }
+  if (laws.any_rolls())
+    resist_rolling(a, patch, {contacts, slope, f.k_n, f.f_n * w.N.norm(), remains}, step);
   return w.M / rounding;
 }
 

@@ -1,6 +1,6 @@
 // Resistance to rolling on surfaces.
 // In couples on the touched triangles: a surface has no rotation of its own to put a moment on.
-// What the law is: laws.hpp, `rolling_force`; what a couple is: couple.hpp.
+// What the law is: contact.hpp, `rolling_moment`; what a couple is: couple.hpp.
 #include <cmath>
 
 #include "couple.hpp"
@@ -62,10 +62,15 @@ void Particles::Room::resist_rolling(const Approach& a, Approach::Patch& patch,
   const Vec3 n = patch.N.normalized(), w = state.w[b].vec3();
   // rad/s: a window lasts count * dt.
   const Vec3 against = w - spin / (total * step.count * step.dt);
-  const Rolls rolls{n.x(),       n.y(),       n.z(),       0.5 * w.dot(n), against.x(),
-                    against.y(), against.z(), pressed.f_n, radius,         std::sqrt(mass(b))};
-  const Rolling& law = laws[static_cast<std::size_t>(a.law)].rolling;
-  const Vec3 moment = radius * rolling_force(law, pressed.k_n, rolls, step.dt, patch.roll).vec3();
+  const Rolls<double> rolls{{n.x(), n.y(), n.z()}, {against.x(), against.y(), against.z()},
+                            0.5 * w.dot(n),        pressed.f_n,
+                            pressed.k_n,           radius,
+                            std::sqrt(mass(b))};
+  Triple<double> roll{patch.roll.x, patch.roll.y, patch.roll.z};
+  const auto m = rolling_moment(laws[static_cast<std::size_t>(a.law)].rolling, rolls, pressed.kept,
+                                step.dt, roll);
+  patch.roll = {roll.x, roll.y, roll.z, 0};
+  const Vec3 moment(m.x, m.y, m.z);
   state.t[b].set(state.t[b].vec3() + moment);
   action.moment -= moment;
   for (std::size_t k = 0; k < couples.size(); ++k) {

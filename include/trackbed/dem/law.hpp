@@ -18,7 +18,8 @@ struct Material {
 };
 
 // linear: F_n = k_n delta, F_s incremental with k_s, viscous damping as ratio of the critical one.
-// hertz: Hertz-Mindlin from the materials' young and poisson, damped to the given restitution.
+// hertz: Hertz-Mindlin from the materials' young and poisson, damped to the given restitution; in a
+// plane model the contact of parallel cylinders as long as the model is thick.
 enum class LawKind { linear, hertz };
 bool needs_young(LawKind kind);  // above 0, in both materials
 
@@ -39,6 +40,7 @@ struct ContactLaw {
 struct Physics {
   std::vector<Material> materials;
   std::vector<ContactLaw> laws;     // one per pair that may meet
+  double thickness = 0;             // m, of a plane model, where hertz is a line contact; 0: space
   void declare(input::Section& s);  // [[material]], [[contact]]
 
   int material(const std::string& name) const;                           // index; -1: there is none

@@ -7,24 +7,39 @@
 namespace trackbed::dem {
 namespace {
 
-constexpr Coefficients elastic{.k_n = 1e6, .k_s = 1e6, .c_n = 0, .c_s = 0, .mu = 0.5, .least = 0};
+using Stretch = Triple<double>;
+
+constexpr Coefficients<double> elastic{
+    .k_n = 1e6, .k_s = 1e6, .c_n = 0, .c_s = 0, .mu = 0.5, .least = 0, .size = 1};
+
+// Force on i at this overlap, normal along z, with a spring that has not changed its stiffness.
+Stretch force(const Coefficients<double>& c, const Stretch& v, double delta, double dt, Stretch& xi,
+              double twist = 0) {
+  const Touch<double> touch{{0, 0, 1}, v, delta, twist};
+  const auto contact = contact_force(c, touch, c.k_n * delta, 1.0, dt, xi);
+  return contact.friction - contact.normal * touch.n;
+}
 
 TEST(ContactLaw, HistoryTurnsWithThePair) {
   // A stretched contact whose two particles turn together about the normal: the spring turns along,
-  // a quarter turn in 1000 steps, and keeps its length.
-  Vec4 xi{1e-5, 0, 0, 0};
+  // a quarter turn in 1000 steps, and never becomes longer, which would be work from nothing.
+  Stretch xi{1e-5, 0, 0};
   const double dt = 1e-5, quarter = 0.5 * M_PI;
-  const Touch touch{0, 0, 1, 0, 0, 0, 1e-4, quarter / (1000 * dt)};
-  for (int k = 0; k < 1000; ++k) contact_force(elastic, touch, dt, xi);
-  constexpr double first_order = 2e-3;  // each step lengthens it by (turn^2)/2: 1.2e-3 in all
-  EXPECT_NEAR(xi.x, 0, first_order * 1e-5);
-  EXPECT_NEAR(xi.y, 1e-5, first_order * 1e-5);
+  double length = 1e-5;
+  for (int k = 0; k < 1000; ++k) {
+    force(elastic, {}, 1e-4, dt, xi, quarter / (1000 * dt));
+    EXPECT_LE(std::hypot(xi.x, xi.y), length);
+    length = std::hypot(xi.x, xi.y);
+  }
+  constexpr double second_order = 1e-6;  // angle^3 / 3 and length^4 of a step, times 1000 steps
+  EXPECT_NEAR(xi.x, 0, second_order * 2e-5);
+  EXPECT_NEAR(xi.y, 1e-5, second_order * 1e-5);
   EXPECT_EQ(xi.z, 0);
 }
 
 TEST(ContactLaw, HistoryIsBroughtIntoTheTangentPlane) {
-  Vec4 xi{1e-5, 0, 1e-5, 0};
-  contact_force(elastic, {0, 0, 1, 0, 0, 0, 1e-4, 0}, 1e-5, xi);
+  Stretch xi{1e-5, 0, 1e-5};
+  force(elastic, {}, 1e-4, 1e-5, xi);
   EXPECT_EQ(xi.z, 0);
   EXPECT_EQ(xi.x, 1e-5);
 }
@@ -50,25 +65,59 @@ TEST(ContactLaw, SteadyStepsAreThoseOfTheWorstLaw) {
 
 TEST(ContactLaw, FrictionStopsAtCoulombsLimit) {
   const double normal = elastic.k_n * 1e-4;
-  Vec4 xi{3e-5, 4e-5, 0, 0};  // its spring would carry half the normal force: just at the limit
-  const Vec4 holds = contact_force(elastic, {0, 0, 1, 0, 0, 0, 1.0001e-4, 0}, 1e-5, xi);
+  Stretch xi{3e-5, 4e-5, 0};  // its spring would carry half the normal force: just at the limit
+  const Stretch holds = force(elastic, {}, 1.0001e-4, 1e-5, xi);
   EXPECT_NEAR(std::hypot(holds.x, holds.y), 0.5 * normal, 1e-9 * normal);
-  xi = {6e-5, 8e-5, 0, 0};
-  const Vec4 slips = contact_force(elastic, {0, 0, 1, 0, 0, 0, 1e-4, 0}, 1e-5, xi);
+  xi = {6e-5, 8e-5, 0};
+  const Stretch slips = force(elastic, {}, 1e-4, 1e-5, xi);
   EXPECT_NEAR(std::hypot(slips.x, slips.y), 0.5 * normal, 1e-12 * normal);
   EXPECT_NEAR(xi.x, 3e-5, 1e-17);  // the history is what carries exactly this force
   EXPECT_NEAR(xi.y, 4e-5, 1e-17);
   EXPECT_LT(slips.x, 0);  // against the displacement
 }
 
+// However strong the dashpot: while the contact slides the friction is the limit, and the spring is
+// stretched along the slip and no further than the limit.
+TEST(ContactLaw, ADashpotNeverWindsTheSpringAgainstTheSlip) {
+  Coefficients<double> c = elastic;
+  c.c_s = 1e4;
+  Stretch xi{};
+  for (int k = 0; k < 100; ++k) {
+    const Stretch f = force(c, {1, 0, 0}, 1e-4, 1e-6, xi);
+    EXPECT_NEAR(f.x, -50, 1e-9) << k;
+    EXPECT_GT(xi.x, 0);
+    EXPECT_LE(c.k_s * xi.x, 50 * (1 + 1e-12));
+  }
+}
+
+// Hertz: F = k_s xi keeps its size while the contact grows and falls with the contact's size.
+TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
+  Coefficients<double> c = elastic;
+  c.mu = 10;
+  Stretch xi{1e-5, 0, 0};
+  double before = c.size;
+  const auto at = [&](double size) {
+    c.size = size, c.k_n = c.k_s = 1e6 * size;
+    const Touch<double> touch{{0, 0, 1}, {}, 1e-4, 0};
+    const auto contact = contact_force(c, touch, c.k_n * 1e-4, kept(before, size), 1e-6, xi);
+    before = size;
+    return contact.friction.x;
+  };
+  EXPECT_NEAR(at(1), -10, 1e-12);
+  EXPECT_NEAR(at(2), -10, 1e-12);
+  EXPECT_NEAR(at(4), -10, 1e-12);
+  EXPECT_NEAR(at(1), -2.5, 1e-12);
+  EXPECT_NEAR(at(4), -2.5, 1e-12);
+}
+
 TEST(ContactLaw, DampingDoesNotPullUnlessAllowed) {
-  Coefficients c = elastic;
+  Coefficients<double> c = elastic;
   c.c_n = 1e3;
-  Vec4 xi;
-  const Touch opening{0, 0, 1, 0, 0, -1, 1e-4, 0};  // 100 N of spring, 1000 N of damping
-  EXPECT_EQ(contact_force(c, opening, 1e-5, xi).z, 0);
+  Stretch xi{};
+  const Stretch opening{0, 0, -1};  // 100 N of spring, 1000 N of damping
+  EXPECT_EQ(force(c, opening, 1e-4, 1e-5, xi).z, 0);
   c.least = -std::numeric_limits<double>::infinity();
-  EXPECT_NEAR(contact_force(c, opening, 1e-5, xi).z, 900, 1e-9);
+  EXPECT_NEAR(force(c, opening, 1e-4, 1e-5, xi).z, 900, 1e-9);
 }
 
 }  // namespace

@@ -1,0 +1,233 @@
+// The force of a contact as a pure function of overlap, velocities, history and parameters, for one
+// contact (Real = double) or eight in lanes (Real = Lanes) with the same roundings.
+//
+// linear: F_n = k_n delta + c_n v_n, F_s = -k_s xi - c_s v_t, |F_s| <= mu F_n
+//   (Cundall, Strack 1979, doi:10.1680/geot.1979.29.1.47), c = 2 zeta sqrt(m_eff k).
+// hertz: with the contact size a = sqrt(R delta), k_n = 4/3 E* a and k_s = 8 G* a (Hertz 1882;
+//   Mindlin 1949), damping 2 sqrt(5/6) beta sqrt(S m_eff), S = 2 E* a (Tsuji et al. 1992,
+//   doi:10.1016/0032-5910(92)88030-L), beta such that a collision has the wanted restitution.
+//
+// No closed motion of a contact returns more work than it received:
+// - The tangential spring F = k_s xi of a Hertz contact changes with the overlap. Where k_s rises
+//   the force is kept, so that xi shrinks by k_old / k_new; where it falls xi is kept and the force
+//   falls with it (Thornton, Cummins, Cleary 2013, doi:10.1016/j.powtec.2012.08.012). Both take
+//   energy out of the spring, 1/2 k_s xi^2, and none puts any in.
+// - Coulomb's limit cuts the spring. While the spring slips the friction is the limit and the
+//   dashpot does not act; otherwise the sum of spring and dashpot is cut, and the spring keeps its
+//   true stretch. Cutting is a projection onto a ball that contains the spring's force, so the
+//   dashpot only dissipates: (P(k xi + c v) - k xi) . v >= 0.
+// - Where a contact opens or closes within a step, the normal spring is corrected such that the
+//   step's work is that of the spring (`spring_force`).
+// Other codes and what they lose: docs/decisions/contact_laws.md.
+#pragma once
+
+#include "lanes.hpp"
+
+namespace trackbed::dem {
+
+// One pair of materials.
+template <class Real>
+struct Springs {
+  Real k_n{}, k_s{};  // N/m; hertz: over the contact size a, Pa
+  Real c_n{}, c_s{};  // over sqrt(m_eff): 2 zeta sqrt(k); hertz: over sqrt(a m_eff)
+  Real mu{};
+  Real least{};  // N, F_n >= least: 0 without attraction, else -infinity
+  Real hertz{};  // 1: stiffnesses grow with a; 0: linear
+};
+
+// At one overlap. m_eff = m_i m_j / (m_i + m_j), kg; against a surface m_i, since what is behind it
+// is heavy.
+template <class Real>
+struct Coefficients {
+  Real k_n, k_s, c_n, c_s, mu, least;
+  Real size;  // a, m; 1 for linear springs
+};
+
+// R: 1/R = 1/R_i + 1/R_j (m); root_mass: sqrt(m_eff). `any_hertz` false: no law is, and the roots
+// are left out.
+template <bool any_hertz, class Real>
+[[gnu::always_inline]] inline Coefficients<Real> coefficients(const Springs<Real>& s, Real delta,
+                                                              Real root_mass, Real radius) {
+  if constexpr (any_hertz) {
+    const Real one = Real{} + 1.0;
+    const Real a = select(s.hertz > 0, root(radius * larger(delta, Real{})), one);
+    const Real damping = root(a) * root_mass;
+    return {s.k_n * a, s.k_s * a, s.c_n * damping, s.c_s * damping, s.mu, s.least, a};
+  } else {
+    return {s.k_n, s.k_s, s.c_n * root_mass, s.c_s * root_mass, s.mu, s.least, Real{} + 1.0};
+  }
+}
+
+// What a contact is computed from: unit normal n from i to j (surface: into it), velocity v of i
+// against j at the contact (m/s), overlap (m), twist: mean spin of the two about n (rad/s).
+template <class Real>
+struct Touch {
+  Triple<Real> n, v;
+  Real delta, twist;
+};
+
+// The share theta = overlap / travel of a step for which a spring F ~ delta^1.5 has acted when the
+// step ends: the force that a sum over whole steps must begin with so that it becomes the integral,
+// over the force at an overlap of one whole travel: -zeta(-3/2, 1 + theta), zeta by Hurwitz
+// (Euler-Maclaurin sum of an algebraic endpoint: Navot 1961, doi:10.1002/sapm1961401271).
+// Chebyshev fit on 0..1, right to 1e-8.
+template <class Real>
+[[gnu::always_inline]] inline Real hertz_onset(Real theta) {
+  constexpr double c[] = {0.02548521102,  0.3118281237,  0.5476597213,    0.1630440743,
+                          -0.03044568576, 0.01072309566, -0.003383020826, 0.0005736895788};
+  Real sum = Real{} + c[7];
+  for (int k = 6; k >= 0; --k) sum = sum * theta + c[k];
+  return sum;
+}
+
+// The normal spring's force, N. `rate`: closing velocity of the half step before (m/s).
+//
+// Velocity Verlet adds to the kinetic energy the trapezoid's work, (F_0 + F_1)/2 (x_1 - x_0), which
+// is that of a linear spring in every step but the ones in which the contact closes or opens. There
+// the force is chosen such that two steps around it do the spring's work. With overlap delta,
+// s = |rate| dt the travel of the step before and b = dt^2 / m_eff:
+//   closing: F (2 s - b F) = k delta (delta + s - b F), s - b F the travel of the next step,
+//   opening: F (2 s + b F) = k delta (delta + s).
+// An elastic collision of two bodies then keeps its energy to rounding. A Hertz spring does not
+// have the trapezoid's work in between either, but the sum over the steps of a smooth force is
+// wrong by its ends only, and these are corrected by `hertz_onset` (1e-8 of the energy in a
+// collision of 50 steps, 6e-5 without). A contact that neither closes nor opens is not changed.
+template <bool any_hertz, class Real>
+[[gnu::always_inline]] inline Real spring_force(const Springs<Real>& spring,
+                                                const Coefficients<Real>& c, Real delta, Real rate,
+                                                Real root_mass, Real radius, double dt) {
+  const Real force = c.k_n * delta;
+  const Real s = larger(rate, -rate) * dt, mass = root_mass * root_mass;
+  const auto opens = (rate <= 0) & ((delta - s) * mass < dt * dt * force);
+  const auto closes = (rate > 0) & (delta < s);
+  if (!any(opens | closes)) return force;
+  const Real b = (dt * dt) * c.k_n / larger(mass, Real{} + 1e-300);
+  const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
+  const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
+  const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
+  Real changed = c.k_n * select(closes, closing, opening);
+  if constexpr (any_hertz) {
+    const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
+    const Real theta = smaller(delta / travel, Real{} + 1.0);
+    const Real onset = spring.k_n * root(radius * travel) * travel * hertz_onset(theta);
+    changed = select(spring.hertz > 0, onset, changed);
+  }
+  return select(opens | closes, changed, force);
+}
+
+// How much of the stretch of a spring remains when its stiffness becomes `now`.
+template <class Real>
+[[gnu::always_inline]] inline Real kept(Real before, Real now) {
+  return select(before < now, before / larger(now, Real{} + 1e-300), Real{} + 1.0);
+}
+
+// A spring with dashpot in the tangent plane, whose force friction limits.
+template <class Real>
+struct Slider {
+  Real k, c;   // N/m, Ns/m
+  Real limit;  // N
+  Real kept;   // of the stretch, since the step before
+};
+
+// Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
+// dt. The part of xi along the new normal is taken off (the plane has turned), the rest turns with
+// the contact, in a way that never lengthens it, and then moves with the surfaces.
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const Triple<Real>& n,
+                                                 const Triple<Real>& v, Real twist, double dt,
+                                                 Triple<Real>& xi) {
+  const Triple<Real> plane = xi - dot(xi, n) * n;
+  const Real turn = twist * dt;
+  const Real shrink = s.kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
+  const Triple<Real> moved = shrink * (plane + turn * cross(n, plane)) + dt * v;
+  const Triple<Real> spring = s.k * moved;
+  const Real limit2 = s.limit * s.limit;
+  const auto slips = dot(spring, spring) > limit2;
+  const Triple<Real> force = select(slips, spring, spring + s.c * v);
+  const Real force2 = dot(force, force);
+  const Real scale =
+      select(force2 > limit2, s.limit / root(larger(force2, Real{} + 1e-300)), Real{} + 1.0);
+  // Without a spring the stretch has no use and is zero.
+  const Real held = select(s.k > 0, select(slips, scale, Real{} + 1.0), Real{});
+  xi = held * moved;
+  return -scale * force;
+}
+
+// The same in one dimension: moment about the normal, on i, of a ring of the contact's spread (mean
+// square radius, m^2), which has the stiffness k_s spread (Nm/rad) and slips at
+// mu F_n sqrt(spread). Corners have no spread and no torsion. Moves the angle `turn` (rad).
+template <class Real>
+[[gnu::always_inline]] inline Real torsion(const Slider<Real>& s, Real rate, double dt,
+                                           Real& turn) {
+  const Real moved = s.kept * turn + rate * dt;
+  const Real spring = s.k * moved, size = larger(spring, -spring);
+  const auto slips = size > s.limit;
+  const Real moment = select(slips, spring, spring + s.c * rate);
+  const Real cut = smaller(larger(moment, -s.limit), s.limit);
+  const Real held = select(slips, s.limit / larger(size, Real{} + 1e-300), Real{} + 1.0);
+  turn = select(s.k > 0, held * moved, Real{});
+  return -cut;
+}
+
+// Normal force (N, along -n on i) and friction on i (N).
+template <class Real>
+struct ContactForce {
+  Triple<Real> friction;
+  Real normal;
+};
+
+// `spring`: the normal spring's force; moves the stretch xi of friction by dt, of which `kept`
+// remains. Spring and dashpot act in parallel; their sum is cut, not the dashpot alone: damping may
+// take away all of the spring's force but, without attraction, no more.
+template <class Real>
+[[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
+                                                               const Touch<Real>& t, Real spring,
+                                                               Real kept, double dt,
+                                                               Triple<Real>& xi) {
+  const Real v_n = dot(t.v, t.n);  // > 0: approaching
+  const Real f_n = larger(spring + c.c_n * v_n, c.least);
+  const Triple<Real> sliding = t.v - v_n * t.n;
+  // No friction from a contact that pulls.
+  const Slider<Real> friction{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
+  return {slide(friction, t.n, sliding, t.twist, dt, xi), f_n};
+}
+
+// Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.
+template <class Real>
+struct Rolling {
+  Real mu{};
+  Real stiffness = Real{} + 1.0;  // over k_n
+  Real zeta{};
+};
+
+// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal,
+// k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the radius of the ball around the piece (a surface is
+// flat: R = R_i).
+template <class Real>
+struct Rolls {
+  Triple<Real> n, spin;
+  Real twist, f_n, k_n, radius, root_mass;
+};
+
+// Moment on i against rolling, Nm, by an elastic spring, a dashpot and a slider (Ai, Chen, Rotter,
+// Ooi 2011, doi:10.1016/j.powtec.2010.09.030, model C; Iwashita, Oda 1998), in lengths instead of
+// angles:
+//   d roll/dt = R (w_i - w_j)_t,  f = -k roll - c d roll/dt,  |f| <= mu_r F_n,  moment on i = R f,
+// j gets the opposite moment; k = rolling_stiffness k_n, so k_r = k R^2 per angle, and
+// c = 2 zeta_r sqrt(k m_eff). The rate of rolling is the tangential part of the relative spin times
+// the reduced radius (Luding 2008, doi:10.1007/s10035-008-0099-x): an observer that turns with the
+// pair sees the same, whatever the two radii, it is zero when the pair turns as one body, and the
+// moment works on nothing else, so that no energy is gained. Critical damping is that of the
+// inertia m_eff R^2 (a sphere on a plane has 7/5 of it).
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> rolling_moment(const Rolling<Real>& law,
+                                                          const Rolls<Real>& t, Real kept,
+                                                          double dt, Triple<Real>& roll) {
+  const Real k = law.stiffness * t.k_n;
+  const Real c = 2.0 * law.zeta * root(k) * t.root_mass;
+  const Slider<Real> slider{k, c, law.mu * larger(t.f_n, Real{}), kept};
+  const Triple<Real> v = t.radius * (t.spin - dot(t.spin, t.n) * t.n);
+  return t.radius * slide(slider, t.n, v, t.twist, dt, roll);
+}
+
+}  // namespace trackbed::dem
