@@ -1,3 +1,4 @@
+// Lanes of blocks, who is in them, and the features of eight pairs at once (stone_blocks.hpp).
 #include "stone_blocks.hpp"
 
 #include <algorithm>
@@ -21,6 +22,32 @@ std::uint8_t rounded_up(std::size_t count) {
 void set(LaneBits& bits, std::size_t lane, bool value) {
   const auto bit = static_cast<LaneBits>(1u << lane);
   bits = static_cast<LaneBits>(value ? bits | bit : bits & ~bit);
+}
+
+// The features of the pair in lane k; first: numbers of the first corners of i and j.
+void set_features(std::span<BlockFeature> to, const Block& block, std::size_t k,
+                  const PairFeatures& features, const std::array<std::uint32_t, 2>& first) {
+  const std::size_t corners = features.of_i + features.of_j;
+  const std::size_t edges = features.words.size() - corners;
+  const auto fill = [&](BlockFeature& f, const FeatureWord& word,
+                        const std::array<std::size_t, 4>& side) {
+    for (std::size_t c = 0; c < 4; ++c) f.corner[c][k] = first[side[c]] + word[c];
+  };
+  for (std::size_t z = 0; z < block.corners; ++z) {
+    BlockFeature& f = to[z];
+    const bool of_j = z >= features.of_i, absent = z >= corners;
+    set(f.of_j, k, of_j), set(f.absent, k, absent), set(f.continues, k, false);
+    if (absent) continue;
+    const FeatureWord* word = &features.words[z];
+    fill(f, *word,
+         of_j ? std::array<std::size_t, 4>{1, 0, 0, 0} : std::array<std::size_t, 4>{0, 1, 1, 1});
+    set(f.continues, k, z > 0 && z != features.of_i && (*word)[0] == word[-1][0]);
+  }
+  for (std::size_t z = 0; z < block.edges; ++z) {
+    BlockFeature& f = to[block.corners + z];
+    set(f.absent, k, z >= edges);
+    if (z < edges) fill(f, features.words[corners + z], {0, 0, 1, 1});
+  }
 }
 
 }  // namespace
@@ -97,26 +124,11 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   set(block.used, k, true), set(block.touching, k, other.touching != 0);
   set(block.watched, k, false), set(block.deep, k, false);
   set_radii(scene, block, k);
-  const std::uint32_t first[2] = {scene.pieces.first_corner[static_cast<std::size_t>(piece)],
-                                  scene.pieces.first_corner[static_cast<std::size_t>(other.piece)]};
-  const auto fill = [&](BlockFeature& f, const FeatureWord* word, std::array<int, 4> side) {
-    set(f.absent, k, false);
-    for (std::size_t c = 0; c < 4; ++c) f.corner[c][k] = first[side[c]] + (*word)[c];
+  const auto first = [&](std::int32_t p) {
+    return scene.pieces.first_corner[static_cast<std::size_t>(p)];
   };
-  for (std::size_t z = 0; z < block.corners; ++z) {
-    BlockFeature& f = features_[block.features + z];
-    const bool of_j = z >= features.of_i, absent = z >= corners;
-    set(f.of_j, k, of_j), set(f.absent, k, absent), set(f.continues, k, false);
-    if (absent) continue;
-    const FeatureWord* word = &features.words[z];
-    fill(f, word, of_j ? std::array{1, 0, 0, 0} : std::array{0, 1, 1, 1});
-    set(f.continues, k, z > 0 && z != features.of_i && (*word)[0] == word[-1][0]);
-  }
-  for (std::size_t z = 0; z < block.edges; ++z) {
-    BlockFeature& f = features_[block.features + block.corners + z];
-    set(f.absent, k, z >= edges);
-    if (z < edges) fill(f, &features.words[corners + z], {0, 0, 1, 1});
-  }
+  set_features(std::span(features_).subspan(block.features), block, k, features,
+               {first(piece), first(other.piece)});
 }
 
 void StoneBlocks::remove(std::uint32_t entry) {
