@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Speed of the stones at rest under inputs/bench, on one rank and on two, and of clumps beside
-LAMMPS.
+"""Speed of the stones at rest under inputs/bench beside LAMMPS, on one rank and on two, with the
+linear law and with Hertz's.
 
     bench_stones.py TRACKBED FOLDER [RUNS]
 
 TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
-results go. `contacts` counts those of pieces, `touched` the stones (and the floor) that a stone
-touches. All cases take turns, RUNS times (3), and of each the best run counts: other work on the
-machine only slows down. Two ranks have twice the box along x, so as many stones each. The
-processor time shows what a busy machine hides from the wall time. LAMMPS (Debian's) moves the same
-clumps with fix rigid/small and the same law between spheres; it is left out where there is no
-`lmp`.
+results go. Half of each deck's bed is poured and settled; the measured beds are copies of it side
+by side (bed.cell), two on one rank, four on two ranks, so as many stones each. `contacts` counts
+those of pieces, `touched` the stones (and the floor) that a stone touches. All cases take turns,
+RUNS times (3), and of each the best run counts: other work on the machine only slows down. The
+processor time shows what a busy machine hides from the wall time. LAMMPS (Debian's) moves the
+spheres of inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix rigid/small
+and the same law between spheres; it is left out where there is no `lmp`.
 """
 import json
 import re
@@ -23,11 +24,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+import bench_spheres
 import launch
 
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
 NAMES = ("stones12", "stones24", "compound", "clumps")
 RANKS = (1, 2)
+LAWS = ("linear", "hertz")
+# Of Hertz's law; with this Young's modulus (Pa) over the deck's k_n (N/m) contacts at rest are
+# somewhat softer than with the linear law, so that LAMMPS may keep the step.
+YOUNG_PER_STIFFNESS, POISSON, RESTITUTION = 300, 0.25, 0.5  # 1/m
 STEPS = 1000  # of LAMMPS
 
 LAMMPS_INPUT = """units si
@@ -51,34 +57,60 @@ run {steps}
 """
 
 
-def length_for(deck, ranks):
+def length_for(deck, copies):
+    """Of so many halves of the deck's bed."""
     low, high = tomllib.loads(deck.read_text())["bed"]["x"]
-    return f"bed.x=[{low}, {low + ranks * (high - low)}]"
+    return f"bed.x=[{low}, {low + copies * (high - low) / 2}]"
+
+
+def law_words(deck, law):
+    """Of the command line."""
+    if law == "linear":
+        return []
+    stiffness = tomllib.loads(deck.read_text())["contact"][0]["k_n"]
+    return ["contact.0.law=hertz", f"contact.0.restitution={RESTITUTION}",
+            f"material.0.young={YOUNG_PER_STIFFNESS * stiffness}",
+            f"material.0.poisson={POISSON}"]
+
+
+def run_deck(command, folder):
+    launch.run([*map(str, command), "--force", "-o", folder],
+               stdout=subprocess.DEVNULL).check_returncode()
+
+
+def settled_half(program, folder, name):
+    """Checkpoint of half of the deck's bed at rest."""
+    place = folder / f"cell_{name}"
+    state, deck = place / "stage_settle.h5", DECKS / f"{name}.toml"
+    if not state.exists():
+        run_deck([*launch.on_ranks(max(RANKS)), program, "run", deck, length_for(deck, 1),
+                  "stage.rest.duration=0.0005"], place)
+    return state
 
 
 class Case:
-    """One deck on a number of ranks."""
+    """One deck on a number of ranks with a law."""
 
-    def __init__(self, program, folder, name, ranks):
-        self.name, self.ranks = name, ranks
+    def __init__(self, program, folder, name, ranks=1, law="linear"):
+        self.name, self.ranks, self.law = name, ranks, law
         self.deck = DECKS / f"{name}.toml"
-        self.folder = folder / f"{name}_{ranks}"
+        self.folder = folder / f"{name}_{law}_{ranks}"
         self.start = self.folder / "stage_settle.h5"
         ranked = launch.on_ranks(ranks) if ranks > 1 else []
-        self.command = [*ranked, program, "run", self.deck, length_for(self.deck, ranks)]
+        self.command = [*ranked, program, "run", self.deck, length_for(self.deck, 2 * ranks),
+                        *law_words(self.deck, law)]
+        self.prepared = lambda: settled_half(program, folder, name)
         self.runs = []
 
-    def call(self, folder, *more):
-        command = [*self.command, *more, "--force", "-o", folder]
-        launch.run(command, stdout=subprocess.DEVNULL).check_returncode()
-
     def prepare(self):
+        """Lays the copies and lets them come to rest under this law."""
         if not self.start.exists():
-            self.call(self.folder)
+            run_deck([*self.command, f"bed.cell={self.prepared()}", "stage.fill.duration=0.001",
+                      "stage.settle.duration=0.01", "stage.rest.duration=0.0005"], self.folder)
 
     def run(self):
         out = self.folder / "run"
-        self.call(out, f"start={self.start}")
+        run_deck([*self.command, f"start={self.start}"], out)
         self.runs.append(json.loads((out / "summary.json").read_text())["dem"])
 
     def best(self, figure, largest=True):
@@ -175,53 +207,120 @@ class Clumps:
         return len(self.x)
 
 
-def run_lammps(folder, bodies):
-    command = ["lmp", "-in", "clumps.in", "-log", "none"]
-    ran = launch.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                     text=True)
-    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", ran.stdout)
-    if ran.returncode != 0 or len(loops) < 2:
-        raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])
-    seconds, steps = loops[-1]
-    return int(steps) * bodies / float(seconds)
+def hertzian(lammps_input):
+    """An input of LAMMPS with Hertz's law instead of the linear one."""
+    def law(found):
+        k_n, g_n, g_t, friction = (float(found[part]) for part in (2, 4, 5, 6))
+        young = YOUNG_PER_STIFFNESS * k_n
+        shear = young / (2 * (1 + POISSON))
+        normal = 4 / 3 * young / (2 * (1 - POISSON**2))
+        tangential = 8 * shear / (2 * (2 - POISSON))
+        # The damping as strong where the stiffness is that of the linear law.
+        return (f"{found[1]}hertz/history {normal} {tangential} {g_n * normal / k_n} "
+                f"{g_t * normal / k_n} {friction}")
+    number = r"(\S+)"
+    return re.sub(rf"(gran(?:/| ))hooke/history {number} {number} {number} {number} {number}", law,
+                  lammps_input)
+
+
+class Lammps:
+    """The particles of a checkpoint in LAMMPS, on a number of ranks with a law."""
+
+    def __init__(self, case, write, name):
+        self.name, self.ranks, self.law, self.folder = name, case.ranks, case.law, case.folder
+        self.particles = write(case.start, case.folder)
+        self.input = self.folder / f"{name}_{case.law}.in"
+        text = (self.folder / f"{name}.in").read_text()
+        self.input.write_text(hertzian(text) if case.law == "hertz" else text)
+        self.speeds = []
+
+    def run(self):
+        ranked = launch.on_ranks(self.ranks) if self.ranks > 1 else []
+        ran = launch.run([*ranked, "lmp", "-in", self.input.name, "-log", "none"], cwd=self.folder,
+                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", ran.stdout)
+        if ran.returncode != 0 or len(loops) < 2:
+            raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])
+        seconds, steps = loops[-1]
+        self.speeds.append(int(steps) * self.particles / float(seconds) / self.ranks)
+
+    def speed(self):
+        return max(self.speeds)
+
+
+def write_spheres(state, folder):
+    bench_spheres.write_lammps(state, folder)
+    with h5py.File(state) as file:
+        return len(file["particles/position"])
+
+
+def write_clumps(state, folder):
+    return Clumps(state).write(folder)
+
+
+def beside_lammps(program, folder, cases):
+    beds = [(Case(program, folder, "spheres", ranks), write_spheres) for ranks in RANKS]
+    found = []
+    for bed, write in beds:
+        bed.prepare()
+        for law in LAWS:
+            bed.law = law
+            found.append(Lammps(bed, write, "spheres"))
+    return found + [Lammps(case, write_clumps, "clumps") for case in cases
+                    if case.name == "clumps"]
 
 
 def table(cases):
-    alone = {case.name: case for case in cases if case.ranks == 1}
-    print("deck      ranks  stones  contacts  touched  steps/s/core  by CPU time  of stones12"
+    print("deck      law     ranks  stones  contacts  touched  steps/s/core  by CPU time"
           "  neighbours  B/stone  without contacts  of one rank")
     for case in cases:
         dem = case.runs[-1]
-        print(f"{case.name:9} {case.ranks:5} {dem['particles']:7} "
+        alone = next(c for c in cases if (c.name, c.law, c.ranks) == (case.name, case.law, 1))
+        print(f"{case.name:9} {case.law:6} {case.ranks:6} {dem['particles']:7} "
               f"{dem['contacts_per_particle']:9.2f} {dem['neighbours_per_particle']:8.2f} "
-              f"{case.speed():13.3e} "
-              f"{case.speed_by_cpu():12.3e} {case.speed() / alone['stones12'].speed():12.2f} "
+              f"{case.speed():13.3e} {case.speed_by_cpu():12.3e} "
               f"{100 * case.best('neighbour_share', largest=False):9.1f} % "
               f"{dem['memory_per_particle_b']:8.0f} "
               f"{dem['memory_per_particle_without_contacts_b']:17.0f} "
-              f"{case.speed() / alone[case.name].speed():12.2f}")
+              f"{case.speed() / alone.speed():12.2f}")
+
+
+def ratios(cases, theirs):
+    print("\nratio                            law     ranks")
+
+    def line(words, first, second):
+        print(f"{words:32} {first.law:6} {first.ranks:6} {first.speed() / second.speed():6.2f}")
+
+    def find(some, like, name):
+        return next((c for c in some if (c.name, c.law, c.ranks) == (name, like.law, like.ranks)),
+                    None)
+    for case in cases:
+        spheres, clumps = (find(theirs, case, name) for name in ("spheres", "clumps"))
+        if case.name == "stones12" and spheres:
+            line("stones12 over LAMMPS spheres", case, spheres)
+        if case.name in ("compound", "stones24"):
+            line(f"{case.name} over stones12", case, find(cases, case, "stones12"))
+        if case.name == "clumps" and clumps:
+            line("clumps over LAMMPS rigid/small", case, clumps)
+    for other in theirs:
+        print(f"LAMMPS {other.name:7} {other.law:6} on {other.ranks}: {other.speed():.3e} "
+              "steps/s/core")
 
 
 def main():
     program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
     folder.mkdir(parents=True, exist_ok=True)
-    cases = [Case(program, folder, name, ranks) for name in NAMES for ranks in RANKS]
+    cases = [Case(program, folder, name, ranks, law)
+             for name in NAMES for law in LAWS for ranks in RANKS]
     for case in cases:
         case.prepare()
-    clumps = next(case for case in cases if case.name == "clumps" and case.ranks == 1)
-    lammps = shutil.which("lmp") is not None
-    bodies = Clumps(clumps.start).write(clumps.folder) if lammps else 0
-    theirs = []
+    theirs = beside_lammps(program, folder, cases) if shutil.which("lmp") else []
     for _ in range(runs):
-        for case in cases:
-            case.run()
-        if lammps:
-            theirs.append(run_lammps(clumps.folder, bodies))
+        for one in (*cases, *theirs):
+            one.run()
     table(cases)
-    if lammps:
-        print(f"clumps in LAMMPS rigid/small: {max(theirs):.3e} clump-steps/s on one core, "
-              f"trackbed over it {clumps.speed() / max(theirs):.2f}")
+    ratios(cases, theirs)
 
 
 if __name__ == "__main__":

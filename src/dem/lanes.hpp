@@ -33,10 +33,10 @@ using Mask = decltype(Lanes{} < Lanes{});
   return result;
 }
 // Whether any lane is set.
-[[gnu::always_inline]] inline bool any(Mask mask) {
-  std::int64_t set = 0;
-  for (std::size_t k = 0; k < lanes; ++k) set |= mask[k];
-  return set != 0;
+[[gnu::always_inline]] inline bool any(Mask m) {
+  m |= __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3);
+  m |= __builtin_shufflevector(m, m, 2, 3, 0, 1, 6, 7, 4, 5);
+  return (m[0] | m[1]) != 0;
 }
 
 // The same for one number: a formula written as a template serves eight contacts in lanes and one

@@ -89,7 +89,7 @@ struct Particles::ContactLoop {
   const Pieces& pieces;
   const PairList& pairs;
   const StoneList& stones;
-  const std::vector<Overlap>& overlaps;  // of stones, as felt last
+  const std::vector<Overlap> overlaps;  // of stones, as felt last
   const std::vector<Approach>& approaches;
   const LawTable& laws;
 
@@ -99,7 +99,7 @@ struct Particles::ContactLoop {
         pieces(r.pieces),
         pairs(r.pairs),
         stones(r.stones),
-        overlaps(r.stone_contacts.found()),
+        overlaps(r.stone_contacts.overlaps(r.scene(), r.stones)),
         approaches(r.approaches),
         laws(r.laws) {}
 

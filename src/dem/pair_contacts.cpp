@@ -83,11 +83,11 @@ template <bool spheres, bool hertz, bool rolls>
                                                  PairBlock& b, Lanes* size, Lanes3* rolled,
                                                  double dt, double allowed) {
   const Vec4 *px = a.piece_x, *shifts = near.shifts.data();
-  const Lanes3 d = rows([&](std::size_t k) {
+  const Lanes3 d = rows_of([&](std::size_t k) {
                      return four(px[b.j[k]]) - four(px[b.i[k]]) + four(shifts[b.shift[k]]);
                    }).xyz();
   const Lanes3 u =
-      rows([&](std::size_t k) { return four(a.v[at.i[k]]) - four(a.v[at.j[k]]); }).xyz();
+      rows_of([&](std::size_t k) { return four(a.v[at.i[k]]) - four(a.v[at.j[k]]); }).xyz();
   const Lanes3 wi = rows(a.w, [&](std::size_t k) { return at.i[k]; }).xyz();
   const Lanes3 wj = rows(a.w, [&](std::size_t k) { return at.j[k]; }).xyz();
   const Lanes squared = dot(d, d), reach = b.ri + b.rj;
@@ -99,7 +99,7 @@ template <bool spheres, bool hertz, bool rolls>
   Lanes3 arm_i = ci * n, arm_j = cj * n;
   if constexpr (!spheres) {
     const auto arm = [&](const std::int32_t* piece, const std::size_t* body) {
-      return rows([&](std::size_t k) { return four(px[piece[k]]) - four(a.x[body[k]]); }).xyz();
+      return rows_of([&](std::size_t k) { return four(px[piece[k]]) - four(a.x[body[k]]); }).xyz();
     };
     arm_i = arm_i + arm(b.i, at.i), arm_j = arm_j + arm(b.j, at.j);
   }
@@ -239,10 +239,7 @@ void Particles::Room::feel_pairs(double dt) {
   gather_near_pairs(spheres ? state.x : pieces.x, dt);
   const auto loop = loop_for(spheres, laws.any_hertz(), laws.any_rolls());
   double worst = loop(a, laws, near, dt, parameters.largest_overlap);
-  if (shapes.any_stones()) {
-    const auto& overlaps = stone_contacts.find(scene(), stones);
-    worst = std::max(worst, feel_stones(overlaps, scene(), dt, stones, state));
-  }
+  if (shapes.any_stones()) worst = std::max(worst, stone_contacts.feel(scene(), dt, stones, state));
   if (worst > parameters.largest_overlap)
     report(
         fmt::format("two particles overlap by {:.3g} of the smaller radius (limit "

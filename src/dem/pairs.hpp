@@ -50,10 +50,10 @@ struct Row {
 struct PairList {
   std::vector<Row> rows;
   std::vector<Entry> entries;
-  std::vector<Vec4> xi;           // m, history; w: sqrt of the effective mass
-  std::vector<Vec4> roll;         // m, history; empty if no law resists rolling
-  std::vector<double> size;       // `size` of History; empty if no law is Hertz's
-  std::vector<Vec4> shifts;       // m, [0] is zero
+  std::vector<Vec4> xi;      // m, history; w: sqrt of the effective mass
+  std::vector<Vec4> roll;    // m, history; empty if no law resists rolling
+  std::vector<double> size;  // `size` of History; empty if no law is Hertz's
+  std::vector<Vec4> shifts;  // m, [0] is zero
   void clear() {
     rows.clear(), entries.clear(), xi.clear(), roll.clear(), size.clear();
     shifts.assign(1, Vec4{});

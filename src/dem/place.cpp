@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "pairs.hpp"
+#include "rows.hpp"
 
 namespace trackbed::dem {
 
@@ -31,11 +32,19 @@ void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
 
 namespace {
 
-[[gnu::always_inline]] inline Vec4 turned(const Mat3& m, const Vec4& o) {
-  return {m(0, 0) * o.x + m(0, 1) * o.y + m(0, 2) * o.z,
-          m(1, 0) * o.x + m(1, 1) * o.y + m(1, 2) * o.z,
-          m(2, 0) * o.x + m(2, 1) * o.y + m(2, 2) * o.z, 0};
-}
+// The columns of scale times rotation, to turn a row at once.
+struct Turn {
+  Four x, y, z;
+  Turn(const Vec4& q, double scale) {
+    const Mat3 m = scale * quat(q).toRotationMatrix();
+    x = Four{m(0, 0), m(1, 0), m(2, 0), 0};
+    y = Four{m(0, 1), m(1, 1), m(2, 1), 0};
+    z = Four{m(0, 2), m(1, 2), m(2, 2), 0};
+  }
+  [[gnu::always_inline]] Four operator()(const Vec4& o) const {
+    return x * o.x + y * o.y + z * o.z;
+  }
+};
 
 // How far a surface point can have come since the last pose: the centre's way and the arc of the
 // farthest point, |q - q0| = 2 sin(angle/4); 2.1 covers angles up to 1 rad.
@@ -57,16 +66,16 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   const bool stones = shapes.any_stones();
   for (std::size_t b = 0; b < state.size(); ++b) {
     const Vec4& centre = state.x[b];
-    const Mat3 turn = state.scale_now(b) * quat(state.q[b]).toRotationMatrix();
+    const Turn turn(state.q[b], state.scale_now(b));
     const std::size_t first = shapes.begin(state.shape[b]);
     for (std::size_t p = pieces.begin[b]; p < pieces.begin[b + 1]; ++p) {
       const std::size_t k = first + p - pieces.begin[b];
-      const Vec4 o = turned(turn, shapes.piece(k));
+      const Four o = turn(shapes.piece(k));
       Vec4& x = pieces.x[p];
-      x.x = centre.x + o.x, x.y = centre.y + o.y, x.z = centre.z + o.z;
+      x.x = centre.x + o[0], x.y = centre.y + o[1], x.z = centre.z + o[2];
       if (!stones) continue;
       Vec4* corner = pieces.corners.data() + pieces.first_corner[p];
-      for (const Vec4& c : shapes.core(k).corners) *corner++ = turned(turn, c);
+      for (const Vec4& c : shapes.core(k).corners) put(*corner++, turn(c));
     }
     if (!stones) continue;
     // Lengths of paths are added up, not the distance from the begin: the sum of two of them bounds

@@ -45,6 +45,8 @@ struct Particles::Room {
   bool crossed_a_border() const;                // an own particle, since the last rebuild
   double surface_motion_since_rebuild() const;  // m, at the end of this window
   void kick_and_drift(double dt);
+  void drift_in_space(double dt);
+  double motion_since_rebuild(std::size_t b) const;  // m, of a surface point
   void kick(double dt);
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
   // pair_contacts.cpp, surface_contacts.cpp

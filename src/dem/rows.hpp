@@ -39,7 +39,7 @@ struct Lanes4 {
 
 // Rows `row(0)` to `row(7)`, each a Four.
 template <class Row>
-[[gnu::always_inline]] inline Lanes4 rows(Row&& row) {
+[[gnu::always_inline]] inline Lanes4 rows_of(Row&& row) {
   Lanes pair[4];
   for (std::size_t k = 0; k < 4; ++k)
     pair[k] = __builtin_shufflevector(row(k), row(k + 4), 0, 1, 2, 3, 4, 5, 6, 7);
@@ -48,7 +48,7 @@ template <class Row>
 // Rows `at(0)` to `at(7)` of an array.
 template <class At>
 [[gnu::always_inline]] inline Lanes4 rows(const Vec4* array, At&& at) {
-  return rows([&](std::size_t k) { return four(array[at(k)]); });
+  return rows_of([&](std::size_t k) { return four(array[at(k)]); });
 }
 // Eight that follow each other.
 [[gnu::always_inline]] inline Lanes4 rows(const Vec4* array) {

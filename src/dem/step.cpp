@@ -1,10 +1,10 @@
-// One sub-step: velocity Verlet (Swope et al. 1982, doi:10.1063/1.442716) for the centres; the
-// rotation of a body about its principal axes in turn (Dullweber, Leimkuhler, McLachlan 1997,
-// doi:10.1063/1.474310), which is second order, keeps |q| to rounding and the angular momentum
-// exactly. A state between windows is at one time level.
+// One sub-step: velocity Verlet (Swope et al. 1982, doi:10.1063/1.442716) for the centres, and the
+// rotation of rotation.cpp, which is of second order as well. A state between windows is at one
+// time level.
 #include <cmath>
 
 #include "room.hpp"
+#include "rotation.hpp"
 
 namespace trackbed::dem {
 
@@ -19,51 +19,16 @@ double damped(double force, double velocity, double alpha) {
   return force - alpha * std::copysign(std::abs(force), velocity) * (velocity != 0);
 }
 
-// Cosine and sine of half an angle from t = tan(angle/4), so that c^2 + s^2 = 1 to rounding
-// whatever t is; t by its series, right to 1e-10 of the angle at the 0.1 rad that a sub-step never
-// reaches, and much cheaper than the library's functions.
-// c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2).
-struct HalfAngle {
-  double c, s;
-  explicit HalfAngle(double angle) {
-    const double x = 0.25 * angle, x2 = x * x;
-    const double t =
-        std::abs(angle) < 0.1 ? x * (1 + x2 * (1.0 / 3 + x2 * (2.0 / 15))) : std::tan(x);
-    const double over = 1 / (1 + t * t);
-    c = (1 - t * t) * over, s = 2 * t * over;
-  }
-};
-
-// Turns the body frame by `angle` about its axis `a` and the angular momentum in it back.
-// Rotation about one principal axis alone is free of error: its momentum is constant meanwhile, the
-// others turn about it.
-[[gnu::always_inline]] inline void turn(Quat& q, Vec3& body_momentum, int a, double angle) {
-  const auto [c, s] = HalfAngle(angle);
-  const int b = (a + 1) % 3, d = (a + 2) % 3;
-  auto& v = q.coeffs();  // x y z w; the product with (c, s about a), zeros left out
-  const double qa = v[a], qb = v[b], qd = v[d], qw = v[3];
-  v[3] = c * qw - s * qa, v[a] = c * qa + s * qw;
-  v[b] = c * qb + s * qd, v[d] = c * qd - s * qb;
-  const double cos = c * c - s * s, sin = 2 * s * c;
-  const double lb = body_momentum[b], ld = body_momentum[d];
-  body_momentum[b] = cos * lb + sin * ld;
-  body_momentum[d] = cos * ld - sin * lb;
-}
-
-// Free rotation for dt: the kinetic energy is split in its three parts L_a^2 / (2 I_a), each moved
-// exactly, in the order x y z y x, which is symmetric and so of second order. Momentum in space
-// axes is not touched. Rejected: Runge-Kutta on q and w, which drifts in |q| and in energy.
-void rotate_in_space(Vec4& attitude, const Vec4& momentum, const Vec4& inertia, double dt) {
-  Quat q = quat(attitude);
-  Vec3 body = q.conjugate() * momentum.vec3();
-  turn(q, body, 0, 0.5 * dt * body[0] / inertia.x);
-  turn(q, body, 1, 0.5 * dt * body[1] / inertia.y);
-  turn(q, body, 2, dt * body[2] / inertia.z);
-  turn(q, body, 1, 0.5 * dt * body[1] / inertia.y);
-  turn(q, body, 0, 0.5 * dt * body[0] / inertia.x);
-  // Takes away rounding only: every part keeps |q|.
-  q.normalize();
-  attitude = vec4(q);
+// Turns an attitude of a plane model about y by `angle`: exact, since its momentum does not turn.
+// c, s: cosine and sine of half the angle, as in rotation.cpp.
+void rotate_in_plane(Vec4& attitude, double angle) {
+  const double x = 0.25 * angle, x2 = x * x;
+  const double t = std::abs(angle) < 0.1 ? x * (1 + x2 * (1.0 / 3 + x2 * (2.0 / 15))) : std::tan(x);
+  const double over = 1 / (1 + t * t), c = (1 - t * t) * over, s = 2 * t * over;
+  const Quat q = quat(attitude);
+  const Quat turned(c * q.w() - s * q.y(), c * q.x() - s * q.z(), c * q.y() + s * q.w(),
+                    c * q.z() + s * q.x());
+  attitude = vec4(turned.normalized());
 }
 
 // A body that keeps its spin turns about it, and its angular momentum follows the attitude. The
@@ -93,9 +58,7 @@ void Particles::Room::update_spin(std::size_t b) {
   } else if (domain.dimension == Dimension::plane) {
     w = {0, l.y / inertia.y, 0, 0};
   } else {
-    const Quat q = quat(state.q[b]);
-    const Vec3 body = q.conjugate() * l.vec3();
-    w.set(q * Vec3(body.x() / inertia.x, body.y() / inertia.y, body.z() / inertia.z));
+    w = spin_of(state.q[b], l, inertia);
   }
 }
 
@@ -124,37 +87,47 @@ void Particles::Room::kick(double dt) {
   }
 }
 
+// The largest displacement of a surface point since the last rebuild, m.
+// |q - q0| = 2 sin(angle/4) or more; 2.1 covers angles up to 1 rad.
+double Particles::Room::motion_since_rebuild(std::size_t b) const {
+  const Vec4 &x = state.x[b], &from = reference_x[b];
+  const double dx = x.x - from.x, dy = x.y - from.y, dz = x.z - from.z;
+  const double moved = std::sqrt(dx * dx + dy * dy + dz * dz);
+  if (shapes.only_spheres()) return moved;  // the attitude of a sphere is not followed
+  const Vec4 &q = state.q[b], &before = reference_q[b];
+  const double cx = q.x - before.x, cy = q.y - before.y, cz = q.z - before.z, cw = q.w - before.w;
+  return moved + 2.1 * x.w * std::sqrt(cx * cx + cy * cy + cz * cz + cw * cw);
+}
+
+// Eight bodies at a time, but for those that keep their spin.
+void Particles::Room::drift_in_space(double dt) {
+  thread_local std::vector<std::pair<std::size_t, Vec4>> steady;  // and their attitudes
+  steady.clear();
+  for (std::size_t b = 0; b < state.own; ++b)
+    if (state.held[b] != 0) steady.emplace_back(b, state.q[b]);
+  largest_motion = drift_and_rotate(state, dt, reference_x, reference_q);
+  for (const auto& [b, attitude] : steady) {
+    state.q[b] = attitude;
+    rotate_steadily(state.q[b], state.l[b], state.inertia[b], dt);
+    update_spin(b);
+    largest_motion = std::max(largest_motion, motion_since_rebuild(b));
+  }
+}
+
 // v at half time, then x and attitude for the whole sub-step. Contacts read these velocities of
 // half a sub-step: elastic forces do not notice, dampers are half a sub-step late.
 void Particles::Room::kick_and_drift(double dt) {
   kick(dt);
-  const bool spheres = shapes.only_spheres(), plane = domain.dimension == Dimension::plane;
+  const bool spheres = shapes.only_spheres();
+  if (!spheres && domain.dimension == Dimension::space) return drift_in_space(dt);
   double motion = 0;
   for (std::size_t b = 0; b < state.own; ++b) {
-    Vec4 &x = state.x[b], &q = state.q[b];
+    Vec4& x = state.x[b];
     const Vec4 &v = state.v[b], &l = state.l[b], &inertia = state.inertia[b];
     x.x += dt * v.x, x.y += dt * v.y, x.z += dt * v.z;
-    const Vec4& from = reference_x[b];
-    const double dx = x.x - from.x, dy = x.y - from.y, dz = x.z - from.z;
-    double moved = std::sqrt(dx * dx + dy * dy + dz * dz);
-    if (!spheres) {  // the attitude of a sphere is not followed
-      if (plane) {
-        Vec3 momentum(0, l.y, 0);
-        Quat attitude = quat(q);
-        turn(attitude, momentum, 1, dt * l.y / inertia.y);
-        q = vec4(attitude.normalized());
-      } else if (state.held[b] != 0) {
-        rotate_steadily(q, state.l[b], inertia, dt);
-      } else {
-        rotate_in_space(q, l, inertia, dt);
-      }
-      const Vec4& before = reference_q[b];
-      const double cx = q.x - before.x, cy = q.y - before.y, cz = q.z - before.z,
-                   cw = q.w - before.w;
-      // |q - q0| = 2 sin(angle/4) or more; 2.1 covers angles up to 1 rad.
-      moved += 2.1 * x.w * std::sqrt(cx * cx + cy * cy + cz * cz + cw * cw);
-    }
+    if (!spheres) rotate_in_plane(state.q[b], dt * l.y / inertia.y);
     update_spin(b);
+    const double moved = motion_since_rebuild(b);
     motion = moved > motion ? moved : motion;
   }
   largest_motion = motion;

@@ -1,123 +1,112 @@
-// The law (stone_law.hpp) on overlapping pairs.
-// Gather, respond, add: as the loop of pair_contacts.cpp, for what `StoneContacts` found. Here a
-// lane's law is far cheaper than finding its overlap, so rooted and linear laws share one loop.
+// The law (stone_law.hpp) on blocks of pairs: the motion and the history of eight pairs are read as
+// rows and transposed, the law runs in the lanes of the wrenches, and the forces of each pair wait
+// for the pass that adds them in the order of the list.
 #include "stone_law.hpp"
 
-#include "stones.hpp"
+#include <algorithm>
+
+#include "rows.hpp"
 
 namespace trackbed::dem {
 
-namespace {
+StoneLaw::StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces)
+    : scene_(scene), dt_(dt), list_(list), forces_(forces) {}
 
-std::size_t body(const Scene& scene, std::int32_t piece) {
-  return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
-}
-
-// Eight contacts on their way into lanes and back.
-struct alignas(64) StoneGroup {
-  Lane3 d, N, T, x, vi, vj, wi, wj;
-  double M[lanes], spread[lanes], root_mass[lanes], radius[lanes], rolling_radius[lanes];
-  LawLanes law;
-  RollingLanes rolling;
-  Lane3 xi, roll;
-  double turn[lanes], size[lanes], ring[lanes];
-  Lane3 force, turn_i, turn_j;
-
-  [[gnu::always_inline]] StoneTouch<Lanes> touch() const {
-    return {d.get(),
-            N.get(),
-            T.get(),
-            x.get(),
-            vi.get(),
-            vj.get(),
-            wi.get(),
-            wj.get(),
-            dem::load(M),
-            dem::load(spread),
-            dem::load(root_mass),
-            dem::load(radius),
-            Lanes{},
-            law.get(),
-            rolling.get(),
-            dem::load(rolling_radius)};
+void StoneLaw::prefetch(const Block& block) const {
+  const State& s = scene_.state;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    __builtin_prefetch(&list_.xi[block.entry[k]], 1);
+    __builtin_prefetch(&list_.turn[block.entry[k]], 1);
+    __builtin_prefetch(&s.v[block.j[k]]);
+    __builtin_prefetch(&s.w[block.j[k]]);
   }
-};
-
-// Places from the centre of i, the periodic shift in the difference, as in the loop over balls.
-void load(const Overlap& o, const Scene& scene, const StoneList& list, std::size_t k,
-          StoneGroup& g) {
-  const State& s = scene.state;
-  const Entry& entry = list.entries[o.entry];
-  const std::size_t i = body(scene, o.piece), j = body(scene, entry.piece);
-  const Vec4& h = list.shifts[entry.shift];
-  g.d.put(k, s.x[j].x - s.x[i].x + h.x, s.x[j].y - s.x[i].y + h.y, s.x[j].z - s.x[i].z + h.z);
-  g.N.put(k, o.wrench.N), g.T.put(k, o.wrench.T), g.x.put(k, o.wrench.x);
-  g.M[k] = o.wrench.M, g.spread[k] = o.wrench.spread;
-  g.vi.put(k, s.v[i]), g.vj.put(k, s.v[j]);
-  g.wi.put(k, s.w[i]), g.wj.put(k, s.w[j]);
-  const Vec4 &xi = list.xi[o.entry], &turn = list.turn[o.entry];
-  g.xi.put(k, xi), g.root_mass[k] = xi.w;
-  g.turn[k] = turn.x, g.size[k] = turn.y, g.ring[k] = turn.z;
-  // The curvature of a contact is that of the roundings; rolling takes the balls around the pieces.
-  const double ri = scene.pieces.rounding[static_cast<std::size_t>(o.piece)];
-  const double rj = scene.pieces.rounding[static_cast<std::size_t>(entry.piece)];
-  g.law.set(k, scene.laws[entry.law]), g.radius[k] = ri * rj / (ri + rj);
-  if (list.roll.empty()) return;
-  const double bi = scene.pieces.x[static_cast<std::size_t>(o.piece)].w;
-  const double bj = scene.pieces.x[static_cast<std::size_t>(entry.piece)].w;
-  g.rolling.set(k, scene.laws[entry.law].rolling), g.rolling_radius[k] = bi * bj / (bi + bj);
-  g.roll.put(k, list.roll[o.entry]);
 }
 
-// In the order of the list, ghosts too; those are dropped.
-void add(const Overlap& o, const Scene& scene, const StoneGroup& g, std::size_t k, StoneList& list,
-         State& state) {
-  list.xi[o.entry].set(g.xi.at(k)), list.turn[o.entry] = {g.turn[k], g.size[k], g.ring[k], 0};
-  if (!list.roll.empty()) list.roll[o.entry].set(g.roll.at(k));
-  const std::size_t i = body(scene, o.piece), j = body(scene, list.entries[o.entry].piece);
-  Vec4 &fi = state.f[i], &ti = state.t[i], &fj = state.f[j], &tj = state.t[j];
-  fi.x += g.force.x[k], fi.y += g.force.y[k], fi.z += g.force.z[k];
-  ti.x += g.turn_i.x[k], ti.y += g.turn_i.y[k], ti.z += g.turn_i.z[k];
-  fj.x -= g.force.x[k], fj.y -= g.force.y[k], fj.z -= g.force.z[k];
-  tj.x -= g.turn_j.x[k], tj.y -= g.turn_j.y[k], tj.z -= g.turn_j.z[k];
-}
-
-// Rounding, not size: beyond it the cores overlap.
-double overlap_over_radius(const Overlap& o, const Scene& scene, const StoneList& list) {
-  const auto other = static_cast<std::size_t>(list.entries[o.entry].piece);
-  return o.wrench.M / std::min(scene.pieces.rounding[static_cast<std::size_t>(o.piece)],
-                               scene.pieces.rounding[other]);
+// The history of a pair that does not touch is zero. Rows of lanes in use only are stored: the
+// entry of another may be in another block by now.
+void StoneLaw::store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
+                             Lanes root_mass) {
+  const Lanes zero = all(0);
+  const auto keep = [&](Lanes value) { return select(touching, value, zero); };
+  const auto store_rows = [&](std::vector<Vec4>& to, const Lanes4& v) {
+    to_rows(v, [&](std::size_t k, Four row) {
+      if (block.used >> k & 1) put(to[block.entry[k]], row);
+    });
+  };
+  store_rows(list_.xi, {keep(h.xi.x), keep(h.xi.y), keep(h.xi.z), root_mass});
+  store_rows(list_.turn, {keep(h.turn), keep(h.size), keep(h.ring), zero});
+  if (!list_.roll.empty())
+    store_rows(list_.roll, {keep(h.roll.x), keep(h.roll.y), keep(h.roll.z), zero});
 }
 
 template <bool rolls>
-void respond_all(StoneGroup& g, double dt) {
-  StoneStretch<Lanes> h{g.xi.get(), {}, dem::load(g.turn), dem::load(g.size), dem::load(g.ring)};
-  if constexpr (rolls) h.roll = g.roll.get();
-  const StoneForce<Lanes> f = respond<rolls>(g.touch(), dt, h);
-  g.force.set(f.force), g.turn_i.set(f.turn_i), g.turn_j.set(f.turn_j);
-  g.xi.set(h.xi), store(h.turn, g.turn), store(h.size, g.size), store(h.ring, g.ring);
-  if constexpr (rolls) g.roll.set(h.roll);
+void StoneLaw::respond_to(std::size_t number, const Block& block, const WrenchLanes& w) {
+  const State& s = scene_.state;
+  const auto i = [&](std::size_t k) { return block.i[k]; };
+  const auto j = [&](std::size_t k) { return block.j[k]; };
+  const auto e = [&](std::size_t k) { return block.entry[k]; };
+  const Lanes4 xi = rows(list_.xi.data(), e), turn = rows(list_.turn.data(), e);
+  StoneStretch<Lanes> h{xi.xyz(), {}, turn.x, turn.y, turn.z};
+  if constexpr (rolls) h.roll = rows(list_.roll.data(), e).xyz();
+  const StoneTouch<Lanes> touch{w.d,
+                                w.N,
+                                w.T,
+                                w.x,
+                                rows(s.v.data(), i).xyz(),
+                                rows(s.v.data(), j).xyz(),
+                                rows(s.w.data(), i).xyz(),
+                                rows(s.w.data(), j).xyz(),
+                                w.M,
+                                w.spread,
+                                xi.w,
+                                block.radius,
+                                Lanes{},
+                                law_.get(),
+                                rolling_.get(),
+                                block.rolling_radius};
+  const StoneForce<Lanes> f = dem::respond<rolls>(touch, dt_, h);
+  const Mask touching = w.M > all(0);
+  store_history(block, touching, h, xi.w);
+  const auto leave = [&](std::vector<Vec4>& to, const Lanes3& v) {
+    Vec4* slot = to.data() + lanes * number;
+    const Lanes zero = all(0);
+    to_rows({select(touching, v.x, zero), select(touching, v.y, zero), select(touching, v.z, zero),
+             zero},
+            [slot](std::size_t k, Four row) { put(slot[k], row); });
+  };
+  leave(forces_.force, f.force), leave(forces_.turn_i, f.turn_i), leave(forces_.turn_j, f.turn_j);
 }
 
-}  // namespace
-
-double feel_stones(const std::vector<Overlap>& overlaps, const Scene& scene, double dt,
-                   StoneList& list, State& state) {
-  double worst = 0;
-  StoneGroup group{};
-  const auto respond_to = list.roll.empty() ? respond_all<false> : respond_all<true>;
-  for (std::size_t begin = 0; begin < overlaps.size(); begin += lanes) {
-    const std::size_t count = std::min(lanes, overlaps.size() - begin);
-    for (std::size_t k = 0; k < lanes; ++k)  // spare lanes repeat a pair, unused
-      load(overlaps[begin + (k < count ? k : 0)], scene, list, k, group);
-    respond_to(group, dt);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Overlap& o = overlaps[begin + k];
-      add(o, scene, group, k, list, state);
-      worst = std::max(worst, overlap_over_radius(o, scene, list));
-    }
+void StoneLaw::respond(std::size_t number, const Block& block, const WrenchLanes& w) {
+  if (law_number_ != block.law) {
+    const Law& law = scene_.laws[block.law];
+    for (std::size_t k = 0; k < lanes; ++k) law_.set(k, law), rolling_.set(k, law.rolling);
+    law_number_ = block.law;
   }
+  if (list_.roll.empty())
+    respond_to<false>(number, block, w);
+  else
+    respond_to<true>(number, block, w);
+  // Over the smaller rounding, not the size: beyond it the cores overlap.
+  const Lanes half = larger(block.half, -block.half);
+  worst_ = larger(w.M / (0.5 * block.reach - half), worst_);
+}
+
+double StoneLaw::largest_overlap() const {
+  double worst = 0;
+  for (std::size_t k = 0; k < lanes; ++k) worst = std::max(worst, worst_[k]);
   return worst;
+}
+
+// Ghosts too; what they collect is dropped with them.
+void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state) {
+  const auto plus = [](Vec4& to, Four v) { put(to, four(to) + v); };
+  const auto minus = [](Vec4& to, Four v) { put(to, four(to) - v); };
+  for (const PlaceOfPair& pair : order) {
+    const Four f = four(forces.force[pair.slot]);
+    plus(state.f[pair.i], f), plus(state.t[pair.i], four(forces.turn_i[pair.slot]));
+    minus(state.f[pair.j], f), minus(state.t[pair.j], four(forces.turn_j[pair.slot]));
+  }
 }
 
 }  // namespace trackbed::dem

@@ -9,6 +9,8 @@
 
 #include "features.hpp"
 #include "laws.hpp"
+#include "pairs.hpp"
+#include "stone_blocks.hpp"
 
 namespace trackbed::dem {
 
@@ -82,5 +84,49 @@ template <bool rolls, class Real>
   h.size = c.size, h.ring = ring;
   return out;
 }
+
+// What pairs do to their particles, by slot (block and lane).
+struct PairForces {
+  std::vector<Vec4> force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
+  void resize(std::size_t slots) {
+    for (auto* rows : {&force, &turn_i, &turn_j})
+      if (rows->size() < slots) rows->resize(slots);
+  }
+  std::size_t memory() const { return 3 * force.capacity() * sizeof(Vec4); }
+};
+
+struct PlaceOfPair {
+  std::uint32_t slot, i, j;  // particles
+};
+
+// Adds them in the order given.
+void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state);
+
+// The law on blocks of pairs, one after the other.
+class StoneLaw {
+ public:
+  StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces);
+  // Moves the histories of block `number` by dt and leaves its forces. A pair that does not overlap
+  // has neither.
+  void respond(std::size_t number, const Block& block, const WrenchLanes& w);
+  // Begins to load what the law will read of a block: rows that are in no order of addresses.
+  void prefetch(const Block& block) const;
+  double largest_overlap() const;  // over the smaller radius
+
+ private:
+  template <bool rolls>
+  void respond_to(std::size_t number, const Block& block, const WrenchLanes& w);
+  void store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
+                     Lanes root_mass);
+
+  const Scene& scene_;
+  double dt_;
+  StoneList& list_;
+  PairForces& forces_;
+  LawLanes law_{};
+  RollingLanes rolling_{};
+  int law_number_ = -1;  // of the law that the lanes hold
+  Lanes worst_ = all(0);
+};
 
 }  // namespace trackbed::dem

@@ -1,12 +1,10 @@
-// From neighbour list to overlaps: which pairs are looked at (`find`), which features of them
-// (`refresh`, `keep_features`), their smooth maximum (`flush`), and the rare overlap of cores
-// (`wrench`, `deep_wrench`). Why a smooth maximum: docs/decisions/stone-contact.md.
+// From neighbour list to forces: which pairs are looked at (`look`), with which features
+// (`find_features_anew`), what they feel (`feel`), and the rare overlap of cores (`watch`). Why a
+// smooth maximum: docs/decisions/stone-contact.md.
 #include "stones.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "deep.hpp"
 
 namespace trackbed::dem {
 
@@ -16,103 +14,24 @@ namespace {
 // at its present pace (finding costs many times a sub-step), within these shares of the sum of
 // its radii. The fewer features lie within the margin, the less each sub-step has to compute.
 constexpr double margin_steps = 100, least_margin = 0.02, most_margin = 0.15;
+// A pair gives its lane back if its gap will last for so many sub-steps at the present pace, and is
+// at least this share of the sum of its radii: coming back costs a few sub-steps in a lane.
+constexpr double gap_steps = 10, least_gap = 0.002;
 // Cores nearer than this share of the sum of radii are watched for overlap. A sub-step's motion is
 // a small part of it.
 constexpr double close = 0.05;
-// Cores that overlap are felt as if they were this far apart, over the sum of radii: near enough to
-// touching that the energy does not jump, far enough that every normal is known.
-constexpr double apart_by = 1e-3;
 // Below this share of it a margin counts as used up: what is left would be asked after at once.
 constexpr double used_up = 0.1;
-constexpr std::size_t block = 256;  // features computed together: stays in the first-level cache
 
 }  // namespace
 
-// One pair, placed: everything relative to the centre of the first one's particle.
-struct StoneContacts::Sight {
-  Placed i, j;
-  double reach;  // m
-
-  Sight(const Scene& scene, const StoneList& list, std::int32_t p, std::uint32_t e) {
-    const Entry& other = list.entries[e];
-    const auto bi = body(scene, p), bj = body(scene, other.piece);
-    const Vec4 &xi = scene.state.x[bi], &xj = scene.state.x[bj], &h = list.shifts[other.shift];
-    i = placed(scene, p, bi, Vec3::Zero());
-    j = placed(scene, other.piece, bj, {xj.x - xi.x + h.x, xj.y - xi.y + h.y, xj.z - xi.z + h.z});
-    reach = i.radius + j.radius;
-  }
-  static std::size_t body(const Scene& scene, std::int32_t piece) {
-    return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
-  }
-  // Corners are a view into `pieces`, good until these are laid out anew.
-  static Placed placed(const Scene& scene, std::int32_t piece, std::size_t b, const Vec3& offset) {
-    const auto p = static_cast<std::size_t>(piece);
-    const Pieces& all = scene.pieces;
-    const std::size_t k = scene.shapes.begin(scene.state.shape[b]) + p - all.begin[b];
-    const std::span corners(all.corners);
-    return {&scene.shapes.core(k),
-            corners.subspan(all.first_corner[p], all.first_corner[p + 1] - all.first_corner[p]),
-            offset, all.rounding[p]};
-  }
-};
-
-namespace {
-
-// Corners of a core that reach further along `direction` than `least` m, and the edges and
-// triangles they belong to.
-// An edge or a triangle may reach into the slab only if one of its corners does.
-struct Near {
-  std::vector<std::uint8_t> corners;
-  std::vector<std::uint16_t> edges, triangles;
-
-  void find(const Placed& core, const Vec3& direction, double least) {
-    corners.clear(), edges.clear(), triangles.clear();
-    std::array<bool, most_corners + 1> in{};
-    for (std::size_t k = 0; k < core.corners.size(); ++k)
-      if ((in[k] = direction.dot(core.corner(k)) >= least))
-        corners.push_back(static_cast<std::uint8_t>(k));
-    const auto collect = [&](const auto& features, std::vector<std::uint16_t>& kept) {
-      for (std::size_t k = 0; k < features.size(); ++k)
-        if (std::any_of(features[k].begin(), features[k].end(), [&](auto c) { return in[c]; }))
-          kept.push_back(static_cast<std::uint16_t>(k));
-    };
-    collect(core.core->edges, edges);
-    collect(core.core->triangles, triangles);
-  }
-};
-
-[[gnu::always_inline]] inline Vec4 point(const Placed& core, std::uint8_t corner) {
-  const Vec4& c = core.corners[corner];
-  return {c.x + core.offset.x(), c.y + core.offset.y(), c.z + core.offset.z(), 0};
-}
-
-[[gnu::always_inline]] inline void add_corner(FeatureRow& row, const Placed& i, const Placed& j,
-                                              const FeatureWord& w, bool of_i) {
-  const Placed &own = of_i ? i : j, &other = of_i ? j : i;
-  row.add(of_i ? 1 : -1, i.radius, j.radius,
-          {point(own, w[0]), point(other, w[1]), point(other, w[2]), point(other, w[3])});
-}
-
-[[gnu::always_inline]] inline void add_edges(FeatureRow& row, const Placed& i, const Placed& j,
-                                             const FeatureWord& w) {
-  row.add(1, i.radius, j.radius, {point(i, w[0]), point(i, w[1]), point(j, w[2]), point(j, w[3])});
-}
-
-double furthest_along(const Placed& core, const Vec3& direction) {
-  double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < core.corners.size(); ++k)
-    most = std::max(most, direction.dot(core.corner(k)));
-  return most;
-}
-
-}  // namespace
-
-StoneContacts::Pose StoneContacts::pose(const Scene& scene, const StoneList& list, std::int32_t p,
-                                        const Entry& other) {
-  const auto i = Sight::body(scene, p), j = Sight::body(scene, other.piece);
+StoneContacts::Pose StoneContacts::pose(const Scene& scene, const StoneList& list, const Look& pair,
+                                        std::uint32_t entry) {
+  const std::size_t i = pair.i, j = pair.j;
   const State& s = scene.state;
   const Quat back = quat(s.q[i]).conjugate(), q = back * quat(s.q[j]);
-  const Vec3 x = back * (s.x[j].vec3() - s.x[i].vec3() + list.shifts[other.shift].vec3());
+  const Vec3 shift = list.shifts[list.entries[entry].shift].vec3();
+  const Vec3 x = back * (s.x[j].vec3() - s.x[i].vec3() + shift);
   return {{static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z())},
           {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
            static_cast<float>(q.w())},
@@ -120,33 +39,33 @@ StoneContacts::Pose StoneContacts::pose(const Scene& scene, const StoneList& lis
 }
 
 // By how much two surface points can have come closer at most, m, with r the radius of the ball
-// around j: the way of its centre and the arc of its farthest point seen from i, and growth. What
-// both do together is not in it, nor ways that went back. Roundings are those of `float`.
+// around j: the displacement of its centre and the arc of its farthest point seen from i, and
+// growth. What both do together is not in it, nor paths that went back. Roundings are those of
+// `float`.
 double StoneContacts::closed(const Pose& a, const Pose& b, double r) {
-  double way = 0, turn = 0, far = 0;
+  double moved = 0, turned = 0, far = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double d = static_cast<double>(b.x[k]) - static_cast<double>(a.x[k]);
-    way += d * d, far += std::abs(static_cast<double>(b.x[k]));
+    moved += d * d, far += std::abs(static_cast<double>(b.x[k]));
   }
   for (std::size_t k = 0; k < 4; ++k) {
     const double d = static_cast<double>(b.q[k]) - static_cast<double>(a.q[k]);
-    turn += d * d;
+    turned += d * d;
   }
   constexpr double rounding = 1e-6;  // several units in the last place of each number
   const double grown = static_cast<double>(b.size) - static_cast<double>(a.size);
-  return std::sqrt(way) + 2.1 * r * std::sqrt(turn) + std::abs(grown) +
+  return std::sqrt(moved) + 2.1 * r * std::sqrt(turned) + std::abs(grown) +
          rounding * (far + static_cast<double>(b.size));
 }
 
 // Both paths together are only a bound, and a poor one where stones move with each other or to and
 // fro, as in a bed that is pressed or shaken. So when they have used up a margin, the pose tells
 // how much of it is left, for a fraction of what finding features anew costs.
-bool StoneContacts::still_good(const Scene& scene, const StoneList& list, std::int32_t p,
-                               std::uint32_t e, double path) {
+bool StoneContacts::still_good(const Scene& scene, const StoneList& list, std::uint32_t e,
+                               double path) {
   Reach& reach = reaches_[e];
-  const Entry& other = list.entries[e];
-  const double r = scene.state.x[Sight::body(scene, other.piece)].w;
-  const double used = closed(poses_[e], pose(scene, list, p, other), r);
+  const double used =
+      closed(poses_[e], pose(scene, list, looks_[e], e), scene.state.x[looks_[e].j].w);
   const double left = reach.slack - used, quiet = reach.gap - used;
   // A gap that is used up is not asked after again: distances tell from now on.
   if (!(quiet > used_up * reach.gap)) reach.gap = 0;
@@ -160,18 +79,26 @@ bool StoneContacts::still_good(const Scene& scene, const StoneList& list, std::i
 // corners of its cores only. Lists ascend by both keys, so one pass over old and new finds who was
 // there before. In a bed that moves lists get old every 20 sub-steps, features seldom.
 void StoneContacts::reset(const Scene& scene, const StoneList& list) {
+  const auto body = [&](std::int32_t piece) {
+    return static_cast<std::size_t>(scene.pieces.body[static_cast<std::size_t>(piece)]);
+  };
   const auto key = [&](std::int32_t piece) {
-    const std::size_t b = Sight::body(scene, piece);
+    const std::size_t b = body(piece);
     return piece_key(scene.state.id[b], static_cast<std::size_t>(piece) - scene.pieces.begin[b]);
   };
   std::vector<Reach> reaches(list.entries.size());
   std::vector<Pose> poses(list.entries.size());
   std::vector<Key> keys;
   keys.reserve(list.entries.size());
+  looks_.clear(), pieces_.clear();
   std::size_t old = 0;
   for (const Row& row : list.rows)
     for (std::uint32_t e = row.begin; e < row.end; ++e) {
-      const Key wanted = keys.emplace_back(key(row.piece), key(list.entries[e].piece));
+      const std::int32_t other = list.entries[e].piece;
+      pieces_.push_back(row.piece);
+      looks_.push_back({-1, static_cast<std::uint32_t>(body(row.piece)),
+                        static_cast<std::uint32_t>(body(other))});
+      const Key wanted = keys.emplace_back(key(row.piece), key(other));
       while (old < keys_.size() && keys_[old] < wanted) ++old;
       if (old == keys_.size() || keys_[old] != wanted) continue;
       reaches[e] = reaches_[old], poses[e] = poses_[old];
@@ -181,7 +108,8 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
   reaches_.swap(reaches), poses_.swap(poses), keys_.swap(keys);
   compact();
   live_ = words_.size();
-  found_.clear();
+  blocks_.reset(list.entries.size());
+  grown_ = scene.state.grown;
 }
 
 // Drops the words of pairs that have found new ones.
@@ -192,57 +120,18 @@ void StoneContacts::compact() {
   for (Reach& r : reaches_) {
     const auto from = words_.begin() + r.begin;
     r.begin = static_cast<std::uint32_t>(kept.size());
-    kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(r.count()));
+    kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(r.features.count()));
   }
   words_ = std::move(kept);
 }
 
-// Every feature whose distance can become smaller than `within` passes the slab test; of those the
-// ones that are that near now are kept. Order: corners of i, of j, edges, each ascending.
-void StoneContacts::keep_features(const Sight& sight, Reach& reach, double depth, double within) {
-  // Kept for their memory only.
-  thread_local Near of_i, of_j;
-  thread_local FeatureRow corners, edges;
-  thread_local std::vector<FeatureWord> words;
-  const Vec3 n = reach.normal;
-  // What lies deeper than `depth` behind the foremost corner is further from the other core than
-  // `within`, for the empty slab lies between.
-  of_i.find(sight.i, n, furthest_along(sight.i, n) - depth);
-  of_j.find(sight.j, -n, furthest_along(sight.j, -n) - depth);
-  corners.clear(), edges.clear(), words.clear();
-  const auto corner_words = [&](const Near& own, const Near& other, const Core& core, bool first) {
-    for (const std::uint8_t c : own.corners)
-      for (const std::uint16_t t : other.triangles) {
-        const Core::Triangle& triangle = core.triangles[t];
-        words.push_back({c, triangle[0], triangle[1], triangle[2]});
-        add_corner(corners, sight.i, sight.j, words.back(), first);
-      }
-  };
-  // All triangles of one corner follow each other: `smooth_maximum` counts on it.
-  corner_words(of_i, of_j, *sight.j.core, true);
-  const std::size_t first_of_j = words.size();
-  corner_words(of_j, of_i, *sight.i.core, false);
-  const std::size_t first_edge = words.size();
-  // Flat cores in one plane meet with corners only; their crossed edges would count those twice.
-  if (!(sight.i.core->flat && sight.j.core->flat))
-    for (const std::uint16_t e : of_i.edges)
-      for (const std::uint16_t f : of_j.edges) {
-        const Core::Edge &a = sight.i.core->edges[e], &b = sight.j.core->edges[f];
-        words.push_back({a[0], a[1], b[0], b[1]});
-        add_edges(edges, sight.i, sight.j, words.back());
-      }
-  corners.compute_corners(), edges.compute_edges();
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const bool edge = k >= first_edge;
-    if ((edge ? edges.distance(k - first_edge) : corners.distance(k)) > within) continue;
-    words_.push_back(words[k]);
-    ++(edge ? reach.edges : (k < first_of_j ? reach.of_i : reach.of_j));
-  }
-}
-
 // The margin follows the pace: a stone that flies is looked at often whatever is kept, one that
 // rests should keep little. The last normal starts GJK, since it has hardly turned.
-void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, double pace) {
+void StoneContacts::find_features_anew(const Scene& scene, const StoneList& list, std::uint32_t e,
+                                       double path) {
+  const PairSight sight(scene, list, pieces_[e], e);
+  Reach& reach = reaches_[e];
+  const double pace = scene.pieces.pace[looks_[e].i] + scene.pieces.pace[looks_[e].j];
   const double slack =
       std::clamp(margin_steps * pace, least_margin * sight.reach, most_margin * sight.reach);
   Vec3 start = reach.normal;
@@ -254,139 +143,179 @@ void StoneContacts::refresh(const Sight& sight, Reach& reach, double path, doubl
   const Slab slab = widest_slab(sight.i, sight.j, start, 0.1 * slack);
   const bool apart = slab.width > sight.reach + slack;
   reach.normal = slab.normal;
-  live_ -= reach.count();
-  reach.of_i = reach.of_j = reach.edges = 0;
+  live_ -= reach.features.count();
+  reach.features = {};
   reach.begin = static_cast<std::uint32_t>(words_.size());
   reach.watch = slab.width < close * sight.reach;
   // Apart: nothing is kept, and nothing is to be looked at before the gap has closed.
   reach.slack = apart ? slab.width - sight.reach : slack;
   reach.gap = apart ? reach.slack : 0;
   reach.until = path + reach.slack;
-  if (!apart) keep_features(sight, reach, sight.reach + slack - slab.width, sight.reach + slack);
-  live_ += reach.count();
+  if (!apart)
+    reach.features = find_features(sight, reach.normal, sight.reach + slack - slab.width,
+                                   sight.reach + slack, words_);
+  live_ += reach.features.count();
+  reach.fresh = true;
+  fresh_.push_back(e);
+  poses_[e] = pose(scene, list, looks_[e], e);
 }
 
-FeatureSet StoneContacts::gather(const Sight& sight, const Reach& reach, FeatureRow& corners,
-                                 FeatureRow& edges) const {
-  const FeatureWord* word = words_.data() + reach.begin;
-  FeatureSet set{corners.size(), 0, edges.size(), 0, reach.begin, reach.of_i};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(reach.of_i) + reach.of_j; ++k)
-    add_corner(corners, sight.i, sight.j, *word++, k < reach.of_i);
-  for (std::size_t k = 0; k < reach.edges; ++k) add_edges(edges, sight.i, sight.j, *word++);
-  set.corners_end = corners.size(), set.edges_end = edges.size();
-  return set;
+// Without a lane until the gap may have closed.
+void StoneContacts::rest(StoneList& list, std::uint32_t e) {
+  if (blocks_.has(e)) blocks_.remove(e);
+  if (list.entries[e].touching) list.forget(e);
+  looks_[e].next = reaches_[e].quiet;
 }
 
-// What is felt when j is moved out along a way, its cores then apart.
-// Words are borrowed at the end of the list and given back.
-Wrench StoneContacts::moved_wrench(const Sight& sight, const Vec3& n, double length) {
-  thread_local FeatureRow corners, edges;
-  corners.clear(), edges.clear();
-  Sight moved = sight;
-  moved.j.offset += length * n;
-  Reach near;
-  near.normal = n;
-  near.begin = static_cast<std::uint32_t>(words_.size());
-  keep_features(moved, near, sight.reach, sight.reach);
-  const FeatureSet set = gather(moved, near, corners, edges);
-  corners.compute_corners(), edges.compute_edges();
-  const Wrench w = smooth_maximum(corners, edges, set, words_.data(), sight.reach);
-  words_.resize(near.begin);
-  return w;
-}
-
-// Ways up to `longest` times the shortest: apart - width is the length of a way, so their slabs
-// have at least the width apart - longest * shortest. What touches there has the overlap reach -
-// apart.
-Wrench StoneContacts::deep_wrench(const Sight& sight, const Slab& widest) {
-  thread_local std::vector<WayOut> ways;
-  const double apart = apart_by * sight.reach, shortest = apart - widest.width;
-  ways_out(sight.i, sight.j, apart - DeepBlend::longest * shortest, ways);
-  DeepBlend blend(sight.reach - apart);
-  for (const WayOut& way : ways) {
-    const double length = apart - way.slab.width;
-    blend.add(way, length, shortest, moved_wrench(sight, way.slab.normal, length));
+// An entry whose paths have used up what was known of it.
+void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
+  Reach& reach = reaches_[e];
+  const double path = scene.pieces.path[looks_[e].i] + scene.pieces.path[looks_[e].j];
+  const bool known = reach.slack > 0, old = !(path < reach.until);
+  const bool good = known && (old || reach.gap > 0) && still_good(scene, list, e, path);
+  if (path < reach.quiet) return rest(list, e);
+  if (old && !good) {
+    find_features_anew(scene, list, e, path);
+    if (blocks_.has(e)) blocks_.remove(e);
   }
-  return blend.result();
-}
-
-Wrench StoneContacts::wrench(const Scene& scene, const StoneList& list, const Pending& p) {
-  Reach& reach = reaches_[p.entry];
-  const Wrench w = smooth_maximum(corners_, edges_, p.set, words_.data(), p.reach);
-  if (w.closest < close * p.reach) reach.watch = true;
-  if (!reach.watch) return w;
-  const Sight sight(scene, list, p.piece, p.entry);
-  // Any direction with an empty slab shows that the cores are apart; seldom all must be tried.
-  // The normal of what is felt is nearly always one.
-  const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
-  const Slab slab = apart ? Slab{} : separating_axis(sight.i, sight.j);
-  if (apart || slab.width > 0) {
-    reach.watch = w.closest < close * sight.reach;
-    return w;
+  if (reach.features.count() == 0 && !reach.watch) {
+    reach.quiet = reach.until;
+    return rest(list, e);
   }
-  // Counted: the run goes on, but roundings are too small or contacts too soft for what is asked.
-  // By the owner of the first, as all sums over pairs.
-  if (Sight::body(scene, p.piece) < scene.state.own) ++deep_;
-  return deep_wrench(sight, slab);
+  looks_[e].next = reach.until;
+  if (blocks_.has(e)) return;
+  const std::span<const FeatureWord> words(words_.data() + reach.begin, reach.features.count());
+  blocks_.insert(scene, list, pieces_[e], e, {words, reach.features.of_i, reach.features.of_j});
+  blocks_.block_of(e).watched |= static_cast<LaneBits>(reach.watch << blocks_.slot(e) % lanes);
 }
 
-// In the order of the list, on which the bits of sums rest.
-void StoneContacts::flush(const Scene& scene, StoneList& list) {
-  corners_.compute_corners(), edges_.compute_edges();
-  for (const Pending& p : pending_) {
-    const Wrench w = wrench(scene, list, p);
-    Entry& entry = list.entries[p.entry];
-    if (w.M > 0) {
-      entry.touching = 1;
-      found_.push_back({p.entry, p.piece, w});
-      continue;
-    }
-    // Nothing can touch before the pair has closed the gap that is left.
-    Reach& reach = reaches_[p.entry];
-    if (!reach.watch) reach.quiet = std::min(reach.until, p.path + (w.closest - p.reach));
-    if (!reach.watch && p.fresh) reach.gap = w.closest - p.reach;
-    if (entry.touching) list.forget(p.entry);
-  }
-  pending_.clear(), corners_.clear(), edges_.clear();
-}
-
-// Local. In a bed at rest most pairs end at the first question: their paths have not used up what
-// separates them.
-const std::vector<Overlap>& StoneContacts::find(const Scene& scene, StoneList& list) {
-  found_.clear();
+// In a bed at rest nearly every pair ends at the comparison.
+void StoneContacts::look_at_all(const Scene& scene, StoneList& list) {
   // Half of it rubbish at most, beside a floor that spares short lists the trouble.
   if (words_.size() > 2 * live_ + 65536) compact();
-  for (const Row& row : list.rows) {
-    const Pieces& pieces = scene.pieces;
-    const std::size_t i = Sight::body(scene, row.piece);
-    for (std::uint32_t e = row.begin; e < row.end; ++e) {
-      Reach& reach = reaches_[e];
-      const std::size_t j = Sight::body(scene, list.entries[e].piece);
-      const double path = pieces.path[i] + pieces.path[j];
-      if (path < reach.quiet) continue;
-      const bool known = reach.slack > 0, old = !(path < reach.until);
-      const bool good =
-          known && (old || reach.gap > 0) && still_good(scene, list, row.piece, e, path);
-      if (path < reach.quiet) continue;
-      const Sight sight(scene, list, row.piece, e);
-      const bool fresh = old && !good;
-      if (fresh) {
-        refresh(sight, reach, path, pieces.pace[i] + pieces.pace[j]);
-        poses_[e] = pose(scene, list, row.piece, list.entries[e]);
-      }
-      const FeatureSet set = gather(sight, reach, corners_, edges_);
-      pending_.push_back({e, row.piece, set, sight.reach, path, fresh});
-      if (corners_.size() > block || edges_.size() > block) flush(scene, list);
+  if (scene.state.grown != grown_) blocks_.resize(scene), grown_ = scene.state.grown;
+  const double* path = scene.pieces.path.data();
+  for (std::uint32_t e = 0; e < looks_.size(); ++e) {
+    const Look& l = looks_[e];
+    // Written so that a path that is not a number is looked at.
+    if (!(path[l.i] + path[l.j] < l.next)) [[unlikely]]
+      look(scene, list, e);
+  }
+}
+
+// A pair in a lane that does not touch. Nothing can touch before it has closed the gap that is
+// left.
+void StoneContacts::part(const Scene& scene, StoneList& list, Block& block, std::size_t lane,
+                         double closest) {
+  const std::uint32_t e = block.entry[lane];
+  Reach& reach = reaches_[e];
+  const double gap = closest - block.reach[lane];
+  if (list.entries[e].touching) list.forget(e);
+  if (reach.watch) return;
+  if (reach.fresh) reach.gap = gap;
+  const Pieces& pieces = scene.pieces;
+  const Look& l = looks_[e];
+  const double pace = pieces.pace[l.i] + pieces.pace[l.j];
+  if (gap < gap_steps * pace || gap < least_gap * block.reach[lane]) return;
+  reach.quiet = std::min(reach.until, pieces.path[l.i] + pieces.path[l.j] + gap);
+  rest(list, e);
+}
+
+// Cores that are close: any direction with an empty slab shows that they are apart; seldom all must
+// be tried. The normal of what is felt is nearly always one.
+void StoneContacts::watch(const Scene& scene, const StoneList& list, Block& block, std::size_t lane,
+                          WrenchLanes& lanes_of_w) {
+  const std::uint32_t e = block.entry[lane];
+  const auto bit = static_cast<LaneBits>(1u << lane);
+  const Wrench w = lanes_of_w.at(lane);
+  const PairSight sight(scene, list, pieces_[e], e);
+  const bool apart = w.M > 0 && slab_width(sight.i, sight.j, w.N.normalized()) > 0;
+  const Slab slab = apart ? Slab{} : separating_axis(sight.i, sight.j);
+  const bool deep = !apart && !(slab.width > 0);
+  const bool watched = deep || w.closest < close * sight.reach;
+  reaches_[e].watch = watched;
+  block.watched = static_cast<LaneBits>((block.watched & ~bit) | (watched ? bit : 0));
+  block.deep = static_cast<LaneBits>((block.deep & ~bit) | (deep ? bit : 0));
+  if (!deep) return;
+  // Counted: the run goes on, but roundings are too small or contacts too soft for what is asked.
+  // By the owner of the first, as all sums over pairs.
+  if (looks_[e].i < scene.state.own) ++deep_;
+  lanes_of_w.set(lane, deep_wrench(sight, slab));
+}
+
+// What the wrenches of a block change: who is watched, who touches, who gives its lane back.
+void StoneContacts::follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w) {
+  const Mask near = w.closest < close * block.reach;
+  if (block.watched || any(near)) [[unlikely]]
+    for (std::size_t k = 0; k < lanes; ++k)
+      if ((block.used >> k & 1) && (near[k] || (block.watched >> k & 1)))
+        watch(scene, list, block, k, w);
+  const Mask touching = w.M > all(0), used = mask_of(block.used);
+  if (!any((touching ^ mask_of(block.touching)) | (used & ~touching))) return;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const auto bit = static_cast<LaneBits>(1u << k);
+    if (!(block.used & bit)) continue;
+    if (touching[k]) {
+      block.touching |= bit, list.entries[block.entry[k]].touching = 1;
+    } else {
+      block.touching &= static_cast<LaneBits>(~bit);
+      part(scene, list, block, k, w.closest[k]);
     }
   }
-  flush(scene, list);
-  return found_;
+}
+
+// Pairs in the order of the list, on which the bits of sums depend.
+void StoneContacts::put_in_order() {
+  if (ordered_ == blocks_.changes()) return;
+  order_.clear();
+  for (std::uint32_t e = 0; e < looks_.size(); ++e)
+    if (blocks_.has(e)) order_.push_back({blocks_.slot(e), looks_[e].i, looks_[e].j});
+  ordered_ = blocks_.changes();
+}
+
+double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State& state) {
+  look_at_all(scene, list);
+  forces_.resize(lanes * blocks_.blocks().size());
+  StoneLaw law(scene, dt, list, forces_);
+  for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
+    Block& block = blocks_.blocks()[n];
+    if (!block.used) continue;
+    if (n + 1 < blocks_.blocks().size()) law.prefetch(blocks_.blocks()[n + 1]);
+    WrenchLanes w = blocks_.wrenches(block, scene, list);
+    follow(scene, list, block, w);
+    law.respond(n, block, w);
+  }
+  for (const std::uint32_t e : fresh_) reaches_[e].fresh = false;
+  fresh_.clear();
+  put_in_order();
+  add(order_, forces_, state);
+  return law.largest_overlap();
+}
+
+std::vector<Overlap> StoneContacts::overlaps(const Scene& scene, const StoneList& list) const {
+  std::vector<Overlap> found;
+  for (const Block& block : blocks_.blocks()) {
+    if (!block.touching) continue;
+    const WrenchLanes w = blocks_.wrenches(block, scene, list);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      if (!(block.touching >> k & 1)) continue;
+      const std::uint32_t e = block.entry[k];
+      found.push_back({e, pieces_[e], w.at(k)});
+      if (!(block.deep >> k & 1)) continue;
+      const PairSight sight(scene, list, pieces_[e], e);
+      found.back().wrench = deep_wrench(sight, separating_axis(sight.i, sight.j));
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Overlap& a, const Overlap& b) { return a.entry < b.entry; });
+  return found;
 }
 
 std::size_t StoneContacts::memory() const {
   return reaches_.capacity() * sizeof(Reach) + poses_.capacity() * sizeof(Pose) +
          keys_.capacity() * sizeof(Key) + words_.capacity() * sizeof(FeatureWord) +
-         found_.capacity() * sizeof(Overlap);
+         looks_.capacity() * sizeof(Look) + pieces_.capacity() * sizeof(pieces_[0]) +
+         order_.capacity() * sizeof(order_[0]) + forces_.memory() + blocks_.memory();
 }
 
 }  // namespace trackbed::dem

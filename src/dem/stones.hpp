@@ -9,8 +9,11 @@
 // this: a pair is known by its ids. Which features a pair keeps changes no bit: one out of reach
 // adds nothing, and those within reach are summed in the order of their numbers.
 //
-// Cost per kept feature: about 100 flops of 8 lanes and 12 scalar loads; per touching pair 300
-// flops. Finding features anew costs many times that and is rare in a bed at rest.
+// A pair that may touch has a lane of a block (stone_blocks.hpp), in which each sub-step computes
+// what it feels; one that is too far apart has none and waits until its paths have closed the gap.
+//
+// Cost: one comparison for each listed pair; per kept feature about 150 flops in a lane, per pair
+// in a block 350. Finding features anew costs many times that and is rare in a bed at rest.
 // Distances are always fresh; only the choice is kept. Margins are lengths of paths and not times,
 // so a stone that is shaken and comes to rest is looked at as often as it has moved, no more.
 #pragma once
@@ -21,11 +24,13 @@
 
 #include "features.hpp"
 #include "pairs.hpp"
-#include "separation.hpp"
+#include "stone_blocks.hpp"
+#include "stone_law.hpp"
+#include "stone_pair.hpp"
 
 namespace trackbed::dem {
 
-// Pairs that overlap, in the order of the list, on their way to the law.
+// A pair that overlaps.
 struct Overlap {
   std::uint32_t entry;
   std::int32_t piece;  // i
@@ -38,34 +43,29 @@ class StoneContacts {
   // To be called when the list and the pieces have been made anew. Pairs that are still listed
   // keep their features for as long as their poses say.
   void reset(const Scene& scene, const StoneList& list);
-  // All pairs that overlap now. Those that do not lose their history.
-  const std::vector<Overlap>& find(const Scene& scene, StoneList& list);
-  const std::vector<Overlap>& found() const { return found_; }  // by the last `find`
+  // Adds forces and torques of all pairs that overlap to the particles, in the order of the list;
+  // moves their history by dt. Those that do not overlap lose it. Returns the largest overlap over
+  // the smaller radius.
+  double feel(const Scene& scene, double dt, StoneList& list, State& state);
+  // The pairs that overlapped in the last `feel`, in the order of the list; the pieces as then.
+  std::vector<Overlap> overlaps(const Scene& scene, const StoneList& list) const;
   // So far: pairs found with one core in another, in each sub-step anew; of own first particles.
   std::int64_t deep() const { return deep_; }
-  std::size_t features(std::uint32_t entry) const { return reaches_[entry].count(); }  // kept
+  std::size_t features(std::uint32_t entry) const { return reaches_[entry].features.count(); }
   std::size_t memory() const;
 
  private:
   // What is kept of a pair.
   struct Reach {
-    std::uint32_t begin = 0;                      // in words_
-    std::uint32_t of_i = 0, of_j = 0, edges = 0;  // features: corners of i, corners of j, edges
+    std::uint32_t begin = 0;  // in words_
+    FeatureCounts features;
     bool watch = false;          // cores so close that each sub-step looks whether they overlap
+    bool fresh = false;          // features found in this sub-step
     double until = -1;           // m, sum of both paths up to which this holds for certain
     double quiet = -1;           // m, and up to which nothing can touch
     double slack = 0;            // m, that they may come closer, in truth, while this holds
     double gap = 0;              // m, the same while nothing can touch; 0: not known
     Vec3 normal = Vec3::Zero();  // of the last slab
-    std::size_t count() const { return static_cast<std::size_t>(of_i) + of_j + edges; }
-  };
-  // A pair whose features wait in the rows until these are full.
-  struct Pending {
-    std::uint32_t entry;
-    std::int32_t piece;
-    FeatureSet set;
-    double reach, path;  // m, sums of the radii and of the bodies' paths
-    bool fresh;          // features found in this sub-step
   };
   // How j lies seen from i. In single precision: an allowance covers it (`closed`).
   struct Pose {
@@ -77,36 +77,41 @@ class StoneContacts {
     std::int64_t i, j;  // `piece_key` of both
     auto operator<=>(const Key&) const = default;
   };
-  struct Sight;
+  // When an entry must be looked at.
+  struct Look {
+    double next;         // m, sum of both paths
+    std::uint32_t i, j;  // particles
+  };
 
-  static Pose pose(const Scene& scene, const StoneList& list, std::int32_t p, const Entry& other);
+  static Pose pose(const Scene& scene, const StoneList& list, const Look& pair,
+                   std::uint32_t entry);
   static double closed(const Pose& a, const Pose& b, double r);
-  bool still_good(const Scene& scene, const StoneList& list, std::int32_t p, std::uint32_t e,
-                  double path);
-  void refresh(const Sight& sight, Reach& reach, double path, double pace);
-  void keep_features(const Sight& sight, Reach& reach, double depth, double within);
-  FeatureSet gather(const Sight& sight, const Reach& reach, FeatureRow& corners,
-                    FeatureRow& edges) const;
-  void flush(const Scene& scene, StoneList& list);
-  Wrench wrench(const Scene& scene, const StoneList& list, const Pending& p);
-  Wrench moved_wrench(const Sight& sight, const Vec3& n, double length);
-  Wrench deep_wrench(const Sight& sight, const Slab& widest);
+  bool still_good(const Scene& scene, const StoneList& list, std::uint32_t e, double path);
+  void find_features_anew(const Scene& scene, const StoneList& list, std::uint32_t e, double path);
+  void look(const Scene& scene, StoneList& list, std::uint32_t e);
+  void look_at_all(const Scene& scene, StoneList& list);
+  void rest(StoneList& list, std::uint32_t e);
+  void part(const Scene& scene, StoneList& list, Block& block, std::size_t lane, double closest);
+  void follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w);
+  void watch(const Scene& scene, const StoneList& list, Block& block, std::size_t lane,
+             WrenchLanes& w);
+  void put_in_order();
   void compact();
 
   std::vector<Reach> reaches_;
   std::vector<Pose> poses_;  // when the features of each entry were found
-  std::vector<Key> keys_;    // of the entries: who they are whatever their numbers
+  std::vector<Look> looks_;
+  std::vector<std::int32_t> pieces_;  // i of each entry
+  std::vector<Key> keys_;             // of the entries: who they are whatever their numbers
   std::vector<FeatureWord> words_;
   std::size_t live_ = 0;  // words in use; the others are of pairs that found new ones
-  FeatureRow corners_, edges_;
-  std::vector<Pending> pending_;
-  std::vector<Overlap> found_;
+  StoneBlocks blocks_;
+  double grown_ = 1;                  // share of the size of growing particles that the blocks know
+  std::vector<std::uint32_t> fresh_;  // entries
+  PairForces forces_;
+  std::vector<PlaceOfPair> order_;  // of pairs in blocks, as in the list
+  std::uint64_t ordered_ = 0;       // changes of the blocks that it knows
   std::int64_t deep_ = 0;
 };
-
-// Adds forces and torques of the overlapping pairs to the particles, in their order; moves their
-// history by dt. Returns the largest overlap over the smaller radius.
-double feel_stones(const std::vector<Overlap>& overlaps, const Scene& scene, double dt,
-                   StoneList& list, State& state);
 
 }  // namespace trackbed::dem
