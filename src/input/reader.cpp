@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "input/limits.hpp"
+#include "input/magnitudes.hpp"
 
 namespace trackbed::input {
 
@@ -227,6 +228,17 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
   if (!within(limits, found)) {
     // As people write it: -5 also where the file has -5.0.
     problem(&node, path, fmt::format(" = {} must be {}", shown(found), range_in_words(limits)));
+    return false;
+  }
+  if (const Magnitudes range = magnitudes_of(limits.unit); !computable(range, found)) {
+    const bool large = std::abs(found) > range.most;
+    problem(&node, path,
+            fmt::format(" = {} is too {} to be computed with beside other values of 16 digits; "
+                        "{} {:g}{}{} in size{}",
+                        shown(found), large ? "large" : "small", large ? "at most" : "at least",
+                        large ? range.most : range.least, limits.unit == "-" ? "" : " ",
+                        limits.unit == "-" ? "" : limits.unit,
+                        large || !within(limits, 0) ? "" : ", or 0"));
     return false;
   }
   if (!usual(limits, found))

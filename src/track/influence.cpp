@@ -16,6 +16,7 @@
 
 #include <algorithm>
 
+#include "digits.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
@@ -89,9 +90,10 @@ void Influence::eliminate(const Sparse& matrix, const std::vector<RailNodes>& no
         next(own.number, other.number) = entry.value();
       }
     }
+    const Eigen::VectorXd diagonal = block.diagonal();
     block -= rails * carried * rails.transpose();
     const Eigen::LDLT<Eigen::MatrixXd> factor(block);
-    require(factor.isPositive(), "the track's matrix is positive definite");
+    require_digits(factor.vectorD(), factor.transpositionsP() * diagonal);
     alone_.push_back(rails.transpose() * factor.solve(rails));
     pass_.push_back(-alone_.back() * next);
     carried = next.transpose() * alone_.back() * next;

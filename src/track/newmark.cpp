@@ -13,6 +13,7 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "digits.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::track {
@@ -41,8 +42,9 @@ Newmark::Newmark(const LinearSystem& system, double step)
       room_(std::make_unique<Room>()) {
   room_->system = system;
   room_->step = step;
-  room_->factor.compute(effective_stiffness(system, step));
-  require(room_->factor.info() == Eigen::Success, "the track's matrix is positive definite");
+  const Sparse matrix = effective_stiffness(system, step);
+  room_->factor.compute(matrix);
+  require_digits(room_->factor.vectorD(), matrix.diagonal());
 }
 
 Newmark::~Newmark() = default;
@@ -89,6 +91,7 @@ Statics::Statics(const LinearSystem& system) : room_(std::make_unique<Room>()) {
   if (room_->factor.info() != Eigen::Success ||
       pivots.minCoeff() <= rounding * system.stiffness.diagonal().minCoeff())
     throw RunError("the track is held by nothing: give it a support or pinned ends");
+  require_digits(pivots, system.stiffness.diagonal());
 }
 
 Statics::~Statics() = default;

@@ -87,6 +87,23 @@ TEST(Deck, SaysWhatAValueMustBe) {
             }));
 }
 
+// Within the limits of the parameter, and yet no number to compute with: refused with what can be.
+TEST(Deck, RefusesWhatLosesAllDigits) {
+  EXPECT_EQ(problems_of("box = [1, -1e300, 1e-300]\n[dem]\nskin = 1e25\n"
+                        "[[layer]]\nyoung = 1e25\n"),
+            (Sentences{
+                "deck.toml:1: box[1] = -1e+300 is too large to be computed with beside other "
+                "values of 16 digits; at most 1e+06 m in size",
+                "deck.toml:1: box[2] = 1e-300 is too small to be computed with beside other values "
+                "of 16 digits; at least 1e-12 m in size, or 0",
+                "deck.toml:3: dem.skin = 1e+25 is too large to be computed with beside other "
+                "values of 16 digits; at most 1e+06 m in size",
+                "deck.toml:5: layer[0].young = 1e+25 is too large to be computed with beside other "
+                "values of 16 digits; at most 1e+15 Pa in size",
+            }));
+  EXPECT_EQ(problems_of("box = [1, -1e6, 1e-12]\n"), Sentences{});
+}
+
 TEST(Deck, FindsTheNearestNameElsewhereIfNoneIsNear) {
   EXPECT_EQ(problems_of("skin = 1\nyuong = 2\nnothing_like_it = 3\n[dem]\ntitel = \"a\"\n"),
             (Sentences{

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Numbers near the end of floating point are refused with a sentence, whatever the parameter; what
+is accepted ends neither in a broken invariant nor in numbers that are none.
+
+    magnitudes.py PROGRAM INPUTS [--each]
+
+Every number of the schema at once, by deck and value; with --each, also every number of a deck
+alone, at both ends of what its sentence accepts (minutes).
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+
+DECKS = ["track/plain.toml", "quickstart.toml", "ground/strip.toml", "bed/triaxial.toml",
+         "track/two_rails_on_ground.toml", "demfem/solids.toml"]
+VALUES = ["1e300", "-1e300", "1e-300", "1e25"]
+# Of the program's own trouble; none of these is a word of a deck.
+BROKEN = re.compile(r"broken invariant|Signal|terminate called|\bnan\b|-nan|\binf\b")
+ACCEPTS = re.compile(r"digits; at (most|least) (\S+)")
+
+
+def numbers_of(schema, deck, path=()):
+    """(override, name in messages, entries of a list) of every number; lists of sections as far as
+    the deck has them."""
+    for key, spec in schema.get("properties", {}).items():
+        here, kind = (*path, key), spec.get("type")
+        if kind == "object":
+            yield from numbers_of(spec, deck.get(key, {}), here)
+        elif kind == "array" and spec["items"].get("type") == "object":
+            for index, element in enumerate(deck.get(key, [])[:2]):
+                yield from numbers_of(spec["items"], element, (*here, str(index)))
+        elif kind in ("number", "integer"):
+            yield ".".join(here), 0
+        elif kind == "array" and spec["items"].get("type") == "number":
+            yield ".".join(here), spec.get("minItems", 1)
+
+
+def shown(key):
+    return re.sub(r"\.(\d+)", r"[\1]", key)
+
+
+def override(key, entries, value):
+    return f"{key}={value if not entries else '[' + ', '.join([value] * entries) + ']'}"
+
+
+def check(program, deck, *overrides):
+    ran = subprocess.run([program, "check", deck, *overrides], capture_output=True, text=True,
+                         timeout=300, check=False)
+    text = ran.stdout + ran.stderr
+    if ran.returncode not in (0, 2) or BROKEN.search(text.replace("1e+300", "")):
+        sys.exit(f"check {deck} {overrides[:3]} ended with {ran.returncode}:\n{text[-2000:]}")
+    return ran.returncode, text
+
+
+def all_at_once(program, deck, numbers):
+    for value in VALUES:
+        code, text = check(program, deck, *(override(*number, value) for number in numbers))
+        if code != 2:
+            sys.exit(f"{deck} is valid with {value} everywhere")
+        for key, entries in numbers:
+            name = shown(key) + ("[0]" if entries else "")
+            # Sections of other models are refused as a whole.
+            if f"{name} = " not in text and f": {key.split('.')[0]} is not a" not in text:
+                sys.exit(f"{deck}: {key} = {value} is not refused:\n{text[:3000]}")
+
+
+def one_by_one(program, deck, numbers):
+    """Both ends of what is accepted."""
+    for key, entries in numbers:
+        for value in ("1e300", "1e-300"):
+            found = ACCEPTS.search(check(program, deck, override(key, entries, value))[1])
+            if found:
+                check(program, deck, override(key, entries, found.group(2)))
+
+
+def main():
+    program, inputs = sys.argv[1], pathlib.Path(sys.argv[2])
+    schema = json.loads(subprocess.run([program, "schema"], capture_output=True, text=True,
+                                       check=True).stdout)
+    for name in DECKS:
+        deck = inputs / name
+        numbers = list(numbers_of(schema, tomllib.loads(deck.read_text(encoding="utf-8"))))
+        if len(numbers) < 150:
+            sys.exit(f"{name}: {len(numbers)} numbers, the schema has more")
+        all_at_once(program, deck, numbers)
+        if "--each" in sys.argv:
+            one_by_one(program, deck, numbers)
+    # Each is within its range, and yet of the others nothing is left: said as such.
+    track = inputs / "track/plain.toml"
+    for words in (["pad.stiffness=1e15", "ballast.stiffness=1e3"], ["pad.stiffness=1e22"],
+                  ["pad.stiffness=1e23"], ["pad.stiffness=1e25"], ["rail.young=1e15"]):
+        code, text = check(program, track, *words)
+        if code == 2 and "digits" not in text and "far apart" not in text:
+            sys.exit(f"{words}: {text}")
+        if code == 0 and words[0] != "rail.young=1e15":
+            sys.exit(f"{words} is accepted: {text}")
+
+
+if __name__ == "__main__":
+    main()
