@@ -7,6 +7,8 @@
 //
 // Nodes are placed anew from where they were built in each window, so that rounding cannot bend a
 // wall. Cost: all nodes of all walls per window, on every rank alike; a few hundred.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -120,7 +122,7 @@ void Walls::save(io::File& file, const std::string& group, const par::Comm& comm
     for (const double value : servo.row()) row.push_back(value);
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
   file.write<double>(group + "/walls", mine, row.size(),
-                     {"-",
+                     {fmt::format("m, m, m, m, m, -, {0}, {0}", Servo::units),
                       "height of the walls (m; 0: none yet), way of floor and lower halves along "
                       "x, of walls upwards, inwards across x, across y (m), whether they are gone, "
                       "servos of the walls across x and across y: " +

@@ -91,7 +91,8 @@ void Platen::save(io::File& file, const std::string& group, const par::Comm& com
   row.insert(row.end(), {z_, shaken_});
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
   file.write<double>(group + "/servo", mine, row.size(),
-                     {"-", std::string(Servo::columns) + ", z (m), shaken for (s)"});
+                     {std::string(Servo::units) + ", m, s",
+                      std::string(Servo::columns) + ", z (m), shaken for (s)"});
 }
 
 void Platen::load(const io::File& file, const std::string& group) {

@@ -45,7 +45,13 @@ void write_count(File& file, const std::string& name, std::size_t count, const c
   file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
 }
 
-// Units are part of the name: VTK has no place for them.
+// Units are part of the name, at its end in brackets, since VTK has no place for them.
+std::string unit_in(const std::string& name) {
+  const std::size_t begin = name.rfind('(');
+  const bool has_unit = begin != std::string::npos && name.ends_with(')');
+  return has_unit ? name.substr(begin + 1, name.size() - begin - 2) : "-";
+}
+
 void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
                 std::size_t rows) {
   for (const FieldData& field : fields) {
@@ -53,7 +59,8 @@ void write_data(File& file, const std::string& group, const std::vector<FieldDat
     // A slash would start a group; "velocity (m/s)" is shown with the division slash U+2215.
     std::string name = field.name;
     for (std::size_t i; (i = name.find('/')) != std::string::npos;) name.replace(i, 1, "∕");
-    file.write<double>(at(group + "/" + name), field.values, field.columns, {"-", field.name});
+    file.write<double>(at(group + "/" + name), field.values, field.columns,
+                       {unit_in(field.name), field.name});
   }
 }
 

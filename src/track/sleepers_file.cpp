@@ -47,7 +47,7 @@ void RigidSleepers::save(io::File& file, const std::string& group, const par::Co
   std::vector<double> common;
   if (comm.root()) common = {room_->placed ? 1.0 : 0.0, room_->bottom, room_->last_step};
   file.write<double>(group + "/common", common, 1,
-                     {"-", "placed (0 or 1), height of the lower face (m), last window (s)"});
+                     {"-, m, s", "placed (0 or 1), height of the lower face (m), last window (s)"});
 }
 
 // A file with another number of sleepers is refused here although compatible.cpp compares the decks

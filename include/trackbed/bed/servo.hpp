@@ -39,6 +39,7 @@ class Servo {
   static constexpr const char* columns =
       "speed (m/s), recent and mean force (N), gain, steady for (s), too low for (s), learnt speed "
       "(m/s)";
+  static constexpr const char* units = "m/s, N, N, -, s, s, m/s";
   Row row() const;
   void set(const Row& row);
 

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Datasets of runs say their units: of results, checkpoints and pictures, only those that are
+numbers without unit say "-".
+
+    units.py RESULT_FOLDER ...
+"""
+import pathlib
+import re
+import sys
+
+import h5py
+
+# All there are, as the end of a path: counts, names and numbers of things, ratios, unit vectors.
+PLAIN = {
+    # pictures
+    "CellData/body", "CellData/equivalent plastic strain", "CellData/solid", "Connectivity",
+    "NumberOfCells", "NumberOfConnectivityIds", "NumberOfPoints", "Offsets", "PointData/stone",
+    "Types",
+    # results
+    "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",
+    # checkpoints
+    "/attitude", "/history/keys", "/id", "/material", "/node", "/node_work", "/plastic/opened",
+    "/plastic/rest", "/plastic/strain", "/scale", "/shape", "/template/faces", "/template/pieces",
+    "/template/sizes", "/zone", "run/balance", "run/counts", "run/warnings", "train/counts",
+    "/quaternion"}
+# In words, what a number without unit is not.
+WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def problems_of(path):
+    found = []
+
+    def visit(name, item):
+        if not isinstance(item, h5py.Dataset):
+            return
+        unit, meaning = (text(item.attrs.get(key, "")) for key in ("unit", "meaning"))
+        if not unit or not meaning:
+            found.append(f"{name} has no unit or no meaning")
+        elif unit == "-" and not any(name.endswith(end) for end in PLAIN):
+            found.append(f"{name} ({meaning}) has the unit -")
+        elif unit == "-" and WITH_UNIT.search(name + meaning):
+            found.append(f"{name} ({meaning}) has the unit -, and its words another")
+        # VTK shows names alone, which therefore end with the unit; / is not allowed in them.
+        named = re.search(r"\(([^()]*)\)$", name.replace("∕", "/"))
+        if name.startswith("VTKHDF/") and named and named.group(1) != unit:
+            found.append(f"{name} has the unit {unit}")
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return [f"{path}: {problem}" for problem in found]
+
+
+def main():
+    files = [path for folder in sys.argv[1:] for end in ("h5", "vtkhdf")
+             for path in sorted(pathlib.Path(folder).rglob(f"*.{end}"))]
+    kinds = {"results.h5": 0, ".vtkhdf": 0, "stage_": 0}
+    problems = []
+    for path in files:
+        for kind in kinds:
+            kinds[kind] += kind in path.name
+        problems += problems_of(path)
+    if not all(kinds.values()):
+        problems.append(f"files looked at: {kinds}")
+    if problems:
+        sys.exit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()
