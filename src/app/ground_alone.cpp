@@ -148,8 +148,12 @@ void declare_stages_alone(const Model& model, input::Section& s) {
   const bool pressed = std::any_of(model.pressures.begin(), model.pressures.end(),
                                    [](const auto& p) { return p.course != couple::Course::dead; });
   s.rule("pressure", pressed || !model.ground.base_motion.empty(),
-         "nothing moves the ground: it has neither pressures, but dead ones, nor a wave from below "
-         "(ground.base_motion)",
+         fmt::format("nothing moves the ground: {}, and no wave comes from below "
+                     "(ground.base_motion)",
+                     model.pressures.empty()
+                         ? "there are no pressures"
+                         : "all pressures have course = \"dead\", under which it is at rest from "
+                           "the beginning"),
          {.weight = input::Weight::warning, .reads = {"pressure", "ground"}});
 }
 

@@ -141,6 +141,16 @@ void Progress::line(const Course& course, const Model& model, const World& world
                    : "");
 }
 
+std::unique_ptr<Waiting> Progress::equilibrium(const World& world) {
+  const fem::GroundTotals totals = world.ground->totals();
+  const std::string what =
+      fmt::format("  static equilibrium of the ground, {} unknowns", totals.unknowns);
+  say(comm_, "{}\n", what);
+  if (!comm_.root()) return nullptr;
+  return std::make_unique<Waiting>(what, seconds_between_lines,
+                                   [this](const std::string& line) { say(comm_, "{}\n", line); });
+}
+
 void Progress::rest(int rounds, double flows) {
   say(comm_, "  rest of the ground: after {} rounds {:.2g} of all forces still flow\n", rounds,
       flows);

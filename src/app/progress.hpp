@@ -2,9 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include "app/course.hpp"
+#include "app/waiting.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/timers.hpp"
 
@@ -29,6 +31,8 @@ class Progress {
   void start(World& world, const Model& model, const std::string& name);
   void stage_begins(const Stage& stage, const Course& course, World& world);
   void line(const Course& course, const Model& model, const World& world);
+  // Of the ground: a line now, and one every 5 s as long as what it returns lives. Collective.
+  std::unique_ptr<Waiting> equilibrium(const World& world);
   void rest(int rounds, double flows);  // of the search for that of the ground; rank 0 alone
   void stage_ends(const StageRecord& record);
   void warning(const std::string& sentence);

@@ -284,6 +284,7 @@ bool Simulation::settle_ground() {
   if (!stage().ground_moves || !world_.ground || world_.ground_settled) return true;
   const auto timing = timers_.scope(Verb::ground);
   if (world_.pressures) world_.pressures->add_dead(world_.support);
+  const auto waiting = progress_.equilibrium(world_);
   world_.ground_settled = world_.ground->settle(world_.support, [this](int rounds, double flows) {
     if (comm_.root() && progress_.due()) progress_.rest(rounds, flows);
     return comm_.max(std::int64_t{is_to_stop()}) == 0;

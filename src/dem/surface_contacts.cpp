@@ -96,6 +96,8 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   Approach::Patch& patch = patch_record(a, c.patch);
   patch.overlap = piece.w - c.distance, patch.radius = piece.w;
   patch.N = c.normal, patch.point = c.point - a.shift;
+  // The arm ends on the surface, at R - delta: there the force is handed to the nodes, so that both
+  // sides know one point (docs/decisions/stones_on_surfaces.md says what that changes).
   // From raw positions: which periodic image was taken must not change a bit.
   const Vec3 arm = (piece.vec3() - state.x[b].vec3()) + c.distance * c.normal;
   const Vec3 spin = state.w[b].vec3();

@@ -159,6 +159,24 @@ def check_bits(bench):
         bench.require(summary(whole)["ground"]["kinetic_j"] > 0, f"{name}: nothing moves")
 
 
+def check_words(bench, strip):
+    """Dead pressures are pressures; and a run says what it is at before its stage begins."""
+    program, moves = bench.program, "nothing moves the ground: "
+    dead = program.done(1, "check", strip, "pressure.strip.course=dead",
+                        "pressure.strip.duration=0").stdout
+    bench.require(moves + 'all pressures have course = "dead", under which it is at rest from the '
+                  "beginning, and no wave comes from below" in dead, f"words: {dead}")
+    none = program.done(1, "check", strip, "pressure=[]").stdout
+    bench.require(moves + "there are no pressures, and no wave" in none, f"words: {none}")
+    bench.require(moves not in program.done(1, "check", strip).stdout, "the strip moves it")
+    said = program.done(1, "run", strip, "stage.load.duration=0.01", "-o", bench.folder / "words")
+    lines = said.stdout.splitlines()
+    at = [k for k, line in enumerate(lines)
+          if line == "  static equilibrium of the ground, 3072 unknowns"]
+    stage = [k for k, line in enumerate(lines) if line.startswith("stage load")]
+    bench.require(len(at) == 1 and at[0] < stage[0], f"lines: {said.stdout}")
+
+
 def main():
     folder = pathlib.Path(sys.argv[4])
     shutil.rmtree(folder, ignore_errors=True)
@@ -168,6 +186,7 @@ def main():
                   check_rest, check_bits):
         check(bench)
     check_strength(bench, sys.argv[3])
+    check_words(bench, sys.argv[3])
 
 
 if __name__ == "__main__":
