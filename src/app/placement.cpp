@@ -211,8 +211,9 @@ observe::PlacedInstant Placement::instant(const dem::Particles& particles, doubl
 
 namespace {
 
+constexpr const char* felt_units = "N s, N s, N s, N, N, N, N";
 constexpr const char* felt_columns =
-    "impulse x y z (N s), largest force (N), force at the end of the last window x y z (N)";
+    "impulse x y z, largest force, force at the end of the last window x y z";
 
 }  // namespace
 
@@ -226,7 +227,8 @@ void Placement::save(io::File& file) const {
       rows.push_back(f.peak);
       rows.insert(rows.end(), f.force.data(), f.force.data() + 3);
     }
-    file.write<double>(path, std::span(rows).first(root ? rows.size() : 0), 7, {"-", felt_columns});
+    file.write<double>(path, std::span(rows).first(root ? rows.size() : 0), 7,
+                       {felt_units, felt_columns});
   };
   felt("placed/stones", on_stones_), felt("placed/surfaces", on_surfaces_);
   std::vector<double> axes;

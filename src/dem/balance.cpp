@@ -51,7 +51,9 @@ double Particles::Room::default_skin() const {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < state.own; ++b) smallest = std::min(smallest, radius(b));
   smallest = comm.min(smallest);
-  return std::isfinite(smallest) ? 0.15 * smallest : 1e-3;
+  // Balls have their near pairs apart from the list, which may therefore be long and seldom made.
+  const double share = shapes.any_stones() ? 0.15 : 0.3;
+  return std::isfinite(smallest) ? share * smallest : 1e-3;
 }
 
 // Largest radius of each level: up to twice the median, then twice as large ones each; levels that

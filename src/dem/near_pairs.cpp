@@ -10,28 +10,41 @@ constexpr double far_away = 1e100;
 
 }  // namespace
 
+// Into a lane of the last block.
+void NearPairs::put(std::size_t lane, std::int32_t piece, std::uint32_t e,
+                    const std::vector<Vec4>& x, const PairList& list) {
+  PairBlock& b = blocks.back();
+  const Entry& entry = list.entries[e];
+  const Vec4& xi = list.xi[e];
+  b.i[lane] = piece, b.j[lane] = entry.piece, b.entry[lane] = e;
+  b.shift[lane] = entry.shift, b.law[lane] = entry.law;
+  b.ri[lane] = x[static_cast<std::size_t>(piece)].w;
+  b.rj[lane] = x[static_cast<std::size_t>(entry.piece)].w;
+  b.root_mass[lane] = xi.w, b.xi.x[lane] = xi.x, b.xi.y[lane] = xi.y, b.xi.z[lane] = xi.z;
+  b.touches[lane] = entry.touching ? -1 : 0;
+  if (!list.size.empty()) size.back()[lane] = list.size[e];
+  if (list.roll.empty()) return;
+  const Vec4& r = list.roll[e];
+  roll.back().x[lane] = r.x, roll.back().y[lane] = r.y, roll.back().z[lane] = r.z;
+}
+
 // Lanes behind the last pair repeat it at a place where it touches nothing.
+void NearPairs::fill_last(const std::vector<Vec4>& x, const PairList& list) {
+  const std::size_t used = count % lanes;
+  if (used == 0) return;
+  PairBlock& last = blocks.back();
+  for (std::size_t lane = used; lane < lanes; ++lane) {
+    put(lane, last.i[used - 1], last.entry[used - 1], x, list);
+    last.shift[lane] = static_cast<std::int32_t>(shifts.size()) - 1;
+    last.touches[lane] = 0;
+  }
+}
+
 void NearPairs::gather(const std::vector<Vec4>& x, const PairList& list, double margin) {
   clear();
   shifts = list.shifts;
   shifts.push_back({far_away, 0, 0, 0});
   one_law = true;
-  const std::uint8_t first_law = list.entries.empty() ? 0 : list.entries.front().law;
-  const auto put = [&](std::size_t k, std::int32_t i, std::uint32_t e) {
-    PairBlock& b = blocks.back();
-    const Entry& entry = list.entries[e];
-    const Vec4& xi = list.xi[e];
-    b.i[k] = i, b.j[k] = entry.piece, b.entry[k] = e;
-    b.shift[k] = entry.shift, b.law[k] = entry.law;
-    b.ri[k] = x[static_cast<std::size_t>(i)].w;
-    b.rj[k] = x[static_cast<std::size_t>(entry.piece)].w;
-    b.root_mass[k] = xi.w, b.xi.x[k] = xi.x, b.xi.y[k] = xi.y, b.xi.z[k] = xi.z;
-    b.touches[k] = entry.touching ? -1 : 0;
-    if (!list.size.empty()) size.back()[k] = list.size[e];
-    if (list.roll.empty()) return;
-    const Vec4& r = list.roll[e];
-    roll.back().x[k] = r.x, roll.back().y[k] = r.y, roll.back().z[k] = r.z;
-  };
   for (const Row& row : list.rows) {
     const Vec4 pi = x[static_cast<std::size_t>(row.piece)];
     for (std::uint32_t e = row.begin; e < row.end; ++e) {
@@ -46,18 +59,11 @@ void NearPairs::gather(const std::vector<Vec4>& x, const PairList& list, double 
         if (!list.size.empty()) size.push_back(Lanes{});
         if (!list.roll.empty()) roll.push_back(Lanes3{});
       }
-      put(count++ % lanes, row.piece, e);
-      one_law = one_law && entry.law == first_law;
+      put(count++ % lanes, row.piece, e, x, list);
+      one_law = one_law && entry.law == blocks.front().law[0];
     }
   }
-  if (count % lanes == 0) return;
-  PairBlock& last = blocks.back();
-  const std::size_t used = count % lanes;
-  for (std::size_t k = used; k < lanes; ++k) {
-    put(k, last.i[used - 1], last.entry[used - 1]);
-    last.shift[k] = static_cast<std::int32_t>(shifts.size()) - 1;
-    last.touches[k] = 0;
-  }
+  fill_last(x, list);
 }
 
 void NearPairs::store(PairList& list) const {

@@ -194,7 +194,7 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 // How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through
 // the law and the more often they are gathered anew (docs/decisions/particles.md).
-constexpr double near_share = 0.2;
+constexpr double near_share = 0.1;
 
 // The paths of all particles since the last gathering, own and ghosts, bound how far any two have
 // come closer.

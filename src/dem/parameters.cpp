@@ -41,7 +41,10 @@ void Material::declare(input::Section& s) {
 void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
-  s.choice("law", kind, {"linear", "hertz"}, "Contact law between the two.");
+  s.choice(
+      "law", kind, {"linear", "hertz"},
+      "Contact law between the two. In a plane model hertz is the contact of parallel cylinders "
+      "as long as the model is thick, k_n = pi/4 E* thickness.");
   s.number("k_n", k_n, {.unit = "N/m", .above = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Normal stiffness, linear law.");
   s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},

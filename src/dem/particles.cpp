@@ -17,8 +17,8 @@ namespace trackbed::dem {
 
 void Parameters::declare(input::Section& s) {
   s.number("skin", skin, {.unit = "m", .at_least = 0},
-           "Reach of the neighbour lists beyond contact; 0: 0.15 of the smallest particle's "
-           "radius. Changes speed, not results.");
+           "Reach of the neighbour lists beyond contact; 0: 0.3 of the smallest particle's "
+           "radius, with stones that have corners 0.15. Changes speed, not results.");
   s.number("rebalance", rebalance, {.unit = "-", .at_least = 0},
            "Work of the busiest rank over the mean above which stones are shared out anew; 0: "
            "never. Changes speed, not results.");

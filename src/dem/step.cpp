@@ -1,6 +1,7 @@
 // One sub-step: velocity Verlet (Swope et al. 1982, doi:10.1063/1.442716) for the centres, and the
 // rotation of rotation.cpp, which is of second order as well. A state between windows is at one
 // time level.
+#include <algorithm>
 #include <cmath>
 
 #include "room.hpp"
@@ -66,16 +67,20 @@ void Particles::Room::update_spin(std::size_t b) {
 void Particles::Room::kick(double dt) {
   const double half = 0.5 * dt, weight = -parameters.gravity;
   const bool plane = domain.dimension == Dimension::plane;
+  const auto& materials = physics.materials;
+  const bool any_damped =
+      local_damping > 0 ||
+      (local_damping < 0 && std::any_of(materials.begin(), materials.end(),
+                                        [](const Material& m) { return m.local_damping > 0; }));
   for (std::size_t b = 0; b < state.own; ++b) {
     if (state.held[b] != 0) continue;
     Vec4 &v = state.v[b], &l = state.l[b];
     Vec4 f = state.f[b], t = state.t[b];
     f.z += v.w * weight;
-    const double alpha =
-        local_damping >= 0
-            ? local_damping
-            : physics.materials[static_cast<std::size_t>(state.material[b])].local_damping;
-    if (alpha > 0) {
+    if (any_damped) {
+      const double alpha =
+          local_damping >= 0 ? local_damping
+                             : materials[static_cast<std::size_t>(state.material[b])].local_damping;
       f.x = damped(f.x, v.x, alpha), f.y = damped(f.y, v.y, alpha), f.z = damped(f.z, v.z, alpha);
       t.x = damped(t.x, l.x, alpha), t.y = damped(t.y, l.y, alpha), t.z = damped(t.z, l.z, alpha);
     }
