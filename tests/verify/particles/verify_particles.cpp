@@ -149,7 +149,10 @@ TEST(Collision, ObliqueImpact) {
   struct Case {
     double degrees, restitution, spin;
   };
-  // Digitised from Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), good to 3 %.
+  // Digitised from Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), good to 3 %. Where the contact
+  // sticks, below 15 degrees, the curve is that of another law of the spring, F = k xi, which makes
+  // energy: at 10 degrees it is 8 % off, at 5 degrees (0.948, -19.3 rad/s) it is no reference. What
+  // this law gives there: impacts_test (docs/decisions/contact_laws.md).
   const double v = 3.9, mu = 0.092, e = 0.98, r = 2.5e-3;
   for (const Case& c : {Case{10, 0.687, -213}, Case{15, 0.624, -378}, Case{20, 0.616, -511},
                         Case{25, 0.634, -599}, Case{30, 0.684, -617}, Case{40, 0.781, -545},
@@ -161,8 +164,11 @@ TEST(Collision, ObliqueImpact) {
     const double turn = -course.spin.y();  // the source turns the other way
     constexpr double digitised = 0.035;
     const std::string at = fmt::format(" at {:g} degrees", c.degrees);
-    verified::near("tangential restitution" + at, "-", kept, c.restitution, digitised);
-    verified::near("spin" + at, "rad/s", turn, c.spin, digitised * 620);
+    const bool sticks = c.degrees < 15;
+    verified::near("tangential restitution" + at, "-", kept, c.restitution,
+                   digitised * (sticks ? 1 : c.restitution));
+    verified::near("spin" + at, "rad/s", turn, c.spin,
+                   digitised * (sticks ? 620 : std::abs(c.spin)));
     if (c.degrees <= 30) continue;  // sliding throughout: closed form
     verified::near("restitution, closed form," + at, "-", kept, 1 - mu * (1 + e) / std::tan(a),
                    1e-3);
