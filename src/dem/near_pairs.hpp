@@ -39,6 +39,11 @@ class NearPairs {
   std::vector<Vec4> shifts;  // m, of the list, and one far away for lanes without a pair
   std::size_t count = 0;     // pairs
   bool one_law = true;       // all pairs have the law of the first
+
+ private:
+  void put(std::size_t lane, std::int32_t piece, std::uint32_t e, const std::vector<Vec4>& x,
+           const PairList& list);
+  void fill_last(const std::vector<Vec4>& x, const PairList& list);
 };
 
 }  // namespace trackbed::dem
