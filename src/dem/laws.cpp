@@ -1,5 +1,5 @@
 // From what a deck declares to what the kernels read, and the time step that follows. Run once per
-// model and not per sub-step: clear formulas, no tuning. Symbols and sources: laws.hpp.
+// model and not per sub-step: clear formulas, no tuning. Symbols and sources: contact.hpp.
 #include "laws.hpp"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 // and neither scans the list nor gathers histories from it. Which pairs are near changes no bit:
 // those that do not touch add zero, and each particle adds its contacts in the order of the list.
 //
-// Cost: a block is 704 bytes; beds of spheres at rest have about 1.2 near pairs per contact.
+// Cost: a block is 640 bytes; beds of spheres at rest have about 1.2 near pairs per contact.
 #pragma once
 
 #include <vector>

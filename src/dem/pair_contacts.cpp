@@ -5,7 +5,7 @@
 // compiled apart.
 //
 // Cost per pair of spheres: about 150 flops, 2 roots and 3 divisions for eight at a time, 320 bytes
-// of particle data that mostly sits in cache when ids run along the bed, and 88 bytes of the block.
+// of particle data that mostly sits in cache when ids run along the bed, and 80 bytes of the block.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -113,7 +113,9 @@ template <bool spheres, bool hertz, bool rolls>
   const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
   const Lanes3 none{};
   const Lanes3 force = select(touches, contact.friction - contact.normal * n, none);
-  BlockForce out{force, cross(arm_i, force), cross(arm_j, force),
+  // Torques are masked as well: a lost partner's arm is no number, nor is its product with zero.
+  BlockForce out{force, select(touches, cross(arm_i, force), none),
+                 select(touches, cross(arm_j, force), none),
                  touches & (delta > allowed * smaller(b.ri, b.rj))};
   // A moment of a pair: opposite on j, which whoever adds sees to as with all torques.
   if constexpr (rolls) {

@@ -1,5 +1,5 @@
 // Forces of pieces on surfaces, and the way of each force to the nodes of its triangle. Pieces with
-// one corner are balls: contacts found by mesh.hpp, the law of laws.hpp. The others: contacts found
+// one corner are balls: contacts found by mesh.hpp, the law of contact.hpp. The others: contacts found
 // by stone_surface.hpp, the law of stone_law.hpp on their smooth maximum.
 #include <fmt/format.h>
 

@@ -19,7 +19,8 @@ PLAIN = {
     # results
     "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",
     # checkpoints
-    "/attitude", "/history/keys", "/id", "/axes", "/held", "/material", "/node", "/node_work", "/plastic/opened",
+    "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "/node_work",
+    "/plastic/opened",
     "/plastic/rest", "/plastic/strain", "/scale", "/shape", "/template/faces", "/template/pieces",
     "/template/sizes", "/zone", "run/balance", "run/counts", "run/warnings", "train/counts",
     "/quaternion"}
