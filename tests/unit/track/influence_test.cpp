@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "trackbed/core/error.hpp"
 #include "trackbed/track/newmark.hpp"
 
 namespace trackbed::track {
@@ -53,6 +54,15 @@ double difference(const LineParameters& parameters) {
 TEST(Influence, IsThatOfTheWholeTrack) {
   EXPECT_LT(difference(track(Dimension::plane)), rounding);
   EXPECT_LT(difference(track(Dimension::space)), rounding);
+}
+
+// Of 1e8 N/m below a pad of 1e25 N/m no digit is left: refused, not solved.
+TEST(Influence, RefusesStiffnessesTooFarApart) {
+  LineParameters p = track(Dimension::plane);
+  p.pad.stiffness = 1e25;
+  const Line line(p);
+  EXPECT_THROW(Influence(effective_stiffness(line.system(), step), line.rail_nodes()), InputError);
+  EXPECT_THROW(Newmark(line.system(), step), InputError);
 }
 
 TEST(Influence, KnowsWhatStandsBelowTheRails) {
