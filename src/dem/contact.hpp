@@ -12,10 +12,12 @@
 //   the force is kept, so that xi shrinks by k_old / k_new; where it falls xi is kept and the force
 //   falls with it (Thornton, Cummins, Cleary 2013, doi:10.1016/j.powtec.2012.08.012). Both take
 //   energy out of the spring, 1/2 k_s xi^2, and none puts any in.
-// - Coulomb's limit cuts the spring. While the spring slips the friction is the limit and the
-//   dashpot does not act; otherwise the sum of spring and dashpot is cut, and the spring keeps its
-//   true stretch. Cutting is a projection onto a ball that contains the spring's force, so the
-//   dashpot only dissipates: (P(k xi + c v) - k xi) . v >= 0.
+// - Coulomb's limit cuts the spring and then the sum of spring and dashpot, which leaves the spring
+//   its stretch: however strong the dashpot, friction is the limit while a contact slides. Cutting
+//   is a projection P onto the ball of forces within the limit. It takes energy from the spring,
+//   and since the spring's force lies in the ball, the dashpot only dissipates: (P(k xi + c v) - k
+//   xi) . v >= 0. Rejected: no dashpot while the spring slips. Where many contacts are at their
+//   limit, one that acts in one step and not in the next lets errors of rounding grow.
 // - Where a contact opens or closes within a step, the normal spring is corrected such that the
 //   step's work is that of the spring (`spring_force`).
 // Other codes and what they lose: docs/decisions/contact_laws.md.
@@ -121,6 +123,14 @@ template <class Real>
   return select(before < now, before / larger(now, Real{} + 1e-300), Real{} + 1.0);
 }
 
+// By how much a force must be multiplied to be no larger than the limit.
+template <class Real>
+[[gnu::always_inline]] inline Real within(const Triple<Real>& force, Real limit) {
+  const Real square = dot(force, force);
+  return select(square > limit * limit, limit / root(larger(square, Real{} + 1e-300)),
+                Real{} + 1.0);
+}
+
 // A spring with dashpot in the tangent plane, whose force friction limits.
 template <class Real>
 struct Slider {
@@ -141,16 +151,11 @@ template <class Real>
   const Real shrink = s.kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
   const Triple<Real> moved = shrink * (plane + turn * cross(n, plane)) + dt * v;
   const Triple<Real> spring = s.k * moved;
-  const Real limit2 = s.limit * s.limit;
-  const auto slips = dot(spring, spring) > limit2;
-  const Triple<Real> force = select(slips, spring, spring + s.c * v);
-  const Real force2 = dot(force, force);
-  const Real scale =
-      select(force2 > limit2, s.limit / root(larger(force2, Real{} + 1e-300)), Real{} + 1.0);
+  const Real stuck = within(spring, s.limit);
   // Without a spring the stretch has no use and is zero.
-  const Real held = select(s.k > 0, select(slips, scale, Real{} + 1.0), Real{});
-  xi = held * moved;
-  return -scale * force;
+  xi = select(s.k > 0, stuck, Real{}) * moved;
+  const Triple<Real> force = stuck * spring + s.c * v;
+  return -within(force, s.limit) * force;
 }
 
 // The same in one dimension: moment about the normal, on i, of a ring of the contact's spread (mean
@@ -161,12 +166,10 @@ template <class Real>
                                            Real& turn) {
   const Real moved = s.kept * turn + rate * dt;
   const Real spring = s.k * moved, size = larger(spring, -spring);
-  const auto slips = size > s.limit;
-  const Real moment = select(slips, spring, spring + s.c * rate);
-  const Real cut = smaller(larger(moment, -s.limit), s.limit);
-  const Real held = select(slips, s.limit / larger(size, Real{} + 1e-300), Real{} + 1.0);
-  turn = select(s.k > 0, held * moved, Real{});
-  return -cut;
+  const Real stuck = select(size > s.limit, s.limit / larger(size, Real{} + 1e-300), Real{} + 1.0);
+  turn = select(s.k > 0, stuck * moved, Real{});
+  const Real moment = stuck * spring + s.c * rate;
+  return -smaller(larger(moment, -s.limit), s.limit);
 }
 
 // Normal force (N, along -n on i) and friction on i (N).

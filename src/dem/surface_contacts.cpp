@@ -1,6 +1,6 @@
 // Forces of pieces on surfaces, and the way of each force to the nodes of its triangle. Pieces with
-// one corner are balls: contacts found by mesh.hpp, the law of contact.hpp. The others: contacts found
-// by stone_surface.hpp, the law of stone_law.hpp on their smooth maximum.
+// one corner are balls: contacts found by mesh.hpp, the law of contact.hpp. The others: contacts
+// found by stone_surface.hpp, the law of stone_law.hpp on their smooth maximum.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -14,7 +14,7 @@ from results import data  # noqa: E402
 
 SHORT = ["stage.fill.duration=0.1", "stage.compact.duration=0.02", "stage.release.duration=0.005",
          "stage.sleepers.duration=0.01", "stage.load.duration=0.01", "stage.load.cycles=1",
-         "stage.passage.duration=0.04", "load.start=-0.2"]
+         "stage.passage.duration=0.04", "load.start=-0.2", "load.peak=1500"]
 # Parameter of the schema -> change of the deck.
 KNOBS = {
     "sleepers.model": "sleepers.model=rigid",

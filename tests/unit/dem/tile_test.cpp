@@ -93,7 +93,7 @@ class Tiling : public testing::Test {
     bed.pour(self, begin);
     bed.run(12000);
     bed.particles.set_local_damping(damping);
-    bed.run(8000);
+    bed.run(16000);
     io::File file(self, path(), io::Mode::create);
     bed.particles.save(file, "/dem");
   }
