@@ -49,9 +49,10 @@ BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
 ON_BED = ["stage.passage.train=true", "train.start=0", "seat.before=10"]
-TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0",
+# Tines press stones into each other further than other stages do.
+TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_overlap=1",
           *(f"tamping.{name}={value}" for name, value in
-            {"gap": 0.06, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
+            {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
@@ -174,7 +175,8 @@ KNOBS = {
     "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
     "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
-    "ground.rest_rounds": ("ground.rest_rounds=1", YIELDS["layer"]),
+    "ground.rest_rounds": ("ground.rest_rounds=1",
+                           [*YIELDS["layer"], "ground.layer.0.cohesion=100"]),
     "sleepers.count": ("sleepers.count=2", ["sleepers.width=0.15", "sleepers.spacing=0.2"]),
     "sleepers.first": ("sleepers.first=0.2", []),
     "sleepers.spacing": ("sleepers.spacing=0.22", ["sleepers.width=0.15", "sleepers.count=2",
@@ -206,9 +208,11 @@ KNOBS = {
     "platen.vibration": ("platen.vibration=1e-3", ["platen.average=0.05"]),
     "platen.frequency": ("platen.frequency=40", ["platen.average=0.05", "platen.vibration=1e-3"]),
     **{f"tamping.{name}": (f"tamping.{name}={value}", TAMPED) for name, value in
-       {"lift": 0.01, "depth": 0.05, "gap": 0.05, "closing": 0.02, "thickness": 0.03,
-        "amplitude": 3e-3, "frequency": 60, "insertion": 0.012, "squeeze": 0.012,
-        "withdrawal": 0.012, "force": 2e3}.items()},
+       {"lift": 0.01, "depth": 0.05, "gap": 0.05, "closing": 0.02, "amplitude": 3e-3,
+        "frequency": 60, "insertion": 0.012, "squeeze": 0.012, "withdrawal": 0.012,
+        "force": 2e3}.items()},
+    # A gap in which a stone lies beside the thicker tine.
+    "tamping.thickness": ("tamping.thickness=0.03", [*TAMPED, "tamping.gap=0.065"]),
     "tamping.width": ("tamping.width=0.1", [*SPACE, *TAMPED, "tamping.y=[0]"]),
     "tamping.y": ("tamping.y=[0.05]", [*SPACE, *TAMPED, "tamping.y=[0]"]),
     "output.history_interval": ("output.history_interval=1e-3", []),
