@@ -21,13 +21,13 @@ struct Magnitudes {
 // Of a unit that is not listed: as of a plain number.
 inline Magnitudes magnitudes_of(std::string_view unit) {
   constexpr std::array<Magnitudes, 26> known{
-      {{"-", 1e-15, 1e15},  {"m", 1e-12, 1e6},     {"mm", 1e-6, 1e6},       {"m2", 1e-12, 1e6},
-       {"m4", 1e-18, 1e6},  {"1/m", 1e-6, 1e12},   {"radii", 1e-6, 1e3},    {"degrees", 1e-9, 1e6},
-       {"%", 1e-9, 100},    {"s", 1e-12, 1e9},     {"1/s", 1e-9, 1e12},     {"Hz", 1e-9, 1e9},
-       {"m/s", 1e-12, 1e5}, {"m/s2", 1e-9, 1e6},   {"m/s^2", 1e-9, 1e6},    {"kg", 1e-9, 1e9},
-       {"kg/m", 1e-6, 1e9}, {"kg m2", 1e-9, 1e12}, {"kg/m3", 1e-3, 1e9},    {"kg/m^3", 1e-3, 1e9},
-       {"N", 1e-9, 1e12},   {"N/m", 1e-3, 1e15},   {"N/m^1.5", 1e-3, 1e18}, {"N s/m", 1e-6, 1e12},
-       {"Pa", 1e-3, 1e15},  {"Pa/m", 1e-3, 1e15}}};
+      {{"-", 1e-15, 1e15},   {"m", 1e-25, 1e6},     {"mm", 1e-6, 1e6},       {"m2", 1e-12, 1e6},
+       {"m4", 1e-18, 1e6},   {"1/m", 1e-6, 1e12},   {"radii", 1e-6, 1e3},    {"degrees", 1e-9, 1e6},
+       {"%", 1e-9, 100},     {"s", 1e-12, 1e9},     {"1/s", 1e-9, 1e12},     {"Hz", 1e-9, 1e9},
+       {"m/s", 1e-12, 1e5},  {"m/s2", 1e-9, 1e6},   {"m/s^2", 1e-9, 1e6},    {"kg", 1e-9, 1e9},
+       {"kg/m", 1e-12, 1e9}, {"kg m2", 1e-9, 1e12}, {"kg/m3", 1e-3, 1e9},    {"kg/m^3", 1e-3, 1e9},
+       {"N", 1e-9, 1e12},    {"N/m", 1e-3, 1e15},   {"N/m^1.5", 1e-3, 1e18}, {"N s/m", 1e-6, 1e12},
+       {"Pa", 1e-3, 1e15},   {"Pa/m", 1e-3, 1e15}}};
   for (const Magnitudes& one : known)
     if (one.unit == unit) return one;
   return {unit, 1e-15, 1e15};

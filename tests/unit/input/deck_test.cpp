@@ -95,7 +95,7 @@ TEST(Deck, RefusesWhatLosesAllDigits) {
                 "deck.toml:1: box[1] = -1e+300 is too large to be computed with beside other "
                 "values of 16 digits; at most 1e+06 m in size",
                 "deck.toml:1: box[2] = 1e-300 is too small to be computed with beside other values "
-                "of 16 digits; at least 1e-12 m in size, or 0",
+                "of 16 digits; at least 1e-25 m in size, or 0",
                 "deck.toml:3: dem.skin = 1e+25 is too large to be computed with beside other "
                 "values of 16 digits; at most 1e+06 m in size",
                 "deck.toml:5: layer[0].young = 1e+25 is too large to be computed with beside other "
