@@ -110,6 +110,25 @@ TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
   EXPECT_NEAR(at(4), -2.5, 1e-12);
 }
 
+// Where a Hertz contact closes or opens its spring pushes, however coarse the step, and by no more
+// than it does where the contact is as deep as it moves in two steps.
+TEST(ContactLaw, AHertzSpringPushesAtItsEnds) {
+  Springs<double> spring{};
+  spring.k_n = 1e9, spring.hertz = 1;
+  constexpr double radius = 0.01, s = 1e-6, dt = 1e-6;
+  for (const double mass : {1e-9, 1e-7, 1e-5, 1e-3, 1e3})
+    for (const double rate : {s / dt, -s / dt})
+      for (double delta = 1e-12; delta < s; delta += 0.01 * s) {
+        const auto c = coefficients<true>(spring, delta, std::sqrt(mass), radius);
+        const double force =
+            spring_force<true>(spring, c, delta, rate, std::sqrt(mass), radius, dt);
+        const double travel = s + (rate < 0 ? dt * dt * c.k_n * delta / mass : 0.0);
+        const double deep = 2 * travel * std::sqrt(radius * 2 * travel) * spring.k_n;
+        EXPECT_GT(force, 0) << mass << " " << rate << " " << delta;
+        EXPECT_LT(force, deep) << mass << " " << rate << " " << delta;
+      }
+}
+
 TEST(ContactLaw, DampingDoesNotPullUnlessAllowed) {
   Coefficients<double> c = elastic;
   c.c_n = 1e3;
