@@ -1,80 +1,17 @@
-// Oblique impacts, bounces without end and loops of tangential load, against closed forms.
+// Oblique impacts of balls on a plate and on each other, against closed forms.
+#include "impacts.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 
-#include "support/scene.hpp"
 #include "support/verified.hpp"
 
 namespace trackbed {
 namespace {
 
-struct Ball {
-  double young = 1e9, poisson = 0.27, density = 2500, radius = 0.02;
-  double restitution = 1, friction = 0;
-  bool hertz = true;
-  double zeta = 0;  // linear only
-};
-
-// One material, and a second that makes a rigid plate.
-dem::Physics physics_of(const Ball& b) {
-  dem::Physics physics;
-  physics.materials = {
-      {.name = "ball", .density = b.density, .young = b.young, .poisson = b.poisson},
-      {.name = "plate", .young = 1e30, .poisson = 0}};
-  for (const char* second : {"ball", "plate"}) {
-    dem::ContactLaw law{.first = "ball", .second = second};
-    law.kind = b.hertz ? dem::LawKind::hertz : dem::LawKind::linear;
-    law.restitution = b.restitution, law.friction = b.friction;
-    law.k_n = 1e6, law.k_s = 8e5;
-    law.zeta_n = law.zeta_s = b.zeta;
-    physics.laws.push_back(law);
-  }
-  return physics;
-}
-
-dem::Particles nothing(const Ball& ball) {
-  dem::Parameters parameters;
-  parameters.gravity = 0, parameters.largest_overlap = 10;
-  dem::Particles p(par::Comm::self(), physics_of(ball), parameters,
-                   test::box(Vec3::Constant(-50 * ball.radius), Vec3::Constant(50 * ball.radius)));
-  p.add_template(test::sphere());
-  return p;
-}
-
-struct Motion {
-  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
-};
-
-// Until it parts from the plate z = 0.
-Motion thrown(const Ball& ball, const Motion& before, double dt) {
-  dem::Particles p = nothing(ball);
-  dem::NewParticle one;
-  one.scale = ball.radius, one.velocity = before.velocity, one.spin = before.spin;
-  one.position.z() = ball.radius - 0.5 * dt * before.velocity.z();
-  p.add(std::span(&one, 1));
-  Surface plate = test::floor_of(1, 20 * ball.radius);
-  plate.material = 1;
-  p.set_surfaces({&plate});
-  bool met = false;
-  for (int step = 0; step < 1000000; ++step) {
-    p.advance(dt, 1);
-    const bool touches = p.totals().contacts > 0;
-    if (met && !touches) break;
-    met |= touches;
-  }
-  return {p[0].velocity, p[0].spin};
-}
-
-// t_c = 2.943 d / v, d = (15 m v^2 / (16 E* sqrt(R)))^0.4, against a rigid plate.
-double contact_time(const Ball& b, double v) {
-  const double mass = b.density * test::sphere().volume * std::pow(b.radius, 3);
-  if (!b.hertz) return std::numbers::pi * std::sqrt(mass / 1e6);
-  const double e_star = b.young / (1 - b.poisson * b.poisson);
-  return 2.943 * std::pow(15 * mass * v * v / (16 * e_star * std::sqrt(b.radius)), 0.4) / v;
-}
+using namespace impacts;
 
 TEST(Impact, FrictionWhileSlidingIsMuOfTheNormalImpulse) {
   constexpr double mu = 0.6;
@@ -164,29 +101,6 @@ TEST(Impact, LinearSpringsThatStickSwing) {
   }
 }
 
-// An elastic Hertz impact by the increments of Mindlin's force, dF = k du while the contact grows
-// and dF = k du + F dk / k while it shrinks, cut at mu F_n; 1/100000 of the collision per step.
-Motion reference(const Ball& b, const Motion& before) {
-  const double mass = b.density * test::sphere().volume * std::pow(b.radius, 3);
-  const double e_star = b.young / (1 - b.poisson * b.poisson);
-  const double g_star = b.young / (2 * (1 + b.poisson) * (2 - b.poisson));
-  const double dt = 1e-5 * contact_time(b, -before.velocity.z());
-  Motion now = before;
-  double delta = 0, force = 0, k = 0;
-  do {
-    delta -= now.velocity.z() * dt;
-    const double a = std::sqrt(b.radius * std::max(delta, 0.0)), stiffness = 8 * g_star * a;
-    const double normal = 4.0 / 3.0 * e_star * a * delta, arm = b.radius - delta;
-    if (stiffness < k) force *= stiffness / k;
-    k = stiffness;
-    force -= k * (now.velocity.x() - now.spin.y() * arm) * dt;
-    force = std::clamp(force, -b.friction * normal, b.friction * normal);
-    now.velocity += Vec3(force, 0, normal) * dt / mass;
-    now.spin.y() -= arm * force * dt / (0.4 * mass * b.radius * b.radius);
-  } while (delta > 0);
-  return now;
-}
-
 // All incidences, from sticking to sliding (Maw, Barber, Fawcett 1976; Kharaz, Gorham, Salman 2001,
 // use these materials), against that integration.
 TEST(Impact, ElasticImpactsFollowMindlinsIncrements) {
@@ -195,7 +109,7 @@ TEST(Impact, ElasticImpactsFollowMindlinsIncrements) {
     const Ball ball{380e9, 0.23, 4000, 2.5e-3, 1, 0.092};
     const Motion before{{v * std::sin(a), 0, -v * std::cos(a)}, Vec3::Zero()};
     const Motion is = thrown(ball, before, 0.002 * contact_time(ball, v * std::cos(a)));
-    const Motion should = reference(ball, before);
+    const Motion should = by_increments(ball, before);
     const std::string at = fmt::format(" at {:g} degrees", degrees);
     const double scale = std::min(v * std::sin(a), 2 * ball.friction * v * std::cos(a));
     verified::near("tangential velocity" + at, "m/s", is.velocity.x(), should.velocity.x(),
