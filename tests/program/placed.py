@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Decks that place single stones, against closed forms: free flight, rebound, free rotation,
-sliding and rolling on a slope, a collision of two, a stack at rest; what is driven; a plane model.
+sliding and rolling on a slope, a collision of two, a stack at rest; what is driven; a plane model
+and its line contact; tangential load.
 
     placed.py PROGRAM INPUTS_VERIFY FOLDER
 """
@@ -270,13 +271,74 @@ def check_plane(bench):
     require(column(found, "disk", "peak_force")[-1] > 0, "the disk does not meet the walls")
 
 
+def compliance(young, poisson):
+    """1/E* and 1/G* of two bodies of one material."""
+    return (2 * (1 - poisson**2) / young, 4 * (2 - poisson) * (1 + poisson) / young)
+
+
+def check_disk(bench):
+    """Parallel cylinders: half a swing on a spring of pi/4 E* times the thickness; sliding
+    throughout with friction."""
+    radius, speed, mu = 0.01, 0.3, 0.3
+    for thickness in (0.5, 0.25):
+        found = bench.run("disk", f"thickness={thickness}", name=f"disk_{thickness}")
+        mass = 2700 * thickness * math.pi * radius**2
+        stiffness = math.pi / 4 / compliance(70e9, 0.33)[0] * thickness
+        pace = math.sqrt(stiffness / mass)
+        step = 4e-8 * pace  # of the swing, in radians
+        z = column(found, "disk", "position")[:, 2]
+        force = column(found, "disk", "force")
+        inside = np.flatnonzero(z < radius)
+        require(400 < len(inside) < 420, f"{len(inside)} steps in contact")
+        # Where it closes and opens the force is another.
+        whole = inside[1:-1]
+        near(force[whole, 2] / (radius - z[whole]), stiffness, 1e-12 * stiffness, "stiffness")
+        near(force[whole, 0], -mu * force[whole, 2], 1e-12 * mass, "friction")
+        # Sampled between two steps, of a swing whose height velocity Verlet takes by step^2/8 off.
+        depth = speed / pace
+        near(radius - z.min(), depth, step**2 / 4 * depth, "overlap")
+        begin = (0.01001 - radius) / speed
+        end = found.time[-1] - (z[-1] - radius) / speed
+        near(end - begin, math.pi / pace, step**2 / 12 * math.pi / pace, "contact time")
+        momentum = column(found, "disk", "momentum")
+        change = momentum[-1] - momentum[0]
+        # Overlaps of a micrometre are differences of heights of a centimetre.
+        near(change[2], 2 * mass * speed, 2e-11 * mass * speed, "rebound with restitution 1")
+        near(-change[0] / change[2], mu, 1e-9, "tangential over normal impulse")
+        # The arm is shorter than the radius by the overlap.
+        turned = -change[0] * radius / (mass * radius**2 / 2)
+        near(column(found, "disk", "spin")[-1, 1], turned, depth / radius * turned, "spin")
+        found = bench.run("disk", f"thickness={thickness}", "contact.0.friction=0",
+                          name=f"smooth_{thickness}")
+        energy = found.energy["kinetic"].values
+        near(energy[-1], energy[0], 2e-11 * energy[0], "energy without friction")
+
+
+def check_shear(bench):
+    """Mindlin's stiffness and Coulomb's limit of a sphere driven along a plate."""
+    found = bench.run("shear")
+    soft, yielding = compliance(70e9, 0.25)
+    size = math.sqrt(0.01 * 1e-5)
+    normal, shear = 4 / 3 / soft * size * 1e-5, 8 / yielding * size
+    force = column(found, "ball", "force")[1:]
+    way = 0.01 * found.time[1:]
+    near(force[:, 2], normal, 1e-12 * normal, "normal force")
+    near(force[:, 0], -np.minimum(shear * way, 0.3 * normal), 1e-12 * normal, "tangential force")
+    require(shear * way[0] < 0.01 * normal < 0.3 * normal < shear * way[-1], "nothing slips")
+    # By the trapezoid rule, which cuts the corner.
+    work = found.energy["supplied"].values.ravel()[-1]
+    limit = 0.3 * normal / shear
+    near(work, 0.3 * normal * (way[-1] - limit / 2), 1e-6 * work, "work of the ball")
+
+
 def main():
     folder = pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     bench = Bench(Program(sys.argv[1]), pathlib.Path(sys.argv[2]), folder)
     for check in (check_decks, check_flight, check_impact, check_bounce, check_rotation,
-                  check_slope, check_pair, check_stack, check_driven, check_plane):
+                  check_slope, check_pair, check_stack, check_driven, check_plane, check_disk,
+                  check_shear):
         check(bench)
         print(check.__name__, "done")
 
