@@ -125,8 +125,8 @@ template <bool any_hertz, class Real>
   // Eight pairs that are near hold many that do not touch: they ask for nothing.
   const auto ends = (delta >= 0) & (opens | closes);
   if (!any(ends)) return force;
-  const Real some = larger(mass, Real{} + 1e-300);
-  const Real b = (dt * dt) * c.k_n / some;
+  const Real some_mass = larger(mass, Real{} + 1e-300);
+  const Real b = (dt * dt) * c.k_n / some_mass;
   const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
   const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
   const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
@@ -135,7 +135,8 @@ template <bool any_hertz, class Real>
     const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
     const Real theta = smaller(delta / travel, Real{} + 1.0);
     const Real stiffness = spring.k_n * root(radius * travel);
-    const Real e = smaller((dt * dt) * stiffness / some, Real{} + 1.0);
+    // Far below 1 in every step that is stable.
+    const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
     changed = select(spring.hertz > 0, stiffness * travel * hertz_onset(theta, e, closes), changed);
   }
   return select(ends, changed, force);
