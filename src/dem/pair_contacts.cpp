@@ -198,12 +198,11 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 // the law and the more often they are gathered anew (docs/decisions/particles.md).
 constexpr double near_share = 0.1;
 
-// The paths of all particles since the last gathering, own and ghosts, bound how far any two have
-// come closer.
-void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
-  double fastest = 0;
+// Of any surface point of a particle in this sub-step, own and ghosts, m/s.
+double Particles::Room::fastest() const {
   const bool spheres = shapes.only_spheres();
-  for (std::size_t b = 0; b < state.size(); ++b) {
+  double fastest = spheres ? largest_speed : 0;
+  for (std::size_t b = spheres ? state.own : 0; b < state.size(); ++b) {
     const Vec4 &v = state.v[b], &w = state.w[b];
     const double turning =
         spheres ? 0 : state.x[b].w * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
@@ -211,7 +210,13 @@ void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double
     // Written so that what is not a number ends the margin.
     fastest = speed <= fastest ? fastest : speed;
   }
-  near_path += fastest * dt;
+  return fastest;
+}
+
+// The paths of all particles since the last gathering bound how far any two have come closer.
+void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
+  if (pairs.entries.empty()) return near.clear();
+  near_path += fastest() * dt;
   const double margin = near_share * skin;
   if (near_valid && 2 * near_path <= margin) return;
   if (near_valid) near.store(pairs);
