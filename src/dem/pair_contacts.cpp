@@ -199,33 +199,42 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 }  // namespace
 
-// How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through
-// the law and the more often they are gathered anew (docs/decisions/particles.md).
-constexpr double near_share = 0.1;
+// How far the near pairs of a slow particle reach beyond contact, over the skin: the smaller, the
+// fewer pairs go through the law and the more often they are gathered anew.
+constexpr double near_share = 0.03;
+// A particle is fast that would cover that within so many sub-steps; its near pairs are all it has
+// in the list, for as long as the list lasts. So one that rattles in its hole does not make those
+// of all others old (docs/decisions/particles.md).
+constexpr double slow_steps = 100;
 
-// Of any surface point of a particle in this sub-step, own and ghosts, m/s.
-double Particles::Room::fastest() const {
+// Of any surface point of a particle, m/s.
+double Particles::Room::speed(std::size_t b) const {
+  const double turning = shapes.only_spheres() ? 0 : state.x[b].w * state.w[b].vec3().norm();
+  return state.v[b].vec3().norm() + turning;
+}
+
+// Of all slow particles in this sub-step, own and ghosts, m/s. What is not a number ends the
+// margin.
+double Particles::Room::fastest_slow() const {
   const bool spheres = shapes.only_spheres();
   double fastest = spheres ? largest_speed : 0;
-  for (std::size_t b = spheres ? state.own : 0; b < state.size(); ++b) {
-    const Vec4 &v = state.v[b], &w = state.w[b];
-    const double turning =
-        spheres ? 0 : state.x[b].w * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
-    const double speed = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z) + turning;
-    // Written so that what is not a number ends the margin.
-    fastest = speed <= fastest ? fastest : speed;
-  }
+  for (std::size_t b = spheres ? state.own : 0; b < state.size(); ++b)
+    fastest = not_below(near.slow[b] * speed(b), fastest);
   return fastest;
 }
 
-// The paths of all particles since the last gathering bound how far any two have come closer.
+// The paths of slow particles since the last gathering bound how far any of them has come closer to
+// a place; fast ones have all their pairs.
 void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
   if (pairs.entries.empty()) return near.clear();
-  near_path += fastest() * dt;
   const double margin = near_share * skin;
-  if (near_valid && 2 * near_path <= margin) return;
+  if (near_valid) near_path += fastest_slow() * dt;
+  if (near_valid && near_path <= margin) return;
   if (near_valid) near.store(pairs);
-  near.gather(piece_x, pairs, margin);
+  near.slow.resize(state.size());
+  for (std::size_t b = 0; b < state.size(); ++b)
+    near.slow[b] = speed(b) * dt * slow_steps <= margin ? 1 : 0;
+  near.gather(piece_x, pieces.body, pairs, 2 * margin);
   near_valid = true, near_path = 0;
 }
 

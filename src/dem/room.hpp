@@ -58,7 +58,8 @@ struct Particles::Room {
   // Forces and torques on own particles, at the present poses; histories move by one sub-step.
   void feel_pairs(double dt);
   void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
-  double fastest() const;
+  double speed(std::size_t b) const;
+  double fastest_slow() const;
   void store_near_pairs();
   void feel_surfaces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
@@ -146,7 +147,7 @@ struct Particles::Room {
   PairList pairs;
   NearPairs near;
   bool near_valid = false;  // blocks match the list and the sizes of particles
-  double near_path = 0;     // m, longest of a particle since they were gathered
+  double near_path = 0;     // m, longest of a slow particle since they were gathered
   StoneList stones;
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;
@@ -160,7 +161,7 @@ struct Particles::Room {
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double reference_grown = 1;                  // share of their size then
   double largest_motion = 0;  // m, of a surface point of an own particle since then
-  double largest_speed = 0;   // m/s, of an own sphere in this sub-step; of other shapes not kept
+  double largest_speed = 0;   // m/s, of a slow own sphere in this sub-step; of others not kept
 
   // Not owned.
   std::vector<Surface*> surfaces;

@@ -48,11 +48,6 @@ void rotate_steadily(Vec4& attitude, Vec4& momentum, const Vec4& inertia, double
 [[gnu::always_inline]] inline double square(Four a) {
   return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
-// What is not a number is handed on, so that lists count as old and the rebuild reports it.
-[[gnu::always_inline]] inline double not_below(double a, double least) {
-  return a <= least ? least : a;
-}
-
 }  // namespace
 
 // w = I^-1 L in space axes. Ghosts get the bits of their owner afterwards: L is not sent.
@@ -125,7 +120,7 @@ void Particles::Room::kick_and_drift_spheres(double dt, int halves) {
     put(state.x[b], x);
     put(state.w[b], spin_of_sphere(l, state.inertia[b]));
     motion = not_below(square(x - four(reference_x[b])), motion);
-    speed = not_below(square(v), speed);
+    if (near_valid) speed = not_below(near.slow[b] * square(v), speed);
   }
   largest_motion = std::sqrt(motion), largest_speed = std::sqrt(speed);
 }
