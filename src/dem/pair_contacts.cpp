@@ -201,7 +201,7 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 // How far the near pairs of a slow particle reach beyond contact, over the skin: the smaller, the
 // fewer pairs go through the law and the more often they are gathered anew.
-constexpr double near_share = 0.03;
+constexpr double near_share = 0.02;
 // A particle is fast that would cover that within so many sub-steps; its near pairs are all it has
 // in the list, for as long as the list lasts. So one that rattles in its hole does not make those
 // of all others old (docs/decisions/particles.md).
@@ -246,9 +246,11 @@ void Particles::Room::store_near_pairs() {
 // Local. Forces are made anew from nothing: balls first, then stones, each in the order of its
 // list, so that every particle adds up alike on any rank; surfaces follow (`feel_surfaces`).
 void Particles::Room::feel_pairs(double dt) {
-  std::fill(state.f.begin(), state.f.end(), Vec4{});
-  std::fill(state.t.begin(), state.t.end(), Vec4{});
   const bool spheres = shapes.only_spheres();
+  // Those of own spheres are zero since their kick.
+  const auto first = static_cast<std::ptrdiff_t>(spheres ? state.own : 0);
+  std::fill(state.f.begin() + first, state.f.end(), Vec4{});
+  std::fill(state.t.begin() + first, state.t.end(), Vec4{});
   if (!spheres) place(state, shapes, pieces);
   const Arrays a{spheres ? state.x.data() : pieces.x.data(),
                  pieces.body.data(),

@@ -39,9 +39,9 @@ void rotate_steadily(Vec4& attitude, Vec4& momentum, const Vec4& inertia, double
   momentum.set(q * Vec3((q.conjugate() * spin).cwiseProduct(moments)));
 }
 
-// From the angular momentum.
-[[gnu::always_inline]] inline Four spin_of_sphere(Four l, const Vec4& inertia) {
-  return (1.0 / inertia.y) * l;
+// From the angular momentum, whose fourth number is one over the moment of inertia.
+[[gnu::always_inline]] inline Four spin_of_sphere(Four l) {
+  return l * (l[3] * Four{1, 1, 1, 0});
 }
 
 // Of the first three numbers.
@@ -55,7 +55,7 @@ void Particles::Room::update_spin(std::size_t b) {
   Vec4& w = state.w[b];
   const Vec4 &l = state.l[b], &inertia = state.inertia[b];
   if (shapes.only_spheres()) {
-    put(w, spin_of_sphere(four(l), inertia));
+    put(w, spin_of_sphere(four(l)));
   } else if (domain.dimension == Dimension::plane) {
     w = {0, l.y / inertia.y, 0, 0};
   } else {
@@ -104,8 +104,9 @@ void Particles::Room::drift_in_space(double dt) {
   }
 }
 
-// One pass over the rows of spheres and disks, whose attitudes are not followed: half of the time
-// of a sub-step apart from its contacts was memory read again by passes of their own.
+// One pass over the rows of spheres and disks, whose attitudes are not followed. Memory is what it
+// costs: 210 bytes read and 190 written for each. Forces and torques have then had their effect and
+// are zero for the contacts to come.
 void Particles::Room::kick_and_drift_spheres(double dt, int halves) {
   const Kick kick(dt, parameters.gravity, domain.dimension);
   const Four step = {dt, dt, dt, 0};
@@ -116,9 +117,10 @@ void Particles::Room::kick_and_drift_spheres(double dt, int halves) {
       kick(v, l, four(state.f[b]), four(state.t[b]), halves, local_damping_of(b));
       put(state.v[b], v), put(state.l[b], l);
     }
+    put(state.f[b], Four{}), put(state.t[b], Four{});
     const Four x = four(state.x[b]) + step * v;
     put(state.x[b], x);
-    put(state.w[b], spin_of_sphere(l, state.inertia[b]));
+    put(state.w[b], spin_of_sphere(l));
     motion = not_below(square(x - four(reference_x[b])), motion);
     if (near_valid) speed = not_below(near.slow[b] * square(v), speed);
   }
