@@ -41,7 +41,7 @@ void NearPairs::fill_last(const std::vector<Vec4>& x, const PairList& list) {
 }
 
 void NearPairs::gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
-                       const PairList& list, double margin) {
+                       const PairList& list) {
   const auto is_slow = [&](std::int32_t piece) {
     return slow[static_cast<std::size_t>(body[static_cast<std::size_t>(piece)])] > 0;
   };

@@ -199,13 +199,13 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 }  // namespace
 
-// How far the near pairs of a slow particle reach beyond contact, over the skin: the smaller, the
-// fewer pairs go through the law and the more often they are gathered anew.
-constexpr double near_share = 0.02;
-// A particle is fast that would cover that within so many sub-steps; its near pairs are all it has
-// in the list, for as long as the list lasts. So one that rattles in its hole does not make those
-// of all others old (docs/decisions/particles.md).
-constexpr double slow_steps = 100;
+// How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through the
+// law and the more often they are gathered anew. `at_rest`: where nearly all particles are slow, which
+// would not cover that within `slow_steps`. The few fast ones have all pairs of the list, for as long
+// as it lasts: so one that rattles in its hole does not make those of all others old. `moving`: where
+// more than one in `few` is fast, and all are treated alike (docs/decisions/particles.md).
+constexpr double at_rest = 0.04, moving = 0.1, slow_steps = 100;
+constexpr std::size_t few = 16;
 
 // Of any surface point of a particle, m/s.
 double Particles::Room::speed(std::size_t b) const {
@@ -223,18 +223,28 @@ double Particles::Room::fastest_slow() const {
   return fastest;
 }
 
-// The paths of slow particles since the last gathering bound how far any of them has come closer to
-// a place; fast ones have all their pairs.
+void Particles::Room::tell_slow_from_fast(double dt) {
+  near.margin = at_rest * skin;
+  near.slow.resize(state.size());
+  std::size_t fast = 0;
+  for (std::size_t b = 0; b < state.size(); ++b) {
+    const bool slow = 2 * speed(b) * dt * slow_steps <= near.margin;
+    near.slow[b] = slow ? 1 : 0, fast += slow ? 0 : 1;
+  }
+  if (few * fast <= state.size()) return;
+  near.margin = moving * skin;
+  std::fill(near.slow.begin(), near.slow.end(), 1);
+}
+
+// The paths of slow particles since the last gathering bound how far any two have come closer; fast
+// ones have all their pairs.
 void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
   if (pairs.entries.empty()) return near.clear();
-  const double margin = near_share * skin;
   if (near_valid) near_path += fastest_slow() * dt;
-  if (near_valid && near_path <= margin) return;
+  if (near_valid && 2 * near_path <= near.margin) return;
   if (near_valid) near.store(pairs);
-  near.slow.resize(state.size());
-  for (std::size_t b = 0; b < state.size(); ++b)
-    near.slow[b] = speed(b) * dt * slow_steps <= margin ? 1 : 0;
-  near.gather(piece_x, pieces.body, pairs, 2 * margin);
+  tell_slow_from_fast(dt);
+  near.gather(piece_x, pieces.body, pairs);
   near_valid = true, near_path = 0;
 }
 

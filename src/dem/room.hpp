@@ -59,6 +59,7 @@ struct Particles::Room {
   void feel_pairs(double dt);
   void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
   double speed(std::size_t b) const;
+  void tell_slow_from_fast(double dt);
   double fastest_slow() const;
   void store_near_pairs();
   void feel_surfaces(const SubStep& step);
