@@ -24,7 +24,7 @@ class Kick {
   Kick(double dt, double gravity, Dimension dimension)
       : half_(0.5 * dt),
         weight_{0, 0, -gravity, 0},
-        plane_(dimension == Dimension::plane ? Four{1, 0, 1, 0} : Four{1, 1, 1, 0}),
+        moves_(dimension == Dimension::plane ? Four{1, 0, 1, 0} : Four{1, 1, 1, 0}),
         turns_(dimension == Dimension::plane ? Four{0, 1, 0, 0} : Four{1, 1, 1, 0}) {}
 
   // `halves` half kicks by the same force and torque: one closes a sub-step or begins the first of
@@ -33,18 +33,18 @@ class Kick {
   [[gnu::always_inline]] void operator()(Four& v, Four& l, Four force, Four torque, int halves,
                                          double alpha) const {
     const double mass = v[3];
-    const Four f = force + mass * weight_, over_mass = (half_ / mass) * plane_;
+    const Four f = force + mass * weight_;
+    const Four over_mass = (half_ / mass) * moves_, over_one = half_ * turns_;
     for (int k = 0; k < halves; ++k) {
-      const bool damps = alpha > 0;
-      const Four pull = damps ? damped(f, v, alpha) : f, turn = damps ? damped(torque, l, alpha) : torque;
-      v = v + over_mass * pull;
-      l = l + half_ * (turns_ * turn);
+      v = v + over_mass * (alpha > 0 ? damped(f, v, alpha) : f);
+      l = l + over_one * (alpha > 0 ? damped(torque, l, alpha) : torque);
     }
   }
 
  private:
   double half_;
-  Four weight_, plane_, turns_;
+  Four weight_;         // m/s^2
+  Four moves_, turns_;  // 1 for each freedom
 };
 
 }  // namespace trackbed::dem

@@ -118,7 +118,8 @@ template <bool spheres, bool hertz, bool rolls>
   // Torques are masked as well: a lost partner's arm is no number, nor is its product with zero.
   const Lanes3 moment = cross(n, force);
   Lanes3 turn_i = ci * moment, turn_j = cj * moment;
-  if constexpr (!spheres) turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
+  if constexpr (!spheres)
+    turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
   BlockForce out{force, select(touches, turn_i, none), select(touches, turn_j, none),
                  touches & (delta > allowed * smaller(b.ri, b.rj))};
   // A moment of a pair: opposite on j, which whoever adds sees to as with all torques.
@@ -199,11 +200,12 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 
 }  // namespace
 
-// How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through the
-// law and the more often they are gathered anew. `at_rest`: where nearly all particles are slow, which
-// would not cover that within `slow_steps`. The few fast ones have all pairs of the list, for as long
-// as it lasts: so one that rattles in its hole does not make those of all others old. `moving`: where
-// more than one in `few` is fast, and all are treated alike (docs/decisions/particles.md).
+// How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through
+// the law and the more often they are gathered anew. `at_rest`: where nearly all particles are
+// slow, which would not cover that within `slow_steps`. The few fast ones have all pairs of the
+// list, for as long as it lasts: so one that rattles in its hole does not make those of all others
+// old. `moving`: where more than one in `few` is fast, and all are treated alike
+// (docs/decisions/particles.md).
 constexpr double at_rest = 0.04, moving = 0.1, slow_steps = 100;
 constexpr std::size_t few = 16;
 

@@ -40,9 +40,7 @@ void rotate_steadily(Vec4& attitude, Vec4& momentum, const Vec4& inertia, double
 }
 
 // From the angular momentum, whose fourth number is one over the moment of inertia.
-[[gnu::always_inline]] inline Four spin_of_sphere(Four l) {
-  return l * (l[3] * Four{1, 1, 1, 0});
-}
+[[gnu::always_inline]] inline Four spin_of_sphere(Four l) { return l * (l[3] * Four{1, 1, 1, 0}); }
 
 // Of the first three numbers.
 [[gnu::always_inline]] inline double square(Four a) {
