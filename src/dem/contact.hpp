@@ -165,7 +165,9 @@ template <class Real>
 template <class Real>
 [[gnu::always_inline]] inline Real within(const Triple<Real>& force, Real limit) {
   const Real square = dot(force, force);
-  return select(square > limit * limit, limit / root(larger(square, Real{} + 1e-300)),
+  const auto beyond = square > limit * limit;
+  if (!any(beyond)) return Real{} + 1.0;
+  return select(beyond, limit / root(larger(square, Real{} + 1e-300)),
                 Real{} + 1.0);
 }
 

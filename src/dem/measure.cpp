@@ -27,6 +27,7 @@ ParticleView Particles::operator[](std::size_t b) const {
           s.v[b].w,
           mass_of(room_->shapes[s.shape[b]], s.scale_now(b), 1, room_->domain),
           room_->shapes[s.shape[b]].sieve * s.scale_now(b),
+          s.x[b].w,
           s.x[b].vec3(),
           s.v[b].vec3(),
           q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),

@@ -40,20 +40,26 @@ void NearPairs::fill_last(const std::vector<Vec4>& x, const PairList& list) {
   }
 }
 
-void NearPairs::gather(const std::vector<Vec4>& x, const PairList& list, double margin) {
+void NearPairs::gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
+                       const PairList& list) {
+  const auto is_slow = [&](std::int32_t piece) {
+    return slow[static_cast<std::size_t>(body[static_cast<std::size_t>(piece)])] > 0;
+  };
   clear();
   shifts = list.shifts;
   shifts.push_back({far_away, 0, 0, 0});
   one_law = true;
   for (const Row& row : list.rows) {
     const Vec4 pi = x[static_cast<std::size_t>(row.piece)];
+    const bool row_is_slow = is_slow(row.piece);
     for (std::uint32_t e = row.begin; e < row.end; ++e) {
       const Entry& entry = list.entries[e];
       const Vec4 &pj = x[static_cast<std::size_t>(entry.piece)], &h = list.shifts[entry.shift];
       const double dx = pj.x - pi.x + h.x, dy = pj.y - pi.y + h.y, dz = pj.z - pi.z + h.z;
       const double reach = pi.w + pj.w + margin;
+      const bool is_far = !(dx * dx + dy * dy + dz * dz < reach * reach);
       // What touched is kept until a sub-step has seen that it does not any more.
-      if (!(dx * dx + dy * dy + dz * dz < reach * reach) && !entry.touching) continue;
+      if (is_far && !entry.touching && row_is_slow && is_slow(entry.piece)) continue;
       if (count % lanes == 0) {
         blocks.emplace_back();
         if (!list.size.empty()) size.push_back(Lanes{});

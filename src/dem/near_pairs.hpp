@@ -27,9 +27,11 @@ struct alignas(64) PairBlock {
 
 class NearPairs {
  public:
-  // `x`: centres and radii of all pieces; pairs closer than `margin` (m). Histories are those of
-  // the list, in which those of the pairs that were near have been stored.
-  void gather(const std::vector<Vec4>& x, const PairList& list, double margin);
+  // `x`: centres and radii of all pieces, `body` their particles; pairs closer than the margin and
+  // all of those that are not both slow. Histories are those of the list, in which those of the
+  // pairs that were near have been stored.
+  void gather(const std::vector<Vec4>& x, const std::vector<std::int32_t>& body,
+              const PairList& list);
   void store(PairList& list) const;  // histories, and which entries touch
   void clear() { blocks.clear(), size.clear(), roll.clear(), count = 0; }
 
@@ -37,6 +39,9 @@ class NearPairs {
   std::vector<Lanes> size;   // m, `size` of History; empty if no law is Hertz's
   std::vector<Lanes3> roll;  // m, history; empty if no law resists rolling
   std::vector<Vec4> shifts;  // m, of the list, and one far away for lanes without a pair
+  // Set before pairs are gathered:
+  double margin = 0;         // m
+  std::vector<double> slow;  // 1 or 0, of each particle
   std::size_t count = 0;     // pairs
   bool one_law = true;       // all pairs have the law of the first
 

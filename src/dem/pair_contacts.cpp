@@ -29,15 +29,17 @@ struct Arrays {
 };
 
 // Particles of the lanes of a block. Piece and particle have one number if each particle is one
-// sphere.
+// sphere, and are then read from the block where they are used.
+template <bool spheres>
 struct Bodies {
-  std::size_t i[lanes], j[lanes];
-  template <bool spheres>
-  [[gnu::always_inline]] void find(const PairBlock& b, const std::int32_t* body) {
-    for (std::size_t k = 0; k < lanes; ++k) {
-      i[k] = static_cast<std::size_t>(spheres ? b.i[k] : body[b.i[k]]);
-      j[k] = static_cast<std::size_t>(spheres ? b.j[k] : body[b.j[k]]);
-    }
+  const PairBlock& block;
+  const std::int32_t* body;
+  [[gnu::always_inline]] std::size_t i(std::size_t k) const { return of(block.i[k]); }
+  [[gnu::always_inline]] std::size_t j(std::size_t k) const { return of(block.j[k]); }
+
+ private:
+  [[gnu::always_inline]] std::size_t of(std::int32_t piece) const {
+    return static_cast<std::size_t>(spheres ? piece : body[piece]);
   }
 };
 
@@ -79,7 +81,7 @@ struct BlockForce {
 // difference, in this order on every rank. What is not a number does not touch.
 template <bool spheres, bool hertz, bool rolls>
 [[gnu::always_inline]] inline BlockForce respond(const Arrays& a, const NearPairs& near,
-                                                 const BlockLaws& laws, const Bodies& at,
+                                                 const BlockLaws& laws, const Bodies<spheres>& at,
                                                  PairBlock& b, Lanes* size, Lanes3* rolled,
                                                  double dt, double allowed) {
   const Vec4 *px = a.piece_x, *shifts = near.shifts.data();
@@ -87,23 +89,23 @@ template <bool spheres, bool hertz, bool rolls>
                      return four(px[b.j[k]]) - four(px[b.i[k]]) + four(shifts[b.shift[k]]);
                    }).xyz();
   const Lanes3 u =
-      rows_of([&](std::size_t k) { return four(a.v[at.i[k]]) - four(a.v[at.j[k]]); }).xyz();
-  const Lanes3 wi = rows(a.w, [&](std::size_t k) { return at.i[k]; }).xyz();
-  const Lanes3 wj = rows(a.w, [&](std::size_t k) { return at.j[k]; }).xyz();
+      rows_of([&](std::size_t k) { return four(a.v[at.i(k)]) - four(a.v[at.j(k)]); }).xyz();
+  const Lanes3 wi = rows(a.w, [&](std::size_t k) { return at.i(k); }).xyz();
+  const Lanes3 wj = rows(a.w, [&](std::size_t k) { return at.j(k); }).xyz();
   const Lanes squared = dot(d, d), reach = b.ri + b.rj;
   const Mask touches = squared < reach * reach;
   const Lanes distance = root(squared);
   const Lanes3 n = (1.0 / larger(distance, all(1e-300))) * d;
   const Lanes delta = reach - distance;
   const Lanes ci = b.ri - 0.5 * delta, cj = 0.5 * delta - b.rj;
-  Lanes3 arm_i = ci * n, arm_j = cj * n;
+  // From the centres of mass to those of the pieces; a sphere has none.
+  Lanes3 to_i{}, to_j{};
   if constexpr (!spheres) {
-    const auto arm = [&](const std::int32_t* piece, const std::size_t* body) {
-      return rows_of([&](std::size_t k) { return four(px[piece[k]]) - four(a.x[body[k]]); }).xyz();
-    };
-    arm_i = arm_i + arm(b.i, at.i), arm_j = arm_j + arm(b.j, at.j);
+    to_i = rows_of([&](std::size_t k) { return four(px[b.i[k]]) - four(a.x[at.i(k)]); }).xyz();
+    to_j = rows_of([&](std::size_t k) { return four(px[b.j[k]]) - four(a.x[at.j(k)]); }).xyz();
   }
-  const Lanes3 v = u + (cross(wi, arm_i) - cross(wj, arm_j));
+  Lanes3 v = u + cross(ci * wi - cj * wj, n);
+  if constexpr (!spheres) v = v + (cross(wi, to_i) - cross(wj, to_j));
   const Lanes radius = hertz || rolls ? b.ri * b.rj / reach : Lanes{};
   const auto c = coefficients<hertz>(laws.springs, delta, b.root_mass, radius);
   const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
@@ -114,15 +116,18 @@ template <bool spheres, bool hertz, bool rolls>
   const Lanes3 none{};
   const Lanes3 force = select(touches, contact.friction - contact.normal * n, none);
   // Torques are masked as well: a lost partner's arm is no number, nor is its product with zero.
-  BlockForce out{force, select(touches, cross(arm_i, force), none),
-                 select(touches, cross(arm_j, force), none),
+  const Lanes3 moment = cross(n, force);
+  Lanes3 turn_i = ci * moment, turn_j = cj * moment;
+  if constexpr (!spheres)
+    turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
+  BlockForce out{force, select(touches, turn_i, none), select(touches, turn_j, none),
                  touches & (delta > allowed * smaller(b.ri, b.rj))};
   // A moment of a pair: opposite on j, which whoever adds sees to as with all torques.
   if constexpr (rolls) {
     const Rolls<Lanes> t{n, wi - wj, touch.twist, contact.normal, c.k_n, radius, b.root_mass};
-    const Lanes3 moment =
+    const Lanes3 against =
         select(touches, rolling_moment(laws.rolling, t, remains, dt, *rolled), none);
-    out.turn_i = out.turn_i + moment, out.turn_j = out.turn_j + moment;
+    out.turn_i = out.turn_i + against, out.turn_j = out.turn_j + against;
     *rolled = select(touches, *rolled, none);
   }
   // A contact that opens gives its springs back at once: a stone that comes again meets it without
@@ -135,14 +140,16 @@ template <bool spheres, bool hertz, bool rolls>
 // Adds forces in the order of the list, one pair after the other: neighbours in the list share
 // particles, so lanes may not add at once. Ghosts collect what their owners compute as well; it is
 // dropped with them.
-[[gnu::always_inline]] inline void add(const Arrays& a, const Bodies& at, const BlockForce& b) {
+template <bool spheres>
+[[gnu::always_inline]] inline void add(const Arrays& a, const Bodies<spheres>& at,
+                                       const BlockForce& b) {
   Four force[lanes], turn_i[lanes], turn_j[lanes];
   const auto to = [](const Lanes3& v, Four* row) {
     to_rows({v.x, v.y, v.z, Lanes{}}, [&](std::size_t k, Four value) { row[k] = value; });
   };
   to(b.force, force), to(b.turn_i, turn_i), to(b.turn_j, turn_j);
   for (std::size_t k = 0; k < lanes; ++k) {
-    const std::size_t i = at.i[k], j = at.j[k];
+    const std::size_t i = at.i(k), j = at.j(k);
     put(a.f[i], four(a.f[i]) + force[k]), put(a.t[i], four(a.t[i]) + turn_i[k]);
     put(a.f[j], four(a.f[j]) - force[k]), put(a.t[j], four(a.t[j]) - turn_j[k]);
   }
@@ -169,8 +176,7 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
   if (near.one_law && near.count > 0) laws.set_all(near.blocks[0].law[0]);
   for (std::size_t n = 0; n < near.blocks.size(); ++n) {
     PairBlock& b = near.blocks[n];
-    Bodies at;
-    at.find<spheres>(b, a.body);
+    const Bodies<spheres> at{b, a.body};
     if (!near.one_law) laws.set(b.law);
     const BlockForce force =
         respond<spheres, hertz, rolls>(a, near, laws, at, b, hertz ? &near.size[n] : nullptr,
@@ -195,27 +201,52 @@ auto loop_for(bool spheres, bool hertz, bool rolls) {
 }  // namespace
 
 // How far near pairs reach beyond contact, over the skin: the smaller, the fewer pairs go through
-// the law and the more often they are gathered anew (docs/decisions/particles.md).
-constexpr double near_share = 0.1;
+// the law and the more often they are gathered anew. `at_rest`: where nearly all particles are
+// slow, which would not cover that within `slow_steps`. The few fast ones have all pairs of the
+// list, for as long as it lasts: so one that rattles in its hole does not make those of all others
+// old. `moving`: where more than one in `few` is fast, and all are treated alike
+// (docs/decisions/particles.md).
+constexpr double at_rest = 0.04, moving = 0.1, slow_steps = 100;
+constexpr std::size_t few = 16;
 
-// The paths of all particles since the last gathering, own and ghosts, bound how far any two have
-// come closer.
-void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
-  double fastest = 0;
+// Of any surface point of a particle, m/s.
+double Particles::Room::speed(std::size_t b) const {
+  const double turning = shapes.only_spheres() ? 0 : state.x[b].w * state.w[b].vec3().norm();
+  return state.v[b].vec3().norm() + turning;
+}
+
+// Of all slow particles in this sub-step, own and ghosts, m/s. What is not a number ends the
+// margin.
+double Particles::Room::fastest_slow() const {
   const bool spheres = shapes.only_spheres();
+  double fastest = spheres ? largest_speed : 0;
+  for (std::size_t b = spheres ? state.own : 0; b < state.size(); ++b)
+    fastest = not_below(near.slow[b] * speed(b), fastest);
+  return fastest;
+}
+
+void Particles::Room::tell_slow_from_fast(double dt) {
+  near.margin = at_rest * skin;
+  near.slow.resize(state.size());
+  std::size_t fast = 0;
   for (std::size_t b = 0; b < state.size(); ++b) {
-    const Vec4 &v = state.v[b], &w = state.w[b];
-    const double turning =
-        spheres ? 0 : state.x[b].w * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
-    const double speed = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z) + turning;
-    // Written so that what is not a number ends the margin.
-    fastest = speed <= fastest ? fastest : speed;
+    const bool slow = 2 * speed(b) * dt * slow_steps <= near.margin;
+    near.slow[b] = slow ? 1 : 0, fast += slow ? 0 : 1;
   }
-  near_path += fastest * dt;
-  const double margin = near_share * skin;
-  if (near_valid && 2 * near_path <= margin) return;
+  if (few * fast <= state.size()) return;
+  near.margin = moving * skin;
+  std::fill(near.slow.begin(), near.slow.end(), 1);
+}
+
+// The paths of slow particles since the last gathering bound how far any two have come closer; fast
+// ones have all their pairs.
+void Particles::Room::gather_near_pairs(const std::vector<Vec4>& piece_x, double dt) {
+  if (pairs.entries.empty()) return near.clear();
+  if (near_valid) near_path += fastest_slow() * dt;
+  if (near_valid && 2 * near_path <= near.margin) return;
   if (near_valid) near.store(pairs);
-  near.gather(piece_x, pairs, margin);
+  tell_slow_from_fast(dt);
+  near.gather(piece_x, pieces.body, pairs);
   near_valid = true, near_path = 0;
 }
 
@@ -227,9 +258,11 @@ void Particles::Room::store_near_pairs() {
 // Local. Forces are made anew from nothing: balls first, then stones, each in the order of its
 // list, so that every particle adds up alike on any rank; surfaces follow (`feel_surfaces`).
 void Particles::Room::feel_pairs(double dt) {
-  std::fill(state.f.begin(), state.f.end(), Vec4{});
-  std::fill(state.t.begin(), state.t.end(), Vec4{});
   const bool spheres = shapes.only_spheres();
+  // Those of own spheres are zero since their kick.
+  const auto first = static_cast<std::ptrdiff_t>(spheres ? state.own : 0);
+  std::fill(state.f.begin() + first, state.f.end(), Vec4{});
+  std::fill(state.t.begin() + first, state.t.end(), Vec4{});
   if (!spheres) place(state, shapes, pieces);
   const Arrays a{spheres ? state.x.data() : pieces.x.data(),
                  pieces.body.data(),

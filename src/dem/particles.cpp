@@ -227,7 +227,8 @@ void Particles::advance(double dt_window, int steps) {
   r.surface_motion = r.surface_motion_since_rebuild();
   r.follow_surfaces();
   for (int k = 1; k <= steps; ++k)
-    r.substep({dt_window / steps, static_cast<double>(k) / steps, steps});
+    r.substep({dt_window / steps, static_cast<double>(k) / steps, k, steps});
+  if (steps > 0) r.kick(dt_window / steps, 1);
   r.store_near_pairs();
   // One reduction for all seven. A plain sum: it is compared with a tolerance and nothing follows
   // from it.

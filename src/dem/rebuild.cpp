@@ -73,6 +73,7 @@ void Particles::Room::derive_size(std::size_t b) {
   const double scale = state.scale_now(b);
   state.x[b].w = shapes.bound(state.shape[b]) * scale;
   state.inertia[b].set(mass(b) * scale * scale * shapes[state.shape[b]].gyration);
+  state.l[b].w = 1 / state.inertia[b].y;
 }
 
 // By id: rows of the lists, histories and look-ups by bisection rest on it.

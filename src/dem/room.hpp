@@ -17,11 +17,12 @@
 
 namespace trackbed::dem {
 
-// The k-th of `count` sub-steps of a window: share = k / count of the window has passed at its end.
+// The sub-step `number` (from 1) of the `count` of a window: share = number / count of the window
+// has passed at its end.
 struct SubStep {
   double dt;  // s
   double share;
-  int count;
+  int number, count;
 };
 
 // What resistance to rolling reads of a piece on a patch: its contacts, how much each counts, and
@@ -44,16 +45,22 @@ struct Particles::Room {
   bool lists_are_old() const;                   // collective
   bool crossed_a_border() const;                // an own particle, since the last rebuild
   double surface_motion_since_rebuild() const;  // m, at the end of this window
-  void kick_and_drift(double dt);
+  // Begin a sub-step with one or two half kicks (kick.hpp).
+  void kick_and_drift(double dt, int halves);
+  void kick_and_drift_spheres(double dt, int halves);
   void drift_in_space(double dt);
   double motion_since_rebuild(std::size_t b) const;  // m, of a surface point
-  void kick(double dt);
+  void kick(double dt, int halves);
+  double local_damping_of(std::size_t b) const;
   void update_spin(std::size_t b);  // w from l and q: the one formula, so that its bits agree
   // pair_contacts.cpp, surface_contacts.cpp
   Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
   // Forces and torques on own particles, at the present poses; histories move by one sub-step.
   void feel_pairs(double dt);
   void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
+  double speed(std::size_t b) const;
+  void tell_slow_from_fast(double dt);
+  double fastest_slow() const;
   void store_near_pairs();
   void feel_surfaces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
@@ -141,7 +148,7 @@ struct Particles::Room {
   PairList pairs;
   NearPairs near;
   bool near_valid = false;  // blocks match the list and the sizes of particles
-  double near_path = 0;     // m, longest of a particle since they were gathered
+  double near_path = 0;     // m, longest of a slow particle since they were gathered
   StoneList stones;
   StoneContacts stone_contacts;
   std::vector<Approach> approaches;
@@ -155,6 +162,7 @@ struct Particles::Room {
   std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
   double reference_grown = 1;                  // share of their size then
   double largest_motion = 0;  // m, of a surface point of an own particle since then
+  double largest_speed = 0;   // m/s, of a slow own sphere in this sub-step; of others not kept
 
   // Not owned.
   std::vector<Surface*> surfaces;

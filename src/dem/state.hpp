@@ -23,7 +23,7 @@ struct State {
   std::vector<Vec4> x;             // m, centre of mass, unwrapped; w: bounding radius
   std::vector<Vec4> q;             // attitude, unit quaternion
   std::vector<Vec4> v;             // m/s; w: mass
-  std::vector<Vec4> l;             // kg m^2/s, angular momentum in space axes
+  std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes; w: 1 over the moment about y
   std::vector<Vec4> f;             // N, from contacts, at the time of x
   std::vector<Vec4> t;             // Nm
   // Derived

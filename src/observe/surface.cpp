@@ -1,8 +1,9 @@
 // The height of the bed over a lattice of cells: what a level or a laser sees from above.
 //
-// Cost: the points of every stone once, at the end of a stage. Rejected: rays against hulls, exact
-// but a search per ray; the points within a stone lie an eighth of its size apart, its corners at
-// its very ends.
+// Cost, at the end of a stage: a sort of the stones by height, and the points of those that are not
+// below what higher ones have reached in all cells beneath them: a layer of stones, not the bed.
+// Rejected: rays against hulls, exact but a search per ray; the points within a stone lie an eighth
+// of its size apart, its corners at its very ends.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,24 +32,52 @@ struct Lattice {
   // Of a point; those that stick out over a side belong to the cell they come in again, if that
   // side is periodic, else to none.
   std::size_t cell(const Vec3& point, const dem::Domain& domain) const {
+    return cell(place(point, 0, domain), place(point, 1, domain), domain);
+  }
+  std::size_t cell(double along, double across, const dem::Domain& domain) const {
+    const std::array<double, 2> place{along, across};
     std::array<std::size_t, 2> at{0, 0};
-    for (const int axis : {0, 1}) {
-      const auto k = static_cast<std::size_t>(axis);
-      if (count[k] == 1 && domain.dimension == Dimension::plane && axis == 1) continue;
+    for (std::size_t k = 0; k < 2; ++k) {
       const auto n = static_cast<double>(count[k]);
-      double place = std::floor((point[axis] - low[axis]) / size[k]);
-      if (domain.periodic[k]) place -= n * std::floor(place / n);
-      if (!(place >= 0 && place < n)) return cells();
-      at[k] = static_cast<std::size_t>(place);
+      const double inside = domain.periodic[k] ? place[k] - n * std::floor(place[k] / n) : place[k];
+      if (!(inside >= 0 && inside < n)) return cells();
+      at[k] = static_cast<std::size_t>(inside);
     }
     return at[1] * count[0] + at[0];
+  }
+  // In cells from the low side; not brought into the domain.
+  double place(const Vec3& point, int axis, const dem::Domain& domain) const {
+    if (axis == 1 && domain.dimension == Dimension::plane) return 0;
+    return std::floor((point[axis] - low[axis]) / size[static_cast<std::size_t>(axis)]);
+  }
+  // Whether see(cell) holds for all cells below a ball.
+  template <class See>
+  bool all_below(const Vec3& centre, double radius, const dem::Domain& domain, See&& see) const {
+    const Vec3 first = centre.array() - radius, last = centre.array() + radius;
+    for (double across = place(first, 1, domain); across <= place(last, 1, domain); ++across)
+      for (double along = place(first, 0, domain); along <= place(last, 0, domain); ++along) {
+        const std::size_t at = cell(along, across, domain);
+        if (at < cells() && !see(at)) return false;
+      }
+    return true;
   }
   std::size_t cells() const { return count[0] * count[1]; }
 };
 
+// Particles, the one that reaches highest first.
+std::vector<std::size_t> by_height(const dem::Particles& particles) {
+  std::vector<std::pair<double, std::size_t>> tops;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    tops.emplace_back(-(particles[i].position.z() + particles[i].radius), i);
+  std::sort(tops.begin(), tops.end());
+  std::vector<std::size_t> order;
+  for (const auto& [top, i] : tops) order.push_back(i);
+  return order;
+}
+
 }  // namespace
 
-// The maximum over ranks is that of all stones, whatever their number.
+// The maximum over ranks is that of all stones, whatever their number and order.
 std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& particles,
                                double cell) {
   const dem::Domain& domain = particles.domain();
@@ -58,7 +87,11 @@ std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& part
     const std::size_t at = lattice.cell(point, domain);
     if (at < top.size()) top[at] = std::max(top[at], point.z());
   };
-  for (std::size_t i = 0; i < particles.size(); ++i) {
+  for (const std::size_t i : by_height(particles)) {
+    const dem::ParticleView stone = particles[i];
+    const double highest = stone.position.z() + stone.radius;
+    const auto is_covered = [&](std::size_t at) { return top[at] >= highest; };
+    if (lattice.all_below(stone.position, stone.radius, domain, is_covered)) continue;
     particles.points(i, see);
     particles.corners(i, [&](const Vec3& centre, double r) { see(centre + Vec3(0, 0, r)); });
   }

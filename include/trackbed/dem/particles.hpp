@@ -61,6 +61,7 @@ struct ParticleView {
   double scale, mass;
   double volume;                                 // m^3
   double size;                                   // m, smallest opening it passes
+  double radius;                                 // m, of the ball around its centre of mass
   Vec3 position, velocity, spin, force, torque;  // force without gravity
   Quat attitude;
   Vec3 angular_momentum;  // kg m^2/s, about the centre of mass, in space axes
