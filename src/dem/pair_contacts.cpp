@@ -116,7 +116,8 @@ template <bool spheres, bool hertz, bool rolls>
   const Lanes3 none{};
   const Lanes3 force = select(touches, contact.friction - contact.normal * n, none);
   // Torques are masked as well: a lost partner's arm is no number, nor is its product with zero.
-  const Lanes3 moment = cross(n, force);
+  // About the centre of a piece only friction has a moment.
+  const Lanes3 moment = cross(n, contact.friction);
   Lanes3 turn_i = ci * moment, turn_j = cj * moment;
   if constexpr (!spheres)
     turn_i = turn_i + cross(to_i, force), turn_j = turn_j + cross(to_j, force);
