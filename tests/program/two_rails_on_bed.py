@@ -73,8 +73,8 @@ def facts(of):
     return of["dem"]["state_hash"], of["track"]
 
 
-def check_runs(program, deck, folder, words, most_ranks):
-    for ranks in range(1, most_ranks + 1):
+def check_runs(program, deck, folder, words, numbers):
+    for ranks in numbers:
         place = folder / f"ranks_{ranks}"
         program.done(ranks, "run", deck, *words, "-o", place)
         for name, value in summary(place)["coupling"].items():
@@ -184,10 +184,10 @@ def main():
     deck = source / "tests/restart/tiny_two_rails.toml"
     check_sentences(program, deck)
     read = tomllib.loads(deck.read_text(encoding="utf-8"))
-    check_runs(program, deck, folder, [], 4)
+    check_runs(program, deck, folder, [], (1, 4))
     check_rigid(histories(folder / "ranks_1", len(read["stage"])), read)
     check_dip(program, deck, folder, [], -0.1)
-    check_runs(program, deck, folder / "solid", [*SOLID, *BRIEF], 2)
+    check_runs(program, deck, folder / "solid", [*SOLID, *BRIEF], (1, 2))
     check_solid(histories(folder / "solid/ranks_1", len(read["stage"])))
     check_dip(program, deck, folder / "solid", [*SOLID, *BRIEF], 0)
     check_figures(source, folder / "ranks_1")
