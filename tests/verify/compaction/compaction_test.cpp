@@ -171,8 +171,8 @@ TEST(CompactionOfABed, GoesFurtherUnderAPlateThatVibrates) {
     EXPECT_TRUE(bed.particles().trouble().empty());
     sunk += (steady - bed.platen().z()) / beds, pressure += bed.late() / beds;
   }
-  // By more than the plate's travel in a period, in which each may end anywhere. Single beds sink by
-  // -2 to 50 mm, five of eight by more than 10 mm.
+  // By more than the plate's travel in a period, in which each may end anywhere. Single beds sink
+  // by -2 to 50 mm, five of eight by more than 10 mm.
   verified::above("mean settlement", "m", sunk, 2 * shaking.vibration);
   // The servo is slower than its blows and the bed sinks away from it: single beds have a standard
   // deviation of 23 %; three times that of the mean of eight.
