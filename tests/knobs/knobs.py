@@ -211,8 +211,11 @@ KNOBS = {
        {"lift": 0.01, "depth": 0.05, "gap": 0.05, "closing": 0.02, "amplitude": 3e-3,
         "frequency": 60, "insertion": 0.012, "squeeze": 0.012, "withdrawal": 0.012,
         "force": 2e3}.items()},
-    # A gap in which a stone lies beside the thicker tine.
-    "tamping.thickness": ("tamping.thickness=0.03", [*TAMPED, "tamping.gap=0.065"]),
+    # Deep in a bed twice as high and closing by a stone's width: tines that move stones on any bed.
+    "tamping.thickness": ("tamping.thickness=0.03",
+                          [*TAMPED, "tamping.gap=0.065", "tamping.depth=0.15",
+                           "tamping.insertion=0.03", "tamping.squeeze=0.03",
+                           "tamping.closing=0.05", "bed.height=0.3"]),
     "tamping.width": ("tamping.width=0.1", [*SPACE, *TAMPED, "tamping.y=[0]"]),
     "tamping.y": ("tamping.y=[0.05]", [*SPACE, *TAMPED, "tamping.y=[0]"]),
     "output.history_interval": ("output.history_interval=1e-3", []),
@@ -239,7 +242,8 @@ KNOBS = {
     "stage.[].growth": ("stage.fill.growth=0.05", []),
     "stage.[].growth_room": ("stage.fill.growth_room=1.3", ["stage.fill.growth=0.05"]),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
-    "stage.[].until_ratio": ("stage.compact.until_ratio=1e3", []),
+    # Stones lie on the floor by then, so that there are contact forces on any bed.
+    "stage.[].until_ratio": ("stage.release.until_ratio=1e3", []),
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),
     "stage.[].lift": ("stage.release.lift=0.02", []),
     "stage.[].pressure": ("stage.compact.pressure=5e3", []),

@@ -16,20 +16,25 @@ from program import Program, summary  # noqa: E402
 STATIC = 54545  # N, of a wheel: a quarter of an axle load of 109.09 kN in each of two rails
 RAILS = 0.1     # that the narrow sleepers carry
 MASS, GRAVITY = 2441 * 0.3 * 0.15 * 0.5, 9.81
-TRAIN = ["solid.rails=false", "stage.passage.train=true", "stage.passage.duration=0.15",
-         "train.start=0", "train.speed=60", "track.spacing=0.4", "track.length=12.4",
-         "track.sleeper_mass=1000", "seat.before=15", f"seat.rails={RAILS}",
+# Sleepers are placed 15 ms before the train starts, whose first wheel is on them 10 ms later. Loose
+# stones amplify any difference: only a run that ends before then compares the models. Measured
+# (seed 2): displacements of both kinds differ by 1e-6 m 20 ms after they were placed, by 3e-5 m
+# after 45 ms and by 1e-4 m after 0.1 s.
+TRAIN = ["solid.rails=false", "stage.passage.train=true", "stage.passage.duration=0.018",
+         "train.start=0", "train.speed=100", "track.spacing=0.4", "track.length=12.4",
+         "track.sleeper_mass=1000", "track.run_in=1", "seat.before=3", f"seat.rails={RAILS}",
          "output.history_interval=2e-4", "sleepers.width=0.3",
-         "stage.sleepers.duration=0.15", "stage.sleepers.local_damping=0.8",
-         "stage.load.load=500", "stage.load.local_damping=0.8"]
+         "stage.sleepers.duration=0.014", "stage.sleepers.local_damping=0.8",
+         "stage.load.load=500", "stage.load.local_damping=0.8", "stage.load.duration=1e-3",
+         "stage.load.cycles=1"]
 # Free as solids are; their bed is the solid ones'.
 RIGID = ["sleepers.model=rigid", 'sleepers.free=["x", "y", "z", "rx", "ry", "rz"]']
 STIFF = ["solid.young=37e13", "solid.alpha=0", "solid.rayleigh_stiffness=0"]
 BALANCE = 1e-10  # promise of the coupling
-# Of the wheel's weight and of the sleepers' way, root mean square. Loose stones soon part from any
-# cause: rigid sleepers 0.1 um longer have 1.6 kN and 0.05 mm. How close both kinds are on springs
-# tells verify/solids/train_on_solids_test.
-LIKE = 0.1
+# Of the wheel's weight and of the sleepers' travel, root mean square. Ten times what beds of six
+# seeds have at most: 1e-3 of the weight, 1.2e-3 of the travel. How close both kinds are on springs
+# is the subject of verify/solids/train_on_solids_test.
+LIKE = 0.01
 
 
 def passage(folder):

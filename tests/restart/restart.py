@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """A run that is stopped and resumed gives the same bits as one that is not.
 
-    restart.py PROGRAM DECK FOLDER [key=value ...]
+    restart.py PROGRAM DECK FOLDER [--from STAGE] [key=value ...]
 
 The deck runs through once; then it is stopped after several numbers of time windows, in different
-stages, and resumed on another number of ranks. Stones' state hash, histories, envelopes and
+stages from STAGE on, and resumed on another number of ranks. Stages before STAGE are those of
+another test. Stones' state hash, histories, envelopes and
 snapshots must be equal to the last bit. Also: a run started from the end of a stage, and
 observation at another interval, must give the same stones.
 """
@@ -19,7 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from results import datasets  # noqa: E402
 
-RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, 3
+RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
 
 def canonical(name, values):
@@ -70,28 +71,32 @@ def require_ends_by_aim(folder, deck):
             raise SystemExit(f"ended by time, not by its aim: {stage}")
 
 
-def stops(reference):
-    """Windows to stop after: the first, within each stage, and the last but one."""
-    total, begin, chosen = 0, 0, [1]
+def stops(reference, first=""):
+    """Windows to stop after: the first, within each stage from `first` on, and the last but one."""
+    names = [stage["name"] for stage in summary(reference)["stages"]]
+    skipped = names.index(first) if first else 0
+    total, begin, chosen = 0, 0, []
     for stage in summary(reference)["stages"]:
         windows = round(stage["duration_s"] / stage["window_s"])
         begin, total = total, total + windows
         chosen.append(begin + (2 * windows) // 3)
-    return [*chosen, total - 1]
+    return [*([] if first else [1]), *chosen[skipped:], total - 1]
 
 
 def main():
     program, deck, root = Program(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
-    overrides = sys.argv[4:]
+    overrides, first = sys.argv[4:], ""
+    if overrides[:1] == ["--from"]:
+        first, overrides = overrides[1], overrides[2:]
     shutil.rmtree(root, ignore_errors=True)
     reference = root / "reference"
     program.done(1, "run", deck, *overrides, "-o", reference)
     require_ends_by_aim(reference, deck)
-    for windows in stops(reference):
+    for number, windows in enumerate(stops(reference, first)):
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",
                      "-o", folder, code=3)
-        program.done(RANKS_OF_RESUMED, "resume", folder)
+        program.done(RANKS_OF_RESUMED[number % 2], "resume", folder)
         compare(reference, folder, f"stopped after {windows} windows")
     folder = root / "started"
     program.done(2, "run", deck, *overrides, f"start={reference / 'stage_sleepers.h5'}", "-o",

@@ -36,11 +36,13 @@ dem::Domain domain() {
 
 class Compaction {
  public:
-  explicit Compaction(const par::Comm& comm, const bed::PlatenParameters& platen = {})
+  explicit Compaction(const par::Comm& comm, const bed::PlatenParameters& platen = {},
+                      std::int64_t seed = 1)
       : particles_(comm, physics(), {}, domain()), coupler_(comm), platen_(platen, domain(), 0) {
     parameters_.x = {0, 0.6};
     parameters_.height = 0.2;
     parameters_.porosity = 0.27;
+    parameters_.seed = seed;
     walls_ = bed::walls(domain(), bed::fill(particles_, comm, parameters_, 1), 0, true);
     particles_.set_local_damping(0.3);
     feel(false);
@@ -65,6 +67,13 @@ class Compaction {
       peak_ = std::max(peak_, platen_.pressure());
     }
     late_ = since > 0 ? sum / since / (0.6 * 1.3) : 0;
+  }
+  // Another servo from now on, with the plate where it is.
+  void drive(const bed::PlatenParameters& platen) {
+    const double z = platen_.z();
+    platen_ = bed::Platen(platen, domain(), 0);
+    platen_.place(z);
+    feel(true);
   }
   double porosity() const {
     return 1 - parameters_.height * (1 - parameters_.porosity) / platen_.z();
@@ -112,9 +121,6 @@ TEST(CompactionOfABed, ReachesThePressureOnAnyNumberOfRanks) {
   EXPECT_TRUE(shared.platen().steady());
   verified::near("pressure of the platen", "Pa", shared.platen().pressure(), target, 0.02 * target);
   verified::below("largest pressure on the way", "Pa", shared.peak(), 1.1 * target);
-  // A long bed packs to 0.27 with friction 0.7; under a flat plate the voids between the highest
-  // stones count as well, half a stone on 0.2 m. A packing of 40 stones scatters by 0.05.
-  verified::near("porosity", "-", shared.porosity(), 0.31, 0.06);
   constexpr double closed = 1e-10;  // promise of the coupling: rounding of forces to quanta
   verified::below("imbalance of force", "-", shared.balance().force, closed);
   verified::below("imbalance of moment", "-", shared.balance().moment, closed);
@@ -127,21 +133,50 @@ TEST(CompactionOfABed, ReachesThePressureOnAnyNumberOfRanks) {
   EXPECT_EQ(shared.particles().state_hash(), alone.particles().state_hash());
 }
 
-// With a pressure of a tenth the weight of the plate alone moves few stones; shaking does.
+// Forty stones pack as chance has it: what holds is the mean over several beds. On one rank, since
+// ranks make no difference.
+constexpr std::int64_t beds = 8;
+
+// A long bed packs to 0.27 with friction 0.7; under a flat plate the voids between the highest
+// stones count as well, half a stone of 50 mm on 0.2 m: 1 - 0.73 * 0.2 / 0.225.
+TEST(CompactionOfABed, PacksAsWellAsFrictionAndAFlatPlateLetIt) {
+  if (par::Comm::world().size() > 1) return;
+  double mean = 0;
+  for (std::int64_t seed = 1; seed <= beds; ++seed) {
+    Compaction bed(par::Comm::self(), {}, seed);
+    bed.press();
+    EXPECT_TRUE(bed.platen().steady()) << "seed " << seed;
+    mean += bed.porosity() / beds;
+  }
+  // Single beds: 0.38 with a standard deviation of 0.064; three times that of the mean of eight.
+  verified::near("porosity", "-", mean, 0.351, 0.068);
+}
+
+// With a pressure of a tenth the weight of the plate alone moves few stones; shaking does. Each bed
+// is pressed until it is steady before it is shaken: the comparison is with its own height.
 TEST(CompactionOfABed, GoesFurtherUnderAPlateThatVibrates) {
-  const par::Comm world = par::Comm::world();
+  if (par::Comm::world().size() > 1) return;
   bed::PlatenParameters still;
   still.pressure = 20e3;
   still.average = 0.1;
   bed::PlatenParameters shaking = still;
   shaking.vibration = 5e-4;
-  Compaction rest(world, still), shaken(world, shaking);
-  rest.press(1, false), shaken.press(1, false);
-  EXPECT_EQ(world.sum(std::int64_t{shaken.particles().trouble().empty() ? 0 : 1}), 0);
-  // Lower by more than the amplitude: no matter where in its period it ended.
-  EXPECT_LT(shaken.platen().z(), rest.platen().z() - 4 * shaking.vibration);
-  // The servo is slower than its blows: its mean swings about the target.
-  verified::near("mean pressure", "Pa", shaken.late(), still.pressure, 0.15 * still.pressure);
+  double sunk = 0, pressure = 0;
+  for (std::int64_t seed = 1; seed <= beds; ++seed) {
+    Compaction bed(par::Comm::self(), still, seed);
+    bed.press();
+    const double steady = bed.platen().z();
+    bed.drive(shaking);
+    bed.press(1, false);
+    EXPECT_TRUE(bed.particles().trouble().empty());
+    sunk += (steady - bed.platen().z()) / beds, pressure += bed.late() / beds;
+  }
+  // By more than the plate's travel in a period, in which each may end anywhere. Single beds sink
+  // by -2 to 50 mm, five of eight by more than 10 mm.
+  verified::above("mean settlement", "m", sunk, 2 * shaking.vibration);
+  // The servo is slower than its blows and the bed sinks away from it: single beds have a standard
+  // deviation of 23 %; three times that of the mean of eight.
+  verified::near("mean pressure", "Pa", pressure, still.pressure, 0.25 * still.pressure);
 }
 
 }  // namespace
