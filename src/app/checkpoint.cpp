@@ -139,6 +139,8 @@ void load_surfaces(World& world, const io::File& file) {
     top.motion = read_nodes(file, "run/top_motion");
   }
   world.meet();
+  // Stones that are placed without plates and boxes have no surface, and no group is written.
+  if (!file.has("coupling")) return;
   std::vector<World::Means> means;
   for (const std::string& surface : file.names("coupling"))
     means.push_back({surface, read_nodes(file, "coupling/" + surface)});

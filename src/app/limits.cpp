@@ -405,7 +405,17 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
   if (!std::isfinite(steps.window))
     throw InputError({fmt::format("{}: stage \"{}\" has nothing that moves, so no time step",
                                   deck.where("stage"), stage.name)});
-  steps.substeps = std::max(1, static_cast<int>(std::ceil(steps.window / step * (1 - rounding))));
+  // A window is one call of the stones, which looks at no signal and writes nothing.
+  constexpr double most = 1e6;
+  const double substeps = std::max(1.0, std::ceil(steps.window / step * (1 - rounding)));
+  if (!(substeps <= most))
+    throw InputError(
+        {fmt::format("{} = {:g} s would take {:.3g} sub-steps of {:.3g} s in each "
+                     "window of {:.3g} s, more than {:.0e}; give a shorter window",
+                     deck.where(model.time.window > 0 ? "time.window" : "time.step"),
+                     model.time.window > 0 ? model.time.window : model.time.step, substeps, step,
+                     steps.window, most)});
+  steps.substeps = static_cast<int>(substeps);
   return steps;
 }
 

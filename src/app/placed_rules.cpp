@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/rules.hpp"
+#include "app/skin_rule.hpp"
 
 namespace trackbed::app {
 
@@ -148,6 +150,12 @@ void declare_motion(const Model& model, input::Section& s) {
   const bool moves = std::any_of(stones.begin(), stones.end(), [](const auto& stone) {
     return stone.motion == bed::MotionKind::free;
   });
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const bed::StoneParameters& stone : stones) {
+    smallest = std::min(smallest, 2 * reach_of(stone));
+    largest = std::max(largest, 2 * reach_of(stone));
+  }
+  if (!stones.empty()) declare_skin(model, smallest, largest, s);
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
          "must be given: no stone is free, so none limits the step", {.reads = {"stone", "time"}});
 }

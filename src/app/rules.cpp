@@ -13,6 +13,7 @@
 #include <cmath>
 #include <set>
 
+#include "app/skin_rule.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::app {
@@ -342,6 +343,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_regions(model, s);
   declare_oddities(model, s);
   declare_steadiness(model, s);
+  declare_skin_of_bed(model, s);
   declare_walls(model, s);
   declare_tamping(model, s);
   bool periodic_known = true;

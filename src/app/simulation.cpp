@@ -31,6 +31,15 @@ std::int64_t whole_windows(double duration, double window) {
   return std::max<std::int64_t>(1, std::llround(std::ceil(duration / window * (1 - 1e-9))));
 }
 
+// Sums of loads get room as loads grow (Particles::expect_load), and a bed that is poured grows
+// slowly. One that is laid from copies weighs all at once, and its floor may have one node for a
+// thousand of them. A quarter, since eight times as much has room: beds that have room already keep
+// their bits. Collective.
+void expect_weight(World& world, int substeps) {
+  const double weight = world.particles.totals().mass * world.model.dem.gravity;
+  world.particles.expect_load(weight * substeps / 4);
+}
+
 }  // namespace
 
 Simulation::Simulation(const par::Comm& comm, const Model& model, const input::Deck& deck,
@@ -265,6 +274,8 @@ bool Simulation::begin_stage() {
   actions_.begin(stage());
   begin_extremes();
   course_.steps = choose_steps(world_, step_of(world_), stage(), deck_);
+  if (stage().kind == StageKind::fill && !model_.bed.cell.empty())
+    expect_weight(world_, course_.steps.substeps);
   const double duration = actions_.duration(stage());
   course_.clock = Clock(course_.steps.window, whole_windows(duration, course_.steps.window));
   course_.clock.set(time, 0);

@@ -29,7 +29,8 @@ struct Received {
 // Compares window by window and keeps the largest.
 class Ledger {
  public:
-  void book(const Received& received, const Action& action, int steps, double dt);
+  // `quantum`: N, the largest that loads were rounded to; equal on all ranks.
+  void book(const Received& received, const Action& action, double quantum, int steps, double dt);
   const Balance& balance() const { return balance_; }
   double lost() const { return lost_; }  // share of the force of the last window
   void set(const Balance& balance) { balance_ = balance; }

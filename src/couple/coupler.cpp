@@ -260,10 +260,13 @@ void Coupler::publish() {
 // mean dt, and with nodes that move linearly also the work. Order: traffic, balance, mean, then
 // clear, so that the balance sees exactly what the owners will use.
 void Coupler::collect(int steps, double dt, const Action& action) {
+  require(steps >= 1, "a mean is taken over at least one sub-step");
   for (Link& link : room_->links)
     if (!link.shared()) link.gather();
   room_->sum_shared();
-  room_->ledger.book(room_->received(steps), action, steps, dt);
+  double quantum = 0;
+  for (const Link& link : room_->links) quantum = std::max(quantum, link.surface->load_quantum);
+  room_->ledger.book(room_->received(steps), action, quantum, steps, dt);
   room_->largest = room_->largest_load();
   for (Link& link : room_->links) {
     const double scale = link.surface->load_quantum / steps;

@@ -92,7 +92,8 @@ void Particles::Room::choose_grid(const std::vector<double>& work) {
   bound = bounds.back();
   choose_quantum();
   skin = parameters.skin > 0 ? parameters.skin : default_skin();
-  grid = Grid(domain, bounds, skin, comm.sum(static_cast<std::int64_t>(state.own)));
+  population = comm.sum(static_cast<std::int64_t>(state.own));
+  grid = Grid(domain, bounds, skin, population);
   grid.share_out(by_cell(work), comm.size());
   ready = false;
 }

@@ -63,7 +63,10 @@ void ContactLaw::declare(input::Section& s) {
            "Largest moment against rolling over F_n R, R the reduced radius of the two pieces (of "
            "the balls around them): the tangent of the slope on which a sphere just rolls; 0: "
            "rolling is free.");
-  s.number("rolling_stiffness", rolling_stiffness, {.unit = "-", .above = 0},
+  // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some times k_s / k_n (Iwashita,
+  // Oda 1998). A stiffer spring than the contact itself also shortens the step.
+  s.number("rolling_stiffness", rolling_stiffness,
+           {.unit = "-", .above = 0, .usually_from = 1e-4, .usually_to = 10},
            "Moment per angle of rolling over k_n R^2.");
   s.number("zeta_r", zeta_r, {.unit = "-", .at_least = 0, .at_most = 1},
            "Viscous damping of rolling over critical.");

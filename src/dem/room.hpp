@@ -1,6 +1,7 @@
 // The inside of Particles: what a rank keeps, and the verbs of a sub-step.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,6 +66,7 @@ struct Particles::Room {
   void feel_surfaces(const SubStep& step);
   double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
   double touch_with_corners(Approach& a, const SubStep& step);  // over rounding
+  double mass_at(std::size_t b, const Vec3& arm, const Vec3& n) const;
   void push(Approach& a, const MeshContact& c, const SubStep& step);
   double press(Approach& a, std::span<const MeshContact> contacts, double rounding,
                const SubStep& step);
@@ -76,6 +78,9 @@ struct Particles::Room {
   void add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
                    const SubStep& step);
   void follow_surfaces();  // their paths, at the begin of a window
+  // leap.cpp; `surface_way`: m, of the fastest surface in dt.
+  std::optional<Leap> leap(double dt, double surface_way) const;
+  void look_for_leaps(const SubStep& step);
   // rebuild.cpp: new owners, ghosts and lists, from the state alone.
   // `rebuild`, `migrate` and `find_ghosts` are collective, `update_ghosts` among neighbours.
   void rebuild();
@@ -135,9 +140,10 @@ struct Particles::Room {
   State state;
 
   Grid grid;
-  double skin = 0;     // m
-  double bound = 0;    // m, largest bounding radius over all ranks
-  bool ready = false;  // lists match the state
+  double skin = 0;              // m
+  double bound = 0;             // m, largest bounding radius over all ranks
+  std::int64_t population = 0;  // of all ranks
+  bool ready = false;           // lists match the state
 
   Balance balance;
   std::vector<std::vector<Vec3>> points_of_shape;  // m at unit scale; see Particles::points

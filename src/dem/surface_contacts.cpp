@@ -85,6 +85,20 @@ void Particles::Room::add_to_node(Surface& surface, int triangle, std::size_t k,
   action.work += force.dot(surface.motion[static_cast<std::size_t>(node)]) / step.count;
 }
 
+// Mass that a push along n at this arm from the centre of mass has to move, kg: one that does not
+// go through the centre turns the particle as well,
+//   1/m_eff = 1/m + (arm x n) . I^-1 (arm x n).
+double Particles::Room::mass_at(std::size_t b, const Vec3& arm, const Vec3& n) const {
+  const Vec3 lever = arm.cross(n);
+  const Vec3 moments = state.inertia[b].vec3();
+  double turning = lever.y() * lever.y() / moments.y();
+  if (domain.dimension == Dimension::space) {
+    const Vec3 body = quat(state.q[b]).conjugate() * lever;
+    turning = body.dot(body.cwiseQuotient(moments));
+  }
+  return 1 / (1 / mass(b) + turning);
+}
+
 // Force and torque of one contact of a ball on its particle, the opposite on the surface.
 void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& step) {
   const auto p = static_cast<std::size_t>(a.piece);
@@ -107,8 +121,11 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   const Springs<double>& law = laws[static_cast<std::size_t>(a.law)].springs;
   const double root_mass = std::sqrt(mass(b));
   const auto k = coefficients<true>(law, touch.delta, root_mass, piece.w);
+  // The ends of the contact look at how much speed a force takes in a step; the damper's mass is
+  // part of the law.
+  const double end_mass = shapes.only_spheres() ? root_mass : std::sqrt(mass_at(b, arm, c.normal));
   const double spring =
-      spring_force<true>(law, k, touch.delta, v.dot(c.normal), root_mass, piece.w, step.dt);
+      spring_force<true>(law, k, touch.delta, v.dot(c.normal), end_mass, piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());
   const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);

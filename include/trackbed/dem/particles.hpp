@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -108,6 +109,12 @@ struct Balance {
   double before = 1;            // at the last of them
 };
 
+// A particle that goes farther in a sub-step than contacts can see (leap.cpp).
+struct Leap {
+  Id id;
+  double way, radius;  // m; the smallest radius of its pieces
+};
+
 // How the particles of a checkpoint are repeated along x to fill a domain.
 struct Tiling {
   std::int64_t copies = 1;
@@ -150,6 +157,9 @@ class Particles {
 
   // Largest allowed sub-step (safety included), s, and what limits it, in words. Collective.
   double stable_step(std::string* limit = nullptr) const;
+  // The fastest own particle, if it goes farther than its smallest radius in a sub-step of dt s and
+  // there is something to hit.
+  std::optional<Leap> leap(double dt) const;
   // `steps` sub-steps of length dt_window/steps while the surfaces move linearly; adds to their
   // load.
   void advance(double dt_window, int steps);

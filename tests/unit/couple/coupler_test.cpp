@@ -176,6 +176,21 @@ TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
   EXPECT_NE(coupler.trouble().find("by 0.5 of their sum"), std::string::npos) << coupler.trouble();
 }
 
+// Less than half a quantum on each node, and a few quanta: rounding takes a large part of it.
+TEST_F(CouplerTest, AGrazeIsNoLoss) {
+  for (const double quanta : {0.3, 2.4, 1e3}) {
+    Surface surface = strip(), reference = strip();
+    reference.clear_load();
+    Coupler coupler(world);
+    coupler.add(surface);
+    std::vector<Contact> one = contacts(reference, 1, 9);
+    one[0].force *= quanta * surface.load_quantum / one[0].force.norm();
+    coupler.collect(steps, dt, touch(one, surface, reference));
+    EXPECT_EQ(coupler.trouble(), "") << quanta;
+    EXPECT_EQ(coupler.balance().force, 0) << quanta;
+  }
+}
+
 TEST_F(CouplerTest, OneNodeIsExactToRounding) {
   Surface surface = strip();
   Coupler coupler(world);
