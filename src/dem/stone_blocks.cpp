@@ -122,7 +122,7 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   block.i[k] = body(piece), block.j[k] = body(other.piece), block.entry[k] = entry;
   block.piece_i[k] = piece, block.piece_j[k] = other.piece, block.shift[k] = other.shift;
   set(block.used, k, true), set(block.touching, k, other.touching != 0);
-  set(block.watched, k, false), set(block.deep, k, false);
+  set(block.watched, k, false), set(block.deep, k, false), set(block.fresh, k, false);
   set_radii(scene, block, k);
   const auto first = [&](std::int32_t p) {
     return scene.pieces.first_corner[static_cast<std::size_t>(p)];
@@ -255,6 +255,23 @@ struct BlockPoints {
 }
 
 }  // namespace
+
+// Blocks that share a class are in no order of their features.
+void StoneBlocks::prefetch(std::size_t n) const {
+  if (n >= blocks_.size()) return;
+  const auto lines = [](const void* from, std::size_t bytes) {
+    constexpr std::size_t line = 64;
+    for (std::size_t k = 0; k < bytes; k += line)
+      __builtin_prefetch(static_cast<const std::byte*>(from) + k);
+  };
+  const Block& block = blocks_[n];
+  lines(&block, sizeof block);
+  if (n > 0) {
+    const Block& sooner = blocks_[n - 1];  // whose numbers are here by now
+    const std::size_t count = std::size_t{sooner.corners} + sooner.edges;
+    lines(features_.data() + sooner.features, count * sizeof(BlockFeature));
+  }
+}
 
 WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
                                   const StoneList& list) const {

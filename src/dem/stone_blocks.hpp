@@ -58,6 +58,7 @@ struct alignas(64) Block {
   std::uint8_t corners, edges;  // features there are
   std::uint8_t law;
   LaneBits used, touching, watched, deep;  // deep: cores overlap
+  LaneBits fresh;                          // features found in this sub-step
 };
 
 // The features of a pair: corners of i, of j, edges.
@@ -81,6 +82,8 @@ class StoneBlocks {
   Block& block_of(std::uint32_t entry) { return blocks_[slots_[entry] / lanes]; }
   // Radii anew, for pieces that have grown.
   void resize(const Scene& scene);
+  // Begins to load block n and its features, if there is one.
+  void prefetch(std::size_t n) const;
   // What the pairs of a block feel now. Lanes that are not used feel nothing.
   WrenchLanes wrenches(const Block& block, const Scene& scene, const StoneList& list) const;
 

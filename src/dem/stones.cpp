@@ -12,8 +12,9 @@ namespace {
 
 // Distance a pair may close before its features are found anew: what it goes in so many sub-steps
 // at its present pace (finding costs many times a sub-step), within these shares of the sum of
-// its radii. The fewer features lie within the margin, the less each sub-step has to compute.
-constexpr double margin_steps = 100, least_margin = 0.02, most_margin = 0.15;
+// its radii. The fewer features lie within the margin, the less each sub-step has to compute: in a
+// bed at rest the least decides, still a hundred times what `Pose` may err by (1e-6 of the size).
+constexpr double margin_steps = 100, least_margin = 0.003, most_margin = 0.15;
 // A pair gives its lane back if its gap will last for so many sub-steps at the present pace, and is
 // at least this share of the sum of its radii: coming back costs a few sub-steps in a lane.
 constexpr double gap_steps = 10, least_gap = 0.002;
@@ -155,8 +156,6 @@ void StoneContacts::find_features_anew(const Scene& scene, const StoneList& list
     reach.features = find_features(sight, reach.normal, sight.reach + slack - slab.width,
                                    sight.reach + slack, words_);
   live_ += reach.features.count();
-  reach.fresh = true;
-  fresh_.push_back(e);
   poses_[e] = pose(scene, list, looks_[e], e);
 }
 
@@ -186,7 +185,10 @@ void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
   if (blocks_.has(e)) return;
   const std::span<const FeatureWord> words(words_.data() + reach.begin, reach.features.count());
   blocks_.insert(scene, list, pieces_[e], e, {words, reach.features.of_i, reach.features.of_j});
-  blocks_.block_of(e).watched |= static_cast<LaneBits>(reach.watch << blocks_.slot(e) % lanes);
+  Block& block = blocks_.block_of(e);
+  const std::size_t lane = blocks_.slot(e) % lanes;
+  block.watched |= static_cast<LaneBits>(reach.watch << lane);
+  block.fresh |= static_cast<LaneBits>((old && !good) << lane);
 }
 
 // In a bed at rest nearly every pair ends at the comparison.
@@ -208,11 +210,12 @@ void StoneContacts::look_at_all(const Scene& scene, StoneList& list) {
 void StoneContacts::part(const Scene& scene, StoneList& list, Block& block, std::size_t lane,
                          double closest) {
   const std::uint32_t e = block.entry[lane];
+  const bool fresh = block.fresh >> lane & 1;
   Reach& reach = reaches_[e];
   const double gap = closest - block.reach[lane];
   if (list.entries[e].touching) list.forget(e);
   if (reach.watch) return;
-  if (reach.fresh) reach.gap = gap;
+  if (fresh) reach.gap = gap;
   const Pieces& pieces = scene.pieces;
   const Look& l = looks_[e];
   const double pace = pieces.pace[l.i] + pieces.pace[l.j];
@@ -243,25 +246,31 @@ void StoneContacts::watch(const Scene& scene, const StoneList& list, Block& bloc
   lanes_of_w.set(lane, deep_wrench(sight, slab));
 }
 
-// What the wrenches of a block change: who is watched, who touches, who gives its lane back.
+// What the wrenches of a block change: who is watched, who touches, who gives its lane back. What is
+// kept of a pair outside its lane is read only for lanes in which something happens: it is far away
+// in memory.
 void StoneContacts::follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w) {
   const Mask near = w.closest < close * block.reach;
   if (block.watched || any(near)) [[unlikely]]
     for (std::size_t k = 0; k < lanes; ++k)
       if ((block.used >> k & 1) && (near[k] || (block.watched >> k & 1)))
         watch(scene, list, block, k, w);
-  const Mask touching = w.M > all(0), used = mask_of(block.used);
-  if (!any((touching ^ mask_of(block.touching)) | (used & ~touching))) return;
-  for (std::size_t k = 0; k < lanes; ++k) {
-    const auto bit = static_cast<LaneBits>(1u << k);
-    if (!(block.used & bit)) continue;
-    if (touching[k]) {
-      block.touching |= bit, list.entries[block.entry[k]].touching = 1;
-    } else {
-      block.touching &= static_cast<LaneBits>(~bit);
-      part(scene, list, block, k, w.closest[k]);
+  const Mask touching = w.M > all(0);
+  const Mask wide = w.closest - block.reach > least_gap * block.reach;
+  const Mask parts = mask_of(block.used) & ~touching & (wide | mask_of(block.fresh));
+  const Mask asked = (touching ^ mask_of(block.touching)) | parts;
+  if (any(asked)) [[unlikely]]
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const auto bit = static_cast<LaneBits>(1u << k);
+      if (!(block.used & bit) || !asked[k]) continue;
+      if (touching[k]) {
+        block.touching |= bit, list.entries[block.entry[k]].touching = 1;
+      } else {
+        block.touching &= static_cast<LaneBits>(~bit);
+        part(scene, list, block, k, w.closest[k]);
+      }
     }
-  }
+  block.fresh = 0;
 }
 
 // Pairs in the order of the list, on which the bits of sums depend.
@@ -280,13 +289,12 @@ double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State
   for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
     Block& block = blocks_.blocks()[n];
     if (!block.used) continue;
+    blocks_.prefetch(n + 2);
     if (n + 1 < blocks_.blocks().size()) law.prefetch(blocks_.blocks()[n + 1]);
     WrenchLanes w = blocks_.wrenches(block, scene, list);
     follow(scene, list, block, w);
     law.respond(n, block, w);
   }
-  for (const std::uint32_t e : fresh_) reaches_[e].fresh = false;
-  fresh_.clear();
   put_in_order();
   add(order_, forces_, state);
   return law.largest_overlap();

@@ -60,7 +60,6 @@ class StoneContacts {
     std::uint32_t begin = 0;  // in words_
     FeatureCounts features;
     bool watch = false;          // cores so close that each sub-step looks whether they overlap
-    bool fresh = false;          // features found in this sub-step
     double until = -1;           // m, sum of both paths up to which this holds for certain
     double quiet = -1;           // m, and up to which nothing can touch
     double slack = 0;            // m, that they may come closer, in truth, while this holds
@@ -106,8 +105,7 @@ class StoneContacts {
   std::vector<FeatureWord> words_;
   std::size_t live_ = 0;  // words in use; the others are of pairs that found new ones
   StoneBlocks blocks_;
-  double grown_ = 1;                  // share of the size of growing particles that the blocks know
-  std::vector<std::uint32_t> fresh_;  // entries
+  double grown_ = 1;  // share of the size of growing particles that the blocks know
   PairForces forces_;
   std::vector<PlaceOfPair> order_;  // of pairs in blocks, as in the list
   std::uint64_t ordered_ = 0;       // changes of the blocks that it knows
