@@ -98,7 +98,7 @@ struct Particles::Room {
 
   bool has_corners(std::int32_t piece) const {
     const auto p = static_cast<std::size_t>(piece);
-    return shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+    return shapes.any_stones() && shapes.core(pieces.core[p]).corners.size() > 1;
   }
   double mass(std::size_t b) const { return state.v[b].w; }
   // Of a particle that has grown up: grid and levels are made for that.

@@ -125,7 +125,7 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   set(block.watched, k, false), set(block.deep, k, false), set(block.fresh, k, false);
   set_radii(scene, block, k);
   const auto first = [&](std::int32_t p) {
-    return scene.pieces.first_corner[static_cast<std::size_t>(p)];
+    return scene.shapes.first_corner(scene.pieces.core[static_cast<std::size_t>(p)]);
   };
   set_features(std::span(features_).subspan(block.features), block, k, features,
                {first(piece), first(other.piece)});
@@ -205,25 +205,51 @@ struct Sums {
           d};
 }
 
-// Places the features of a block.
+// Columns of scale times rotation.
+struct TurnLanes {
+  Lanes3 x, y, z;
+
+  TurnLanes() = default;
+  [[gnu::always_inline]] TurnLanes(const std::vector<Vec4>& turns, const LaneNumbers& bodies) {
+    const auto column = [&](std::size_t c) {
+      return rows(turns.data() + c, [&](std::size_t k) { return 3 * std::size_t{bodies[k]}; });
+    };
+    x = column(0).xyz(), y = column(1).xyz(), z = column(2).xyz();
+  }
+  [[gnu::always_inline]] Lanes3 operator()(const Lanes3& o) const {
+    return o.x * x + o.y * y + o.z * z;
+  }
+  // In lanes of the mask the first.
+  [[gnu::always_inline]] static TurnLanes either(Mask mask, const TurnLanes& a,
+                                                 const TurnLanes& b) {
+    TurnLanes t;
+    t.x = select(mask, a.x, b.x), t.y = select(mask, a.y, b.y), t.z = select(mask, a.z, b.z);
+    return t;
+  }
+};
+
+// Places the features of a block. The corners of all shapes together are few, and in the nearest
+// cache: to turn them anew for each feature takes less than to read them placed.
 struct BlockPoints {
   const Vec4* corners;
   Lanes3 d;  // m, of j from i
+  TurnLanes turn_i, turn_j;
 
-  [[gnu::always_inline]] Lanes3 at(const LaneNumbers& numbers) const {
-    return rows(corners, [&](std::size_t k) { return numbers[k]; }).xyz();
+  [[gnu::always_inline]] Lanes3 at(const TurnLanes& turn, const LaneNumbers& numbers) const {
+    return turn(rows(corners, [&](std::size_t k) { return numbers[k]; }).xyz());
   }
   [[gnu::always_inline]] void corner(const BlockFeature& f, FeatureGroup& g) const {
     const Mask of_j = mask_of(f.of_j);
     const Lanes3 zeros{all(0), all(0), all(0)};
     const Lanes3 own = select(of_j, d, zeros), other = select(of_j, zeros, d);
     g.side = select(of_j, all(-1), all(1));
-    g.p[0] = at(f.corner[0]) + own;
-    for (std::size_t c = 1; c < 4; ++c) g.p[c] = at(f.corner[c]) + other;
+    g.p[0] = at(TurnLanes::either(of_j, turn_j, turn_i), f.corner[0]) + own;
+    const TurnLanes turn = TurnLanes::either(of_j, turn_i, turn_j);
+    for (std::size_t c = 1; c < 4; ++c) g.p[c] = at(turn, f.corner[c]) + other;
   }
   [[gnu::always_inline]] void edges(const BlockFeature& f, FeatureGroup& g) const {
-    g.p[0] = at(f.corner[0]), g.p[1] = at(f.corner[1]);
-    g.p[2] = at(f.corner[2]) + d, g.p[3] = at(f.corner[3]) + d;
+    g.p[0] = at(turn_i, f.corner[0]), g.p[1] = at(turn_i, f.corner[1]);
+    g.p[2] = at(turn_j, f.corner[2]) + d, g.p[3] = at(turn_j, f.corner[3]) + d;
   }
 };
 
@@ -279,7 +305,9 @@ WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
   const Lanes3 xi = rows(x, [&](std::size_t k) { return block.i[k]; }).xyz();
   const Lanes3 xj = rows(x, [&](std::size_t k) { return block.j[k]; }).xyz();
   const Lanes3 h = rows(list.shifts.data(), [&](std::size_t k) { return block.shift[k]; }).xyz();
-  const BlockPoints points{scene.pieces.corners.data(), xj - xi + h};
+  const std::vector<Vec4>& turns = scene.pieces.turns;
+  const BlockPoints points{scene.shapes.corners().data(), xj - xi + h, {turns, block.i},
+                           {turns, block.j}};
   FeatureGroup g;
   g.reach = block.reach, g.half = block.half;
   Sums sums;

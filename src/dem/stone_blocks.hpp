@@ -38,7 +38,7 @@ struct WrenchLanes {
   Wrench at(std::size_t lane) const;
 };
 
-// Feature z of eight pairs: numbers of four corners in `Pieces::corners`, first the corner, then
+// Feature z of eight pairs: numbers of four corners in `Shapes::corners`, first the corner, then
 // the triangle, or the edge of i, then that of j.
 struct BlockFeature {
   std::array<LaneNumbers, 4> corner;

@@ -143,16 +143,15 @@ double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
 }
 
 // Relative to the particle's centre, which is in `origin` with the shift: corners keep their
-// digits, and the surface is moved to the stone.
+// digits, and the surface is moved to the stone. The corners are good until the next sight.
 StoneSight Particles::Room::sight(const Approach& a, double share) const {
   const auto p = static_cast<std::size_t>(a.piece), k = static_cast<std::size_t>(a.surface);
   const auto b = static_cast<std::size_t>(pieces.body[p]);
   const Vec3 centre = state.x[b].vec3();
-  const std::span corners(pieces.corners);
-  const std::size_t first = pieces.first_corner[p];
-  return {{&shapes.core(shapes.begin(state.shape[b]) + p - pieces.begin[b]),
-           corners.subspan(first, pieces.first_corner[p + 1] - first), Vec3::Zero(),
-           pieces.rounding[p]},
+  thread_local std::vector<Vec4> corners;
+  corners.clear();
+  append_corners(shapes, pieces, p, corners);
+  return {{&shapes.core(pieces.core[p]), corners, Vec3::Zero(), pieces.rounding[p]},
           {pieces.x[p].vec3() - centre, pieces.x[p].w},
           meshes[k],
           *surfaces[k],
