@@ -13,8 +13,8 @@ namespace {
 // Distance a pair may close before its features are found anew: what it goes in so many sub-steps
 // at its present pace (finding costs many times a sub-step), within these shares of the sum of
 // its radii. The fewer features lie within the margin, the less each sub-step has to compute: in a
-// bed at rest the least decides, still a hundred times what `Pose` may err by (1e-6 of the size).
-constexpr double margin_steps = 100, least_margin = 0.003, most_margin = 0.15;
+// bed at rest the least decides, still some twenty times what `Pose` may err by (1e-6 of the size).
+constexpr double margin_steps = 100, least_margin = 0.001, most_margin = 0.15;
 // A pair gives its lane back if its gap will last for so many sub-steps at the present pace, and is
 // at least this share of the sum of its radii: coming back costs a few sub-steps in a lane.
 constexpr double gap_steps = 10, least_gap = 0.002;
