@@ -228,7 +228,7 @@ void Particles::advance(double dt_window, int steps) {
   r.follow_surfaces();
   for (int k = 1; k <= steps; ++k)
     r.substep({dt_window / steps, static_cast<double>(k) / steps, steps});
-  r.store_near_pairs();
+  r.store_near_pairs(), r.stone_contacts.store(r.stones);
   // One reduction for all seven. A plain sum: it is compared with a tolerance and nothing follows
   // from it.
   double sums[7];

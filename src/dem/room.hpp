@@ -111,7 +111,7 @@ struct Particles::Room {
   int name_number(const std::string& name);
   void check_laws() const;  // throws InputError; collective
   std::vector<History> history() {
-    store_near_pairs();
+    store_near_pairs(), stone_contacts.store(stones);
     return collect_history(state, pieces, pairs, stones, approaches, surface_names);
   }
   void forget_contacts() {

@@ -2,6 +2,7 @@
 #include "stone_blocks.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "feature_kernels.hpp"
 #include "rows.hpp"
@@ -81,6 +82,8 @@ std::uint32_t StoneBlocks::free_slot(const Class& wanted) {
     for (std::uint32_t k = lanes; k-- > 0;) free.push_back(first + k);
     Block& block = blocks_.emplace_back();
     block.reach = all(none), block.half = block.radius = block.rolling_radius = all(0);
+    // What is computed in lanes that are not used is never read, but slow if it is not a number.
+    block.root_mass = all(1);
     block.features = static_cast<std::uint32_t>(features_.size());
     block.corners = wanted.corners, block.edges = wanted.edges, block.law = wanted.law;
     features_.resize(features_.size() + wanted.corners + wanted.edges);
@@ -129,12 +132,32 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   };
   set_features(std::span(features_).subspan(block.features), block, k, features,
                {first(piece), first(other.piece)});
+  const Vec4 &xi = list.xi[entry], &turn = list.turn[entry];
+  const Vec4 roll = list.roll.empty() ? Vec4{} : list.roll[entry];
+  block.root_mass[k] = xi.w;
+  block.xi.x[k] = xi.x, block.xi.y[k] = xi.y, block.xi.z[k] = xi.z;
+  block.turn[k] = turn.x, block.size[k] = turn.y, block.ring[k] = turn.z;
+  block.roll.x[k] = roll.x, block.roll.y[k] = roll.y, block.roll.z[k] = roll.z;
 }
 
-void StoneBlocks::remove(std::uint32_t entry) {
+void StoneBlocks::store(const Block& block, std::size_t k, StoneList& list) {
+  const std::uint32_t e = block.entry[k];
+  list.xi[e] = {block.xi.x[k], block.xi.y[k], block.xi.z[k], block.root_mass[k]};
+  list.turn[e] = {block.turn[k], block.size[k], block.ring[k], 0};
+  if (!list.roll.empty()) list.roll[e] = {block.roll.x[k], block.roll.y[k], block.roll.z[k], 0};
+}
+
+void StoneBlocks::store(StoneList& list) const {
+  for (const Block& block : blocks_)
+    for (std::size_t k = 0; k < lanes; ++k)
+      if (block.used >> k & 1) store(block, k, list);
+}
+
+void StoneBlocks::remove(std::uint32_t entry, StoneList& list) {
   const std::uint32_t slot = slots_[entry];
   const std::size_t k = slot % lanes;
   Block& block = blocks_[slot / lanes];
+  store(block, k, list);
   free_[{block.law, block.corners, block.edges}].push_back(slot);
   block.reach[k] = none;
   for (LaneBits* bits : {&block.used, &block.touching, &block.watched, &block.deep})
@@ -291,7 +314,7 @@ void StoneBlocks::prefetch(std::size_t n) const {
       __builtin_prefetch(static_cast<const std::byte*>(from) + k);
   };
   const Block& block = blocks_[n];
-  lines(&block, sizeof block);
+  lines(&block, offsetof(Block, roll));
   if (n > 0) {
     const Block& sooner = blocks_[n - 1];  // whose numbers are here by now
     const std::size_t count = std::size_t{sooner.corners} + sooner.edges;

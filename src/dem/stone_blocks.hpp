@@ -5,7 +5,7 @@
 // A pair stays in its lane until its features change or it is out of reach: then the lane is empty
 // until another pair with as many features takes it. What a lane computes depends on its pair
 // alone, and forces are added in the order of the list afterwards, so neither the block nor the
-// lane of a pair changes a bit.
+// lane of a pair changes a bit. Its history is in the lane as well.
 //
 // Rejected: rows of features of one kind, gathered for each pair and summed for each pair. The
 // short loops over a pair's features end differently each time, which processors cannot predict,
@@ -59,6 +59,11 @@ struct alignas(64) Block {
   std::uint8_t law;
   LaneBits used, touching, watched, deep;  // deep: cores overlap
   LaneBits fresh;                          // features found in this sub-step
+  Lanes root_mass;                         // kg^0.5, of the effective mass
+  // History; that in the list is old meanwhile (`store`). Zero of pairs that do not touch.
+  Lanes3 xi;               // m
+  Lanes turn, size, ring;  // as in History
+  Lanes3 roll;             // m; only if a law resists rolling
 };
 
 // The features of a pair: corners of i, of j, edges.
@@ -75,7 +80,8 @@ class StoneBlocks {
   void reset(std::size_t entries);
   void insert(const Scene& scene, const StoneList& list, std::int32_t piece, std::uint32_t entry,
               const PairFeatures& features);
-  void remove(std::uint32_t entry);
+  void remove(std::uint32_t entry, StoneList& list);  // its history goes to the list
+  void store(StoneList& list) const;                  // all histories
   bool has(std::uint32_t entry) const { return slots_[entry] != nowhere; }
   // Block and lane, 8 block + lane; `nowhere` if it is in none.
   std::uint32_t slot(std::uint32_t entry) const { return slots_[entry]; }
@@ -99,6 +105,7 @@ class StoneBlocks {
     auto operator<=>(const Class&) const = default;
   };
   std::uint32_t free_slot(const Class& wanted);
+  static void store(const Block& block, std::size_t lane, StoneList& list);
   void set_radii(const Scene& scene, Block& block, std::size_t lane);
 
   std::vector<Block> blocks_;

@@ -105,23 +105,21 @@ void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State&
 // The law on blocks of pairs, one after the other.
 class StoneLaw {
  public:
-  StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces);
+  StoneLaw(const Scene& scene, double dt, bool rolls, PairForces& forces);
   // Moves the histories of block `number` by dt and leaves its forces. A pair that does not overlap
   // has neither.
-  void respond(std::size_t number, const Block& block, const WrenchLanes& w);
+  void respond(std::size_t number, Block& block, const WrenchLanes& w);
   // Begins to load what the law will read of a block: rows that are in no order of addresses.
   void prefetch(const Block& block) const;
   double largest_overlap() const;  // over the smaller radius
 
  private:
   template <bool rolls>
-  void respond_to(std::size_t number, const Block& block, const WrenchLanes& w);
-  void store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
-                     Lanes root_mass);
+  void respond_to(std::size_t number, Block& block, const WrenchLanes& w);
 
   const Scene& scene_;
   double dt_;
-  StoneList& list_;
+  bool rolls_;  // some law resists rolling
   PairForces& forces_;
   LawLanes law_{};
   RollingLanes rolling_{};

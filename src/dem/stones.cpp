@@ -161,7 +161,7 @@ void StoneContacts::find_features_anew(const Scene& scene, const StoneList& list
 
 // Without a lane until the gap may have closed.
 void StoneContacts::rest(StoneList& list, std::uint32_t e) {
-  if (blocks_.has(e)) blocks_.remove(e);
+  if (blocks_.has(e)) blocks_.remove(e, list);
   if (list.entries[e].touching) list.forget(e);
   looks_[e].next = reaches_[e].quiet;
 }
@@ -175,7 +175,7 @@ void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
   if (path < reach.quiet) return rest(list, e);
   if (old && !good) {
     find_features_anew(scene, list, e, path);
-    if (blocks_.has(e)) blocks_.remove(e);
+    if (blocks_.has(e)) blocks_.remove(e, list);
   }
   if (reach.features.count() == 0 && !reach.watch) {
     reach.quiet = reach.until;
@@ -285,7 +285,7 @@ void StoneContacts::put_in_order() {
 double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State& state) {
   look_at_all(scene, list);
   forces_.resize(lanes * blocks_.blocks().size());
-  StoneLaw law(scene, dt, list, forces_);
+  StoneLaw law(scene, dt, !list.roll.empty(), forces_);
   for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
     Block& block = blocks_.blocks()[n];
     if (!block.used) continue;

@@ -47,6 +47,8 @@ class StoneContacts {
   // moves their history by dt. Those that do not overlap lose it. Returns the largest overlap over
   // the smaller radius.
   double feel(const Scene& scene, double dt, StoneList& list, State& state);
+  // Histories to the list, where they are read; `feel` keeps them elsewhere meanwhile.
+  void store(StoneList& list) const { blocks_.store(list); }
   // The pairs that overlapped in the last `feel`, in the order of the list; the pieces as then.
   std::vector<Overlap> overlaps(const Scene& scene, const StoneList& list) const;
   // So far: pairs found with one core in another, in each sub-step anew; of own first particles.
