@@ -70,9 +70,8 @@ Wrench WrenchLanes::at(std::size_t lane) const {
 }
 
 void StoneBlocks::reset(std::size_t entries) {
-  blocks_.clear(), features_.clear(), free_.clear();
+  blocks_.clear(), features_.clear(), free_.clear(), changes_.clear();
   slots_.assign(entries, nowhere);
-  ++changes_;
 }
 
 std::uint32_t StoneBlocks::free_slot(const Class& wanted) {
@@ -118,7 +117,7 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   const std::uint32_t slot = free_slot({other.law, rounded_up(corners), rounded_up(edges)});
   const std::size_t k = slot % lanes;
   Block& block = blocks_[slot / lanes];
-  slots_[entry] = slot, ++changes_;
+  slots_[entry] = slot, changes_.push_back(entry);
   const auto body = [&](std::int32_t p) {
     return static_cast<std::uint32_t>(scene.pieces.body[static_cast<std::size_t>(p)]);
   };
@@ -162,7 +161,7 @@ void StoneBlocks::remove(std::uint32_t entry, StoneList& list) {
   block.reach[k] = none;
   for (LaneBits* bits : {&block.used, &block.touching, &block.watched, &block.deep})
     set(*bits, k, false);
-  slots_[entry] = nowhere, ++changes_;
+  slots_[entry] = nowhere, changes_.push_back(entry);
 }
 
 namespace {
@@ -329,8 +328,8 @@ WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
   const Lanes3 xj = rows(x, [&](std::size_t k) { return block.j[k]; }).xyz();
   const Lanes3 h = rows(list.shifts.data(), [&](std::size_t k) { return block.shift[k]; }).xyz();
   const std::vector<Vec4>& turns = scene.pieces.turns;
-  const BlockPoints points{scene.shapes.corners().data(), xj - xi + h, {turns, block.i},
-                           {turns, block.j}};
+  const BlockPoints points{
+      scene.shapes.corners().data(), xj - xi + h, {turns, block.i}, {turns, block.j}};
   FeatureGroup g;
   g.reach = block.reach, g.half = block.half;
   Sums sums;
@@ -348,7 +347,7 @@ WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
 std::size_t StoneBlocks::memory() const {
   std::size_t bytes = blocks_.capacity() * sizeof(Block) +
                       features_.capacity() * sizeof(BlockFeature) +
-                      slots_.capacity() * sizeof(slots_[0]);
+                      (slots_.capacity() + changes_.capacity()) * sizeof(slots_[0]);
   for (const auto& [key, free] : free_) bytes += free.capacity() * sizeof(free[0]);
   return bytes;
 }

@@ -95,8 +95,8 @@ class StoneBlocks {
 
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<Block>& blocks() const { return blocks_; }
-  // Rises whenever a pair comes or goes.
-  std::uint64_t changes() const { return changes_; }
+  // Entries that came or went, some more than once; emptied by who has followed them.
+  std::vector<std::uint32_t>& changes() { return changes_; }
   std::size_t memory() const;
 
  private:
@@ -112,7 +112,7 @@ class StoneBlocks {
   std::vector<BlockFeature> features_;
   std::vector<std::uint32_t> slots_;                  // of each entry
   std::map<Class, std::vector<std::uint32_t>> free_;  // lanes to be had, the last first
-  std::uint64_t changes_ = 0;
+  std::vector<std::uint32_t> changes_;
 };
 
 }  // namespace trackbed::dem

@@ -62,14 +62,15 @@ void StoneLaw::respond_to(std::size_t number, Block& block, const WrenchLanes& w
   const StoneForce<Lanes> f = dem::respond<rolls>(touch, dt_, h);
   const Mask touching = w.M > all(0);
   remember<rolls>(block, touching, h);
-  const auto leave = [&](std::vector<Vec4>& to, const Lanes3& v) {
-    Vec4* slot = to.data() + lanes * number;
+  const auto leave = [&](Vec4 PairForce::*part, const Lanes3& v) {
+    PairForce* slot = forces_.data() + lanes * number;
     const Lanes zero = all(0);
     to_rows({select(touching, v.x, zero), select(touching, v.y, zero), select(touching, v.z, zero),
              zero},
-            [slot](std::size_t k, Four row) { put(slot[k], row); });
+            [=](std::size_t k, Four row) { put(slot[k].*part, row); });
   };
-  leave(forces_.force, f.force), leave(forces_.turn_i, f.turn_i), leave(forces_.turn_j, f.turn_j);
+  leave(&PairForce::force, f.force), leave(&PairForce::turn_i, f.turn_i);
+  leave(&PairForce::turn_j, f.turn_j);
 }
 
 void StoneLaw::respond(std::size_t number, Block& block, const WrenchLanes& w) {
@@ -97,10 +98,17 @@ double StoneLaw::largest_overlap() const {
 void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State& state) {
   const auto plus = [](Vec4& to, Four v) { put(to, four(to) + v); };
   const auto minus = [](Vec4& to, Four v) { put(to, four(to) - v); };
-  for (const PlaceOfPair& pair : order) {
-    const Four f = four(forces.force[pair.slot]);
-    plus(state.f[pair.i], f), plus(state.t[pair.i], four(forces.turn_i[pair.slot]));
-    minus(state.f[pair.j], f), minus(state.t[pair.j], four(forces.turn_j[pair.slot]));
+  constexpr std::size_t ahead = 12;  // pairs: slots are in no order of addresses
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    if (n + ahead < order.size() && order[n + ahead].slot != StoneBlocks::nowhere)
+      for (const Vec4 PairForce::*part : {&PairForce::force, &PairForce::turn_j})
+        __builtin_prefetch(&(forces[order[n + ahead].slot].*part));
+    const PlaceOfPair& pair = order[n];
+    if (pair.slot == StoneBlocks::nowhere) continue;
+    const PairForce& force = forces[pair.slot];
+    const Four f = four(force.force);
+    plus(state.f[pair.i], f), plus(state.t[pair.i], four(force.turn_i));
+    minus(state.f[pair.j], f), minus(state.t[pair.j], four(force.turn_j));
   }
 }
 

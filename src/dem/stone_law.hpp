@@ -85,18 +85,15 @@ template <bool rolls, class Real>
   return out;
 }
 
-// What pairs do to their particles, by slot (block and lane).
-struct PairForces {
-  std::vector<Vec4> force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
-  void resize(std::size_t slots) {
-    for (auto* rows : {&force, &turn_i, &turn_j})
-      if (rows->size() < slots) rows->resize(slots);
-  }
-  std::size_t memory() const { return 3 * force.capacity() * sizeof(Vec4); }
+// What a pair does to its particles.
+struct PairForce {
+  Vec4 force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
 };
+using PairForces = std::vector<PairForce>;  // by slot (block and lane)
 
 struct PlaceOfPair {
-  std::uint32_t slot, i, j;  // particles
+  std::uint32_t entry, slot;  // `StoneBlocks::nowhere`: it has no lane now
+  std::uint32_t i, j;         // particles
 };
 
 // Adds them in the order given.

@@ -102,8 +102,8 @@ PairSight::PairSight(const Scene& scene, const StoneList& list, std::int32_t pie
   reach = i.radius + j.radius;
 }
 
-FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth, double within,
-                            std::vector<FeatureWord>& words) {
+FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth,
+                            double within, std::vector<FeatureWord>& words) {
   // Kept for their memory only.
   thread_local Near of_i, of_j;
   thread_local FeatureRow corners, edges;

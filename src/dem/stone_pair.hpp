@@ -36,8 +36,8 @@ struct FeatureCounts {
 // Appends the features that are nearer than `within` m now, of those that reach no deeper than
 // `depth` m behind the foremost corner along the normal, from i to j. Order: corners of i, of j,
 // edges, each ascending, all triangles of one corner after each other.
-FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth, double within,
-                            std::vector<FeatureWord>& words);
+FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth,
+                            double within, std::vector<FeatureWord>& words);
 
 // What is felt of cores that overlap, from their widest slab (`separating_axis`).
 Wrench deep_wrench(const PlacedPair& sight, const Slab& widest);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace trackbed::dem {
 
@@ -98,7 +99,7 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
       const std::int32_t other = list.entries[e].piece;
       pieces_.push_back(row.piece);
       looks_.push_back({-1, static_cast<std::uint32_t>(body(row.piece)),
-                        static_cast<std::uint32_t>(body(other))});
+                        static_cast<std::uint32_t>(body(other)), 0});
       const Key wanted = keys.emplace_back(key(row.piece), key(other));
       while (old < keys_.size() && keys_[old] < wanted) ++old;
       if (old == keys_.size() || keys_[old] != wanted) continue;
@@ -107,8 +108,10 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
       ++old;  // a partner met twice, across a periodic side: the second is not the first
     }
   reaches_.swap(reaches), poses_.swap(poses), keys_.swap(keys);
+  find_couples(list);
   compact();
   live_ = words_.size();
+  order_.clear();
   blocks_.reset(list.entries.size());
   grown_ = scene.state.grown;
 }
@@ -164,6 +167,8 @@ void StoneContacts::rest(StoneList& list, std::uint32_t e) {
   if (blocks_.has(e)) blocks_.remove(e, list);
   if (list.entries[e].touching) list.forget(e);
   looks_[e].next = reaches_[e].quiet;
+  Couple& couple = couples_[looks_[e].couple];
+  couple.next = std::min(couple.next, looks_[e].next);
 }
 
 // An entry whose paths have used up what was known of it.
@@ -191,17 +196,51 @@ void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
   block.fresh |= static_cast<LaneBits>((old && !good) << lane);
 }
 
-// In a bed at rest nearly every pair ends at the comparison.
+// Particles of several pieces have many entries for each two of them. The rows of a particle's
+// pieces follow each other.
+void StoneContacts::find_couples(const StoneList& list) {
+  couples_.clear(), entries_of_couples_.clear();
+  std::vector<std::uint32_t> own;  // entries of a particle
+  for (std::size_t r = 0; r < list.rows.size();) {
+    const std::uint32_t i = looks_[list.rows[r].begin].i;
+    own.clear();
+    for (; r < list.rows.size() && looks_[list.rows[r].begin].i == i; ++r)
+      for (std::uint32_t e = list.rows[r].begin; e < list.rows[r].end; ++e) own.push_back(e);
+    std::stable_sort(own.begin(), own.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return looks_[a].j < looks_[b].j; });
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      Look& l = looks_[own[k]];
+      if (k == 0 || l.j != looks_[own[k - 1]].j)
+        couples_.push_back({-1, i, l.j, static_cast<std::uint32_t>(entries_of_couples_.size())});
+      l.couple = static_cast<std::uint32_t>(couples_.size() - 1);
+      entries_of_couples_.push_back(own[k]);
+    }
+  }
+  couples_.push_back({0, 0, 0, static_cast<std::uint32_t>(entries_of_couples_.size())});
+}
+
+// path: m, of both.
+void StoneContacts::look_at(const Scene& scene, StoneList& list, std::size_t couple, double path) {
+  double next = std::numeric_limits<double>::infinity();
+  for (std::uint32_t k = couples_[couple].begin; k < couples_[couple + 1].begin; ++k) {
+    const std::uint32_t e = entries_of_couples_[k];
+    // Written so that a path that is not a number is looked at.
+    if (!(path < looks_[e].next)) look(scene, list, e);
+    next = std::min(next, looks_[e].next);
+  }
+  couples_[couple].next = next;
+}
+
+// In a bed at rest nearly every couple ends at the comparison.
 void StoneContacts::look_at_all(const Scene& scene, StoneList& list) {
   // Half of it rubbish at most, beside a floor that spares short lists the trouble.
   if (words_.size() > 2 * live_ + 65536) compact();
   if (scene.state.grown != grown_) blocks_.resize(scene), grown_ = scene.state.grown;
   const double* path = scene.pieces.path.data();
-  for (std::uint32_t e = 0; e < looks_.size(); ++e) {
-    const Look& l = looks_[e];
-    // Written so that a path that is not a number is looked at.
-    if (!(path[l.i] + path[l.j] < l.next)) [[unlikely]]
-      look(scene, list, e);
+  for (std::size_t c = 0; c + 1 < couples_.size(); ++c) {
+    const double both = path[couples_[c].i] + path[couples_[c].j];
+    if (!(both < couples_[c].next)) [[unlikely]]
+      look_at(scene, list, c, both);
   }
 }
 
@@ -246,9 +285,9 @@ void StoneContacts::watch(const Scene& scene, const StoneList& list, Block& bloc
   lanes_of_w.set(lane, deep_wrench(sight, slab));
 }
 
-// What the wrenches of a block change: who is watched, who touches, who gives its lane back. What is
-// kept of a pair outside its lane is read only for lanes in which something happens: it is far away
-// in memory.
+// What the wrenches of a block change: who is watched, who touches, who gives its lane back. What
+// is kept of a pair outside its lane is read only for lanes in which something happens: it is far
+// away in memory.
 void StoneContacts::follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w) {
   const Mask near = w.closest < close * block.reach;
   if (block.watched || any(near)) [[unlikely]]
@@ -273,18 +312,31 @@ void StoneContacts::follow(const Scene& scene, StoneList& list, Block& block, Wr
   block.fresh = 0;
 }
 
-// Pairs in the order of the list, on which the bits of sums depend.
+// Pairs in the order of the list, on which the bits of sums depend. Few come and go in a sub-step,
+// and mostly the same: who goes keeps the place.
 void StoneContacts::put_in_order() {
-  if (ordered_ == blocks_.changes()) return;
-  order_.clear();
-  for (std::uint32_t e = 0; e < looks_.size(); ++e)
-    if (blocks_.has(e)) order_.push_back({blocks_.slot(e), looks_[e].i, looks_[e].j});
-  ordered_ = blocks_.changes();
+  std::vector<std::uint32_t>& changes = blocks_.changes();
+  const std::size_t known = order_.size();
+  const auto before = [](const PlaceOfPair& a, const PlaceOfPair& b) { return a.entry < b.entry; };
+  std::sort(changes.begin(), changes.end());
+  changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
+  for (const std::uint32_t e : changes) {
+    const PlaceOfPair place{e, blocks_.slot(e), looks_[e].i, looks_[e].j};
+    const auto end = order_.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto at = std::lower_bound(order_.begin(), end, place, before);
+    if (at != end && at->entry == e)
+      at->slot = place.slot;
+    else
+      order_.push_back(place);
+  }
+  std::inplace_merge(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(known),
+                     order_.end(), before);
+  changes.clear();
 }
 
 double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State& state) {
   look_at_all(scene, list);
-  forces_.resize(lanes * blocks_.blocks().size());
+  forces_.resize(std::max(forces_.size(), lanes * blocks_.blocks().size()));
   StoneLaw law(scene, dt, !list.roll.empty(), forces_);
   for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
     Block& block = blocks_.blocks()[n];
@@ -323,7 +375,10 @@ std::size_t StoneContacts::memory() const {
   return reaches_.capacity() * sizeof(Reach) + poses_.capacity() * sizeof(Pose) +
          keys_.capacity() * sizeof(Key) + words_.capacity() * sizeof(FeatureWord) +
          looks_.capacity() * sizeof(Look) + pieces_.capacity() * sizeof(pieces_[0]) +
-         order_.capacity() * sizeof(order_[0]) + forces_.memory() + blocks_.memory();
+         couples_.capacity() * sizeof(Couple) +
+         entries_of_couples_.capacity() * sizeof(entries_of_couples_[0]) +
+         order_.capacity() * sizeof(order_[0]) + forces_.capacity() * sizeof(PairForce) +
+         blocks_.memory();
 }
 
 }  // namespace trackbed::dem

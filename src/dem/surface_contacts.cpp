@@ -282,7 +282,13 @@ void Particles::Room::follow_surfaces() {
 void Particles::Room::feel_surfaces(const SubStep& step) {
   double worst = 0;
   const Approach* deepest = nullptr;
-  for (Approach& a : approaches) {
+  constexpr std::size_t ahead = 3;  // what each keeps is anywhere in memory
+  for (std::size_t n = 0; n < approaches.size(); ++n) {
+    if (n + ahead < approaches.size()) {
+      __builtin_prefetch(approaches[n + ahead].near.features.data());
+      __builtin_prefetch(approaches[n + ahead].patches.data());
+    }
+    Approach& a = approaches[n];
     for (Approach::Patch& patch : a.patches) patch.touching = false;
     const double overlap =
         has_corners(a.piece) ? touch_with_corners(a, step) : touch_with_ball(a, step);
