@@ -53,16 +53,20 @@ def prepare(program, folder):
     return state
 
 
-def write_lammps(state, folder):
-    """The spheres of our checkpoint and the law of the deck stored in it."""
+def write_lammps(state, folder, copies=1):
+    """The spheres of our checkpoint, copied side by side, and the law of the deck stored in it.
+    Returns how many they are."""
     with h5py.File(state) as file:
         deck = tomllib.loads(bytes(file.attrs["deck"]).decode())
         bed = file["particles"]
         x, radius = bed["position"][:], bed["scale"][:].ravel() * bed["template/radius"][0].item()
     law, density = deck["contact"][0], deck["material"][0]["density"]
-    box = (deck["bed"]["x"], deck["bed"]["y"])  # m, the periodic sides
+    box = [list(deck["bed"][axis]) for axis in "xy"]  # m, the periodic sides
     for axis, (low, high) in enumerate(box):
         x[:, axis] = low + np.mod(x[:, axis] - low, high - low)
+    length = box[0][1] - box[0][0]
+    x = np.concatenate([x + [k * length, 0, 0] for k in range(copies)])
+    radius, box[0][1] = np.tile(radius, copies), box[0][0] + copies * length
     lightest = density * 4 / 3 * np.pi * radius.min() ** 3
     pair_mass = density * 4 / 3 * np.pi * (radius**3).mean() / 2  # effective
     gamma = [2 * law[zeta] * np.sqrt(law[k] / pair_mass)
@@ -80,6 +84,7 @@ def write_lammps(state, folder):
             skin=0.15 * radius.min(), dt=safety * np.sqrt(lightest / law["k_n"]), steps=STEPS,
         )
     )
+    return len(x)
 
 
 def run_ours(program, folder, state):

@@ -4,20 +4,23 @@ linear law and with Hertz's.
 
     bench_stones.py TRACKBED FOLDER [RUNS]
 
-TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
-results go. Half of each deck's bed is poured and settled; the measured beds are copies of it side
-by side (bed.cell), two on one rank, four on two ranks, so as many stones each. `contacts` counts
-those of pieces, `touched` the stones (and the floor) that a stone touches. All cases take turns,
-RUNS times (3), and of each the best run counts: other work on the machine only slows down. The
-processor time shows what a busy machine hides from the wall time. LAMMPS (Debian's) moves the
-spheres of inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix rigid/small
-and the same law between spheres; it is left out where there is no `lmp`.
+TRACKBED: the program. FOLDER: where settled cells are prepared (kept for the next call) and the
+results go. A cell is about as small as a periodic bed of these stones may be, an eighth of the
+deck's bed. It is poured, settled and let come to rest under each law; the measured beds are copies
+of it side by side (bed.cell), on two ranks twice as many as on one, so as many stones each. The
+time that preparation took is printed. `contacts` counts those of pieces, `touched` the stones (and
+the floor) that a stone touches. All cases take turns, RUNS times (3), and of each the best run
+counts: other work on the machine only slows down. The processor time shows what a busy machine
+hides from the wall time. LAMMPS (Debian's) moves the spheres of inputs/bench/spheres.toml
+(bench_spheres.py), and the same clumps with fix rigid/small and the same law between spheres; it is
+left out where there is no `lmp`.
 """
 import json
 import re
 import shutil
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 
@@ -35,6 +38,9 @@ LAWS = ("linear", "hertz")
 # somewhat softer than with the linear law, so that LAMMPS may keep the step.
 YOUNG_PER_STIFFNESS, POISSON, RESTITUTION = 300, 0.25, 0.5  # 1/m
 STEPS = 1000  # of LAMMPS
+CELL_SIDE = {"spheres": 0.125, "stones": 0.28}  # m, along x and y
+# s. A bed of copies goes on as its cell would have: it need not settle again.
+LAY = ["stage.fill.duration=0.0005", "stage.settle.duration=0.0005"]
 
 LAMMPS_INPUT = """units si
 atom_style hybrid sphere molecular
@@ -57,10 +63,18 @@ run {steps}
 """
 
 
-def length_for(deck, copies):
-    """Of so many halves of the deck's bed."""
-    low, high = tomllib.loads(deck.read_text())["bed"]["x"]
-    return f"bed.x=[{low}, {low + copies * (high - low) / 2}]"
+def bed_of(name, copies):
+    """Words for so many cells of the deck in a row."""
+    side = CELL_SIDE["spheres" if name == "spheres" else "stones"]
+    return [f"bed.x=[0.0, {copies * side:.6g}]", f"bed.y=[{-side / 2:.6g}, {side / 2:.6g}]"]
+
+
+def copies_for(name, ranks):
+    """Cells with about as many stones per rank as the deck has."""
+    bed = tomllib.loads((DECKS / f"{name}.toml").read_text())["bed"]
+    area = (bed["x"][1] - bed["x"][0]) * (bed["y"][1] - bed["y"][0])
+    side = CELL_SIDE["spheres" if name == "spheres" else "stones"]
+    return ranks * round(area / side**2)
 
 
 def law_words(deck, law):
@@ -78,13 +92,17 @@ def run_deck(command, folder):
                stdout=subprocess.DEVNULL).check_returncode()
 
 
-def settled_half(program, folder, name):
-    """Checkpoint of half of the deck's bed at rest."""
-    place = folder / f"cell_{name}"
-    state, deck = place / "stage_settle.h5", DECKS / f"{name}.toml"
+def settled_cell(program, folder, name, law):
+    """Checkpoint of the deck's cell at rest under this law."""
+    place, deck = folder / f"cell_{name}_{law}", DECKS / f"{name}.toml"
+    state = place / "stage_settle.h5"
     if not state.exists():
-        run_deck([*launch.on_ranks(max(RANKS)), program, "run", deck, length_for(deck, 1),
-                  "stage.rest.duration=0.0005"], place)
+        words = ["stage.rest.duration=0.0005", *bed_of(name, 1)]
+        if law != "linear":
+            words += [*law_words(deck, law), "stage.fill.duration=0.0005",
+                      "stage.settle.duration=0.01",
+                      f"bed.cell={settled_cell(program, folder, name, 'linear')}"]
+        run_deck([program, "run", deck, *words], place)
     return state
 
 
@@ -93,24 +111,24 @@ class Case:
 
     def __init__(self, program, folder, name, ranks=1, law="linear"):
         self.name, self.ranks, self.law = name, ranks, law
-        self.deck = DECKS / f"{name}.toml"
+        deck = DECKS / f"{name}.toml"
         self.folder = folder / f"{name}_{law}_{ranks}"
-        self.start = self.folder / "stage_settle.h5"
         ranked = launch.on_ranks(ranks) if ranks > 1 else []
-        self.command = [*ranked, program, "run", self.deck, length_for(self.deck, 2 * ranks),
-                        *law_words(self.deck, law)]
-        self.prepared = lambda: settled_half(program, folder, name)
+        self.cell = settled_cell(program, folder, name, law)
+        self.command = [*ranked, program, "run", deck, *bed_of(name, copies_for(name, ranks)),
+                        *law_words(deck, law), f"bed.cell={self.cell}", *LAY]
         self.runs = []
 
-    def prepare(self):
-        """Lays the copies and lets them come to rest under this law."""
-        if not self.start.exists():
-            run_deck([*self.command, f"bed.cell={self.prepared()}", "stage.fill.duration=0.001",
-                      "stage.settle.duration=0.01", "stage.rest.duration=0.0005"], self.folder)
+    def laid(self):
+        """Checkpoint of the bed before the first measured step."""
+        start = self.folder / "stage_settle.h5"
+        if not start.exists():
+            run_deck([*self.command, "stage.rest.duration=0.0005"], self.folder)
+        return start
 
     def run(self):
         out = self.folder / "run"
-        run_deck([*self.command, f"start={self.start}"], out)
+        run_deck(self.command, out)
         self.runs.append(json.loads((out / "summary.json").read_text())["dem"])
 
     def best(self, figure, largest=True):
@@ -224,48 +242,47 @@ def hertzian(lammps_input):
 
 
 class Lammps:
-    """The particles of a checkpoint in LAMMPS, on a number of ranks with a law."""
+    """The particles of a case in LAMMPS, on its ranks with its law."""
 
     def __init__(self, case, write, name):
         self.name, self.ranks, self.law, self.folder = name, case.ranks, case.law, case.folder
-        self.particles = write(case.start, case.folder)
+        self.particles = write(case)
         self.input = self.folder / f"{name}_{case.law}.in"
         text = (self.folder / f"{name}.in").read_text()
         self.input.write_text(hertzian(text) if case.law == "hertz" else text)
-        self.speeds = []
+        self.speeds, self.speeds_by_cpu = [], []
 
     def run(self):
         ranked = launch.on_ranks(self.ranks) if self.ranks > 1 else []
         ran = launch.run([*ranked, "lmp", "-in", self.input.name, "-log", "none"], cwd=self.folder,
                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", ran.stdout)
+        loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps.*?(\S+)% CPU use",
+                           ran.stdout, re.DOTALL)
         if ran.returncode != 0 or len(loops) < 2:
             raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])
-        seconds, steps = loops[-1]
-        self.speeds.append(int(steps) * self.particles / float(seconds) / self.ranks)
+        seconds, steps, busy = map(float, loops[-1])
+        self.speeds.append(steps * self.particles / seconds / self.ranks)
+        self.speeds_by_cpu.append(self.speeds[-1] / (busy / 100))
 
     def speed(self):
         return max(self.speeds)
 
-
-def write_spheres(state, folder):
-    bench_spheres.write_lammps(state, folder)
-    with h5py.File(state) as file:
-        return len(file["particles/position"])
+    def speed_by_cpu(self):
+        return max(self.speeds_by_cpu)
 
 
-def write_clumps(state, folder):
-    return Clumps(state).write(folder)
+def write_spheres(case):
+    case.folder.mkdir(exist_ok=True)
+    return bench_spheres.write_lammps(case.cell, case.folder, copies_for(case.name, case.ranks))
+
+
+def write_clumps(case):
+    return Clumps(case.laid()).write(case.folder)
 
 
 def beside_lammps(program, folder, cases):
-    beds = [(Case(program, folder, "spheres", ranks), write_spheres) for ranks in RANKS]
-    found = []
-    for bed, write in beds:
-        bed.prepare()
-        for law in LAWS:
-            bed.law = law
-            found.append(Lammps(bed, write, "spheres"))
+    found = [Lammps(Case(program, folder, "spheres", ranks, law), write_spheres, "spheres")
+             for law in LAWS for ranks in RANKS]
     return found + [Lammps(case, write_clumps, "clumps") for case in cases
                     if case.name == "clumps"]
 
@@ -286,10 +303,11 @@ def table(cases):
 
 
 def ratios(cases, theirs):
-    print("\nratio                            law     ranks")
+    print("\nratio                            law     ranks         by CPU time")
 
     def line(words, first, second):
-        print(f"{words:32} {first.law:6} {first.ranks:6} {first.speed() / second.speed():6.2f}")
+        print(f"{words:32} {first.law:6} {first.ranks:6} {first.speed() / second.speed():6.2f} "
+              f"{first.speed_by_cpu() / second.speed_by_cpu():12.2f}")
 
     def find(some, like, name):
         return next((c for c in some if (c.name, c.law, c.ranks) == (name, like.law, like.ranks)),
@@ -311,11 +329,11 @@ def main():
     program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
     folder.mkdir(parents=True, exist_ok=True)
+    begin = time.monotonic()
     cases = [Case(program, folder, name, ranks, law)
              for name in NAMES for law in LAWS for ranks in RANKS]
-    for case in cases:
-        case.prepare()
     theirs = beside_lammps(program, folder, cases) if shutil.which("lmp") else []
+    print(f"prepared in {time.monotonic() - begin:.0f} s")
     for _ in range(runs):
         for one in (*cases, *theirs):
             one.run()

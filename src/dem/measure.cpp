@@ -325,7 +325,7 @@ Memory Particles::memory() const {
   visit_all(r.state, [&](auto, auto& array) { count(array); });
   count(r.reference_x, r.reference_q);
   count(r.pieces.x, r.pieces.body, r.pieces.begin);
-  count(r.pieces.corners, r.pieces.first_corner, r.pieces.rounding);
+  count(r.pieces.core, r.pieces.rounding, r.pieces.turns);
   count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);
   count(r.pieces.pace, r.pieces.last_path);
   to = &memory.contacts;

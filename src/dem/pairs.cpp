@@ -129,7 +129,7 @@ class PairFinder {
 
   bool has_corners(std::size_t p) const {
     const Pieces& pieces = scene_.pieces;
-    return !pieces.first_corner.empty() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+    return !pieces.core.empty() && scene_.shapes.core(pieces.core[p]).corners.size() > 1;
   }
 
   // Beside a held particle the other one's alone: no force moves what is held.

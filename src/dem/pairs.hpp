@@ -22,16 +22,19 @@ struct Pieces {
   std::vector<std::int32_t> body;
   std::vector<std::size_t> begin;  // of each particle; one more at the end
   // Only if some shape has a piece with several corners:
-  std::vector<std::uint32_t> first_corner;  // of each piece; one more at the end
-  std::vector<Vec4> corners;                // m, from the particle's centre of mass
-  std::vector<double> rounding;             // m
-  std::vector<Vec4> last_x, last_q;         // poses of the particles at the last `place`
+  std::vector<std::uint32_t> core;   // of each piece: its number in `Shapes`
+  std::vector<double> rounding;      // m
+  std::vector<Vec4> turns;           // three of each particle: columns of scale times rotation
+  std::vector<Vec4> last_x, last_q;  // poses of the particles at the last `place`
   std::vector<double> path;       // m, that no surface point of a particle exceeded since `lay_out`
   std::vector<double> pace;       // m, in the last sub-step
   std::vector<double> last_path;  // m, at the last `place`
 };
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces);  // sizes, bodies, radii
-void place(const State& state, const Shapes& shapes, Pieces& pieces);    // centres, every sub-step
+void place(const State& state, const Shapes& shapes, Pieces& pieces);    // every sub-step
+// Appends the corners of a piece as they lie in space, m from the particle's centre of mass.
+void append_corners(const Shapes& shapes, const Pieces& pieces, std::size_t piece,
+                    std::vector<Vec4>& corners);
 
 // Eight bytes: the list is read in full in each sub-step. The shift is a number and not a vector,
 // since there are few different ones.

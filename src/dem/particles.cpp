@@ -219,21 +219,23 @@ double Particles::stable_step(std::string* limit) const {
   return dem::stable_step(r.physics, r.parameters, lightest, largest, limit);
 }
 
-// One window. Surfaces must have their new motion on every rank before. Collective.
+// One window; of no sub-steps: new lists alone, where they are due. Surfaces must have their new
+// motion on every rank before. Collective.
 void Particles::advance(double dt_window, int steps) {
-  require(steps >= 1, "a window has at least one sub-step");
+  require(steps >= 0, "a window has a negative number of sub-steps");
   Room& r = *room_;
   r.action = {};
   if (!r.ready) r.rebuild();
+  if (steps == 0) return;
   // Nodes move along lines, so the way from a fixed place is largest at one end of the window; the
   // begin was the end of the window before.
   r.surface_motion = r.surface_motion_since_rebuild();
   r.follow_surfaces();
-  r.look_for_leaps({dt_window / steps, 0, steps});
+  r.look_for_leaps({dt_window / steps, 0, 0, steps});
   for (int k = 1; k <= steps; ++k)
     r.substep({dt_window / steps, static_cast<double>(k) / steps, k, steps});
-  if (steps > 0) r.kick(dt_window / steps, 1);
-  r.store_near_pairs();
+  r.kick(dt_window / steps, 1);
+  r.store_near_pairs(), r.stone_contacts.store(r.stones);
   // One reduction for all seven. A plain sum: it is compared with a tolerance and nothing follows
   // from it.
   double sums[7];

@@ -6,8 +6,8 @@
 
 namespace trackbed::dem {
 
-// Once for each rebuild, own particles and ghosts alike. `begin` and `first_corner` have one more
-// at the end, so that every range is two neighbours.
+// Once for each rebuild, own particles and ghosts alike. `begin` has one more at the end, so that
+// every range is two neighbours.
 void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
   pieces = {};
   pieces.begin.assign(1, 0);
@@ -17,14 +17,13 @@ void lay_out(const State& state, const Shapes& shapes, Pieces& pieces) {
       pieces.body.push_back(static_cast<std::int32_t>(b));
       pieces.x.push_back({0, 0, 0, shapes.piece(k).w * state.scale_now(b)});
       if (!stones) continue;
-      pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
+      pieces.core.push_back(static_cast<std::uint32_t>(k));
       pieces.rounding.push_back(shapes.core(k).radius * state.scale_now(b));
-      pieces.corners.resize(pieces.corners.size() + shapes.core(k).corners.size());
     }
     pieces.begin.push_back(pieces.body.size());
   }
   if (!stones) return;
-  pieces.first_corner.push_back(static_cast<std::uint32_t>(pieces.corners.size()));
+  pieces.turns.resize(3 * state.size());
   pieces.last_x = state.x, pieces.last_q = state.q;
   pieces.path.assign(state.size(), 0), pieces.pace.assign(state.size(), 0);
   pieces.last_path.assign(state.size(), 0);
@@ -35,6 +34,8 @@ namespace {
 // The columns of scale times rotation, to turn a row at once.
 struct Turn {
   Four x, y, z;
+  explicit Turn(const Vec4* columns)
+      : x(four(columns[0])), y(four(columns[1])), z(four(columns[2])) {}
   Turn(const Vec4& q, double scale) {
     const Mat3 m = scale * quat(q).toRotationMatrix();
     x = Four{m(0, 0), m(1, 0), m(2, 0), 0};
@@ -60,8 +61,9 @@ double way(const Vec4& x, const Vec4& q, const Vec4& x0, const Vec4& q0) {
 }  // namespace
 
 // From the pose alone and not from the last place, so that no error grows and ghosts come to the
-// same bits as their owners. Corners are relative to the centre of mass: their digits do not depend
-// on how far along the track the stone lies.
+// same bits as their owners.
+// Corners are not placed here but turned where they are needed: a stone in a bed uses a fourth of
+// its corners, and what is written for all of them falls out of the caches before it is read.
 void place(const State& state, const Shapes& shapes, Pieces& pieces) {
   const bool stones = shapes.any_stones();
   for (std::size_t b = 0; b < state.size(); ++b) {
@@ -73,11 +75,10 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
       const Four o = turn(shapes.piece(k));
       Vec4& x = pieces.x[p];
       x.x = centre.x + o[0], x.y = centre.y + o[1], x.z = centre.z + o[2];
-      if (!stones) continue;
-      Vec4* corner = pieces.corners.data() + pieces.first_corner[p];
-      for (const Vec4& c : shapes.core(k).corners) put(*corner++, turn(c));
     }
     if (!stones) continue;
+    Vec4* columns = pieces.turns.data() + 3 * b;
+    put(columns[0], turn.x), put(columns[1], turn.y), put(columns[2], turn.z);
     // Lengths of paths are added up, not the distance from the begin: the sum of two of them bounds
     // how much a pair may have closed, without a look at directions.
     pieces.path[b] += way(centre, state.q[b], pieces.last_x[b], pieces.last_q[b]);
@@ -85,6 +86,15 @@ void place(const State& state, const Shapes& shapes, Pieces& pieces) {
     pieces.last_path[b] = pieces.path[b];
     pieces.last_x[b] = centre, pieces.last_q[b] = state.q[b];
   }
+}
+
+// Relative to the centre of mass: their digits do not depend on how far along the track the stone
+// lies. In the order of operations of `BlockPoints` (stone_blocks.cpp): to the same bits.
+void append_corners(const Shapes& shapes, const Pieces& pieces, std::size_t piece,
+                    std::vector<Vec4>& corners) {
+  const Turn turn(pieces.turns.data() + 3 * static_cast<std::size_t>(pieces.body[piece]));
+  for (const Vec4& c : shapes.core(pieces.core[piece]).corners)
+    put(corners.emplace_back(), turn(c));
 }
 
 }  // namespace trackbed::dem

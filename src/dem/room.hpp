@@ -110,7 +110,7 @@ struct Particles::Room {
 
   bool has_corners(std::int32_t piece) const {
     const auto p = static_cast<std::size_t>(piece);
-    return shapes.any_stones() && pieces.first_corner[p + 1] - pieces.first_corner[p] > 1;
+    return shapes.any_stones() && shapes.core(pieces.core[p]).corners.size() > 1;
   }
   double mass(std::size_t b) const { return state.v[b].w; }
   // Of a particle that has grown up: grid and levels are made for that.
@@ -123,7 +123,7 @@ struct Particles::Room {
   int name_number(const std::string& name);
   void check_laws() const;  // throws InputError; collective
   std::vector<History> history() {
-    store_near_pairs();
+    store_near_pairs(), stone_contacts.store(stones);
     return collect_history(state, pieces, pairs, stones, approaches, surface_names);
   }
   void forget_contacts() {

@@ -29,6 +29,8 @@ int Shapes::add(const Template& shape) {
   for (Core& core : cores) {
     any_stones_ = any_stones_ || core.corners.size() > 1;
     pieces_.push_back(ball_around(core));
+    first_corner_.push_back(static_cast<std::uint32_t>(corners_.size()));
+    corners_.insert(corners_.end(), core.corners.begin(), core.corners.end());
     cores_.push_back(std::move(core));
   }
   // Centred: only then does nothing depend on the attitude.

@@ -108,6 +108,9 @@ class Shapes {
   // Ball around a piece: centre; w: radius; unit scale.
   const Vec4& piece(std::size_t k) const { return pieces_[k]; }
   const Core& core(std::size_t k) const { return cores_[k]; }
+  // Corners of all cores in turn, as in `Core`, and where those of a core begin.
+  const std::vector<Vec4>& corners() const { return corners_; }
+  std::uint32_t first_corner(std::size_t k) const { return first_corner_[k]; }
   double bound(std::int64_t shape) const { return bound_[static_cast<std::size_t>(shape)]; }
   bool only_spheres() const { return only_spheres_; }  // one centred piece each
   bool any_stones() const { return any_stones_; }      // a piece with several corners
@@ -117,6 +120,8 @@ class Shapes {
   std::vector<std::size_t> begin_{0};
   std::vector<Vec4> pieces_;
   std::vector<Core> cores_;  // of each piece
+  std::vector<Vec4> corners_;
+  std::vector<std::uint32_t> first_corner_;
   std::vector<double> bound_;
   bool only_spheres_ = true, any_stones_ = false;
 };

@@ -2,6 +2,7 @@
 #include "stone_blocks.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "feature_kernels.hpp"
 #include "rows.hpp"
@@ -13,10 +14,10 @@ namespace {
 constexpr double none = -1;  // m, reach of a lane that is not used
 
 // Numbers of features are rounded up to these, so that pairs with many find each other.
-std::uint8_t rounded_up(std::size_t count) {
+std::uint16_t rounded_up(std::size_t count) {
   if (count > 12) count = (count + 3) / 4 * 4;
   if (count > 4) count = (count + 1) / 2 * 2;
-  return static_cast<std::uint8_t>(count);
+  return static_cast<std::uint16_t>(count);
 }
 
 void set(LaneBits& bits, std::size_t lane, bool value) {
@@ -69,9 +70,8 @@ Wrench WrenchLanes::at(std::size_t lane) const {
 }
 
 void StoneBlocks::reset(std::size_t entries) {
-  blocks_.clear(), features_.clear(), free_.clear();
+  blocks_.clear(), features_.clear(), free_.clear(), changes_.clear();
   slots_.assign(entries, nowhere);
-  ++changes_;
 }
 
 std::uint32_t StoneBlocks::free_slot(const Class& wanted) {
@@ -81,6 +81,8 @@ std::uint32_t StoneBlocks::free_slot(const Class& wanted) {
     for (std::uint32_t k = lanes; k-- > 0;) free.push_back(first + k);
     Block& block = blocks_.emplace_back();
     block.reach = all(none), block.half = block.radius = block.rolling_radius = all(0);
+    // What is computed in lanes that are not used is never read, but slow if it is not a number.
+    block.root_mass = all(1);
     block.features = static_cast<std::uint32_t>(features_.size());
     block.corners = wanted.corners, block.edges = wanted.edges, block.law = wanted.law;
     features_.resize(features_.size() + wanted.corners + wanted.edges);
@@ -115,31 +117,51 @@ void StoneBlocks::insert(const Scene& scene, const StoneList& list, std::int32_t
   const std::uint32_t slot = free_slot({other.law, rounded_up(corners), rounded_up(edges)});
   const std::size_t k = slot % lanes;
   Block& block = blocks_[slot / lanes];
-  slots_[entry] = slot, ++changes_;
+  slots_[entry] = slot, changes_.push_back(entry);
   const auto body = [&](std::int32_t p) {
     return static_cast<std::uint32_t>(scene.pieces.body[static_cast<std::size_t>(p)]);
   };
   block.i[k] = body(piece), block.j[k] = body(other.piece), block.entry[k] = entry;
   block.piece_i[k] = piece, block.piece_j[k] = other.piece, block.shift[k] = other.shift;
   set(block.used, k, true), set(block.touching, k, other.touching != 0);
-  set(block.watched, k, false), set(block.deep, k, false);
+  set(block.watched, k, false), set(block.deep, k, false), set(block.fresh, k, false);
   set_radii(scene, block, k);
   const auto first = [&](std::int32_t p) {
-    return scene.pieces.first_corner[static_cast<std::size_t>(p)];
+    return scene.shapes.first_corner(scene.pieces.core[static_cast<std::size_t>(p)]);
   };
   set_features(std::span(features_).subspan(block.features), block, k, features,
                {first(piece), first(other.piece)});
+  const Vec4 &xi = list.xi[entry], &turn = list.turn[entry];
+  const Vec4 roll = list.roll.empty() ? Vec4{} : list.roll[entry];
+  block.root_mass[k] = xi.w;
+  block.xi.x[k] = xi.x, block.xi.y[k] = xi.y, block.xi.z[k] = xi.z;
+  block.turn[k] = turn.x, block.size[k] = turn.y, block.ring[k] = turn.z;
+  block.roll.x[k] = roll.x, block.roll.y[k] = roll.y, block.roll.z[k] = roll.z;
 }
 
-void StoneBlocks::remove(std::uint32_t entry) {
+void StoneBlocks::store(const Block& block, std::size_t k, StoneList& list) {
+  const std::uint32_t e = block.entry[k];
+  list.xi[e] = {block.xi.x[k], block.xi.y[k], block.xi.z[k], block.root_mass[k]};
+  list.turn[e] = {block.turn[k], block.size[k], block.ring[k], 0};
+  if (!list.roll.empty()) list.roll[e] = {block.roll.x[k], block.roll.y[k], block.roll.z[k], 0};
+}
+
+void StoneBlocks::store(StoneList& list) const {
+  for (const Block& block : blocks_)
+    for (std::size_t k = 0; k < lanes; ++k)
+      if (block.used >> k & 1) store(block, k, list);
+}
+
+void StoneBlocks::remove(std::uint32_t entry, StoneList& list) {
   const std::uint32_t slot = slots_[entry];
   const std::size_t k = slot % lanes;
   Block& block = blocks_[slot / lanes];
+  store(block, k, list);
   free_[{block.law, block.corners, block.edges}].push_back(slot);
   block.reach[k] = none;
   for (LaneBits* bits : {&block.used, &block.touching, &block.watched, &block.deep})
     set(*bits, k, false);
-  slots_[entry] = nowhere, ++changes_;
+  slots_[entry] = nowhere, changes_.push_back(entry);
 }
 
 namespace {
@@ -205,25 +227,51 @@ struct Sums {
           d};
 }
 
-// Places the features of a block.
+// Columns of scale times rotation.
+struct TurnLanes {
+  Lanes3 x, y, z;
+
+  TurnLanes() = default;
+  [[gnu::always_inline]] TurnLanes(const std::vector<Vec4>& turns, const LaneNumbers& bodies) {
+    const auto column = [&](std::size_t c) {
+      return rows(turns.data() + c, [&](std::size_t k) { return 3 * std::size_t{bodies[k]}; });
+    };
+    x = column(0).xyz(), y = column(1).xyz(), z = column(2).xyz();
+  }
+  [[gnu::always_inline]] Lanes3 operator()(const Lanes3& o) const {
+    return o.x * x + o.y * y + o.z * z;
+  }
+  // In lanes of the mask the first.
+  [[gnu::always_inline]] static TurnLanes either(Mask mask, const TurnLanes& a,
+                                                 const TurnLanes& b) {
+    TurnLanes t;
+    t.x = select(mask, a.x, b.x), t.y = select(mask, a.y, b.y), t.z = select(mask, a.z, b.z);
+    return t;
+  }
+};
+
+// Places the features of a block. The corners of all shapes together are few, and in the nearest
+// cache: to turn them anew for each feature takes less than to read them placed.
 struct BlockPoints {
   const Vec4* corners;
   Lanes3 d;  // m, of j from i
+  TurnLanes turn_i, turn_j;
 
-  [[gnu::always_inline]] Lanes3 at(const LaneNumbers& numbers) const {
-    return rows(corners, [&](std::size_t k) { return numbers[k]; }).xyz();
+  [[gnu::always_inline]] Lanes3 at(const TurnLanes& turn, const LaneNumbers& numbers) const {
+    return turn(rows(corners, [&](std::size_t k) { return numbers[k]; }).xyz());
   }
   [[gnu::always_inline]] void corner(const BlockFeature& f, FeatureGroup& g) const {
     const Mask of_j = mask_of(f.of_j);
     const Lanes3 zeros{all(0), all(0), all(0)};
     const Lanes3 own = select(of_j, d, zeros), other = select(of_j, zeros, d);
     g.side = select(of_j, all(-1), all(1));
-    g.p[0] = at(f.corner[0]) + own;
-    for (std::size_t c = 1; c < 4; ++c) g.p[c] = at(f.corner[c]) + other;
+    g.p[0] = at(TurnLanes::either(of_j, turn_j, turn_i), f.corner[0]) + own;
+    const TurnLanes turn = TurnLanes::either(of_j, turn_i, turn_j);
+    for (std::size_t c = 1; c < 4; ++c) g.p[c] = at(turn, f.corner[c]) + other;
   }
   [[gnu::always_inline]] void edges(const BlockFeature& f, FeatureGroup& g) const {
-    g.p[0] = at(f.corner[0]), g.p[1] = at(f.corner[1]);
-    g.p[2] = at(f.corner[2]) + d, g.p[3] = at(f.corner[3]) + d;
+    g.p[0] = at(turn_i, f.corner[0]), g.p[1] = at(turn_i, f.corner[1]);
+    g.p[2] = at(turn_j, f.corner[2]) + d, g.p[3] = at(turn_j, f.corner[3]) + d;
   }
 };
 
@@ -256,13 +304,32 @@ struct BlockPoints {
 
 }  // namespace
 
+// Blocks that share a class are in no order of their features.
+void StoneBlocks::prefetch(std::size_t n) const {
+  if (n >= blocks_.size()) return;
+  const auto lines = [](const void* from, std::size_t bytes) {
+    constexpr std::size_t line = 64;
+    for (std::size_t k = 0; k < bytes; k += line)
+      __builtin_prefetch(static_cast<const std::byte*>(from) + k);
+  };
+  const Block& block = blocks_[n];
+  lines(&block, offsetof(Block, roll));
+  if (n > 0) {
+    const Block& sooner = blocks_[n - 1];  // whose numbers are here by now
+    const std::size_t count = std::size_t{sooner.corners} + sooner.edges;
+    lines(features_.data() + sooner.features, count * sizeof(BlockFeature));
+  }
+}
+
 WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
                                   const StoneList& list) const {
   const Vec4* x = scene.state.x.data();
   const Lanes3 xi = rows(x, [&](std::size_t k) { return block.i[k]; }).xyz();
   const Lanes3 xj = rows(x, [&](std::size_t k) { return block.j[k]; }).xyz();
   const Lanes3 h = rows(list.shifts.data(), [&](std::size_t k) { return block.shift[k]; }).xyz();
-  const BlockPoints points{scene.pieces.corners.data(), xj - xi + h};
+  const std::vector<Vec4>& turns = scene.pieces.turns;
+  const BlockPoints points{
+      scene.shapes.corners().data(), xj - xi + h, {turns, block.i}, {turns, block.j}};
   FeatureGroup g;
   g.reach = block.reach, g.half = block.half;
   Sums sums;
@@ -280,7 +347,7 @@ WrenchLanes StoneBlocks::wrenches(const Block& block, const Scene& scene,
 std::size_t StoneBlocks::memory() const {
   std::size_t bytes = blocks_.capacity() * sizeof(Block) +
                       features_.capacity() * sizeof(BlockFeature) +
-                      slots_.capacity() * sizeof(slots_[0]);
+                      (slots_.capacity() + changes_.capacity()) * sizeof(slots_[0]);
   for (const auto& [key, free] : free_) bytes += free.capacity() * sizeof(free[0]);
   return bytes;
 }

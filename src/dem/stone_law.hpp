@@ -85,18 +85,15 @@ template <bool rolls, class Real>
   return out;
 }
 
-// What pairs do to their particles, by slot (block and lane).
-struct PairForces {
-  std::vector<Vec4> force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
-  void resize(std::size_t slots) {
-    for (auto* rows : {&force, &turn_i, &turn_j})
-      if (rows->size() < slots) rows->resize(slots);
-  }
-  std::size_t memory() const { return 3 * force.capacity() * sizeof(Vec4); }
+// What a pair does to its particles.
+struct PairForce {
+  Vec4 force, turn_i, turn_j;  // N on i, the opposite on j; Nm, turn_j less on j
 };
+using PairForces = std::vector<PairForce>;  // by slot (block and lane)
 
 struct PlaceOfPair {
-  std::uint32_t slot, i, j;  // particles
+  std::uint32_t entry, slot;  // `StoneBlocks::nowhere`: it has no lane now
+  std::uint32_t i, j;         // particles
 };
 
 // Adds them in the order given.
@@ -105,23 +102,21 @@ void add(const std::vector<PlaceOfPair>& order, const PairForces& forces, State&
 // The law on blocks of pairs, one after the other.
 class StoneLaw {
  public:
-  StoneLaw(const Scene& scene, double dt, StoneList& list, PairForces& forces);
+  StoneLaw(const Scene& scene, double dt, bool rolls, PairForces& forces);
   // Moves the histories of block `number` by dt and leaves its forces. A pair that does not overlap
   // has neither.
-  void respond(std::size_t number, const Block& block, const WrenchLanes& w);
+  void respond(std::size_t number, Block& block, const WrenchLanes& w);
   // Begins to load what the law will read of a block: rows that are in no order of addresses.
   void prefetch(const Block& block) const;
   double largest_overlap() const;  // over the smaller radius
 
  private:
   template <bool rolls>
-  void respond_to(std::size_t number, const Block& block, const WrenchLanes& w);
-  void store_history(const Block& block, Mask touching, const StoneStretch<Lanes>& h,
-                     Lanes root_mass);
+  void respond_to(std::size_t number, Block& block, const WrenchLanes& w);
 
   const Scene& scene_;
   double dt_;
-  StoneList& list_;
+  bool rolls_;  // some law resists rolling
   PairForces& forces_;
   LawLanes law_{};
   RollingLanes rolling_{};

@@ -13,16 +13,6 @@ namespace {
 // touching that the energy does not jump, far enough that every normal is known.
 constexpr double apart_by = 1e-3;
 
-Placed placed(const Scene& scene, std::int32_t piece, std::size_t b, const Vec3& offset) {
-  const auto p = static_cast<std::size_t>(piece);
-  const Pieces& all = scene.pieces;
-  const std::size_t k = scene.shapes.begin(scene.state.shape[b]) + p - all.begin[b];
-  const std::span corners(all.corners);
-  return {&scene.shapes.core(k),
-          corners.subspan(all.first_corner[p], all.first_corner[p + 1] - all.first_corner[p]),
-          offset, all.rounding[p]};
-}
-
 // Corners of a core that reach further along `direction` than `least` m, and the edges and
 // triangles they belong to.
 // An edge or a triangle may reach into the slab only if one of its corners does.
@@ -51,13 +41,13 @@ Vec4 point(const Placed& core, std::uint8_t corner) {
   return {c.x + core.offset.x(), c.y + core.offset.y(), c.z + core.offset.z(), 0};
 }
 
-void add_corner(FeatureRow& row, const PairSight& s, const FeatureWord& w, bool of_i) {
+void add_corner(FeatureRow& row, const PlacedPair& s, const FeatureWord& w, bool of_i) {
   const Placed &own = of_i ? s.i : s.j, &other = of_i ? s.j : s.i;
   row.add(of_i ? 1 : -1, s.i.radius, s.j.radius,
           {point(own, w[0]), point(other, w[1]), point(other, w[2]), point(other, w[3])});
 }
 
-void add_edges(FeatureRow& row, const PairSight& s, const FeatureWord& w) {
+void add_edges(FeatureRow& row, const PlacedPair& s, const FeatureWord& w) {
   row.add(1, s.i.radius, s.j.radius,
           {point(s.i, w[0]), point(s.i, w[1]), point(s.j, w[2]), point(s.j, w[3])});
 }
@@ -70,11 +60,11 @@ double furthest_along(const Placed& core, const Vec3& direction) {
 }
 
 // What is felt when j is displaced along n, the cores then apart.
-Wrench displaced_wrench(const PairSight& sight, const Vec3& n, double length) {
+Wrench displaced_wrench(const PlacedPair& sight, const Vec3& n, double length) {
   thread_local FeatureRow corners, edges;
   thread_local std::vector<FeatureWord> words;
   corners.clear(), edges.clear(), words.clear();
-  PairSight displaced = sight;
+  PlacedPair displaced = sight;
   displaced.j.offset += length * n;
   const FeatureCounts near = find_features(displaced, n, sight.reach, sight.reach, words);
   const std::size_t of_corners = static_cast<std::size_t>(near.of_i) + near.of_j;
@@ -98,13 +88,22 @@ PairSight::PairSight(const Scene& scene, const StoneList& list, std::int32_t pie
   };
   const std::size_t bi = body(piece), bj = body(other.piece);
   const Vec4 &xi = scene.state.x[bi], &xj = scene.state.x[bj], &h = list.shifts[other.shift];
-  i = placed(scene, piece, bi, Vec3::Zero());
-  j = placed(scene, other.piece, bj, {xj.x - xi.x + h.x, xj.y - xi.y + h.y, xj.z - xi.z + h.z});
+  const auto p = static_cast<std::size_t>(piece), q = static_cast<std::size_t>(other.piece);
+  append_corners(scene.shapes, scene.pieces, p, corners_);
+  const std::size_t of_i = corners_.size();
+  append_corners(scene.shapes, scene.pieces, q, corners_);
+  const auto placed = [&](std::size_t k, std::span<const Vec4> corners, const Vec3& offset) {
+    return Placed{&scene.shapes.core(scene.pieces.core[k]), corners, offset,
+                  scene.pieces.rounding[k]};
+  };
+  const std::span<const Vec4> all(corners_);
+  i = placed(p, all.first(of_i), Vec3::Zero());
+  j = placed(q, all.subspan(of_i), {xj.x - xi.x + h.x, xj.y - xi.y + h.y, xj.z - xi.z + h.z});
   reach = i.radius + j.radius;
 }
 
-FeatureCounts find_features(const PairSight& sight, const Vec3& normal, double depth, double within,
-                            std::vector<FeatureWord>& words) {
+FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth,
+                            double within, std::vector<FeatureWord>& words) {
   // Kept for their memory only.
   thread_local Near of_i, of_j;
   thread_local FeatureRow corners, edges;
@@ -148,7 +147,7 @@ FeatureCounts find_features(const PairSight& sight, const Vec3& normal, double d
 // j is moved out along ways up to `longest` times the shortest: apart - width is the length of a
 // way, so their slabs have at least the width apart - longest * shortest. What touches there has
 // the overlap reach - apart.
-Wrench deep_wrench(const PairSight& sight, const Slab& widest) {
+Wrench deep_wrench(const PlacedPair& sight, const Slab& widest) {
   thread_local std::vector<WayOut> ways;
   const double apart = apart_by * sight.reach, shortest = apart - widest.width;
   ways_out(sight.i, sight.j, apart - DeepBlend::longest * shortest, ways);

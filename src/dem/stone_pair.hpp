@@ -10,13 +10,21 @@
 
 namespace trackbed::dem {
 
-// Both pieces placed, relative to the centre of the first one's particle. Corners are a view into
-// `Pieces`, good until these are laid out anew.
-struct PairSight {
+// Both pieces placed, relative to the centre of the first one's particle.
+struct PlacedPair {
   Placed i, j;
   double reach;  // m, sum of the radii
+};
 
+// With the corners that they show.
+class PairSight : public PlacedPair {
+ public:
   PairSight(const Scene& scene, const StoneList& list, std::int32_t piece, std::uint32_t entry);
+  PairSight(const PairSight&) = delete;  // what it shows would be the other's
+  PairSight& operator=(const PairSight&) = delete;
+
+ private:
+  std::vector<Vec4> corners_;  // of i, then of j
 };
 
 // Numbers of kept features: corners of i, of j, edges.
@@ -28,10 +36,10 @@ struct FeatureCounts {
 // Appends the features that are nearer than `within` m now, of those that reach no deeper than
 // `depth` m behind the foremost corner along the normal, from i to j. Order: corners of i, of j,
 // edges, each ascending, all triangles of one corner after each other.
-FeatureCounts find_features(const PairSight& sight, const Vec3& normal, double depth, double within,
-                            std::vector<FeatureWord>& words);
+FeatureCounts find_features(const PlacedPair& sight, const Vec3& normal, double depth,
+                            double within, std::vector<FeatureWord>& words);
 
 // What is felt of cores that overlap, from their widest slab (`separating_axis`).
-Wrench deep_wrench(const PairSight& sight, const Slab& widest);
+Wrench deep_wrench(const PlacedPair& sight, const Slab& widest);
 
 }  // namespace trackbed::dem

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace trackbed::dem {
 
@@ -12,8 +13,9 @@ namespace {
 
 // Distance a pair may close before its features are found anew: what it goes in so many sub-steps
 // at its present pace (finding costs many times a sub-step), within these shares of the sum of
-// its radii. The fewer features lie within the margin, the less each sub-step has to compute.
-constexpr double margin_steps = 100, least_margin = 0.02, most_margin = 0.15;
+// its radii. The fewer features lie within the margin, the less each sub-step has to compute: in a
+// bed at rest the least decides, still some twenty times what `Pose` may err by (1e-6 of the size).
+constexpr double margin_steps = 100, least_margin = 0.001, most_margin = 0.15;
 // A pair gives its lane back if its gap will last for so many sub-steps at the present pace, and is
 // at least this share of the sum of its radii: coming back costs a few sub-steps in a lane.
 constexpr double gap_steps = 10, least_gap = 0.002;
@@ -97,7 +99,7 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
       const std::int32_t other = list.entries[e].piece;
       pieces_.push_back(row.piece);
       looks_.push_back({-1, static_cast<std::uint32_t>(body(row.piece)),
-                        static_cast<std::uint32_t>(body(other))});
+                        static_cast<std::uint32_t>(body(other)), 0});
       const Key wanted = keys.emplace_back(key(row.piece), key(other));
       while (old < keys_.size() && keys_[old] < wanted) ++old;
       if (old == keys_.size() || keys_[old] != wanted) continue;
@@ -106,8 +108,10 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
       ++old;  // a partner met twice, across a periodic side: the second is not the first
     }
   reaches_.swap(reaches), poses_.swap(poses), keys_.swap(keys);
+  find_couples(list);
   compact();
   live_ = words_.size();
+  order_.clear();
   blocks_.reset(list.entries.size());
   grown_ = scene.state.grown;
 }
@@ -155,16 +159,16 @@ void StoneContacts::find_features_anew(const Scene& scene, const StoneList& list
     reach.features = find_features(sight, reach.normal, sight.reach + slack - slab.width,
                                    sight.reach + slack, words_);
   live_ += reach.features.count();
-  reach.fresh = true;
-  fresh_.push_back(e);
   poses_[e] = pose(scene, list, looks_[e], e);
 }
 
 // Without a lane until the gap may have closed.
 void StoneContacts::rest(StoneList& list, std::uint32_t e) {
-  if (blocks_.has(e)) blocks_.remove(e);
+  if (blocks_.has(e)) blocks_.remove(e, list);
   if (list.entries[e].touching) list.forget(e);
   looks_[e].next = reaches_[e].quiet;
+  Couple& couple = couples_[looks_[e].couple];
+  couple.next = std::min(couple.next, looks_[e].next);
 }
 
 // An entry whose paths have used up what was known of it.
@@ -176,7 +180,7 @@ void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
   if (path < reach.quiet) return rest(list, e);
   if (old && !good) {
     find_features_anew(scene, list, e, path);
-    if (blocks_.has(e)) blocks_.remove(e);
+    if (blocks_.has(e)) blocks_.remove(e, list);
   }
   if (reach.features.count() == 0 && !reach.watch) {
     reach.quiet = reach.until;
@@ -186,20 +190,57 @@ void StoneContacts::look(const Scene& scene, StoneList& list, std::uint32_t e) {
   if (blocks_.has(e)) return;
   const std::span<const FeatureWord> words(words_.data() + reach.begin, reach.features.count());
   blocks_.insert(scene, list, pieces_[e], e, {words, reach.features.of_i, reach.features.of_j});
-  blocks_.block_of(e).watched |= static_cast<LaneBits>(reach.watch << blocks_.slot(e) % lanes);
+  Block& block = blocks_.block_of(e);
+  const std::size_t lane = blocks_.slot(e) % lanes;
+  block.watched |= static_cast<LaneBits>(reach.watch << lane);
+  block.fresh |= static_cast<LaneBits>((old && !good) << lane);
 }
 
-// In a bed at rest nearly every pair ends at the comparison.
+// Particles of several pieces have many entries for each two of them. The rows of a particle's
+// pieces follow each other.
+void StoneContacts::find_couples(const StoneList& list) {
+  couples_.clear(), entries_of_couples_.clear();
+  std::vector<std::uint32_t> own;  // entries of a particle
+  for (std::size_t r = 0; r < list.rows.size();) {
+    const std::uint32_t i = looks_[list.rows[r].begin].i;
+    own.clear();
+    for (; r < list.rows.size() && looks_[list.rows[r].begin].i == i; ++r)
+      for (std::uint32_t e = list.rows[r].begin; e < list.rows[r].end; ++e) own.push_back(e);
+    std::stable_sort(own.begin(), own.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return looks_[a].j < looks_[b].j; });
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      Look& l = looks_[own[k]];
+      if (k == 0 || l.j != looks_[own[k - 1]].j)
+        couples_.push_back({-1, i, l.j, static_cast<std::uint32_t>(entries_of_couples_.size())});
+      l.couple = static_cast<std::uint32_t>(couples_.size() - 1);
+      entries_of_couples_.push_back(own[k]);
+    }
+  }
+  couples_.push_back({0, 0, 0, static_cast<std::uint32_t>(entries_of_couples_.size())});
+}
+
+// path: m, of both.
+void StoneContacts::look_at(const Scene& scene, StoneList& list, std::size_t couple, double path) {
+  double next = std::numeric_limits<double>::infinity();
+  for (std::uint32_t k = couples_[couple].begin; k < couples_[couple + 1].begin; ++k) {
+    const std::uint32_t e = entries_of_couples_[k];
+    // Written so that a path that is not a number is looked at.
+    if (!(path < looks_[e].next)) look(scene, list, e);
+    next = std::min(next, looks_[e].next);
+  }
+  couples_[couple].next = next;
+}
+
+// In a bed at rest nearly every couple ends at the comparison.
 void StoneContacts::look_at_all(const Scene& scene, StoneList& list) {
   // Half of it rubbish at most, beside a floor that spares short lists the trouble.
   if (words_.size() > 2 * live_ + 65536) compact();
   if (scene.state.grown != grown_) blocks_.resize(scene), grown_ = scene.state.grown;
   const double* path = scene.pieces.path.data();
-  for (std::uint32_t e = 0; e < looks_.size(); ++e) {
-    const Look& l = looks_[e];
-    // Written so that a path that is not a number is looked at.
-    if (!(path[l.i] + path[l.j] < l.next)) [[unlikely]]
-      look(scene, list, e);
+  for (std::size_t c = 0; c + 1 < couples_.size(); ++c) {
+    const double both = path[couples_[c].i] + path[couples_[c].j];
+    if (!(both < couples_[c].next)) [[unlikely]]
+      look_at(scene, list, c, both);
   }
 }
 
@@ -208,11 +249,12 @@ void StoneContacts::look_at_all(const Scene& scene, StoneList& list) {
 void StoneContacts::part(const Scene& scene, StoneList& list, Block& block, std::size_t lane,
                          double closest) {
   const std::uint32_t e = block.entry[lane];
+  const bool fresh = block.fresh >> lane & 1;
   Reach& reach = reaches_[e];
   const double gap = closest - block.reach[lane];
   if (list.entries[e].touching) list.forget(e);
   if (reach.watch) return;
-  if (reach.fresh) reach.gap = gap;
+  if (fresh) reach.gap = gap;
   const Pieces& pieces = scene.pieces;
   const Look& l = looks_[e];
   const double pace = pieces.pace[l.i] + pieces.pace[l.j];
@@ -243,50 +285,68 @@ void StoneContacts::watch(const Scene& scene, const StoneList& list, Block& bloc
   lanes_of_w.set(lane, deep_wrench(sight, slab));
 }
 
-// What the wrenches of a block change: who is watched, who touches, who gives its lane back.
+// What the wrenches of a block change: who is watched, who touches, who gives its lane back. What
+// is kept of a pair outside its lane is read only for lanes in which something happens: it is far
+// away in memory.
 void StoneContacts::follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w) {
   const Mask near = w.closest < close * block.reach;
   if (block.watched || any(near)) [[unlikely]]
     for (std::size_t k = 0; k < lanes; ++k)
       if ((block.used >> k & 1) && (near[k] || (block.watched >> k & 1)))
         watch(scene, list, block, k, w);
-  const Mask touching = w.M > all(0), used = mask_of(block.used);
-  if (!any((touching ^ mask_of(block.touching)) | (used & ~touching))) return;
-  for (std::size_t k = 0; k < lanes; ++k) {
-    const auto bit = static_cast<LaneBits>(1u << k);
-    if (!(block.used & bit)) continue;
-    if (touching[k]) {
-      block.touching |= bit, list.entries[block.entry[k]].touching = 1;
-    } else {
-      block.touching &= static_cast<LaneBits>(~bit);
-      part(scene, list, block, k, w.closest[k]);
+  const Mask touching = w.M > all(0);
+  const Mask wide = w.closest - block.reach > least_gap * block.reach;
+  const Mask parts = mask_of(block.used) & ~touching & (wide | mask_of(block.fresh));
+  const Mask asked = (touching ^ mask_of(block.touching)) | parts;
+  if (any(asked)) [[unlikely]]
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const auto bit = static_cast<LaneBits>(1u << k);
+      if (!(block.used & bit) || !asked[k]) continue;
+      if (touching[k]) {
+        block.touching |= bit, list.entries[block.entry[k]].touching = 1;
+      } else {
+        block.touching &= static_cast<LaneBits>(~bit);
+        part(scene, list, block, k, w.closest[k]);
+      }
     }
-  }
+  block.fresh = 0;
 }
 
-// Pairs in the order of the list, on which the bits of sums depend.
+// Pairs in the order of the list, on which the bits of sums depend. Few come and go in a sub-step,
+// and mostly the same: who goes keeps the place.
 void StoneContacts::put_in_order() {
-  if (ordered_ == blocks_.changes()) return;
-  order_.clear();
-  for (std::uint32_t e = 0; e < looks_.size(); ++e)
-    if (blocks_.has(e)) order_.push_back({blocks_.slot(e), looks_[e].i, looks_[e].j});
-  ordered_ = blocks_.changes();
+  std::vector<std::uint32_t>& changes = blocks_.changes();
+  const std::size_t known = order_.size();
+  const auto before = [](const PlaceOfPair& a, const PlaceOfPair& b) { return a.entry < b.entry; };
+  std::sort(changes.begin(), changes.end());
+  changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
+  for (const std::uint32_t e : changes) {
+    const PlaceOfPair place{e, blocks_.slot(e), looks_[e].i, looks_[e].j};
+    const auto end = order_.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto at = std::lower_bound(order_.begin(), end, place, before);
+    if (at != end && at->entry == e)
+      at->slot = place.slot;
+    else
+      order_.push_back(place);
+  }
+  std::inplace_merge(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(known),
+                     order_.end(), before);
+  changes.clear();
 }
 
 double StoneContacts::feel(const Scene& scene, double dt, StoneList& list, State& state) {
   look_at_all(scene, list);
-  forces_.resize(lanes * blocks_.blocks().size());
-  StoneLaw law(scene, dt, list, forces_);
+  forces_.resize(std::max(forces_.size(), lanes * blocks_.blocks().size()));
+  StoneLaw law(scene, dt, !list.roll.empty(), forces_);
   for (std::size_t n = 0; n < blocks_.blocks().size(); ++n) {
     Block& block = blocks_.blocks()[n];
     if (!block.used) continue;
+    blocks_.prefetch(n + 2);
     if (n + 1 < blocks_.blocks().size()) law.prefetch(blocks_.blocks()[n + 1]);
     WrenchLanes w = blocks_.wrenches(block, scene, list);
     follow(scene, list, block, w);
     law.respond(n, block, w);
   }
-  for (const std::uint32_t e : fresh_) reaches_[e].fresh = false;
-  fresh_.clear();
   put_in_order();
   add(order_, forces_, state);
   return law.largest_overlap();
@@ -315,7 +375,10 @@ std::size_t StoneContacts::memory() const {
   return reaches_.capacity() * sizeof(Reach) + poses_.capacity() * sizeof(Pose) +
          keys_.capacity() * sizeof(Key) + words_.capacity() * sizeof(FeatureWord) +
          looks_.capacity() * sizeof(Look) + pieces_.capacity() * sizeof(pieces_[0]) +
-         order_.capacity() * sizeof(order_[0]) + forces_.memory() + blocks_.memory();
+         couples_.capacity() * sizeof(Couple) +
+         entries_of_couples_.capacity() * sizeof(entries_of_couples_[0]) +
+         order_.capacity() * sizeof(order_[0]) + forces_.capacity() * sizeof(PairForce) +
+         blocks_.memory();
 }
 
 }  // namespace trackbed::dem

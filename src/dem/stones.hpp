@@ -12,10 +12,11 @@
 // A pair that may touch has a lane of a block (stone_blocks.hpp), in which each sub-step computes
 // what it feels; one that is too far apart has none and waits until its paths have closed the gap.
 //
-// Cost: one comparison for each listed pair; per kept feature about 150 flops in a lane, per pair
-// in a block 350. Finding features anew costs many times that and is rare in a bed at rest.
-// Distances are always fresh; only the choice is kept. Margins are lengths of paths and not times,
-// so a stone that is shaken and comes to rest is looked at as often as it has moved, no more.
+// Cost: one comparison for each two particles with listed pairs; per kept feature about 150 flops
+// in a lane, per pair in a block 350. Finding features anew costs many times that and is rare in a
+// bed at rest. Distances are always fresh; only the choice is kept. Margins are lengths of paths
+// and not times, so a stone that is shaken and comes to rest is looked at as often as it has moved,
+// no more.
 #pragma once
 
 #include <array>
@@ -47,6 +48,8 @@ class StoneContacts {
   // moves their history by dt. Those that do not overlap lose it. Returns the largest overlap over
   // the smaller radius.
   double feel(const Scene& scene, double dt, StoneList& list, State& state);
+  // Histories to the list, where they are read; `feel` keeps them elsewhere meanwhile.
+  void store(StoneList& list) const { blocks_.store(list); }
   // The pairs that overlapped in the last `feel`, in the order of the list; the pieces as then.
   std::vector<Overlap> overlaps(const Scene& scene, const StoneList& list) const;
   // So far: pairs found with one core in another, in each sub-step anew; of own first particles.
@@ -60,7 +63,6 @@ class StoneContacts {
     std::uint32_t begin = 0;  // in words_
     FeatureCounts features;
     bool watch = false;          // cores so close that each sub-step looks whether they overlap
-    bool fresh = false;          // features found in this sub-step
     double until = -1;           // m, sum of both paths up to which this holds for certain
     double quiet = -1;           // m, and up to which nothing can touch
     double slack = 0;            // m, that they may come closer, in truth, while this holds
@@ -79,8 +81,15 @@ class StoneContacts {
   };
   // When an entry must be looked at.
   struct Look {
-    double next;         // m, sum of both paths
-    std::uint32_t i, j;  // particles
+    double next;           // m, sum of both paths
+    std::uint32_t i, j;    // particles
+    std::uint32_t couple;  // theirs
+  };
+  // Two particles with entries: when the first of these must be looked at.
+  struct Couple {
+    double next;
+    std::uint32_t i, j;
+    std::uint32_t begin;  // in entries_of_couples_; they end where the next begin
   };
 
   static Pose pose(const Scene& scene, const StoneList& list, const Look& pair,
@@ -90,6 +99,8 @@ class StoneContacts {
   void find_features_anew(const Scene& scene, const StoneList& list, std::uint32_t e, double path);
   void look(const Scene& scene, StoneList& list, std::uint32_t e);
   void look_at_all(const Scene& scene, StoneList& list);
+  void look_at(const Scene& scene, StoneList& list, std::size_t couple, double path);
+  void find_couples(const StoneList& list);
   void rest(StoneList& list, std::uint32_t e);
   void part(const Scene& scene, StoneList& list, Block& block, std::size_t lane, double closest);
   void follow(const Scene& scene, StoneList& list, Block& block, WrenchLanes& w);
@@ -101,16 +112,16 @@ class StoneContacts {
   std::vector<Reach> reaches_;
   std::vector<Pose> poses_;  // when the features of each entry were found
   std::vector<Look> looks_;
+  std::vector<Couple> couples_;  // one more at the end
+  std::vector<std::uint32_t> entries_of_couples_;
   std::vector<std::int32_t> pieces_;  // i of each entry
   std::vector<Key> keys_;             // of the entries: who they are whatever their numbers
   std::vector<FeatureWord> words_;
   std::size_t live_ = 0;  // words in use; the others are of pairs that found new ones
   StoneBlocks blocks_;
-  double grown_ = 1;                  // share of the size of growing particles that the blocks know
-  std::vector<std::uint32_t> fresh_;  // entries
+  double grown_ = 1;  // share of the size of growing particles that the blocks know
   PairForces forces_;
-  std::vector<PlaceOfPair> order_;  // of pairs in blocks, as in the list
-  std::uint64_t ordered_ = 0;       // changes of the blocks that it knows
+  std::vector<PlaceOfPair> order_;  // of pairs that have been in blocks, as in the list
   std::int64_t deep_ = 0;
 };
 

@@ -160,16 +160,15 @@ double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
 }
 
 // Relative to the particle's centre, which is in `origin` with the shift: corners keep their
-// digits, and the surface is moved to the stone.
+// digits, and the surface is moved to the stone. The corners are good until the next sight.
 StoneSight Particles::Room::sight(const Approach& a, double share) const {
   const auto p = static_cast<std::size_t>(a.piece), k = static_cast<std::size_t>(a.surface);
   const auto b = static_cast<std::size_t>(pieces.body[p]);
   const Vec3 centre = state.x[b].vec3();
-  const std::span corners(pieces.corners);
-  const std::size_t first = pieces.first_corner[p];
-  return {{&shapes.core(shapes.begin(state.shape[b]) + p - pieces.begin[b]),
-           corners.subspan(first, pieces.first_corner[p + 1] - first), Vec3::Zero(),
-           pieces.rounding[p]},
+  thread_local std::vector<Vec4> corners;
+  corners.clear();
+  append_corners(shapes, pieces, p, corners);
+  return {{&shapes.core(pieces.core[p]), corners, Vec3::Zero(), pieces.rounding[p]},
           {pieces.x[p].vec3() - centre, pieces.x[p].w},
           meshes[k],
           *surfaces[k],
@@ -300,7 +299,13 @@ void Particles::Room::follow_surfaces() {
 void Particles::Room::feel_surfaces(const SubStep& step) {
   double worst = 0;
   const Approach* deepest = nullptr;
-  for (Approach& a : approaches) {
+  constexpr std::size_t ahead = 3;  // what each keeps is anywhere in memory
+  for (std::size_t n = 0; n < approaches.size(); ++n) {
+    if (n + ahead < approaches.size()) {
+      __builtin_prefetch(approaches[n + ahead].near.features.data());
+      __builtin_prefetch(approaches[n + ahead].patches.data());
+    }
+    Approach& a = approaches[n];
     for (Approach::Patch& patch : a.patches) patch.touching = false;
     const double overlap =
         has_corners(a.piece) ? touch_with_corners(a, step) : touch_with_ball(a, step);
