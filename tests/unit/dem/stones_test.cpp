@@ -2,6 +2,8 @@
 // how a shape is written down does not matter.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "support/stone_pairs.hpp"
 
 namespace trackbed {
@@ -317,6 +319,36 @@ TEST(StonePair, CoresThatRunIntoEachOtherComeBack) {
     EXPECT_NEAR(p.totals().kinetic / before, 1, bound) << key;
   }
   EXPECT_GE(deep, cases / 2);  // others hit off the middle and turn away
+}
+
+// A prism over a regular polygon.
+dem::Template prism(int corners) {
+  std::vector<Vec3> points;
+  for (int c = 0; c < corners; ++c) {
+    const double angle = 2 * std::numbers::pi * c / corners;
+    for (const double z : {-0.3, 0.3})
+      points.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), z);
+  }
+  return geom::template_of({{geom::convex_hull(points), test::rounding}});
+}
+
+TEST(StonePair, FacesOfManyCornersLoseNone) {
+  // Each corner of one against all triangles of the other's face: about 20 * 20 features, more than
+  // fit into a byte. One that was lost would take its energy with it.
+  const dem::Template a = prism(20);
+  auto pair = pair_at((0.6 * size + 2 * r) * Vec3::UnitZ(), Quat::Identity(),
+                      Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ())));
+  constexpr int count = 60;
+  const double step = 1.8 * r / count;
+  double work = 0, energy = 0, before = 0;
+  for (int s = 1; s <= count; ++s) {
+    pair[1].position.z() -= step;
+    const Felt felt = feel(a, a, pair);
+    work += 0.5 * step * (before + felt.force[1].z());
+    before = felt.force[1].z(), energy = felt.energy;
+  }
+  // The trapezoid is exact for a linear spring, which faces that stay parallel are.
+  EXPECT_NEAR(energy / work, 1, 1e-3);
 }
 
 TEST(StonePair, CoresPassIntoEachOtherWithoutAJumpOfEnergy) {
