@@ -102,7 +102,14 @@ template <class Real, class Test>
   return polynomial(zeroth, theta) + e * first;
 }
 
-// The normal spring's force, N. `rate`: closing velocity of the half step before (m/s).
+// The normal spring, in a step.
+template <class Real>
+struct NormalSpring {
+  Real force;    // N
+  Real opens{};  // 1: a linear contact opens within this step, so that its friction ends; else 0
+};
+
+// The normal spring's force. `rate`: closing velocity of the half step before (m/s).
 //
 // Velocity Verlet adds to the kinetic energy the trapezoid's work, (F_0 + F_1)/2 (x_1 - x_0), which
 // is that of a linear spring in every step but the ones in which the contact closes or opens. There
@@ -122,9 +129,10 @@ template <class Real, class Test>
 inline constexpr double edge = 1e-5;
 
 template <bool any_hertz, class Real>
-[[gnu::always_inline]] inline Real spring_force(const Springs<Real>& spring,
-                                                const Coefficients<Real>& c, Real delta, Real rate,
-                                                Real root_mass, Real radius, double dt) {
+[[gnu::always_inline]] inline NormalSpring<Real> spring_force(const Springs<Real>& spring,
+                                                              const Coefficients<Real>& c,
+                                                              Real delta, Real rate, Real root_mass,
+                                                              Real radius, double dt) {
   const Real force = c.k_n * delta;
   const Real s = larger(rate, -rate) * dt, mass = root_mass * root_mass;
   const auto closes = rate > 0;
@@ -134,13 +142,15 @@ template <bool any_hertz, class Real>
     const auto opens = (rate <= 0) & ((delta - part * s) * mass < (part * dt * dt) * force);
     return (delta >= 0) & (opens | (closes & (delta < part * s)));
   };
-  if (!any(ends(any_hertz ? 1 + edge : 1))) return force;
+  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force};
   const Real some_mass = larger(mass, Real{} + 1e-300);
   const Real b = (dt * dt) * c.k_n / some_mass;
   const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
   const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
   const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
-  const Real linear = select(ends(1), c.k_n * select(closes, closing, opening), force);
+  const auto end = ends(1);
+  const Real linear = select(end, c.k_n * select(closes, closing, opening), force);
+  const Real opens = select(end & (rate <= 0), Real{} + 1.0, Real{});
   if constexpr (any_hertz) {
     const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
     const Real theta = smaller(delta / travel, Real{} + (1 + edge));
@@ -149,9 +159,9 @@ template <bool any_hertz, class Real>
     const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
     const Real onset = stiffness * travel * hertz_onset(theta, e, closes);
     const Real hertz = select(ends(1 + edge) & (theta > edge), onset, force);
-    return select(spring.hertz > 0, hertz, linear);
+    return {select(spring.hertz > 0, hertz, linear), select(spring.hertz > 0, Real{}, opens)};
   } else {
-    return linear;
+    return {linear, opens};
   }
 }
 
@@ -167,8 +177,7 @@ template <class Real>
   const Real square = dot(force, force);
   const auto beyond = square > limit * limit;
   if (!any(beyond)) return Real{} + 1.0;
-  return select(beyond, limit / root(larger(square, Real{} + 1e-300)),
-                Real{} + 1.0);
+  return select(beyond, limit / root(larger(square, Real{} + 1e-300)), Real{} + 1.0);
 }
 
 // A spring with dashpot in the tangent plane, whose force friction limits.
@@ -219,20 +228,39 @@ struct ContactForce {
   Real normal;
 };
 
-// `spring`: the normal spring's force; moves the stretch xi of friction by dt, of which `kept`
-// remains. Spring and dashpot act in parallel; their sum is cut, not the dashpot alone: damping may
-// take away all of the spring's force but, without attraction, no more.
+// How much of the friction remains in the step in which a linear contact opens. It acts to the end
+// of that step while the spring's end comes with that of the contact: pulling along the slip v over
+// a travel |v| dt longer than the stretch it would do more work than the spring has stored (up to
+// k_s (v dt)^2 / 8 each time). Along the slip it is therefore cut to the stretch over that travel.
+// A Hertz contact has lost its tangential stiffness by then.
+template <class Real>
+[[gnu::always_inline]] inline Real remaining_friction(const Triple<Real>& friction,
+                                                      const Triple<Real>& v, const Triple<Real>& xi,
+                                                      double dt) {
+  const Real stretch = root(dot(xi, xi)), travel = root(dot(v, v)) * dt;
+  return select((dot(friction, v) > 0) & (stretch < travel),
+                stretch / larger(travel, Real{} + 1e-300), Real{} + 1.0);
+}
+
+// Moves the stretch xi of friction by dt, of which `kept` remains. Spring and dashpot act in
+// parallel; their sum is cut, not the dashpot alone: damping may take away all of the spring's
+// force but, without attraction, no more.
 template <class Real>
 [[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
-                                                               const Touch<Real>& t, Real spring,
+                                                               const Touch<Real>& t,
+                                                               const NormalSpring<Real>& spring,
                                                                Real kept, double dt,
                                                                Triple<Real>& xi) {
   const Real v_n = dot(t.v, t.n);  // > 0: approaching
-  const Real f_n = larger(spring + c.c_n * v_n, c.least);
+  const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
   const Triple<Real> sliding = t.v - v_n * t.n;
   // No friction from a contact that pulls.
-  const Slider<Real> friction{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
-  return {slide(friction, t.n, sliding, t.twist, dt, xi), f_n};
+  const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
+  const Triple<Real> friction = slide(slider, t.n, sliding, t.twist, dt, xi);
+  const auto opens = spring.opens > 0;
+  if (!any(opens)) return {friction, f_n};
+  const Real remains = remaining_friction(friction, sliding, xi, dt);
+  return {select(opens, remains, Real{} + 1.0) * friction, f_n};
 }
 
 // Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.

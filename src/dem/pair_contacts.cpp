@@ -109,7 +109,7 @@ template <bool spheres, bool hertz, bool rolls>
   const Lanes radius = hertz || rolls ? b.ri * b.rj / reach : Lanes{};
   const auto c = coefficients<hertz>(laws.springs, delta, b.root_mass, radius);
   const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
-  const Lanes spring =
+  const NormalSpring<Lanes> spring =
       spring_force<hertz>(laws.springs, c, delta, dot(v, n), b.root_mass, radius, dt);
   const Lanes remains = hertz ? kept(*size, c.size) : all(1);
   const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);

@@ -124,7 +124,7 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   // The ends of the contact look at how much speed a force takes in a step; the damper's mass is
   // part of the law.
   const double end_mass = shapes.only_spheres() ? root_mass : std::sqrt(mass_at(b, arm, c.normal));
-  const double spring =
+  const NormalSpring<double> spring =
       spring_force<true>(law, k, touch.delta, v.dot(c.normal), end_mass, piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());

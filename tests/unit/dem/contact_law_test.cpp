@@ -16,7 +16,7 @@ constexpr Coefficients<double> elastic{
 Stretch force(const Coefficients<double>& c, const Stretch& v, double delta, double dt, Stretch& xi,
               double twist = 0) {
   const Touch<double> touch{{0, 0, 1}, v, delta, twist};
-  const auto contact = contact_force(c, touch, c.k_n * delta, 1.0, dt, xi);
+  const auto contact = contact_force(c, touch, NormalSpring<double>{c.k_n * delta}, 1.0, dt, xi);
   return contact.friction - contact.normal * touch.n;
 }
 
@@ -99,7 +99,8 @@ TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
   const auto at = [&](double size) {
     c.size = size, c.k_n = c.k_s = 1e6 * size;
     const Touch<double> touch{{0, 0, 1}, {}, 1e-4, 0};
-    const auto contact = contact_force(c, touch, c.k_n * 1e-4, kept(before, size), 1e-6, xi);
+    const auto contact =
+        contact_force(c, touch, NormalSpring<double>{c.k_n * 1e-4}, kept(before, size), 1e-6, xi);
     before = size;
     return contact.friction.x;
   };
@@ -121,7 +122,7 @@ TEST(ContactLaw, AHertzSpringPushesAtItsEnds) {
       for (double delta = 1e-12; delta < s; delta += 0.01 * s) {
         const auto c = coefficients<true>(spring, delta, std::sqrt(mass), radius);
         const double force =
-            spring_force<true>(spring, c, delta, rate, std::sqrt(mass), radius, dt);
+            spring_force<true>(spring, c, delta, rate, std::sqrt(mass), radius, dt).force;
         const double travel = s + (rate < 0 ? dt * dt * c.k_n * delta / mass : 0.0);
         const double deep = 2 * travel * std::sqrt(radius * 2 * travel) * spring.k_n;
         EXPECT_GT(force, 0) << mass << " " << rate << " " << delta;
