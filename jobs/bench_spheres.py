@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Speed of inputs/bench/spheres.toml beside LAMMPS on the same spheres, in one run, alternating.
+"""Speed of inputs/bench/spheres.toml beside LAMMPS on the same spheres, with the linear law and
+with Hertz's, on one rank and on two, in one run, alternating.
 
-    bench_spheres.py TRACKBED FOLDER [RUNS]
+    bench_spheres.py TRACKBED FOLDER [RUNS] [LAMMPS...]
 
-TRACKBED: the program. FOLDER: where the settled bed is prepared (kept for the next call) and the
-results go. Needs Debian's lammps. Prints particle-steps per second and core of each run and the
-medians. Both integrate the same spheres at rest (positions and radii from our checkpoint, the same
-linear law with history) on one core; LAMMPS needs some steps to build its contact histories, which
-are not counted.
+TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
+results go. LAMMPS: programs to compare with, Debian's `lmp` unless others are given, e.g. one built
+for this machine. Prints particle-steps per second and core of each of RUNS (3) rounds and the
+medians of the ratios. Both integrate the same spheres at rest (positions and radii from our
+checkpoint, the same law with history); LAMMPS needs some steps to build its contact histories,
+which are not counted.
 """
 import json
 import re
@@ -23,7 +25,12 @@ import numpy as np
 import launch
 
 DECK = Path(__file__).resolve().parent.parent / "inputs" / "bench" / "spheres.toml"
-STEPS = 3000
+STEPS = 3000  # of LAMMPS
+RANKS = (1, 2)
+LAWS = ("linear", "hertz")
+# Of Hertz's law; with this Young's modulus (Pa) over the deck's k_n (N/m) contacts at rest are
+# somewhat softer than with the linear law, so that LAMMPS may keep the step.
+YOUNG_PER_STIFFNESS, POISSON, RESTITUTION = 300, 0.25, 0.5  # 1/m
 
 LAMMPS_INPUT = """units si
 atom_style sphere
@@ -45,11 +52,49 @@ run {steps}
 """
 
 
-def prepare(program, folder):
-    state = folder / "stage_settle.h5"
+def law_words(deck, law):
+    """Of the command line."""
+    if law == "linear":
+        return []
+    stiffness = tomllib.loads(deck.read_text())["contact"][0]["k_n"]
+    return ["contact.0.law=hertz", f"contact.0.restitution={RESTITUTION}",
+            f"material.0.young={YOUNG_PER_STIFFNESS * stiffness}",
+            f"material.0.poisson={POISSON}"]
+
+
+def in_law(lammps_input, law):
+    """An input of LAMMPS for the linear law, or the same with Hertz's."""
+    def hertzian(found):
+        k_n, g_n, g_t, friction = (float(found[part]) for part in (2, 4, 5, 6))
+        young = YOUNG_PER_STIFFNESS * k_n
+        shear = young / (2 * (1 + POISSON))
+        normal = 4 / 3 * young / (2 * (1 - POISSON**2))
+        tangential = 8 * shear / (2 * (2 - POISSON))
+        # The damping as strong where the stiffness is that of the linear law.
+        return (f"{found[1]}hertz/history {normal} {tangential} {g_n * normal / k_n} "
+                f"{g_t * normal / k_n} {friction}")
+    if law == "linear":
+        return lammps_input
+    number = r"(\S+)"
+    return re.sub(rf"(gran(?:/| ))hooke/history {number} {number} {number} {number} {number}",
+                  hertzian, lammps_input)
+
+
+def run_deck(command, folder):
+    launch.run([*map(str, command), "--force", "-o", folder],
+               stdout=subprocess.DEVNULL).check_returncode()
+
+
+def settled(program, folder, law):
+    """Checkpoint of the bed at rest; under Hertz's law it settles again after pouring."""
+    place = folder / f"settled_{law}"
+    state = place / "stage_settle.h5"
     if not state.exists():
-        launch.run([program, "run", DECK, "-o", folder, "--force"],  # what a stop has left
-                   stdout=subprocess.DEVNULL).check_returncode()
+        words = ["stage.rest.duration=0.0005", *law_words(DECK, law)]
+        if law != "linear":
+            settled(program, folder, "linear")
+            words.append(f"start={folder / 'settled_linear' / 'stage_fill.h5'}")
+        run_deck([program, "run", DECK, *words], place)
     return state
 
 
@@ -87,44 +132,84 @@ def write_lammps(state, folder, copies=1):
     return len(x)
 
 
-def run_ours(program, folder, state):
-    out = folder / "run"
-    command = [program, "run", DECK, f"start={state}", "--force", "-o", out]
-    launch.run(command, stdout=subprocess.DEVNULL).check_returncode()
-    found = json.loads((out / "summary.json").read_text())
-    dem = found["dem"]
-    # Of the whole stage, as LAMMPS counts its whole loop; one core.
-    speed = dem["particles"] * dem["measured_steps"] / found["stages"][-1]["wall_time_s"]
-    return dem, speed
+class Ours:
+    """The bed at rest, on a number of ranks with a law."""
+
+    def __init__(self, program, folder, law, ranks):
+        self.law, self.ranks = law, ranks
+        self.state, self.out = settled(program, folder, law), folder / f"{law}_{ranks}"
+        ranked = launch.on_ranks(ranks) if ranks > 1 else []
+        self.command = [*ranked, program, "run", DECK, f"start={self.state}", *law_words(DECK, law)]
+
+    def run(self):
+        """Particle-steps per second and core, of the whole stage: LAMMPS counts its whole loop."""
+        run_deck(self.command, self.out)
+        found = json.loads((self.out / "summary.json").read_text())
+        dem = found["dem"]
+        done = dem["particles"] * dem["measured_steps"]
+        return done / found["stages"][-1]["wall_time_s"] / self.ranks
 
 
-def run_lammps(folder):
-    command = ["lmp", "-in", "spheres.in", "-log", "none"]
-    ran = launch.run(command, cwd=folder, stdout=subprocess.PIPE, text=True)
-    ran.check_returncode()
-    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms",
-                       ran.stdout)
-    seconds, steps, atoms = loops[-1]
-    return int(steps) * int(atoms) / float(seconds)
+class Lammps:
+    """Particles in LAMMPS on a number of ranks."""
+
+    def __init__(self, program, given, ranks, particles, name="spheres", law="linear"):
+        self.program, self.given, self.ranks, self.particles = program, given, ranks, particles
+        self.name, self.law = name, law
+        self.speeds, self.speeds_by_cpu = [], []
+
+    def run(self):
+        ranked = launch.on_ranks(self.ranks) if self.ranks > 1 else []
+        ran = launch.run([*ranked, self.program, "-in", self.given.name, "-log", "none"],
+                         cwd=self.given.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                         text=True)
+        loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps.*?(\S+)% CPU use",
+                           ran.stdout, re.DOTALL)
+        if ran.returncode != 0 or len(loops) < 2:
+            raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])
+        seconds, steps, busy = map(float, loops[-1])
+        self.speeds.append(steps * self.particles / seconds / self.ranks)
+        self.speeds_by_cpu.append(self.speeds[-1] / (busy / 100))
+        return self.speeds[-1]
+
+    def speed(self):
+        return max(self.speeds)
+
+    def speed_by_cpu(self):
+        return max(self.speeds_by_cpu)
+
+
+def in_lammps(programs, ours, folder):
+    """The same spheres with the same law on as many ranks in each of the programs."""
+    particles = write_lammps(ours.state, folder)
+    data = folder / f"spheres_{ours.law}.data"
+    (folder / "spheres.data").replace(data)
+    given = folder / f"spheres_{ours.law}.in"
+    text = (folder / "spheres.in").read_text().replace("spheres.data", data.name)
+    given.write_text(in_law(text, ours.law))
+    return [Lammps(program, given, ours.ranks, particles) for program in programs]
 
 
 def main():
     program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
+    programs = [str(Path(p).resolve()) if "/" in p else p for p in sys.argv[4:]] or ["lmp"]
     folder.mkdir(parents=True, exist_ok=True)
-    state = prepare(program, folder)
-    write_lammps(state, folder)
-    ours, theirs = [], []
+    cases = [Ours(program, folder, law, ranks) for law in LAWS for ranks in RANKS]
+    theirs = [in_lammps(programs, ours, folder) for ours in cases]
+    found = [[[] for _ in programs] for _ in cases]
+    print("law     ranks   trackbed" + "".join(f"  {Path(p).name:>9}  ratio" for p in programs))
     for _ in range(runs):
-        dem, speed = run_ours(program, folder, state)
-        ours.append(speed)
-        theirs.append(run_lammps(folder))
-        ratio = ours[-1] / theirs[-1]
-        print(f"trackbed {ours[-1]:.3e}  LAMMPS {theirs[-1]:.3e}  ratio {ratio:.2f}", flush=True)
-    print(f"{dem['particles']} spheres, {dem['contacts_per_particle']:.2f} contacts each")
-    ratio = statistics.median(a / b for a, b in zip(ours, theirs))
-    print(f"medians: trackbed {statistics.median(ours):.3e}, "
-          f"LAMMPS {statistics.median(theirs):.3e}, ratio {ratio:.2f}")
+        for ours, others, kept in zip(cases, theirs, found):
+            speed, line = ours.run(), ""
+            for other, ratios in zip(others, kept):
+                ratios.append(speed / other.run())
+                line += f"  {other.speeds[-1]:9.3e}  {ratios[-1]:5.2f}"
+            print(f"{ours.law:6} {ours.ranks:6}  {speed:9.3e}{line}", flush=True)
+    for ours, kept in zip(cases, found):
+        medians = "  ".join(f"{statistics.median(ratios):.2f} ({name})"
+                            for name, ratios in zip(programs, kept))
+        print(f"median ratio, {ours.law} on {ours.ranks}: {medians}")
 
 
 if __name__ == "__main__":

@@ -16,9 +16,7 @@ hides from the wall time. LAMMPS (Debian's) moves the spheres of inputs/bench/sp
 left out where there is no `lmp`.
 """
 import json
-import re
 import shutil
-import subprocess
 import sys
 import time
 import tomllib
@@ -29,15 +27,11 @@ import numpy as np
 
 import bench_spheres
 import launch
+from bench_spheres import LAWS, RANKS, Lammps, in_law, law_words, run_deck
 
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
-NAMES = ("stones12", "stones24", "compound", "clumps")
-RANKS = (1, 2)
-LAWS = ("linear", "hertz")
-# Of Hertz's law; with this Young's modulus (Pa) over the deck's k_n (N/m) contacts at rest are
-# somewhat softer than with the linear law, so that LAMMPS may keep the step.
-YOUNG_PER_STIFFNESS, POISSON, RESTITUTION = 300, 0.25, 0.5  # 1/m
 STEPS = 1000  # of LAMMPS
+NAMES = ("stones12", "stones24", "compound", "clumps")
 CELL_SIDE = {"spheres": 0.125, "stones": 0.28}  # m, along x and y
 # s. A bed of copies goes on as its cell would have: it need not settle again.
 LAY = ["stage.fill.duration=0.0005", "stage.settle.duration=0.0005"]
@@ -75,21 +69,6 @@ def copies_for(name, ranks):
     area = (bed["x"][1] - bed["x"][0]) * (bed["y"][1] - bed["y"][0])
     side = CELL_SIDE["spheres" if name == "spheres" else "stones"]
     return ranks * round(area / side**2)
-
-
-def law_words(deck, law):
-    """Of the command line."""
-    if law == "linear":
-        return []
-    stiffness = tomllib.loads(deck.read_text())["contact"][0]["k_n"]
-    return ["contact.0.law=hertz", f"contact.0.restitution={RESTITUTION}",
-            f"material.0.young={YOUNG_PER_STIFFNESS * stiffness}",
-            f"material.0.poisson={POISSON}"]
-
-
-def run_deck(command, folder):
-    launch.run([*map(str, command), "--force", "-o", folder],
-               stdout=subprocess.DEVNULL).check_returncode()
 
 
 def settled_cell(program, folder, name, law):
@@ -225,50 +204,12 @@ class Clumps:
         return len(self.x)
 
 
-def hertzian(lammps_input):
-    """An input of LAMMPS with Hertz's law instead of the linear one."""
-    def law(found):
-        k_n, g_n, g_t, friction = (float(found[part]) for part in (2, 4, 5, 6))
-        young = YOUNG_PER_STIFFNESS * k_n
-        shear = young / (2 * (1 + POISSON))
-        normal = 4 / 3 * young / (2 * (1 - POISSON**2))
-        tangential = 8 * shear / (2 * (2 - POISSON))
-        # The damping as strong where the stiffness is that of the linear law.
-        return (f"{found[1]}hertz/history {normal} {tangential} {g_n * normal / k_n} "
-                f"{g_t * normal / k_n} {friction}")
-    number = r"(\S+)"
-    return re.sub(rf"(gran(?:/| ))hooke/history {number} {number} {number} {number} {number}", law,
-                  lammps_input)
-
-
-class Lammps:
-    """The particles of a case in LAMMPS, on its ranks with its law."""
-
-    def __init__(self, case, write, name):
-        self.name, self.ranks, self.law, self.folder = name, case.ranks, case.law, case.folder
-        self.particles = write(case)
-        self.input = self.folder / f"{name}_{case.law}.in"
-        text = (self.folder / f"{name}.in").read_text()
-        self.input.write_text(hertzian(text) if case.law == "hertz" else text)
-        self.speeds, self.speeds_by_cpu = [], []
-
-    def run(self):
-        ranked = launch.on_ranks(self.ranks) if self.ranks > 1 else []
-        ran = launch.run([*ranked, "lmp", "-in", self.input.name, "-log", "none"], cwd=self.folder,
-                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps.*?(\S+)% CPU use",
-                           ran.stdout, re.DOTALL)
-        if ran.returncode != 0 or len(loops) < 2:
-            raise SystemExit("LAMMPS stopped:\n" + ran.stdout[-2000:])
-        seconds, steps, busy = map(float, loops[-1])
-        self.speeds.append(steps * self.particles / seconds / self.ranks)
-        self.speeds_by_cpu.append(self.speeds[-1] / (busy / 100))
-
-    def speed(self):
-        return max(self.speeds)
-
-    def speed_by_cpu(self):
-        return max(self.speeds_by_cpu)
+def in_lammps(case, write, name):
+    """The particles of a case in Debian's LAMMPS, on its ranks with its law."""
+    particles = write(case)
+    given = case.folder / f"{name}_{case.law}.in"
+    given.write_text(in_law((case.folder / f"{name}.in").read_text(), case.law))
+    return Lammps("lmp", given, case.ranks, particles, name=name, law=case.law)
 
 
 def write_spheres(case):
@@ -281,9 +222,9 @@ def write_clumps(case):
 
 
 def beside_lammps(program, folder, cases):
-    found = [Lammps(Case(program, folder, "spheres", ranks, law), write_spheres, "spheres")
+    found = [in_lammps(Case(program, folder, "spheres", ranks, law), write_spheres, "spheres")
              for law in LAWS for ranks in RANKS]
-    return found + [Lammps(case, write_clumps, "clumps") for case in cases
+    return found + [in_lammps(case, write_clumps, "clumps") for case in cases
                     if case.name == "clumps"]
 
 

@@ -15,8 +15,8 @@ using namespace impacts;
 
 TEST(Impact, FrictionWhileSlidingIsMuOfTheNormalImpulse) {
   constexpr double mu = 0.6;
-  const Motion before{{1.932, 0, -0.5176}, Vec3::Zero()};
-  const auto check = [&](const Ball& ball, const std::string& which) {
+  const auto check = [&](const Ball& ball, double speed, const std::string& which) {
+    const Motion before{{speed, 0, -0.5176}, Vec3::Zero()};
     const Motion after = thrown(ball, before, 0.01 * contact_time(ball, 0.5176));
     const Vec3 change = after.velocity - before.velocity;
     // It slips from the first step, so that each force is at the limit: only rounding is left.
@@ -25,9 +25,13 @@ TEST(Impact, FrictionWhileSlidingIsMuOfTheNormalImpulse) {
   };
   // The slip ends at the end of the collision where 7/2 mu (1 + e) v_n = v_t: e = 0.78.
   for (const double e : {0.1, 0.2, 0.35, 0.5, 0.7, 0.77})
-    check({.restitution = e, .friction = mu}, fmt::format("hertz, e = {:g}", e));
-  for (const double zeta : {0.0, 0.2, 0.5})
-    check({.friction = mu, .hertz = false, .zeta = zeta}, fmt::format("linear, zeta = {:g}", zeta));
+    check({.restitution = e, .friction = mu}, 1.932, fmt::format("hertz, e = {:g}", e));
+  for (const double zeta : {0.2, 0.5})
+    check({.friction = mu, .hertz = false, .zeta = zeta}, 1.932,
+          fmt::format("linear, zeta = {:g}", zeta));
+  // With e = 1 it slips to the end from 2.174 m/s on.
+  check({.restitution = 1, .friction = mu}, 2.2, "hertz, e = 1");
+  check({.friction = mu, .hertz = false, .zeta = 0}, 2.2, "linear, zeta = 0");
 }
 
 // Sliding throughout, with spins before: v_t' = v_t - mu (1 + e) v_n,
