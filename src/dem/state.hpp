@@ -24,8 +24,8 @@ struct State {
   std::vector<Vec4> q;             // attitude, unit quaternion
   std::vector<Vec4> v;             // m/s; w: mass
   std::vector<Vec4> l;  // kg m^2/s, angular momentum in space axes; w: 1 over the moment about y
-  std::vector<Vec4> f;             // N, from contacts, at the time of x
-  std::vector<Vec4> t;             // Nm
+  std::vector<Vec4> f;  // N, from contacts, at the time of x
+  std::vector<Vec4> t;  // Nm
   // Derived
   std::vector<Vec4> w;        // rad/s, spin in space axes at the time of v in the force loop
   std::vector<Vec4> inertia;  // kg m^2, principal moments

@@ -54,7 +54,7 @@ struct alignas(64) Block {
   LaneNumbers i, j, entry;  // particles; number in the list
   std::array<std::int32_t, lanes> piece_i, piece_j;
   std::array<std::uint16_t, lanes> shift;
-  std::uint32_t features;       // number of the first one
+  std::uint32_t features;  // number of the first one
   // Features there are: two stones that lie face on face may have more than 255 of a kind.
   std::uint16_t corners, edges;
   std::uint8_t law;
