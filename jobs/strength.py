@@ -77,27 +77,29 @@ SQUEEZED = "stage_compact.h5"    # the checkpoint that tests of one bed start fr
 def test(pressure, inertial=1e-3, changes=()):
     """Changes of the deck for one pressure."""
     rate = inertial / (SIZE * (DENSITY / pressure)**0.5)
-    return [*SPECIMEN, f"stage.squeeze.pressure={pressure}", f"stage.squeeze.confinement={pressure}",
-            f"stage.triaxial.confinement={pressure}", f"stage.triaxial.duration={STRAIN / rate}",
+    return [*SPECIMEN, f"stage.squeeze.pressure={pressure}",
+            f"stage.squeeze.confinement={pressure}", f"stage.triaxial.confinement={pressure}",
+            f"stage.triaxial.duration={STRAIN / rate}",
             f"stage.triaxial.displacement={STRAIN * HEIGHT}", *changes]
 
 
-# Row: the row whose bed it starts from (None: its own), inertial number, changes.
+# Row: the row whose bed at PACKED its tests start from (itself; None: each test packs its own),
+# inertial number, changes.
 TRIAXIAL = {
-    "base": (None, 1e-3, ()),
-    "fast": ("base", 5e-3, ()),
-    "slow": ("base", 3e-4, ()),
-    "no gravity": ("base", 1e-3, ("gravity=0",)),
+    "base": ("base", 1e-3, ()),
     # At 10 kPa as soft against the pressure as base at 60 kPa; and the other way round.
     "k_n / 6": ("base", 1e-3, tuple(stiff(5e6 / 6))),
     "k_n x 6": ("base", 1e-3, tuple(stiff(30e6))),
+    "pressed at 10 kPa": (None, 1e-3, ("stage.compact.pressure=10e3",)),
+    "fast": ("base", 5e-3, ()),
+    "slow": ("base", 3e-4, ()),
+    "no gravity": ("base", 1e-3, ("gravity=0",)),
     "wall friction 0": ("base", 1e-3, ("contact.1.friction=0",)),
     "wall friction 0.3": ("base", 1e-3, ("contact.1.friction=0.3",)),
     "friction 1.0": ("base", 1e-3, ("contact.0.friction=1.0",)),
     "damping 0": ("base", 1e-3, ("stage.triaxial.local_damping=0",)),
-    "rounding 0.05": (None, 1e-3, ("bed.polyhedron.rounding=0.05",)),
-    "corners 24": (None, 1e-3, ("bed.polyhedron.vertices=24",)),
-    "packed at 0.3": (None, 1e-3, ("stage.fill.friction=0.3", "stage.compact.friction=0.3")),
+    "rounding 0.05": ("rounding 0.05", 1e-3, ("bed.polyhedron.rounding=0.05",)),
+    "corners 24": ("corners 24", 1e-3, ("bed.polyhedron.vertices=24",)),
 }
 
 
@@ -140,8 +142,8 @@ def heaps(given):
 
 
 def triaxial_figures(folder):
-    """Friction angle at the peak and in the last tenth, strain at the peak (%), dilation angle about
-    it, degrees, and density before the test, kg/m3."""
+    """Friction angle at the peak and in the last tenth, strain at the peak (%), dilation angle
+    about it, degrees, and density before the test, kg/m3."""
     results = read.results(folder)
     got = laboratory.triaxial(results)
     most, last, peak = laboratory.strength(got)
@@ -155,17 +157,18 @@ def triaxial_figures(folder):
 
 def place(given, row, pressure, seed):
     """Where a triaxial test is run."""
-    return given.folder / f"{row.replace(' ', '_').replace('/', 'over')}_{pressure / 1e3:.0f}_{seed}"
+    word = row.replace(" ", "_").replace("/", "over")
+    return given.folder / f"{word}_{pressure / 1e3:.0f}_{seed}"
 
 
 def triaxial_test(given, row, pressure, seed):
     """The folder of the test, run if it was not yet, after the one whose bed it starts from."""
     bed, inertial, changes = TRIAXIAL[row]
-    packed, here = place(given, bed or row, PACKED, seed), place(given, row, pressure, seed)
-    own = TRIAXIAL[bed or row][1:]
-    run(given.program, "triaxial.toml", packed, [f"bed.seed={seed}", *test(PACKED, *own)])
+    here, start = place(given, row, pressure, seed), []
+    if bed and (bed, PACKED) != (row, pressure):
+        start = [f"start='{triaxial_test(given, bed, PACKED, seed) / SQUEEZED}'"]
     run(given.program, "triaxial.toml", here,
-        [f"bed.seed={seed}", f"start='{packed / SQUEEZED}'", *test(pressure, inertial, changes)])
+        [f"bed.seed={seed}", *start, *test(pressure, inertial, changes)])
     return here
 
 
