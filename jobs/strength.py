@@ -103,13 +103,19 @@ TRIAXIAL = {
 }
 
 
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
 def run(program, deck, folder, changes):
-    if (folder / "summary.json").exists():
+    """Unless it has been run to its end."""
+    if (folder / "summary.json").exists() and summary(folder)["finished"]:
         return
-    done = launch.run([program, "run", str(ROOT / "inputs/bed" / deck), *changes, "-o", str(folder),
-                       "--force"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        raise SystemExit(f"{folder}: {done.stderr}")
+    ran = launch.run([program, "run", str(ROOT / "inputs/bed" / deck), *changes, "-o", str(folder),
+                      "--force"], "the same command goes on", stdout=subprocess.PIPE,
+                     stderr=subprocess.PIPE, text=True)
+    if ran.returncode:
+        launch.fail(ran, folder.name)
 
 
 def line(name, columns):
@@ -126,7 +132,7 @@ def heap_figures(folder):
     size = np.median(next(reversed(results.stones.values())).sieved[:, 0])
     angle, _, flank = heap.flank(heap.placed(saved), size)
     top = flank[-1, 1] / heap.LEVELS[1]
-    counts = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["dem"]
+    counts = summary(folder)["dem"]
     return angle, 1e3 * top, counts["particles"], 1e3 * counts["core_overlaps"] / counts["steps"]
 
 
@@ -149,8 +155,8 @@ def triaxial_figures(folder):
     most, last, peak = laboratory.strength(got)
     axial = got["axial"]
     near = np.abs(axial - axial[peak]) < axial[-1] / 6
-    stages = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["stages"]
-    density = next(s["bulk_density_kg_m3"] for s in stages if s["name"] == "squeeze")
+    density = next(stage["bulk_density_kg_m3"] for stage in summary(folder)["stages"]
+                   if stage["name"] == "squeeze")
     return (most, last, 100 * axial[peak],
             laboratory.dilation_angle(axial[near], got["volumetric"][near]), density)
 
@@ -190,6 +196,10 @@ def main():
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
     parser.add_argument("--pressures", nargs="+", type=float, default=PRESSURES)
     given = parser.parse_args()
+    known = HEAPS if given.test == "heap" else TRIAXIAL
+    for row in given.rows or ():
+        if row not in known:
+            launch.refuse(f"--rows {row}: must be of {', '.join(known)}")
     launch.make_folder(given.folder)
     (heaps if given.test == "heap" else triaxial)(given)
 
