@@ -75,7 +75,7 @@ int run(const par::Comm& comm, const Arguments& arguments) {
   try_options(comm, model);
   const StonesToPlace to_place = require_placed(comm, model, deck);
   warnings.add(to_place.warnings);
-  if (model.has_stages()) require_stones(comm, model, deck);
+  if (model.has_stages()) warnings.add(warnings_of(model, require_stones(comm, model, deck)));
   look_at_cell(model, deck, origin);
   look_at_profiles(model, warnings);
   // After all checks and before the model is built: a refused run has removed nothing, and a folder
@@ -118,6 +118,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
   const StonesToPlace to_place = require_placed(comm, model, deck);
   warnings.add(to_place.warnings);
   const StonesOfLayers stones = require_stones(comm, model, deck);
+  warnings.add(warnings_of(model, stones));
   look_at_cell(model, deck, warnings);
   look_at_profiles(model, warnings);
   World world(comm, model);

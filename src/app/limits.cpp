@@ -317,6 +317,24 @@ StonesOfLayers require_stones(const par::Comm& comm, const Model& model, const i
   return layers;
 }
 
+// A sieve does not feel the length of a stone that passes it lengthwise. EN 13450 counts stones of
+// a length above three times their thickness; those of the default proportions measure 1.5 sieves,
+// at most 1.9.
+std::vector<std::string> warnings_of(const Model& model, const StonesOfLayers& layers) {
+  constexpr double surprising = 2.5;
+  std::vector<std::string> all;
+  for (const auto& [name, stones] : layers) {
+    const double sieve = sieve_high(model.bed.of_layer(name));
+    if (!(stones.longest > surprising * sieve)) continue;
+    all.push_back(fmt::format(
+        "{}: the longest stone measures {:.3g} mm, {:.2g} times the largest sieve of {:.3g} mm, "
+        "since its shape is elongated or flat (`trackbed shapes` shows S, I and L)",
+        name.empty() ? "bed" : fmt::format("bed.layer.{}", name), 1e3 * stones.longest,
+        stones.longest / sieve, 1e3 * sieve));
+  }
+  return all;
+}
+
 StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
   const double thickness = model.dimension == Dimension::plane ? model.thickness : 1;
   double lightest = infinite, largest = 0;

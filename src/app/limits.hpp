@@ -52,6 +52,9 @@ using StonesOfLayers = std::map<std::string, bed::Stones>;
 // Returns what they will be, since placing them takes its time. Collective.
 StonesOfLayers require_stones(const par::Comm& comm, const Model& model, const input::Deck& deck);
 
+// Sentences about layers whose stones are much longer than the sieves they pass.
+std::vector<std::string> warnings_of(const Model& model, const StonesOfLayers& layers);
+
 // Longest stable sub-step of the stones, safety included.
 struct StonesStep {
   double longest = 0;   // s

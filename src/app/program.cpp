@@ -45,13 +45,16 @@ std::vector<std::string> split_off_petsc(int& argc, char** argv) {
 // Ranges are those the geometry can make; beyond them it would throw with less helpful words.
 void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("file", shapes.files, "Decks (.toml), libraries (.h5), meshes (.stl .ply .obj)");
-  sub->add_option("--stones", shapes.stones, "So many parametric stones, extent 1 m")
+  sub->add_option("--stones", shapes.stones, "So many parametric stones, length 1 m")
       ->check(CLI::Range(0, 100000));
-  sub->add_option("--elongation", shapes.stone.elongation, "Of stones: extent y over x")
+  sub->add_option("--elongation", shapes.stone.elongation, "Of stones: width over length, I/L")
       ->check(CLI::Range(0.1, 1.0))
       ->capture_default_str();
-  sub->add_option("--flatness", shapes.stone.flatness, "Of stones: extent z over y")
+  sub->add_option("--flatness", shapes.stone.flatness, "Of stones: thickness over width, S/I")
       ->check(CLI::Range(0.1, 1.0))
+      ->capture_default_str();
+  sub->add_option("--spread", shapes.stone.spread, "Of stones: scatter of both proportions, +-")
+      ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   sub->add_option("--angularity", shapes.stone.angularity, "Of stones: 0 an ellipsoid, to 1")
       ->check(CLI::Range(0.0, 1.0))

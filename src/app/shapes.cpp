@@ -52,12 +52,14 @@ void append(std::vector<NamedShape>& shapes, std::vector<NamedShape> more) {
   for (NamedShape& shape : more) shapes.push_back(std::move(shape));
 }
 
-// Surface of what the pieces cover, and the box around it in principal axes.
+// Surface of what the pieces cover, the box around it in principal axes and that of callipers.
 // Corners and faces are those of the cores. Overlapping pieces have no closed form of their common
 // surface: it is then counted by lines, to about a per cent.
 struct Measures {
   double area = 0;
   Vec3 extents = Vec3::Zero();
+  geom::Callipers callipers;
+  double greatest = 0;  // m
   std::size_t vertices = 0, faces = 0;
 };
 
@@ -73,6 +75,8 @@ Measures measures_of(const dem::Template& shape) {
     }
   }
   m.extents = high - low;
+  m.callipers = geom::callipers_of(shape.pieces);
+  m.greatest = geom::greatest_extent(shape.pieces);
   m.area = shape.pieces.size() == 1 ? geom::surface_area(shape.pieces[0])
                                     : geom::union_area(shape.pieces);
   return m;
@@ -86,22 +90,24 @@ std::string row(const NamedShape& named, Dimension dimension) {
   const bool plane = dimension == Dimension::plane;
   return fmt::format(
       "{:<20} {:>6} {:>8} {:>5} {:>10.4g} {:>7.1f} {:>7.1f} {:>7.1f} {:>10} {:>7.2f} "
-      "{:>6.2f} {:>6.2f} {:>6.2f}\n",
+      "{:>6.2f} {:>6.2f} {:>6.2f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f}\n",
       named.name, shape.pieces.size(), m.vertices, m.faces, shape.volume * (plane ? 1e4 : 1e6),
       1e3 * m.extents.x(), 1e3 * m.extents.y(), 1e3 * m.extents.z(),
       plane ? "-" : fmt::format("{:.3f}", geom::sphericity(shape.volume, m.area)),
-      1e3 * shape.sieve, gyration.x(), gyration.y(), gyration.z());
+      1e3 * shape.sieve, gyration.x(), gyration.y(), gyration.z(), 1e3 * m.callipers.thickness,
+      1e3 * m.callipers.width, 1e3 * m.callipers.length, 1e3 * m.greatest);
 }
 
-// Extents and radii of gyration (root of principal inertia over mass) along and about the same
-// axes.
+// Thickness S, width I and length L by callipers; the greatest extent; the box in principal axes;
+// radii of gyration (root of principal inertia over mass) about these. At the end, what was added
+// last, so that columns keep their places.
 std::string table(const std::vector<NamedShape>& shapes, Dimension dimension) {
   std::string text = fmt::format(
       "{:<20} {:>6} {:>8} {:>5} {:>10} {:>7} {:>7} {:>7} {:>10} {:>7} "
-      "{:>6} {:>6} {:>6}\n",
+      "{:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>9}\n",
       "name", "pieces", "vertices", "faces",
       dimension == Dimension::plane ? "area cm2" : "volume cm3", "x mm", "y mm", "z mm",
-      "sphericity", "sieve", "i_x mm", "i_y mm", "i_z mm");
+      "sphericity", "sieve", "i_x mm", "i_y mm", "i_z mm", "S mm", "I mm", "L mm", "greatest");
   for (const NamedShape& named : shapes) {
     text += row(named, dimension);
     for (const std::string& note : named.notes) text += "  " + note + "\n";
@@ -145,7 +151,9 @@ std::string write_picture(const std::string& file, const std::vector<NamedShape>
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const Vec3 at =
         pitch * Vec3(static_cast<double>(k % columns), static_cast<double>(k / columns), 0);
-    picture << "o " << shapes[k].name << "\n";
+    const geom::Callipers c = geom::callipers_of(shapes[k].shape.pieces);
+    picture << fmt::format("o {}\n# S {:.9g} I {:.9g} L {:.9g} m by callipers\n", shapes[k].name,
+                           c.thickness, c.width, c.length);
     for (std::size_t p = 0; p < shapes[k].shape.pieces.size(); ++p) {
       const geom::Mesh mesh = geom::surface_of(shapes[k].shape.pieces[p]);
       picture << fmt::format("g {}_{}\n", shapes[k].name, p);
@@ -186,6 +194,7 @@ std::vector<std::string> idle_options(const ShapeArguments& arguments) {
   const Rule rules[] = {
       {"--elongation", stones, of_stones},
       {"--flatness", stones, of_stones},
+      {"--spread", stones, of_stones},
       {"--angularity", stones, of_stones},
       {"--seed", stones, of_stones},
       {"--unit", meshes, of_meshes},

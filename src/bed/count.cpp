@@ -24,6 +24,7 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
         mix.templates()[static_cast<std::size_t>(draw.shape)].volume * std::pow(draw.scale, power);
     stones.smallest_volume = std::min(stones.smallest_volume, volume);
     stones.largest_bound = std::max(stones.largest_bound, mix.bound(draw));
+    stones.longest = std::max(stones.longest, mix.extent(draw));
   }
   // Placed and thrown away: whether they fit is to be known before anything runs.
   const auto [begin, count] =

@@ -135,9 +135,9 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
 // Local: drawn from the seed alone.
 NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std::uint64_t seed) {
   try {
-    const geom::Convex hull = geom::stone(stone, seed);
-    const double radius = rounding * diameter(geom::steiner_of(hull).volume);
-    return {fmt::format("stone_{}", seed), geom::template_of({geom::rounded(hull, radius)}), {}};
+    return {fmt::format("stone_{}", seed),
+            geom::template_of({geom::rounded_stone(stone, rounding, seed)}),
+            {}};
   } catch (const std::invalid_argument& problem) {
     throw InputError({fmt::format("parametric stone {}: {}", seed, problem.what())});
   }

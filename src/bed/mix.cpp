@@ -35,7 +35,10 @@ Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::
   } else {
     add_scaled(parameters, dimension);
   }
-  for (const dem::Template& shape : templates_) bounds_.push_back(geom::bounding_radius(shape));
+  for (const dem::Template& shape : templates_) {
+    bounds_.push_back(geom::bounding_radius(shape));
+    extents_.push_back(geom::greatest_extent(shape.pieces));
+  }
 }
 
 // Each outline has a size of its own, so that all pebbles have the same radius. It stands for an
@@ -85,6 +88,10 @@ Draw Mix::draw(std::uint64_t k, std::uint64_t count) const {
 
 double Mix::bound(const Draw& draw) const {
   return bounds_[static_cast<std::size_t>(draw.shape)] * draw.scale;
+}
+
+double Mix::extent(const Draw& draw) const {
+  return extents_[static_cast<std::size_t>(draw.shape)] * draw.scale;
 }
 
 // By the largest stone of each shape, not by the largest sieve: long shapes reach further than they

@@ -28,9 +28,10 @@ class Mix {
   const std::vector<dem::Template>& templates() const { return templates_; }
   // The k-th of `count` stones, from small to large: all of them together have the grading.
   Draw draw(std::uint64_t k, std::uint64_t count) const;
-  double bound(const Draw& draw) const;  // m, radius of the circle or sphere around the stone
-  double largest_bound() const;          // m, of all that can be drawn
-  double mean_volume() const;            // m^3 (plane: m^2), number mean
+  double bound(const Draw& draw) const;   // m, radius of the circle or sphere around the stone
+  double extent(const Draw& draw) const;  // m, greatest distance of two of its points
+  double largest_bound() const;           // m, of all that can be drawn
+  double mean_volume() const;             // m^3 (plane: m^2), number mean
 
  private:
   void add_outlines(const BedParameters& parameters);
@@ -40,6 +41,7 @@ class Mix {
   double power_;
   std::vector<dem::Template> templates_;
   std::vector<double> bounds_;     // m at unit scale
+  std::vector<double> extents_;    // likewise
   std::vector<double> frequency_;  // pebbles: cumulative share by number
 };
 

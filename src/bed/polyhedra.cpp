@@ -46,10 +46,17 @@ int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t sh
 void PolyhedronParameters::declare(input::Section& s) {
   s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
             "Corners of a stone; its faces are triangles, twice as many less four.");
-  s.number("elongation", elongation, {.above = 0, .at_most = 1},
-           "Middle over longest side of the box around the stone.");
+  s.number(
+      "elongation", elongation, {.above = 0, .at_most = 1},
+      "Width over length (I/L) of the stone, rounding included, between callipers: thickness S "
+      "is its smallest distance of parallel jaws, width I the smallest at right angles to "
+      "it, length L at right angles to both. Above about 0.95 there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = 1},
-           "Shortest over middle side of the box around the stone.");
+           "Thickness over width (S/I), measured likewise.");
+  s.number(
+      "spread", spread, {.at_least = 0, .at_most = 0.5},
+      "Scatter of elongation and flatness over the shapes: each is drawn evenly from the "
+      "wanted value +- this, at most 0.95. 0: all shapes have just the proportions asked for.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
            "0: corners evenly spread over an ellipsoid; 1: a worn polyhedron of few main corners.");
   s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
@@ -69,10 +76,9 @@ dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) 
   const std::uint64_t seed =
       mix(static_cast<std::uint64_t>(parameters.seed) ^ mix(static_cast<std::uint64_t>(k)));
   try {
-    const geom::Convex hull =
-        geom::stone({p.elongation, p.flatness, p.angularity, static_cast<int>(p.vertices)}, seed);
-    const double diameter = std::cbrt(6 * geom::steiner_of(hull).volume / std::numbers::pi);
-    const geom::Piece whole = geom::rounded(hull, p.rounding * diameter);
+    const geom::Piece whole = geom::rounded_stone(
+        {p.elongation, p.flatness, p.angularity, static_cast<int>(p.vertices), p.spread},
+        p.rounding, seed);
     if (parameters.stone == StoneKind::compound) return compound(whole, static_cast<int>(p.pieces));
     if (parameters.stone == StoneKind::clump)
       return filled(whole, spheres_of(p.spheres, k, parameters.shapes));

@@ -7,10 +7,16 @@
 // over the sphere gather around the main corners as those of a real stone do. (Points at given
 // directions on a superellipsoid, the usual way, cut the corners: at proportions near 1 their
 // sphericity does not fall below 0.8.) All of them are corners in exact arithmetic; if some do not
-// stand out clearly, the stone is worn a little more. Stretching along the axes keeps corners
-// corners and makes the proportions exact.
+// stand out clearly, the stone is worn a little more. Then it is stretched along its own width and
+// thickness until these have the wanted proportions to its length, as callipers measure them on the
+// rounded stone (Zingg 1935; review: Blott, Pye 2008, doi:10.1111/j.1365-3091.2007.00892.x). A
+// stone that does not get there is worn more as well: a ball is nearest to proportions of 1.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "trackbed/core/hash.hpp"
@@ -74,9 +80,74 @@ std::vector<Vec3> support_points(const std::vector<Vec3>& directions,
   return points;
 }
 
+// m, radius of rounding of a core that makes a stone of this rounding, by Steiner's formula.
+// The difference of both sides has one root: the radius grows faster than the ball's diameter.
+double radius_of(const Convex& core, double rounding, double extent) {
+  if (rounding == 0) return 0;
+  const Steiner s = steiner_of(core);
+  double low = 0, high = extent;
+  constexpr int halvings = 60;  // to the last bit
+  for (int k = 0; k < halvings; ++k) {
+    const double r = (low + high) / 2;
+    const double volume = s.volume + r * (s.area + r * (s.bend + r * 4 * pi / 3));
+    (r < rounding * std::cbrt(6 * volume / pi) ? low : high) = r;
+  }
+  return (low + high) / 2;
+}
+
+// A stone between callipers.
+struct Measured {
+  Piece stone;
+  Callipers core;  // of its core
+};
+
+Measured measured(const std::vector<Vec3>& points, const std::vector<std::vector<int>>& faces,
+                  double rounding) {
+  Measured m{{convex_of(points, faces), 0}, {}};
+  m.core = callipers_of(m.stone.core);
+  m.stone.radius = radius_of(m.stone.core, rounding, m.core.length);
+  return m;
+}
+
+void stretch(std::vector<Vec3>& points, const Vec3& along, double factor) {
+  for (Vec3& p : points) p += (factor - 1) * along.dot(p) * along;
+}
+
+// Length 1 along x, width along y, thickness along z, about the centre of mass.
+Piece upright(const Measured& m) {
+  const Quat turn(Mat3(m.core.axes.transpose()));
+  const double length = m.core.length + 2 * m.stone.radius;
+  Piece piece{scaled(moved(m.stone.core, turn, Vec3::Zero()), 1 / length), m.stone.radius / length};
+  piece.core = moved(piece.core, Quat::Identity(), -piece_solid(piece).centre);
+  return piece;
+}
+
+// Stretches width and thickness of the core until those of the stone have the wanted proportions.
+// Stretching is affine, so it keeps the hull convex, its corners and its faces; but another width
+// may then be the smallest, so it is repeated. Near proportions of 1 bodies of few corners do not
+// get there: nothing then.
+std::optional<Piece> proportioned(const Convex& hull, const StoneShape& shape, double rounding) {
+  constexpr int passes = 60;
+  constexpr double close = 1e-10;  // of the sides
+  std::vector<std::vector<int>> faces;
+  for (const Face& face : hull.faces) faces.push_back(face.vertices);
+  std::vector<Vec3> points = hull.vertices;
+  for (int pass = 0; pass < passes; ++pass) {
+    const Measured m = measured(points, faces, rounding);
+    const double both = 2 * m.stone.radius, width = shape.elongation * (m.core.length + both);
+    const double wide = (width - both) / m.core.width;
+    const double thick = (shape.flatness * width - both) / m.core.thickness;
+    if (std::max(std::abs(wide - 1), std::abs(thick - 1)) < close) return upright(m);
+    constexpr double most = 0.5;  // the radius falls with the core, so that it stays possible
+    stretch(points, m.core.axes.col(1), std::max(wide, most));
+    stretch(points, m.core.axes.col(2), std::max(thick, most));
+  }
+  return {};
+}
+
 // At an angularity of 0 the main corners vanish and rho is 1: an even ball. All draws come before
 // the wear, so that how much a stone is worn changes no draw.
-std::vector<Vec3> all_corners(const StoneShape& shape, std::uint64_t seed) {
+std::optional<Piece> drawn(const StoneShape& shape, double rounding, std::uint64_t seed) {
   constexpr double clear = 2e-3;  // of the extent a corner stands out at least
   constexpr double wear = 0.05;
   Draw draw(seed);
@@ -86,24 +157,42 @@ std::vector<Vec3> all_corners(const StoneShape& shape, std::uint64_t seed) {
   const auto directions = spread_directions(shape.vertices, shape.angularity / 2, draw);
   for (double rho = 1 - 0.7 * shape.angularity; rho < 3; rho += wear) {
     const std::vector<Vec3> points = support_points(directions, main_corners, rho);
-    if (convex_hull(points, clear).vertices.size() == points.size()) return points;
+    if (convex_hull(points, clear).vertices.size() != points.size()) continue;
+    if (std::optional<Piece> stone = proportioned(convex_hull(points), shape, rounding))
+      return stone;
   }
-  throw std::invalid_argument("no stone of this many corners: 6 to 200 are possible");
+  return {};
 }
 
 }  // namespace
 
-// Stretching is affine, so it keeps the hull convex and its corners corners; the hull is made anew
-// for the faces' normals.
+// Keys beyond those of the polyhedron's draws, so that a spread leaves the polyhedra as they are.
+StoneShape proportions_of(const StoneShape& shape, std::uint64_t seed) {
+  if (shape.spread == 0) return shape;
+  constexpr std::uint64_t beyond = std::uint64_t{1} << 32;
+  constexpr double least = 0.1, most = 0.95;  // what stones of 6 corners and more reach
+  const auto around = [&](double wanted, std::uint64_t key) {
+    const double off = shape.spread * (2 * uniform(seed, beyond + key) - 1);
+    return std::clamp(wanted + off, std::min(least, wanted), std::max(most, wanted));
+  };
+  StoneShape own = shape;
+  own.elongation = around(shape.elongation, 0), own.flatness = around(shape.flatness, 1);
+  own.spread = 0;
+  return own;
+}
+
+Piece rounded_stone(const StoneShape& shape, double rounding, std::uint64_t seed) {
+  const StoneShape own = proportions_of(shape, seed);
+  if (std::optional<Piece> stone = drawn(own, rounding, seed)) return *stone;
+  throw std::invalid_argument(fmt::format(
+      "none of {} corners has an elongation of {:g} and a flatness of {:g} with a rounding of "
+      "{:g}; "
+      "bodies of few corners do not reach proportions near 1, nor rounded ones very flat shapes",
+      own.vertices, own.elongation, own.flatness, rounding));
+}
+
 Convex stone(const StoneShape& shape, std::uint64_t seed) {
-  std::vector<Vec3> points = all_corners(shape, seed);
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const Vec3 wanted(1, shape.elongation, shape.elongation * shape.flatness);
-  const Vec3 stretch = wanted.cwiseQuotient(high - low);
-  for (Vec3& p : points) p = p.cwiseProduct(stretch);
-  const Convex hull = convex_hull(points);
-  return moved(hull, Quat::Identity(), -piece_solid({hull, 0}).centre);
+  return rounded_stone(shape, 0, seed).core;
 }
 
 }  // namespace trackbed::geom

@@ -115,6 +115,7 @@ KNOBS = {
     "bed.polyhedron.vertices": ("bed.polyhedron.vertices=12", SOLID),
     "bed.polyhedron.elongation": ("bed.polyhedron.elongation=0.8", SOLID),
     "bed.polyhedron.flatness": ("bed.polyhedron.flatness=0.7", SOLID),
+    "bed.polyhedron.spread": ("bed.polyhedron.spread=0.1", SOLID),
     "bed.polyhedron.angularity": ("bed.polyhedron.angularity=0.5", SOLID),
     "bed.polyhedron.rounding": ("bed.polyhedron.rounding=0.08", SOLID),
     "bed.polyhedron.pieces": ("bed.polyhedron.pieces=2", SLICED),

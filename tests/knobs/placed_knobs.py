@@ -36,8 +36,8 @@ KNOBS = {
     "stone.[].rounding": ("stone.odd.rounding=2e-3", []),
     "stone.[].spheres": ("stone.odd.spheres=[-0.005,0,0,0.006, 0.005,0,0,0.006]", CLUMP),
     **{f"stone.[].polyhedron.{name}": (f"stone.odd.polyhedron.{name}={value}", DRAWN) for
-       name, value in {"vertices": 12, "elongation": 0.7, "flatness": 0.6, "angularity": 0.4,
-                       "rounding": 0.08}.items()},
+       name, value in {"vertices": 12, "elongation": 0.7, "flatness": 0.6, "spread": 0.2,
+                       "angularity": 0.4, "rounding": 0.08}.items()},
     "stone.[].polyhedron.pieces": ("stone.odd.polyhedron.pieces=2",
                                    ["stone.odd.shape=compound", *DRAWN[1:]]),
     "stone.[].polyhedron.spheres": ("stone.odd.polyhedron.spheres=[3,3]",

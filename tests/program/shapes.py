@@ -108,6 +108,32 @@ def write_deck(folder, library):
     return deck
 
 
+def proportions(program, folder, picture):
+    """Table and picture show S, I and L in the proportions asked for; `check` names long stones."""
+    asked = ("--stones", 3, "--elongation", 0.6, "--flatness", 0.5)
+    for name, row in rows(shapes(program, *asked, "--picture", picture)).items():
+        thickness, width, length, greatest = row[-4:]
+        near(width / length, 0.6, 1e-5, f"I/L of {name}")
+        near(thickness / width, 0.5, 1e-5, f"S/I of {name}")
+        if not thickness <= row[8] <= width or not length <= greatest < 1.3 * length:
+            raise SystemExit(f"{name}: sieve {row[8]}, S I L and greatest extent {row[-4:]}")
+    for line in picture.read_text().splitlines():
+        if line.startswith("# S"):
+            s, i, l = (float(word) for word in line.split()[2:7:2])
+            near(i / l, 0.6, 1e-7, line)
+            near(s / i, 0.5, 1e-7, line)
+    scattered = {row[-3] / row[-2] for row in rows(shapes(program, *asked, "--spread",
+                                                          0.2)).values()}
+    if len(scattered) != 3 or max(abs(ratio - 0.6) for ratio in scattered) > 0.2:
+        raise SystemExit(f"a spread of 0.2 around 0.6 makes {scattered}")
+    for changes, warned in (((), False), (("bed.polyhedron.elongation=0.5",
+                                           "bed.polyhedron.flatness=0.5"), True)):
+        done = subprocess.run([program, "check", BENCH, *changes], capture_output=True, text=True,
+                              check=True)
+        if ("warning: bed: the longest stone measures" in done.stdout) != warned:
+            raise SystemExit(f"check {changes}: {done.stdout}")
+
+
 def foreign_files(program, folder, library, picture):
     """What is neither a library nor a picture of ours stays as it is; ours give way."""
     for name, option, content in (("notes.h5", "--library", b"notes"),
@@ -179,6 +205,7 @@ def main():
     if sum(name.startswith("layered_sub_") for name in names) != 3 or "layered_0" not in names:
         raise SystemExit(f"shapes of layers: {list(names)}")
 
+    proportions(program, folder, picture)
     foreign_files(program, folder, library, picture)
     for option, place in (("--library", library), ("--picture", picture)):
         full_disk(program, folder, option, place)

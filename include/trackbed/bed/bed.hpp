@@ -36,7 +36,7 @@ const GradingLimits& limits_of(GradingKind kind);
 // Irregular convex stones in space; see geom::StoneShape.
 struct PolyhedronParameters {
   std::int64_t vertices = 24;
-  double elongation = 0.9, flatness = 0.85, angularity = 1;
+  double elongation = 0.85, flatness = 0.65, spread = 0, angularity = 1;
   double rounding = 0.05;              // radius over the diameter of the ball of the same volume
   std::int64_t pieces = 3;             // compound
   std::vector<double> spheres{5, 10};  // fewest and most, clump
@@ -118,6 +118,7 @@ struct Stones {
   std::int64_t count = 0;
   double smallest_volume = 0;  // m^3; plane: m^2
   double largest_bound = 0;    // m, radius of the ball around the largest
+  double longest = 0;          // m, greatest extent of any
   double top = 0;              // m, how high they reach, loose, above their foot
 };
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters, const dem::Domain& domain);

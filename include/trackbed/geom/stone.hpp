@@ -54,17 +54,38 @@ Template template_of(const std::vector<Piece>& pieces, const Solid& solid, doubl
 // sieve size is the smallest square hole.
 Template template_of(const std::vector<Piece>& pieces);
 
-// Irregular convex stone with triangular faces, drawn from `seed`: a worn polyhedron of four to six
-// main corners. Centred on its centroid; extent along x 1. The defaults reach the mean and the
-// spread of sphericity and of volume over bounding box of ten scanned ballast stones (HRSBallast,
-// CC0). Throws std::invalid_argument if no stone of this kind has so many corners.
-struct StoneShape {
-  double elongation = 0.9;  // extent along y over that along x
-  double flatness = 0.85;   // extent along z over that along y
-  double angularity = 1;    // 0: corners evenly spread over an ellipsoid; to 1
-  int vertices = 24;        // exactly; 6 to 200
+// The box around a stone as callipers measure it: thickness S, the smallest distance of two
+// parallel planes that touch the stone (thickness E of EN 933-4); width I, the smallest such
+// distance at right angles to it; length L at right angles to both. S <= I <= L, each at most the
+// stone's greatest extent; S <= smallest square hole <= I. Exact to rounding for convex pieces of
+// one radius and their hull, to 1e-6 of the size for spheres of different radii.
+struct Callipers {
+  double length = 0, width = 0, thickness = 0;  // m; L, I, S
+  Mat3 axes = Mat3::Identity();                 // unit columns along L, I and S, right-handed
 };
-Convex stone(const StoneShape& shape, std::uint64_t seed);
+Callipers callipers_of(const Convex& core);
+Callipers callipers_of(const std::vector<Piece>& pieces);
+// m, the greatest distance of two points, equally of two parallel planes that touch (EN 933-4).
+double greatest_extent(const std::vector<Piece>& pieces);
+
+// Irregular convex stone with triangular faces, drawn from `seed`: a worn polyhedron of four to six
+// main corners. Its proportions by callipers, rounding included, are exact to 1e-9. Length L = 1
+// along x, width along y, thickness along z, centre of mass at the origin. `rounding`: radius over
+// the diameter of the ball of the stone's volume. With a spread of 0.23 the defaults reach the mean
+// and the spread of sphericity and of volume over bounding box of ten scanned ballast stones
+// (HRSBallast, CC0). Throws std::invalid_argument if no stone of this kind has so many corners or
+// these proportions.
+struct StoneShape {
+  double elongation = 0.85;  // width over length, I/L
+  double flatness = 0.65;    // thickness over width, S/I
+  double angularity = 1;     // 0: corners evenly spread over an ellipsoid; to 1
+  int vertices = 24;         // exactly; 6 to 200
+  double spread = 0;         // both proportions are drawn from +- this around the wanted ones
+};
+// The proportions that the stone of this seed has: those of `shape` without a spread.
+StoneShape proportions_of(const StoneShape& shape, std::uint64_t seed);
+Piece rounded_stone(const StoneShape& shape, double rounding, std::uint64_t seed);
+Convex stone(const StoneShape& shape, std::uint64_t seed);  // the same without rounding
 
 // Smallest slot of the plane y = 0 that disks pass, and smallest square hole that spheres pass. A
 // rounded piece passes what balls at its corners pass. To 1e-6 of the size, in the nearest

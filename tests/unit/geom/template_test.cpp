@@ -112,17 +112,14 @@ TEST(Templates, ArePrincipalAxesAboutTheCentreOfMass) {
                   face.offset, 1e-11);
 }
 
-TEST(Stone, HasTheCornersAndProportionsAskedFor) {
+TEST(Stone, HasTheCornersAskedFor) {
   for (const int vertices : {6, 12, 24, 60, 200})
     for (const double angularity : {0.0, 0.5, 1.0})
-      for (std::uint64_t seed = 0; seed < 10; ++seed) {
+      for (std::uint64_t seed = 0; seed < 5; ++seed) {
         const StoneShape shape{0.8, 0.6, angularity, vertices};
         const Convex core = stone(shape, seed);
         ASSERT_EQ(core.vertices.size(), static_cast<std::size_t>(vertices));
         EXPECT_EQ(core.faces.size(), core.vertices.size() * 2 - 4);  // triangles
-        Vec3 low = core.vertices[0], high = low;
-        for (const Vec3& p : core.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
-        EXPECT_NEAR((high - low - Vec3(1, 0.8, 0.48)).norm(), 0, rounding);
         EXPECT_NEAR(piece_solid({core, 0}).centre.norm(), 0, rounding);
         EXPECT_EQ(core.vertices, stone(shape, seed).vertices);
         EXPECT_NE(core.vertices, stone(shape, seed + 100).vertices);
@@ -131,10 +128,10 @@ TEST(Stone, HasTheCornersAndProportionsAskedFor) {
 
 TEST(Stone, SmoothOneIsAnEllipsoid) {
   const Convex core = stone({0.7, 0.8, 0, 200}, 1);
-  // The hull of 200 even points in a ball lacks 3 % of it; stretched to touch all six sides of the
-  // box it gains up to 1 % along each axis.
+  // The hull of 200 even points in a ball lacks 3 % of it. Its smallest widths, which are made as
+  // wide as asked, lack up to 2 % each of the diameter.
   const double volume = pi / 6 * 0.7 * 0.7 * 0.8;
-  EXPECT_NEAR(steiner_of(core).volume, 0.985 * volume, 0.015 * volume);
+  EXPECT_NEAR(steiner_of(core).volume, volume, 0.03 * volume);
 }
 
 struct Statistics {
@@ -176,9 +173,8 @@ Measures of_scans() {
 Measures of_stones(const StoneShape& shape, double rounding) {
   Measures m;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
-    const Convex core = stone(shape, seed);
-    const double volume = steiner_of(core).volume;
-    const Piece worn = rounded(core, rounding * std::cbrt(6 * volume / std::numbers::pi));
+    const Piece worn = rounded_stone(shape, rounding, seed);
+    const double volume = piece_solid(worn).volume;
     Quat turn(uniform(seed, 1) - 0.5, uniform(seed, 2) - 0.5, uniform(seed, 3) - 0.5,
               uniform(seed, 4) - 0.5);
     turn.normalize();
@@ -203,11 +199,13 @@ void compare(const char* name, const std::vector<double>& own, const std::vector
 }
 
 // Sharp, and rounded as `trackbed shapes` and beds do; what rounding takes fewer corners give back.
+// Scans differ in their proportions, so these scatter, too.
 TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
   const Measures scan = of_scans();
   for (const auto& [vertices, rounding] : {std::pair{24, 0.0}, {16, 0.02}, {12, 0.05}}) {
     StoneShape shape;
     shape.vertices = vertices;
+    shape.spread = 0.23;
     std::printf("%d corners, rounding %g\n", vertices, rounding);
     const Measures own = of_stones(shape, rounding);
     compare("sphericity", own.sphericity, scan.sphericity, 1);
