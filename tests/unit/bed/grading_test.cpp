@@ -195,6 +195,28 @@ TEST(Shapes, CompoundsAreThePolyhedraInPieces) {
   EXPECT_NEAR((all.gyration - whole.gyration).norm() / whole.gyration.norm(), 0, 2e-3);
 }
 
+// Of every shape that a bed draws, whole or in pieces, by callipers on what contacts see.
+TEST(Shapes, PolyhedraHaveTheProportionsOfTheDeck) {
+  constexpr double exact = 1e-6;
+  BedParameters bed;
+  bed.polyhedron.vertices = 12;
+  for (const StoneKind kind : {StoneKind::polyhedra, StoneKind::compound})
+    for (const std::int64_t seed : {1, 2, 3}) {
+      bed.stone = kind, bed.seed = seed;
+      bed.polyhedron.elongation = 0.95 - 0.15 * static_cast<double>(seed);
+      bed.polyhedron.flatness = 0.9 - 0.1 * static_cast<double>(seed);
+      bed.polyhedron.rounding = 0.02 * static_cast<double>(seed);
+      for (std::int64_t k = 0; k < 8; ++k) {
+        const dem::Template made = polyhedron_stone(bed, k);
+        const geom::Callipers box = geom::callipers_of(made.pieces);
+        EXPECT_NEAR(box.width / box.length, bed.polyhedron.elongation, exact);
+        EXPECT_NEAR(box.thickness / box.width, bed.polyhedron.flatness, exact);
+        EXPECT_GT(made.sieve, (1 - exact) * box.thickness);
+        EXPECT_LT(made.sieve, (1 + exact) * box.width);
+      }
+    }
+}
+
 TEST(Shapes, FilledPolyhedraHaveSpheresFromFewestToMost) {
   BedParameters bed;
   bed.stone = StoneKind::clump;
