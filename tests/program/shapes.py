@@ -126,8 +126,8 @@ def proportions(program, folder, picture):
                                                           0.2)).values()}
     if len(scattered) != 3 or max(abs(ratio - 0.6) for ratio in scattered) > 0.2:
         raise SystemExit(f"a spread of 0.2 around 0.6 makes {scattered}")
-    for changes, warned in (((), False), (("bed.polyhedron.elongation=0.5",
-                                           "bed.polyhedron.flatness=0.5"), True)):
+    for changes, warned in (((), False), (("bed.height=0.05", "bed.polyhedron.elongation=0.4",
+                                           "bed.polyhedron.flatness=0.6"), True)):
         done = subprocess.run([program, "check", BENCH, *changes], capture_output=True, text=True,
                               check=True)
         if ("warning: bed: the longest stone measures" in done.stdout) != warned:
