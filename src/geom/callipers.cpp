@@ -135,13 +135,16 @@ double extent_along(const std::vector<Sphere>& spheres, const Vec3& direction) {
 // Turns about `axes` by a step that halves when none helps.
 Width refined(const std::vector<Sphere>& spheres, Width best, const std::vector<Vec3>& axes) {
   constexpr double start = 0.04, end = 1e-8;  // radians, half the raster's spacing to rounding
+  // Below it a turn counts for none: widths that are equal in many attitudes, as those of a ball,
+  // fall by rounding errors for ever.
+  constexpr double gain = 1e-10;
   const auto extent = [&](const Vec3& direction) { return extent_along(spheres, direction); };
   for (double step = start; step > end;) {
     Width next = best;
     for (const Vec3& axis : axes)
       for (const double turn : {-step, step})
         try_direction(extent, Eigen::AngleAxisd(turn, axis) * best.direction, next);
-    if (next.value < best.value)
+    if (next.value < (1 - gain) * best.value)
       best = next;
     else
       step /= 2;

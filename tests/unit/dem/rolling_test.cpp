@@ -251,6 +251,8 @@ TEST(Rolling, TheFloorFeelsTheMoment) {
     one.scale = stone ? 2 * r : 1;
     Slope scene(rolling(), stone ? test::stone(1, 60, 0.1) : test::sphere(r), one);
     scene.x_after(0.1);
+    // A stone that is thinner than the height it begins at may be on its way down.
+    for (int k = 0; k < 20000 && scene.p.totals().contacts == 0; ++k) scene.p.advance(dt, 1);
     scene.floor.clear_load();
     scene.p.advance(dt, 1);
     EXPECT_GT(scene.p.totals().contacts, 0);
