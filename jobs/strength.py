@@ -108,6 +108,11 @@ def summary(folder):
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 
+def as_file(row):
+    """Its name in those of folders."""
+    return row.replace(" ", "_").replace("/", "over")
+
+
 def run(program, deck, folder, changes):
     """Unless it has been run to its end."""
     if (folder / "summary.json").exists() and summary(folder)["finished"]:
@@ -142,7 +147,7 @@ def heaps(given):
     for name in given.rows or HEAPS:
         found = []
         for seed in given.seeds:
-            folder = given.folder / f"{name.replace(' ', '_')}_{seed}"
+            folder = given.folder / f"{as_file(name)}_{seed}"
             run(given.program, "repose.toml", folder, [f"bed.seed={seed}", *HEAPS[name]])
             found.append(heap_figures(folder))
         line(name, found)
@@ -164,8 +169,7 @@ def triaxial_figures(folder):
 
 def place(given, row, pressure, seed):
     """Where a triaxial test is run."""
-    word = row.replace(" ", "_").replace("/", "over")
-    return given.folder / f"{word}_{pressure / 1e3:.0f}_{seed}"
+    return given.folder / f"{as_file(row)}_{pressure / 1e3:.0f}_{seed}"
 
 
 def triaxial_test(given, row, pressure, seed):
