@@ -72,10 +72,11 @@ def shear(run):
 
 def triaxial(run):
     """Histories of a triaxial stage: axial strain, volumetric strain (compression positive) and
-    stresses, Pa: of the platen, and the mean of the walls over the bed's sides as they are."""
+    stresses, Pa: the mean of platen and floor, which is that at half the height with the stones'
+    weight and the friction of the walls, and the mean of the walls, over the sides as they are."""
     rows = run.stage == kinds(run).index("triaxial")
     bed, height = run.deck["bed"], run.platen["z"].values[rows]
-    force = run.platen["force"].values[rows, 2]
+    force = (run.platen["force"].values[rows, 2] - run.walls["floor"]["force"].values[rows, 2]) / 2
     sides, pushes = [], []
     for axis, (low, high) in enumerate((("left", "right"), ("front", "back"))):
         width = np.full(len(height), np.diff(bed["xy"[axis]])[0] if axis == 0
@@ -154,6 +155,17 @@ def draw_shear(runs, folder):
     return lines
 
 
+def strength(got):
+    """Of the histories that `triaxial` gives: friction angle at its peak and mean of the last
+    tenth, degrees, and the number of the peak's row."""
+    axial = got["axial"]
+    angle = np.degrees(np.arcsin((got["sigma_1"] - got["sigma_3"])
+                                 / (got["sigma_1"] + got["sigma_3"])))
+    later = axial > axial[-1] / 10   # walls and platen have found their pressures
+    peak = int(np.argmax(np.where(later, angle, -90)))
+    return angle[peak], angle[axial > 0.9 * axial[-1]].mean(), peak
+
+
 def draw_triaxial(runs, folder):
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7, 8), sharex=True, layout="constrained")
     lines = ["triaxial            sigma_3  peak q  friction angle, deg  at axial     dilation  "
@@ -162,17 +174,14 @@ def draw_triaxial(runs, folder):
     for run in runs:
         got = triaxial(run)
         q, axial = got["sigma_1"] - got["sigma_3"], got["axial"]
-        angle = np.degrees(np.arcsin(q / (got["sigma_1"] + got["sigma_3"])))
-        later = axial > axial[-1] / 10   # walls and platen have found their pressures
-        peak = int(np.argmax(np.where(later, angle, -90)))
+        most, last, peak = strength(got)
         name = f"{got['sigma_3'].mean() / 1e3:.0f} kPa"
         top.plot(100 * axial, q / got["sigma_3"], label=name)
         bottom.plot(100 * axial, 100 * got["volumetric"], label=name)
         near = np.abs(axial - axial[peak]) < axial[-1] / 6   # a third of the test
         first = int(np.argmax(axial >= 0.005))
-        last = axial > 0.9 * axial[-1]
         lines.append(f"{run.name:19} {got['sigma_3'].mean() / 1e3:7.1f} {q[peak] / 1e3:7.1f} "
-                     f"{angle[peak]:9.1f} {angle[last].mean():8.1f} {100 * axial[peak]:12.1f} "
+                     f"{most:9.1f} {last:8.1f} {100 * axial[peak]:12.1f} "
                      f"{dilation_angle(axial[near], got['volumetric'][near]):11.1f} "
                      f"{(q[first] - q[0]) / (axial[first] - axial[0]) / 1e6:11.1f}")
     for k, (name, angles) in enumerate(PUBLISHED_TRIAXIAL.items()):

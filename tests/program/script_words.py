@@ -51,6 +51,9 @@ def check_program(program, source, folder):
         refused(folder, "load must be above 0", [loop, "./here", deck, "results", "--load", load])
     refused(folder, "there: No such file", [loop, "./there", deck, "results"])
     refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
+    strength = [source / "jobs/strength.py", "./there", "strength", "heap"]
+    refused(folder, "there: No such file", strength)
+    refused(folder, "--rows none: must be of deck, ", [*strength, "--rows", "none"])
 
 
 def check_spared(program, source, folder):
