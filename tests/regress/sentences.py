@@ -332,19 +332,34 @@ def check_library(program, deck, folder):
                    f"{command}: the sentence must begin with {start}", ran)
 
 
+def falling_deck(deck, folder):
+    """The deck up to its first stage, and then stones that fall freely under ten times their
+    weight: whatever bed they make, some are fast."""
+    path = folder / "falling.toml"
+    text = pathlib.Path(deck).read_text(encoding="utf-8")
+    fill = text[:text.index('[[stage]]\nname = "compact"')]
+    path.write_text(fill + '[[stage]]\nname = "fall"\nkind = "run"\nduration = 0.03\n',
+                    encoding="utf-8")
+    return path, ("dem.gravity=100", "stage.fill.duration=1e-3", "dem.largest_overlap=3")
+
+
 def check_doubts(program, deck, folder):
     """A bed that is not the one asked for, and a track in ruins: warnings, here and in the summary,
     that outlive a resume. A sound run has none."""
-    ruin = ("stage.load.load=2.1e5", "dem.largest_overlap=3")
-    cases = [((), []),
-             (("bed.porosity=0.1",), ["stage compact: the pressed bed is"]),
-             (("bed.porosity=0.6",), ["stage compact: the pressed bed is"]),
-             (("stage.compact.duration=0.01",), ["without reaching its aim", "the pressed bed is"]),
-             (ruin, ["without reaching its aim", "ballast: the bed does not carry it",
-                     "fly at the end"])]
-    for number, (changes, wanted) in enumerate(cases):
+    falling, fast = falling_deck(deck, folder)
+    # Sleepers placed 0.4 m above the bed, which fall on it.
+    dropped = ("stage.sleepers.height=0.6", "stage.sleepers.duration=0.3",
+               "stage.load.settlement=1")
+    cases = [(deck, (), []),
+             (deck, ("bed.porosity=0.1",), ["stage compact: the pressed bed is"]),
+             (deck, ("bed.porosity=0.6",), ["stage compact: the pressed bed is"]),
+             (deck, ("stage.compact.duration=0.01",),
+              ["without reaching its aim", "the pressed bed is"]),
+             (falling, fast, ["fly at the end"]),
+             (deck, dropped, ["ballast: the bed does not carry it"])]
+    for number, (of, changes, wanted) in enumerate(cases):
         place = folder / f"doubts_{number}"
-        ran = program.done(1 + number % 2, "run", deck, *changes, "-o", place)
+        ran = program.done(1 + number % 2, "run", of, *changes, "-o", place)
         said = [line[len("warning: "):] for line in ran.stdout.splitlines()
                 if line.startswith("warning: ")]
         expect(said == summary(place)["warnings"], "the summary must hold what was said", ran)
