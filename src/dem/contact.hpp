@@ -105,8 +105,8 @@ template <class Real, class Test>
 // The normal spring, in a step.
 template <class Real>
 struct NormalSpring {
-  Real force;    // N
-  Real opens{};  // 1: a linear contact opens within this step, so that its friction ends; else 0
+  Real force;     // N
+  Real linear{};  // 1, or 0 of Hertz's law
 };
 
 // The normal spring's force. `rate`: closing velocity of the half step before (m/s).
@@ -142,15 +142,15 @@ template <bool any_hertz, class Real>
     const auto opens = (rate <= 0) & ((delta - part * s) * mass < (part * dt * dt) * force);
     return (delta >= 0) & (opens | (closes & (delta < part * s)));
   };
-  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force};
+  Real is_linear = Real{} + 1.0;
+  if constexpr (any_hertz) is_linear = select(spring.hertz > 0, Real{}, is_linear);
+  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force, is_linear};
   const Real some_mass = larger(mass, Real{} + 1e-300);
   const Real b = (dt * dt) * c.k_n / some_mass;
   const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
   const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
   const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
-  const auto end = ends(1);
-  const Real linear = select(end, c.k_n * select(closes, closing, opening), force);
-  const Real opens = select(end & (rate <= 0), Real{} + 1.0, Real{});
+  const Real linear = select(ends(1), c.k_n * select(closes, closing, opening), force);
   if constexpr (any_hertz) {
     const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
     const Real theta = smaller(delta / travel, Real{} + (1 + edge));
@@ -159,9 +159,9 @@ template <bool any_hertz, class Real>
     const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
     const Real onset = stiffness * travel * hertz_onset(theta, e, closes);
     const Real hertz = select(ends(1 + edge) & (theta > edge), onset, force);
-    return {select(spring.hertz > 0, hertz, linear), select(spring.hertz > 0, Real{}, opens)};
+    return {select(spring.hertz > 0, hertz, linear), is_linear};
   } else {
-    return {linear, opens};
+    return {linear, is_linear};
   }
 }
 
@@ -228,23 +228,24 @@ struct ContactForce {
   Real normal;
 };
 
-// How much of the friction remains in the step in which a linear contact opens. It acts to the end
-// of that step while the spring's end comes with that of the contact: pulling along the slip v over
-// a travel |v| dt longer than the stretch it would do more work than the spring has stored (up to
-// k_s (v dt)^2 / 8 each time). Along the slip it is therefore cut to the stretch over that travel.
-// A Hertz contact has lost its tangential stiffness by then.
+// How much of a force remains that a spring with a limit exerts along the motion v, where its
+// stretch xi ends in the step to come. In each step force and motion do the trapezoid's work, which
+// is that of a linear spring also where its stretch passes zero: the force of the step after takes
+// away what this one does too much. Where the limit of the step after, `next` (N), cuts that force
+// (a contact that is about to open or opens), it does not, and up to k (v dt)^2 / 8 would be won
+// each time. The force is then cut to the stretch over the travel.
 template <class Real>
-[[gnu::always_inline]] inline Real remaining_friction(const Triple<Real>& friction,
-                                                      const Triple<Real>& v, const Triple<Real>& xi,
-                                                      double dt) {
+[[gnu::always_inline]] inline Real remaining(const Triple<Real>& force, const Triple<Real>& v,
+                                             const Triple<Real>& xi, Real k, Real next, double dt) {
   const Real stretch = root(dot(xi, xi)), travel = root(dot(v, v)) * dt;
-  return select((dot(friction, v) > 0) & (stretch < travel),
-                stretch / larger(travel, Real{} + 1e-300), Real{} + 1.0);
+  const auto ends = (dot(force, v) > 0) & (next < k * (travel - stretch));
+  return select(ends & (stretch < travel), stretch / larger(travel, Real{} + 1e-300), Real{} + 1.0);
 }
 
 // Moves the stretch xi of friction by dt, of which `kept` remains. Spring and dashpot act in
 // parallel; their sum is cut, not the dashpot alone: damping may take away all of the spring's
-// force but, without attraction, no more.
+// force but, without attraction, no more. A Hertz contact has lost its tangential stiffness by the
+// time it opens.
 template <class Real>
 [[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
                                                                const Touch<Real>& t,
@@ -257,10 +258,14 @@ template <class Real>
   // No friction from a contact that pulls.
   const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
   const Triple<Real> friction = slide(slider, t.n, sliding, t.twist, dt, xi);
-  const auto opens = spring.opens > 0;
-  if (!any(opens)) return {friction, f_n};
-  const Real remains = remaining_friction(friction, sliding, xi, dt);
-  return {select(opens, remains, Real{} + 1.0) * friction, f_n};
+  // The limit in the step after, which may be the one in which the contact opens (half of the
+  // spring's force then, `spring_force`); whether it may cut what a step's travel stretches.
+  const Real next = 0.5 * c.mu * larger(f_n + c.k_n * v_n * dt, Real{});
+  const Real reach = c.k_s * dt;
+  const auto ends = (next * next < reach * reach * dot(sliding, sliding)) & (spring.linear > 0);
+  if (!any(ends)) return {friction, f_n};
+  const Real remains = remaining(friction, sliding, xi, c.k_s, next, dt);
+  return {select(ends, remains, Real{} + 1.0) * friction, f_n};
 }
 
 // Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.

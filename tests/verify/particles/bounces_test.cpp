@@ -103,7 +103,8 @@ int bounces_or(int usual) {
 
 // A row for the largest of `ways` ways between the plates, spread over two and a half flights of a
 // contact time.
-void never_rises(const Ball& ball, int ways, int bounces, const std::string& which) {
+void never_rises(const Ball& ball, int ways, int bounces, const std::string& which,
+                 double tolerance = 5e-9) {
   double rise = 0;
   for (int k = 0; k < ways; ++k) {
     const double way = 0.5 + 2 * std::fmod((k + 0.5) * std::numbers::phi, 1.0);
@@ -112,7 +113,7 @@ void never_rises(const Ball& ball, int ways, int bounces, const std::string& whi
   // Twice the 2.5e-9 that 1e4 bounces of the hardest and slowest of these balls give, whose
   // overlap is 3e-5 of the radius, so that its rounding counts; 3e-10 of the others.
   verified::below(fmt::format("rise of energy in {} bounces, {} ways, {}", bounces, ways, which),
-                  "of the first", rise, 5e-9);
+                  "of the first", rise, tolerance);
 }
 
 TEST(Bounces, NeverRaiseTheEnergy) {
@@ -128,14 +129,16 @@ TEST(Bounces, NeverRaiseTheEnergy) {
 }
 
 // Where a contact opens its tangential spring is stretched still, by what its period and friction
-// have left.
+// have left: near 2/7 k_n it passes zero within the last steps. Their limits are estimated a step
+// ahead (`remaining` in contact.hpp), which leaves 8e-7; 1e-6 is asked.
 TEST(Bounces, OfAnyTangentialStiffnessNeverRaiseTheEnergy) {
-  for (const double k_s : {2.0 / 7, 0.5, 1.0, 2.0})
-    for (const double friction : {0.1, 0.4, 5.0})
-      for (const double spin : {-0.05, -1.0})
+  for (const double k_s : {0.25, 2.0 / 7, 0.29, 0.5, 0.8, 1.2, 2.0})
+    for (const double friction : {0.1, 0.3, 1.5, 5.0})
+      for (const double spin : {-0.05, -1.0, 0.7})
         never_rises(
-            {.hertz = false, .friction = friction, .k_s = k_s, .spin = spin}, 8, bounces_or(200),
-            fmt::format("linear, k_s {:.3g} k_n, friction {:g}, spin {:g}", k_s, friction, -spin));
+            {.hertz = false, .friction = friction, .k_s = k_s, .spin = spin}, 4, bounces_or(200),
+            fmt::format("linear, k_s {:.3g} k_n, friction {:g}, spin {:g}", k_s, friction, -spin),
+            1e-6);
 }
 
 TEST(Bounces, OfAnySizeStiffnessAndSpeedNeverRaiseTheEnergy) {
