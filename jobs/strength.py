@@ -94,7 +94,7 @@ TRIAXIAL = {
     "pressed at 10 kPa": (None, 1e-3, ("stage.compact.pressure=10e3",)),
     "fast": ("base", 5e-3, ()),
     "slow": ("base", 3e-4, ()),
-    "no gravity": ("base", 1e-3, ("gravity=0",)),
+    "no gravity": ("base", 1e-3, ("dem.gravity=0",)),
     "wall friction 0": ("base", 1e-3, ("contact.1.friction=0",)),
     "wall friction 0.3": ("base", 1e-3, ("contact.1.friction=0.3",)),
     "friction 1.0": ("base", 1e-3, ("contact.0.friction=1.0",)),
