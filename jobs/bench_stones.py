@@ -5,7 +5,7 @@ linear law and with Hertz's.
     bench_stones.py TRACKBED FOLDER [RUNS]
 
 TRACKBED: the program. FOLDER: where settled cells are prepared (kept for the next call) and the
-results go. A cell is about as small as a periodic bed of these stones may be, an eighth of the
+results go. A cell is little larger than a periodic bed of these stones must be, a sixth of the
 deck's bed. It is poured, settled and let come to rest under each law; the measured beds are copies
 of it side by side (bed.cell), on two ranks twice as many as on one, so as many stones each. The
 time that preparation took is printed. `contacts` counts those of pieces, `touched` the stones (and
@@ -32,7 +32,7 @@ from bench_spheres import LAWS, RANKS, Lammps, in_law, law_words, run_deck
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
 STEPS = 1000  # of LAMMPS
 NAMES = ("stones12", "stones24", "compound", "clumps")
-CELL_SIDE = {"spheres": 0.125, "stones": 0.28}  # m, along x and y
+CELL_SIDE = {"spheres": 0.125, "stones": 0.32}  # m, along x and y
 # s. A bed of copies goes on as its cell would have: it need not settle again.
 LAY = ["stage.fill.duration=0.0005", "stage.settle.duration=0.0005"]
 
