@@ -150,7 +150,9 @@ def heaps(given):
         found = []
         for seed in given.seeds:
             folder = given.folder / f"{as_file(name)}_{seed}"
-            run(given.program, "repose.toml", folder, [f"bed.seed={seed}", *([] if name == "deck" else QUICK), *HEAPS[name]])
+            quick = [] if name == "deck" else QUICK
+            run(given.program, "repose.toml", folder,
+                [f"bed.seed={seed}", *quick, *HEAPS[name]])
             found.append(heap_figures(folder))
         line(name, found)
 
