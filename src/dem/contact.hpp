@@ -7,7 +7,7 @@
 //   Mindlin 1949), damping 2 sqrt(5/6) beta sqrt(S m_eff), S = 2 E* a (Tsuji et al. 1992,
 //   doi:10.1016/0032-5910(92)88030-L), beta such that a collision has the wanted restitution.
 //
-// No closed motion of a contact returns more work than it received:
+// No closed motion of a contact returns more work than it received, but for the error of the steps:
 // - The tangential spring F = k_s xi of a Hertz contact changes with the overlap. Where k_s rises
 //   the force is kept, so that xi shrinks by k_old / k_new; where it falls xi is kept and the force
 //   falls with it (Thornton, Cummins, Cleary 2013, doi:10.1016/j.powtec.2012.08.012). Both take
