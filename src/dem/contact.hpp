@@ -107,6 +107,7 @@ template <class Real>
 struct NormalSpring {
   Real force;     // N
   Real linear{};  // 1, or 0 of Hertz's law
+  Real mass;      // kg, that a push along the normal moves
 };
 
 // The normal spring's force. `rate`: closing velocity of the half step before (m/s).
@@ -144,7 +145,7 @@ template <bool any_hertz, class Real>
   };
   Real is_linear = Real{} + 1.0;
   if constexpr (any_hertz) is_linear = select(spring.hertz > 0, Real{}, is_linear);
-  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force, is_linear};
+  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force, is_linear, mass};
   const Real some_mass = larger(mass, Real{} + 1e-300);
   const Real b = (dt * dt) * c.k_n / some_mass;
   const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
@@ -159,9 +160,9 @@ template <bool any_hertz, class Real>
     const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
     const Real onset = stiffness * travel * hertz_onset(theta, e, closes);
     const Real hertz = select(ends(1 + edge) & (theta > edge), onset, force);
-    return {select(spring.hertz > 0, hertz, linear), is_linear};
+    return {select(spring.hertz > 0, hertz, linear), is_linear, mass};
   } else {
-    return {linear, is_linear};
+    return {linear, is_linear, mass};
   }
 }
 
@@ -188,13 +189,39 @@ struct Slider {
   Real kept;   // of the stretch, since the step before
 };
 
+// What a slider may meet in the step after.
+template <class Real>
+struct NextStep {
+  Real limit;  // N, at least
+  Real mass;   // kg, that a push along the normal moves
+};
+
+// How much of a slider's force remains along the motion v, where its stretch xi ends in the step to
+// come. In each step force and motion do the trapezoid's work, which is that of a linear spring
+// also where its stretch passes zero: the force of the step after takes away what this one does too
+// much. Where the limit of the step after cuts that force (a contact that is about to open or
+// opens), it does not, and up to k (v dt)^2 / 8 would be won each time. The force is then cut to
+// the stretch over the travel, that of this step and what the force adds to it: a solid sphere
+// gives way to a push along its surface 7/2 times as fast as to one along the normal, and to a
+// moment about its centre, 5/2 times.
+template <class Real>
+[[gnu::always_inline]] inline Real remaining(const Triple<Real>& force, const Triple<Real>& v,
+                                             const Triple<Real>& xi, Real k,
+                                             const NextStep<Real>& next, double dt) {
+  const Real stretch = root(dot(xi, xi)), tiny = Real{} + 1e-300;
+  const Real added = (3.5 * dt * dt) * k * stretch / larger(next.mass, tiny);
+  const Real travel = root(dot(v, v)) * dt + added;
+  const auto ends = (dot(force, v) > 0) & (next.limit < k * (travel - stretch));
+  return select(ends, stretch / larger(travel, tiny), Real{} + 1.0);
+}
+
 // Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
 // dt. The part of xi along the new normal is taken off (the plane has turned), the rest turns with
 // the contact, in a way that never lengthens it, and then moves with the surfaces.
 template <class Real>
-[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const Triple<Real>& n,
-                                                 const Triple<Real>& v, Real twist, double dt,
-                                                 Triple<Real>& xi) {
+[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const NextStep<Real>& next,
+                                                 const Triple<Real>& n, const Triple<Real>& v,
+                                                 Real twist, double dt, Triple<Real>& xi) {
   const Triple<Real> plane = xi - dot(xi, n) * n;
   const Real turn = twist * dt;
   const Real shrink = s.kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
@@ -203,8 +230,13 @@ template <class Real>
   const Real stuck = within(spring, s.limit);
   // Without a spring the stretch has no use and is zero.
   xi = select(s.k > 0, stuck, Real{}) * moved;
-  const Triple<Real> force = stuck * spring + s.c * v;
-  return -within(force, s.limit) * force;
+  const Triple<Real> both = stuck * spring + s.c * v;
+  const Triple<Real> force = -within(both, s.limit) * both;
+  // Whether the limit may cut what two steps stretch; without a limit there is no force.
+  const Real reach = 2.0 * dt * s.k;
+  const auto near_end = (next.limit * next.limit < reach * reach * dot(v, v)) & (s.limit > 0);
+  if (!any(near_end)) return force;
+  return select(near_end, remaining(force, v, xi, s.k, next, dt), Real{} + 1.0) * force;
 }
 
 // The same in one dimension: moment about the normal, on i, of a ring of the contact's spread (mean
@@ -221,31 +253,16 @@ template <class Real>
   return -smaller(larger(moment, -s.limit), s.limit);
 }
 
-// Normal force (N, along -n on i) and friction on i (N).
+// Friction on i, normal force (along -n on i) and its least value in the step after, N.
 template <class Real>
 struct ContactForce {
   Triple<Real> friction;
-  Real normal;
+  Real normal, next;
 };
-
-// How much of a force remains that a spring with a limit exerts along the motion v, where its
-// stretch xi ends in the step to come. In each step force and motion do the trapezoid's work, which
-// is that of a linear spring also where its stretch passes zero: the force of the step after takes
-// away what this one does too much. Where the limit of the step after, `next` (N), cuts that force
-// (a contact that is about to open or opens), it does not, and up to k (v dt)^2 / 8 would be won
-// each time. The force is then cut to the stretch over the travel.
-template <class Real>
-[[gnu::always_inline]] inline Real remaining(const Triple<Real>& force, const Triple<Real>& v,
-                                             const Triple<Real>& xi, Real k, Real next, double dt) {
-  const Real stretch = root(dot(xi, xi)), travel = root(dot(v, v)) * dt;
-  const auto ends = (dot(force, v) > 0) & (next < k * (travel - stretch));
-  return select(ends & (stretch < travel), stretch / larger(travel, Real{} + 1e-300), Real{} + 1.0);
-}
 
 // Moves the stretch xi of friction by dt, of which `kept` remains. Spring and dashpot act in
 // parallel; their sum is cut, not the dashpot alone: damping may take away all of the spring's
-// force but, without attraction, no more. A Hertz contact has lost its tangential stiffness by the
-// time it opens.
+// force but, without attraction, no more.
 template <class Real>
 [[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
                                                                const Touch<Real>& t,
@@ -255,17 +272,15 @@ template <class Real>
   const Real v_n = dot(t.v, t.n);  // > 0: approaching
   const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
   const Triple<Real> sliding = t.v - v_n * t.n;
+  // The force in the step after, if nothing else acts on the two, and half of it, since the contact
+  // may open then (`spring_force`). A Hertz contact has lost its tangential stiffness by that time.
+  const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
+  const Real least = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
+  const Real next = select(spring.linear > 0, least, Real{} + 1e300);
   // No friction from a contact that pulls.
   const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
-  const Triple<Real> friction = slide(slider, t.n, sliding, t.twist, dt, xi);
-  // The limit in the step after, which may be the one in which the contact opens (half of the
-  // spring's force then, `spring_force`); whether it may cut what a step's travel stretches.
-  const Real next = 0.5 * c.mu * larger(f_n + c.k_n * v_n * dt, Real{});
-  const Real reach = c.k_s * dt;
-  const auto ends = (next * next < reach * reach * dot(sliding, sliding)) & (spring.linear > 0);
-  if (!any(ends)) return {friction, f_n};
-  const Real remains = remaining(friction, sliding, xi, c.k_s, next, dt);
-  return {select(ends, remains, Real{} + 1.0) * friction, f_n};
+  const NextStep<Real> then{c.mu * next, spring.mass};
+  return {slide(slider, then, t.n, sliding, t.twist, dt, xi), f_n, next};
 }
 
 // Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.
@@ -276,13 +291,13 @@ struct Rolling {
   Real zeta{};
 };
 
-// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal,
-// k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the radius of the ball around the piece (a surface is
-// flat: R = R_i).
+// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal, now
+// and in the step after at least, k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the radius of the ball
+// around the piece (a surface is flat: R = R_i).
 template <class Real>
 struct Rolls {
   Triple<Real> n, spin;
-  Real twist, f_n, k_n, radius, root_mass;
+  Real twist, f_n, next, k_n, radius, root_mass;
 };
 
 // Moment on i against rolling, Nm, by an elastic spring, a dashpot and a slider (Ai, Chen, Rotter,
@@ -302,8 +317,9 @@ template <class Real>
   const Real k = law.stiffness * t.k_n;
   const Real c = 2.0 * law.zeta * root(k) * t.root_mass;
   const Slider<Real> slider{k, c, law.mu * larger(t.f_n, Real{}), kept};
+  const NextStep<Real> next{law.mu * t.next, t.root_mass * t.root_mass};
   const Triple<Real> v = t.radius * (t.spin - dot(t.spin, t.n) * t.n);
-  return t.radius * slide(slider, t.n, v, t.twist, dt, roll);
+  return t.radius * slide(slider, next, t.n, v, t.twist, dt, roll);
 }
 
 }  // namespace trackbed::dem

@@ -74,6 +74,8 @@ struct BlockForce {
 //   n = d/|d| from i to j,  delta = r_i + r_j - |d|,
 //   arms from piece centres to the middle of the overlap: (r_i - delta/2) n, -(r_j - delta/2) n,
 //   v = v_i + w_i x arm_i - v_j - w_j x arm_j,  torques arm x force.
+// In v the arms are those of half a step before, when the velocities are: the stretch of friction
+// goes from step to step. With those of the step itself spinning elastic spheres gain energy.
 // Both arms end in the same point, so angular momentum is kept to rounding. The contact plane turns
 // about n with the mean of both spins: nobody's history is preferred. Centres in one place have no
 // normal; none is invented, and the overlap ends the run. The partner is brought to the image
@@ -108,9 +110,11 @@ template <bool spheres, bool hertz, bool rolls>
   if constexpr (!spheres) v = v + (cross(wi, to_i) - cross(wj, to_j));
   const Lanes radius = hertz || rolls ? b.ri * b.rj / reach : Lanes{};
   const auto c = coefficients<hertz>(laws.springs, delta, b.root_mass, radius);
+  const Lanes rate = dot(v, n);
+  v = v + (0.25 * dt) * rate * cross(wi + wj, n);
   const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
   const NormalSpring<Lanes> spring =
-      spring_force<hertz>(laws.springs, c, delta, dot(v, n), b.root_mass, radius, dt);
+      spring_force<hertz>(laws.springs, c, delta, rate, b.root_mass, radius, dt);
   const Lanes remains = hertz ? kept(*size, c.size) : all(1);
   const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
   const Lanes3 none{};
@@ -125,7 +129,8 @@ template <bool spheres, bool hertz, bool rolls>
                  touches & (delta > allowed * smaller(b.ri, b.rj))};
   // A moment of a pair: opposite on j, which whoever adds sees to as with all torques.
   if constexpr (rolls) {
-    const Rolls<Lanes> t{n, wi - wj, touch.twist, contact.normal, c.k_n, radius, b.root_mass};
+    const Rolls<Lanes> t{n,     wi - wj, touch.twist, contact.normal, contact.next,
+                         c.k_n, radius,  b.root_mass};
     const Lanes3 against =
         select(touches, rolling_moment(laws.rolling, t, remains, dt, *rolled), none);
     out.turn_i = out.turn_i + against, out.turn_j = out.turn_j + against;

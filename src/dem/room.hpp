@@ -31,8 +31,9 @@ struct SubStep {
 struct Pressed {
   std::span<const MeshContact> contacts;
   std::span<const double> weights;
-  double k_n, f_n;  // N/m; N, along the normal
-  double kept;      // of the stretch of springs, since the step before
+  double k_n;        // N/m
+  double f_n, next;  // N, along the normal: now and in the step after at least
+  double kept;       // of the stretch of springs, since the step before
 };
 
 // The rank's particles with all that is derived from them. What a checkpoint holds of it: the
@@ -72,7 +73,7 @@ struct Particles::Room {
                const SubStep& step);
   StoneSight sight(const Approach& a, double share) const;
   void add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
-                      const SubStep& step);
+                      const Vec3& motion, const SubStep& step);
   void resist_rolling(const Approach& a, Approach::Patch& patch, const Pressed& pressed,
                       const SubStep& step);
   void add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,

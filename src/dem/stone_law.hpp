@@ -39,7 +39,7 @@ template <class Real>
 struct StoneForce {
   Triple<Real> force, turn_i, turn_j;  // on i; torque on j of the opposite force
   Triple<Real> friction;
-  Real f_n, moment, k_n;  // force along -N, moment of torsion, N/m
+  Real f_n, next, moment, k_n;  // force along -N, now and next, moment of torsion, N/m
 };
 
 // Force on i: friction - f_n N, and torque x cross friction - f_n T + moment n; on j the opposite
@@ -75,10 +75,13 @@ template <bool rolls, class Real>
                        cross(arm_j, contact.friction) - f_n * S + moment * n,
                        contact.friction,
                        f_n,
+                       contact.next,
                        moment,
                        c.k_n};
   if constexpr (rolls) {
-    const Rolls<Real> t{n, spin, touch.twist, f_n * length, c.k_n, g.rolling_radius, g.root_mass};
+    const Rolls<Real> t{
+        n,          spin, touch.twist, f_n * length, contact.next * length, c.k_n, g.rolling_radius,
+        g.root_mass};
     const Triple<Real> m = rolling_moment(g.rolling, t, remains, dt, h.roll);
     out.turn_i = out.turn_i + m, out.turn_j = out.turn_j + m;
   }

@@ -13,9 +13,6 @@ namespace trackbed::dem {
 
 namespace {
 
-Triple<double> triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 vec3(const Triple<double>& v) { return {v.x, v.y, v.z}; }
-
 // Modulo 2^64, which is defined and as associative: the quantum keeps the sums of a window clear of
 // it (Particles::expect_load), but a surface whose load nobody takes may go round. The coupler's
 // balance sees sums that did.
@@ -27,8 +24,8 @@ void add_to(std::int64_t& sum, double quanta) {
 // Rounded once for each force and added as an integer (core/exact_sum.hpp): stones of several ranks
 // load one node, in any order. `first` weighs with the share s of the window; with both sums the
 // moment about any point is known although the node moves.
-void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s) {
-  const double over = 1.0 / surface.load_quantum;
+// `over`: 1 / quantum.
+void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s, double over) {
   NodeLoad& load = surface.load[static_cast<std::size_t>(node)];
   for (int a = 0; a < 3; ++a) {
     const double part = force[a] * over;
@@ -41,8 +38,9 @@ void load_node(Surface& surface, std::int32_t node, const Vec3& force, double s)
 // F_k = phi_k F, sum phi_k = 1: force and moment about any point stay what they were.
 void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, double s) {
   const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
+  const double over = 1.0 / surface.load_quantum;
   for (int k = 0; k < 3; ++k)
-    load_node(surface, nodes[static_cast<std::size_t>(k)], c.weight[k] * force, s);
+    load_node(surface, nodes[static_cast<std::size_t>(k)], c.weight[k] * force, s, over);
 }
 
 // m, of the surface at the contact, over one sub-step.
@@ -68,20 +66,19 @@ Approach::Patch& patch_record(Approach& a, int patch) {
 
 }  // namespace
 
-// `force` on the particle; the opposite goes to the nodes and into the window's action.
-// The moment is summed by whoever knows the arm.
+// `force` on the particle; the opposite goes to the nodes, which move by `motion` (m) at the
+// contact, and into the window's action. The moment is summed by whoever knows the arm.
 void Particles::Room::add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
-                                     const SubStep& step) {
-  Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
-  load_nodes(surface, c, -force, step.share);
-  action.work -= force.dot(motion_at(surface, c, step));
+                                     const Vec3& motion, const SubStep& step) {
+  load_nodes(*surfaces[static_cast<std::size_t>(a.surface)], c, -force, step.share);
+  action.work -= force.dot(motion);
 }
 
 // A force on node k of a triangle, and its work.
 void Particles::Room::add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
                                   const SubStep& step) {
   const std::int32_t node = surface.triangles[static_cast<std::size_t>(triangle)][k];
-  load_node(surface, node, force, step.share);
+  load_node(surface, node, force, step.share, 1.0 / surface.load_quantum);
   action.work += force.dot(surface.motion[static_cast<std::size_t>(node)]) / step.count;
 }
 
@@ -115,7 +112,11 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   // From raw positions: which periodic image was taken must not change a bit.
   const Vec3 arm = (piece.vec3() - state.x[b].vec3()) + c.distance * c.normal;
   const Vec3 spin = state.w[b].vec3();
-  const Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion_at(surface, c, step) / step.dt;
+  const Vec3 motion = motion_at(surface, c, step);
+  Vec3 v = state.v[b].vec3() + spin.cross(arm) - motion / step.dt;
+  // The arm of half a step before, as between spheres (pair_contacts.cpp).
+  const double rate = v.dot(c.normal);
+  v += 0.5 * step.dt * rate * spin.cross(c.normal);
   // A surface does not spin: the contact turns with half the particle's spin about the normal.
   const Touch<double> touch{triple(c.normal), triple(v), patch.overlap, 0.5 * spin.dot(c.normal)};
   const Springs<double>& law = laws[static_cast<std::size_t>(a.law)].springs;
@@ -125,7 +126,7 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   // part of the law.
   const double end_mass = shapes.only_spheres() ? root_mass : std::sqrt(mass_at(b, arm, c.normal));
   const NormalSpring<double> spring =
-      spring_force<true>(law, k, touch.delta, v.dot(c.normal), end_mass, piece.w, step.dt);
+      spring_force<true>(law, k, touch.delta, rate, end_mass, piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());
   const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);
@@ -133,13 +134,15 @@ void Particles::Room::push(Approach& a, const MeshContact& c, const SubStep& ste
   const Vec3 force = vec3(contact.friction) - contact.normal * c.normal, torque = arm.cross(force);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
-  add_to_surface(a, c, force, step);
+  add_to_surface(a, c, force, motion, step);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
   constexpr double whole = 1;
   if (laws.any_rolls())
-    resist_rolling(a, patch,
-                   {std::span(&c, 1), std::span(&whole, 1), k.k_n, contact.normal, remains}, step);
+    resist_rolling(
+        a, patch,
+        {std::span(&c, 1), std::span(&whole, 1), k.k_n, contact.normal, contact.next, remains},
+        step);
 }
 
 double Particles::Room::touch_with_ball(Approach& a, const SubStep& step) {
@@ -179,24 +182,23 @@ StoneSight Particles::Room::sight(const Approach& a, double share) const {
 double Particles::Room::touch_with_corners(Approach& a, const SubStep& step) {
   thread_local std::vector<MeshContact> found;
   const auto k = static_cast<std::size_t>(a.surface);
-  const double path =
-      pieces.path[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)])] +
-      surface_path[k] + step.share * surface_way[k];
+  const auto b = static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)]);
+  const double path = pieces.path[b] + surface_path[k] + step.share * surface_way[k];
   // Both paths together bound how much a gap may have closed.
   const bool old = !(path < a.near.until);
   if (!old && a.near.features.empty()) return 0;
   const StoneSight s = sight(a, step.share);
-  if (old) find_features(s, a.triangles, path, a.near);
+  if (old)
+    find_features(s, a.triangles, path, pieces.pace[b] + surface_way[k] / step.count, a.near);
   found.clear();
   const int lost = touch_surface(s, a.near.features, found);
   // What was never in touch with the patch may lie behind it.
   if (std::any_of(a.patches.begin(), a.patches.end(),
                   [&](const Approach::Patch& p) { return p.patch == lost; }))
-    report(fmt::format(
-        "a corner of particle {} is further behind the surface \"{}\" than {} of the "
-        "particle's radius and would be lost: take smaller steps or stiffer contacts",
-        state.id[static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(a.piece)])],
-        s.surface.name, deepest));
+    report(
+        fmt::format("a corner of particle {} is further behind the surface \"{}\" than {} of the "
+                    "particle's radius and would be lost: take smaller steps or stiffer contacts",
+                    state.id[b], s.surface.name, deepest));
   double worst = 0;
   for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
     while (end < found.size() && found[end].patch == found[begin].patch) ++end;
@@ -232,10 +234,12 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
     total += slope.back();
   }
   const Surface& surface = *surfaces[static_cast<std::size_t>(a.surface)];
-  Vec3 motion = Vec3::Zero();  // m, of the surface at the mean point of contact
+  thread_local std::vector<Vec3> motions;  // m, of the surface at each contact
+  motions.clear();
+  Vec3 motion = Vec3::Zero();  // m, at the mean point of contact
   double closing = 0;          // m, of the features on the surface, along N
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const Vec3 u = motion_at(surface, contacts[k], step);
+    const Vec3& u = motions.emplace_back(motion_at(surface, contacts[k], step));
     motion += slope[k] / total * u;
     closing += slope[k] * contacts[k].normal.dot(u);
   }
@@ -254,23 +258,26 @@ double Particles::Room::press(Approach& a, std::span<const MeshContact> contacts
   const StoneForce<double> f = respond<false>(g, step.dt, h);
   const double remains = kept(patch.size, h.size);
   patch.xi.set(vec3(h.xi)), patch.turn = h.turn, patch.size = h.size, patch.ring = h.ring;
-  const Vec3 friction = vec3(f.friction);
-  const Vec3 ring =
-      w.spread > 0 ? Vec3(f.moment / w.spread * w.N.normalized()) : Vec3(Vec3::Zero());
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  // Plain numbers, as in mesh.cpp.
+  const Triple<double> ring =
+      triple(w.spread > 0 ? Vec3(f.moment / w.spread * w.N.normalized()) : Vec3(Vec3::Zero()));
+  Triple<double> forces{}, torques{};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const MeshContact& c = contacts[k];
-    const Vec3 part =
-        slope[k] / total * (friction + ring.cross(c.point - w.x)) - f.f_n * slope[k] * c.normal;
-    add_to_surface(a, c, part, step);
-    force += part, torque += c.point.cross(part);
+    const Triple<double> at = triple(c.point);
+    const Triple<double> part = (slope[k] / total) * (f.friction + cross(ring, at - g.x)) -
+                                (f.f_n * slope[k]) * triple(c.normal);
+    add_to_surface(a, c, vec3(part), motions[k], step);
+    forces = forces + part, torques = torques + cross(at, part);
   }
+  const Vec3 force = vec3(forces), torque = vec3(torques);
   state.f[b].set(state.f[b].vec3() + force);
   state.t[b].set(state.t[b].vec3() + torque);
   action.force -= force;
   action.moment -= (state.x[b].vec3() + a.shift).cross(force) + torque;
   if (laws.any_rolls())
-    resist_rolling(a, patch, {contacts, slope, f.k_n, f.f_n * w.N.norm(), remains}, step);
+    resist_rolling(
+        a, patch, {contacts, slope, f.k_n, f.f_n * w.N.norm(), f.next * w.N.norm(), remains}, step);
   return w.M / rounding;
 }
 

@@ -62,9 +62,13 @@ void Particles::Room::resist_rolling(const Approach& a, Approach::Patch& patch,
   const Vec3 n = patch.N.normalized(), w = state.w[b].vec3();
   // rad/s: a window lasts count * dt.
   const Vec3 against = w - spin / (total * step.count * step.dt);
-  const Rolls<double> rolls{{n.x(), n.y(), n.z()}, {against.x(), against.y(), against.z()},
-                            0.5 * w.dot(n),        pressed.f_n,
-                            pressed.k_n,           radius,
+  const Rolls<double> rolls{{n.x(), n.y(), n.z()},
+                            {against.x(), against.y(), against.z()},
+                            0.5 * w.dot(n),
+                            pressed.f_n,
+                            pressed.next,
+                            pressed.k_n,
+                            radius,
                             std::sqrt(mass(b))};
   Triple<double> roll{patch.roll.x, patch.roll.y, patch.roll.z};
   const auto m = rolling_moment(laws[static_cast<std::size_t>(a.law)].rolling, rolls, pressed.kept,

@@ -144,7 +144,7 @@ Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
   const Slider<Real> twisted{c.k_s * m.spread, c.c_s * m.spread, limit, kept(h.ring, ring)};
   Response<Real> out{contact.friction, {}, contact.normal, {}};
   out.torsion = torsion(twisted, m.twisting, dt, h.turn);
-  const Rolls<Real> rolls{m.n, m.spin, m.turning, contact.normal, c.k_n, r, weight};
+  const Rolls<Real> rolls{m.n, m.spin, m.turning, contact.normal, contact.next, c.k_n, r, weight};
   out.against_rolling = rolling_moment(m.rolling, rolls, remains, dt, h.roll);
   h.size = c.size, h.ring = ring;
   return out;
