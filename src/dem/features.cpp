@@ -19,9 +19,9 @@ void FeatureRow::compute_edges() {
 void Overlaps::add(double delta, const Vec3& n, const Vec3& x) {
   if (!(delta > 0)) return;
   const double p2 = delta * delta, p4 = p2 * p2, p5 = p4 * delta;
-  const Vec3 normal = p5 * n, point = p5 * x;
-  power_ += p4 * p2, weight_ += p5, square_ += x.dot(point);
-  normal_ += normal, moment_ += x.cross(normal), point_ += point;
+  const Triple<double> at = triple(x), normal = p5 * triple(n), point = p5 * at;
+  power_ += p4 * p2, weight_ += p5, square_ += dot(at, point);
+  normal_ += vec3(normal), moment_ += vec3(cross(at, normal)), point_ += vec3(point);
 }
 
 // M = (sum delta^6)^(1/6), s_k = (delta_k / M)^5: N and T are the gradient of M.

@@ -82,6 +82,9 @@ template <class Test, class Real>
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
 
+inline Triple<double> triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Vec3 vec3(const Triple<double>& v) { return {v.x, v.y, v.z}; }
+
 // Eight doubles from an aligned array and back.
 [[gnu::always_inline]] inline Lanes load(const double* from) {
   Lanes value;

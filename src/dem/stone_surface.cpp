@@ -12,8 +12,10 @@ namespace trackbed::dem {
 
 namespace {
 
-// A wide margin keeps more features for each sub-step, a narrow one has them found more often.
-constexpr double margin = 0.5;  // of the rounding: way that found features last
+// Way that found features last, m: what both go in so many sub-steps at their present pace, within
+// these shares of the rounding. A wide margin keeps more features for each sub-step, a narrow one
+// has them found more often, which costs as much as several sub-steps.
+constexpr double margin_steps = 400, least_margin = 0.05, most_margin = 0.5;
 
 // Has an inside: only then is a point or an edge in it, and distances have a sign.
 bool solid(const Core& core) { return !core.flat && core.corners.size() > 3; }
@@ -150,8 +152,9 @@ MeshContact corner_contact(const StoneSight& s, const SurfaceFeature& f, const F
 // Collects what `find_features` keeps.
 class Finder {
  public:
-  Finder(const StoneSight& sight, const std::vector<int>& triangles, NearFeatures& near)
-      : s_(sight), triangles_(triangles), near_(near), slack_(margin * sight.stone.radius) {}
+  Finder(const StoneSight& sight, const std::vector<int>& triangles, double slack,
+         NearFeatures& near)
+      : s_(sight), triangles_(triangles), near_(near), slack_(slack) {}
 
   void run(double path) {
     near_.features.clear();
@@ -282,8 +285,10 @@ class Finder {
 }  // namespace
 
 void find_features(const StoneSight& sight, const std::vector<int>& triangles, double path,
-                   NearFeatures& near) {
-  Finder(sight, triangles, near).run(path);
+                   double pace, NearFeatures& near) {
+  const double radius = sight.stone.radius;
+  const double slack = std::clamp(margin_steps * pace, least_margin * radius, most_margin * radius);
+  Finder(sight, triangles, slack, near).run(path);
 }
 
 // One contact for each run of features with the same name: the closest of them. Order is that of

@@ -63,9 +63,10 @@ struct StoneSight {
   Vec3 node(std::int32_t n) const { return node_at(surface, n, share) - origin; }
 };
 
-// Features near now; `triangles`: candidates. `path` m, of both so far.
+// Features near now; `triangles`: candidates. `path` m, of both so far; `pace` m, of both in the
+// last sub-step.
 void find_features(const StoneSight& sight, const std::vector<int>& triangles, double path,
-                   NearFeatures& near);
+                   double pace, NearFeatures& near);
 // Contacts with overlap, in the order of patches. Returns a patch that a corner is further behind
 // than it is felt (`deepest`), or -1.
 int touch_surface(const StoneSight& sight, const std::vector<SurfaceFeature>& features,
