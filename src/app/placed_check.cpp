@@ -1,5 +1,5 @@
-// The stones are made and their forces computed once, as a run would begin, and what touches too
-// deeply is named by the deck's keys.
+// The stones are made and their forces computed once, as a run would begin; what that finds is named
+// by the deck's keys.
 #include "app/placed_check.hpp"
 
 #include <fmt/format.h>
@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 #include "app/limits.hpp"
+#include "app/placed_begin.hpp"
 #include "app/world.hpp"
 #include "trackbed/core/error.hpp"
 
@@ -17,61 +17,7 @@ namespace trackbed::app {
 
 namespace {
 
-// Of the smaller radius (of stones with corners: of their rounding). Stones at rest on each other
-// have less; a deck that means more says so with dem.largest_overlap.
-constexpr double noticed = 0.01;
-
-// The deepest contact of a pair; second < 0: -1 - surface.
-struct Deep {
-  Id first, second;
-  double overlap, radius;  // m
-};
-
-// m, smallest radius of a piece of each stone: what overlaps are measured by.
-double rounding_of(const dem::Particles& particles, std::size_t i) {
-  double least = std::numeric_limits<double>::infinity();
-  particles.corners(i, [&](const Vec3&, double radius) { least = std::min(least, radius); });
-  return least;
-}
-
-// Each pair once, in the order of ids, the same on all ranks.
-std::vector<Deep> deep_contacts(const par::Comm& comm, const dem::Particles& particles,
-                                std::size_t stones) {
-  std::vector<double> radius(stones, 0);
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    radius[static_cast<std::size_t>(particles[i].id)] = rounding_of(particles, i);
-  comm.sum(std::span<double>(radius));
-  std::vector<Deep> mine;
-  particles.contacts([&](const dem::ContactView& c) {
-    double least = radius[static_cast<std::size_t>(c.first)];
-    if (c.second >= 0) least = std::min(least, radius[static_cast<std::size_t>(c.second)]);
-    if (!(c.overlap <= noticed * least)) mine.push_back({c.first, c.second, c.overlap, least});
-  });
-  std::map<std::pair<Id, Id>, Deep> deepest;
-  for (const Deep& d : comm.all_gather(std::span<const Deep>(mine))) {
-    const auto [known, is_new] = deepest.try_emplace({d.first, d.second}, d);
-    if (!is_new && d.overlap > known->second.overlap) known->second = d;
-  }
-  std::vector<Deep> all;
-  for (const auto& [pair, deep] : deepest) all.push_back(deep);
-  return all;
-}
-
-std::string sentence_of(const Deep& deep, World& world, const input::Deck& deck) {
-  const auto& stones = world.model.placed.stones;
-  const auto& first = stones[static_cast<std::size_t>(deep.first)];
-  const auto other = [&] {
-    if (deep.second >= 0)
-      return fmt::format("stone \"{}\"", stones[static_cast<std::size_t>(deep.second)].name);
-    const auto k = static_cast<std::size_t>(-1 - deep.second);
-    return fmt::format("surface \"{}\"", world.placement->surfaces()[k].name);
-  }();
-  return fmt::format(
-      "{}: stone \"{}\" begins {:.4g} m within {}, {:.2g} of the smaller radius (stones with "
-      "corners: rounding)",
-      deck.where(fmt::format("stone[{}].position", deep.first)), first.name, deep.overlap, other,
-      deep.overlap / deep.radius);
-}
+constexpr double rounding = 1e-9;  // relative: a window as long as its stage passes
 
 // Keys of the deck get their place in it.
 InputError placed_error(const InputError& error, const input::Deck& deck) {
@@ -101,6 +47,30 @@ std::vector<std::string> leaps(const World& world, const input::Deck& deck, doub
   return sentences;
 }
 
+// A stage takes whole windows: one that is longer than the stage would lengthen it unasked.
+// Collective.
+void require_windows(const World& world, const input::Deck& deck) {
+  std::vector<std::string> problems;
+  for (const Stage& stage : world.model.stages) {
+    const Steps steps = choose_steps(world, step_of(world), stage, deck);
+    const double substep = steps.window / steps.substeps;
+    if (&stage == &world.model.stages.front()) problems = leaps(world, deck, substep);
+    if (steps.window <= stage.duration * (1 + rounding)) continue;
+    const TimeParameters& time = world.model.time;
+    const bool counted = time.window == 0 && time.substeps > 1;
+    problems.push_back(fmt::format(
+        "{}: a window of {:.4g} s ({} sub-step{} of {:.4g} s) is longer than stage \"{}\" of {:g} "
+        "s; give {}",
+        deck.where(time.window > 0 ? "time.window" : counted ? "time.substeps" : "time.step"),
+        steps.window, steps.substeps, steps.substeps > 1 ? "s" : "", substep, stage.name,
+        stage.duration,
+        substep <= stage.duration && counted
+            ? fmt::format("at most {:.0f} sub-steps", std::floor(stage.duration / substep))
+            : "a shorter one or a longer duration"));
+  }
+  if (!problems.empty()) throw InputError(problems);
+}
+
 }  // namespace
 
 StonesToPlace require_placed(const par::Comm& comm, const Model& model, const input::Deck& deck) {
@@ -111,16 +81,11 @@ StonesToPlace require_placed(const par::Comm& comm, const Model& model, const in
   } catch (const InputError& error) {  // equal on all ranks
     throw placed_error(error, deck);
   }
-  std::vector<std::string> problems;
   StonesToPlace found{world.placement->make_shapes(), {}};
-  for (const Deep& deep : deep_contacts(comm, world.particles, model.placed.stones.size())) {
-    const bool too_deep = !(deep.overlap <= model.dem.largest_overlap * deep.radius);
-    (too_deep ? problems : found.warnings).push_back(sentence_of(deep, world, deck));
-  }
-  if (!problems.empty()) throw InputError(problems);
-  const Steps steps = choose_steps(world, step_of(world), model.stages.front(), deck);
-  problems = leaps(world, deck, steps.window / steps.substeps);
-  if (!problems.empty()) throw InputError(problems);
+  PlacesOfStones places = look_at_places(world, found.shapes, deck);
+  if (!places.problems.empty()) throw InputError(places.problems);
+  found.warnings = std::move(places.warnings);
+  require_windows(world, deck);
   return found;
 }
 

@@ -1,6 +1,7 @@
 // The stones and surfaces of model = "stones": placed at the begin, watched in every window.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,11 @@ class Placement {
   void give_shapes(std::vector<bed::PlacedShape> shapes) { shapes_ = std::move(shapes); }
   void place(dem::Particles& particles);  // with these shapes; collective
   std::vector<Surface>& surfaces() { return surfaces_.surfaces(); }
+  const std::vector<Surface>& surfaces() const { return surfaces_.surfaces(); }
+  // Surfaces where `show` put them last.
+  std::optional<bed::Reached> reached_first(const bed::Flight& flight, double until) const {
+    return bed::reached_first(flight, surfaces_, until);
+  }
   // Where the surfaces are at `time` s, and their way in a window of length dt from there.
   void show(double time, double dt) { surfaces_.show(time, dt); }
 

@@ -1,6 +1,7 @@
 // Single stones and rigid surfaces, each placed by a deck: what experiments are made of.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
+#include "trackbed/geom/convex.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/par/comm.hpp"
 
@@ -109,5 +111,25 @@ class PlacedSurfaces {
   std::vector<std::vector<Vec3>> home_;  // m, nodes at time 0
   std::vector<Vec3> velocity_;
 };
+
+// The pieces of a stone as the deck places it.
+std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StoneParameters& stone);
+// m, how far they are within a surface that cuts their cores, or within a box that encloses them:
+// the way out, rounding included. 0 where neither is so and contacts tell.
+double depth_within(const std::vector<geom::Piece>& pieces, const Surface& surface);
+
+// A point in free flight, and the surface it reaches first within `until` s, where surfaces are as
+// `show` placed them last.
+struct Flight {
+  Vec3 from = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s
+  double gravity = 0;                                 // m/s^2, along -z
+};
+struct Reached {
+  std::size_t surface;
+  double time;       // s
+  bool from_behind;  // where stones do not touch it
+};
+std::optional<Reached> reached_first(const Flight& flight, const PlacedSurfaces& placed,
+                                     double until);
 
 }  // namespace trackbed::bed

@@ -1,0 +1,148 @@
+// Contacts of the first forces tell what touches; what is so deep that it has none is found by its
+// shape (bed/placed_depth.cpp), what comes from behind by its flight.
+#include "app/placed_begin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "app/world.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// Of the smaller radius (of stones with corners: of their rounding). Stones at rest on each other
+// have less; a deck that means more says so with dem.largest_overlap.
+constexpr double noticed = 0.01;
+
+// The deepest contact of a pair; second < 0: -1 - surface.
+struct Deep {
+  Id first, second;
+  double overlap, radius;  // m
+};
+
+// m, smallest radius of a piece of each stone: what overlaps are measured by.
+double rounding_of(const dem::Particles& particles, std::size_t i) {
+  double least = std::numeric_limits<double>::infinity();
+  particles.corners(i, [&](const Vec3&, double radius) { least = std::min(least, radius); });
+  return least;
+}
+
+// Each pair once, in the order of ids, the same on all ranks.
+std::map<std::pair<Id, Id>, Deep> deep_contacts(const par::Comm& comm,
+                                                const dem::Particles& particles,
+                                                std::size_t stones) {
+  std::vector<double> radius(stones, 0);
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    radius[static_cast<std::size_t>(particles[i].id)] = rounding_of(particles, i);
+  comm.sum(std::span<double>(radius));
+  std::vector<Deep> mine;
+  particles.contacts([&](const dem::ContactView& c) {
+    double least = radius[static_cast<std::size_t>(c.first)];
+    if (c.second >= 0) least = std::min(least, radius[static_cast<std::size_t>(c.second)]);
+    if (!(c.overlap <= noticed * least)) mine.push_back({c.first, c.second, c.overlap, least});
+  });
+  std::map<std::pair<Id, Id>, Deep> deepest;
+  for (const Deep& d : comm.all_gather(std::span<const Deep>(mine))) {
+    const auto [known, is_new] = deepest.try_emplace({d.first, d.second}, d);
+    if (!is_new && d.overlap > known->second.overlap) known->second = d;
+  }
+  return deepest;
+}
+
+// What is so deep that it has no contact. The same on all ranks.
+void add_hidden(const World& world, const std::vector<bed::PlacedShape>& shapes,
+                std::map<std::pair<Id, Id>, Deep>& deepest) {
+  const std::vector<Surface>& surfaces = world.placement->surfaces();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const auto pieces = bed::pieces_in_space(shapes[i], world.model.placed.stones[i]);
+    double least = std::numeric_limits<double>::infinity();
+    for (const geom::Piece& piece : pieces) least = std::min(least, piece.radius);
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      const Id stone = static_cast<Id>(i), surface = -1 - static_cast<Id>(k);
+      const double depth = bed::depth_within(pieces, surfaces[k]);
+      if (!(depth > noticed * least)) continue;
+      Deep& deep = deepest.try_emplace({stone, surface}, Deep{stone, surface, 0, least})
+                       .first->second;
+      deep.overlap = std::max(deep.overlap, depth);
+    }
+  }
+}
+
+std::string where_it_begins(const Deep& deep, const World& world, const input::Deck& deck) {
+  const auto& stones = world.model.placed.stones;
+  const auto other = [&] {
+    if (deep.second >= 0)
+      return fmt::format("stone \"{}\"", stones[static_cast<std::size_t>(deep.second)].name);
+    const auto k = static_cast<std::size_t>(-1 - deep.second);
+    return fmt::format("surface \"{}\"", world.placement->surfaces()[k].name);
+  }();
+  return fmt::format(
+      "{}: stone \"{}\" begins {:.4g} m within {}, {:.2g} of the smaller radius (stones with "
+      "corners: rounding)",
+      deck.where(fmt::format("stone[{}].position", deep.first)),
+      stones[static_cast<std::size_t>(deep.first)].name, deep.overlap, other,
+      deep.overlap / deep.radius);
+}
+
+// Forces between two that are held move neither.
+bool both_held(const Deep& deep, const Model& model) {
+  const auto held = [&](Id stone) {
+    return model.placed.stones[static_cast<std::size_t>(stone)].motion != bed::MotionKind::free;
+  };
+  return deep.second >= 0 && held(deep.first) && held(deep.second);
+}
+
+// Stones whose first plate or wall is one that they reach from the side where it is not touched.
+// Their centres are followed, without contacts with others.
+std::vector<std::string> from_behind(const World& world, const input::Deck& deck) {
+  const Model& model = world.model;
+  double until = 0;
+  for (const Stage& stage : model.stages) until += stage.duration;
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < model.placed.stones.size(); ++i) {
+    const bed::StoneParameters& stone = model.placed.stones[i];
+    const bool falls = stone.motion == bed::MotionKind::free;
+    const auto reached = world.placement->reached_first(
+        {bed::vector_of(stone.position), bed::vector_of(stone.velocity),
+         falls ? model.dem.gravity : 0},
+        until);
+    if (!reached || !reached->from_behind) continue;
+    sentences.push_back(fmt::format(
+        "{}: stone \"{}\" comes to surface \"{}\" from behind after about {:.3g} s, which ends the "
+        "run: plates and walls have one side; turn the normal, take the other side of a box, or "
+        "place the stone in front of it",
+        deck.where(fmt::format("stone[{}].position", i)), stone.name,
+        world.placement->surfaces()[reached->surface].name, reached->time));
+  }
+  return sentences;
+}
+
+}  // namespace
+
+PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedShape>& shapes,
+                              const input::Deck& deck) {
+  const Model& model = world.model;
+  auto deepest = deep_contacts(world.comm, world.particles, model.placed.stones.size());
+  add_hidden(world, shapes, deepest);
+  PlacesOfStones found;
+  for (const auto& [pair, deep] : deepest) {
+    const std::string where = where_it_begins(deep, world, deck);
+    if (!(deep.overlap <= model.dem.largest_overlap * deep.radius))
+      found.problems.push_back(fmt::format(
+          "{}; the limit is dem.largest_overlap = {:g}: place it further away", where,
+          model.dem.largest_overlap));
+    else if (!both_held(deep, model))
+      found.warnings.push_back(where);
+  }
+  if (found.problems.empty()) {
+    const std::vector<std::string> more = from_behind(world, deck);
+    found.warnings.insert(found.warnings.end(), more.begin(), more.end());
+  }
+  return found;
+}
+
+}  // namespace trackbed::app

@@ -1,0 +1,137 @@
+// Where stones are in surfaces that contacts do not see. A contact is the closest point of a
+// surface: what is through a plate by more than a radius, or wholly in a body, has none there.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "trackbed/bed/placed.hpp"
+#include "trackbed/geom/stone.hpp"
+
+namespace trackbed::bed {
+
+namespace {
+
+using Polygon = std::vector<Vec3>;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Polygon corners_of(const Surface& surface, std::size_t triangle) {
+  Polygon corners;
+  for (const std::int32_t node : surface.triangles[triangle])
+    corners.push_back(surface.position[static_cast<std::size_t>(node)]);
+  return corners;
+}
+
+Vec3 normal_of(const Polygon& triangle) {
+  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+}
+
+// What of the polygon is below the plane (Sutherland, Hodgman 1974, doi:10.1145/360767.360802).
+Polygon cut_to(const Polygon& polygon, const geom::Face& face) {
+  Polygon left;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+    const double a = face.normal.dot(from) - face.offset, b = face.normal.dot(to) - face.offset;
+    if (a <= 0) left.push_back(from);
+    if ((a < 0 && b > 0) || (a > 0 && b < 0)) left.push_back(from + a / (a - b) * (to - from));
+  }
+  return left;
+}
+
+bool cuts(const Polygon& triangle, const geom::Convex& core) {
+  Polygon left = core.faces.empty() ? Polygon{} : triangle;
+  for (const geom::Face& face : core.faces) left = cut_to(left, face);
+  return !left.empty();
+}
+
+// m, that the piece has to go along the triangle's normal to be in front of it.
+double way_out(const geom::Piece& piece, const Polygon& triangle) {
+  const Vec3 n = normal_of(triangle);
+  double deepest = -infinite;
+  for (const Vec3& corner : piece.core.vertices)
+    deepest = std::max(deepest, n.dot(triangle[0] - corner));
+  return deepest + piece.radius;
+}
+
+// Of a plate there is no inside: being behind it does no harm.
+bool is_closed(const Surface& surface) { return surface.triangles.size() > 2; }
+
+double depth_of(const geom::Piece& piece, const Surface& surface) {
+  double through = infinite, inside = infinite;
+  bool enclosed = is_closed(surface);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Polygon triangle = corners_of(surface, t);
+    const double way = way_out(piece, triangle);
+    if (cuts(triangle, piece.core)) through = std::min(through, way);
+    const Vec3 n = normal_of(triangle);
+    for (const Vec3& corner : piece.core.vertices)
+      enclosed = enclosed && n.dot(corner - triangle[0]) < 0;
+    inside = std::min(inside, way);
+  }
+  if (through < infinite) return through;
+  return enclosed ? inside : 0;
+}
+
+}  // namespace
+
+double depth_within(const std::vector<geom::Piece>& pieces, const Surface& surface) {
+  double deepest = 0;
+  for (const geom::Piece& piece : pieces) deepest = std::max(deepest, depth_of(piece, surface));
+  return deepest;
+}
+
+std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StoneParameters& stone) {
+  const Quat turn = turn_of(stone.axis, stone.angle) * shape.axes;
+  std::vector<geom::Piece> pieces;
+  for (const geom::Piece& piece : shape.shape.pieces)
+    pieces.push_back({geom::moved(geom::scaled(piece.core, shape.scale), turn,
+                                  vector_of(stone.position)),
+                      piece.radius * shape.scale});
+  return pieces;
+}
+
+namespace {
+
+// s, when a point h m above a plane, c m/s away from it and pulled to it by g m/s^2 is in it:
+// the roots of h + c t - g/2 t^2 = 0, the sooner one first if g > 0. Below 0: never.
+std::array<double, 2> times_in_plane(double h, double c, double g) {
+  if (g == 0) return {c != 0 ? -h / c : -1, -1};
+  const double square = c * c + 2 * g * h;
+  if (square < 0) return {-1, -1};
+  return {(c - std::sqrt(square)) / g, (c + std::sqrt(square)) / g};
+}
+
+bool is_over(const Polygon& triangle, const Vec3& point) {
+  const Vec3 n = normal_of(triangle);
+  for (std::size_t e = 0; e < 3; ++e)
+    if (n.dot((triangle[(e + 1) % 3] - triangle[e]).cross(point - triangle[e])) < 0) return false;
+  return true;
+}
+
+}  // namespace
+
+// Along its parabola; the first triangle counts, whichever side it shows.
+std::optional<Reached> reached_first(const Flight& flight, const PlacedSurfaces& placed,
+                                     double until) {
+  std::optional<Reached> first;
+  for (std::size_t k = 0; k < placed.surfaces().size(); ++k) {
+    const Surface& surface = placed.surfaces()[k];
+    const Vec3 velocity = flight.velocity - placed.velocity(k);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const Polygon triangle = corners_of(surface, t);
+      const Vec3 n = normal_of(triangle);
+      const double h = n.dot(flight.from - triangle[0]), c = n.dot(velocity);
+      const double g = flight.gravity * n.z();
+      for (const double time : times_in_plane(h, c, g)) {
+        if (!(time > 0) || time > (first ? std::min(until, first->time) : until)) continue;
+        const Vec3 fall(0, 0, -flight.gravity * time * time / 2);
+        if (is_over(triangle, flight.from + time * velocity + fall))
+          first = Reached{k, time, c - g * time > 0};
+      }
+    }
+  }
+  return first;
+}
+
+}  // namespace trackbed::bed
