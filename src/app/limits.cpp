@@ -214,12 +214,38 @@ std::string CouplingLimit::words() const {
                      contacts > 1 ? "s" : "", stiffness);
 }
 
+namespace {
+
+// What lets hertz contacts take a longer step: more of the stable one, or softer contacts, since
+// their stiffness F/delta grows with the root of the overlap it is taken at, in space,
+//   step ~ safety overlap^(-1/4).
+// Nothing where a linear contact may be the stiffest.
+std::string remedies(const Model& model, double limit) {
+  const auto& laws = model.physics.laws;
+  const bool hertz = !laws.empty() && std::all_of(laws.begin(), laws.end(), [](const auto& law) {
+    return law.kind == dem::LawKind::hertz;
+  });
+  const double longer = model.time.step / limit, safety = model.dem.safety * longer;
+  if (!hertz || !std::isfinite(longer)) return {};
+  std::vector<std::string> words;
+  if (model.dimension == Dimension::space)
+    words.push_back(fmt::format(
+        "dem.largest_overlap = {:.2g}, beyond which the run would stop",
+        0.99 * model.dem.largest_overlap / std::pow(longer, 4)));  // printed with two digits
+  if (safety <= 1) words.push_back(fmt::format("dem.safety = {:.3g}", 1.005 * safety));
+  if (words.empty()) return {};
+  return fmt::format("; {} would allow it", fmt::join(words, ", or "));
+}
+
+}  // namespace
+
 // A step that is asked for and is too long is refused, never shortened in silence.
 void require_stable(const Model& model, const input::Deck& deck, double limit,
                     const std::string& words) {
   if (model.time.step > limit * (1 + rounding))
-    throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({})",
-                                  deck.where("time.step"), model.time.step, limit, words)});
+    throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({}){}",
+                                  deck.where("time.step"), model.time.step, limit, words,
+                                  remedies(model, limit))});
 }
 
 namespace {
@@ -351,6 +377,7 @@ StonesStep step_of(const Model& model, const StonesOfLayers& layers) {
 StonesStep step_of(const World& world) {
   StonesStep step;
   step.longest = world.particles.stable_step(&step.limit);
+  if (!std::isfinite(step.longest)) step.limit = "none is free, and time.step is given";
   return step;
 }
 

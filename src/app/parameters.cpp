@@ -52,7 +52,13 @@ void Stage::declare_course(input::Section& s) {
       "layer", layer,
       "Fill: the [[bed.layer]] that is poured, on top of what is there; none: the uppermost one, "
       "which [bed] itself describes.");
-  s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 100},
+  // A stage that is not described but read has its name and its kind by now.
+  const bool positive = !name.empty() && kind != StageKind::passage && kind != StageKind::tamp;
+  s.number("duration", duration,
+           {.unit = "s",
+            .above = positive ? 0 : -input::unbounded,
+            .at_least = positive ? -input::unbounded : 0,
+            .usually_to = 100},
            "Simulated time, at most; passage: of all its trains together, 0 means until the last "
            "axle has left. Not of tamp, which takes what [tamping] says.");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},

@@ -55,6 +55,26 @@ void declare_materials_of_placed(const Model& model, input::Section& s) {
   }
 }
 
+// Of beds, whose decks change their law and keep the rest, it is not asked.
+void declare_idle_of_laws(const Model& model, input::Section& s) {
+  const dem::ContactLaw usual;
+  for (std::size_t i = 0; i < model.physics.laws.size(); ++i) {
+    const dem::ContactLaw& law = model.physics.laws[i];
+    const bool hertz = law.kind == dem::LawKind::hertz;
+    const auto idle = [&](const char* name, bool acts, bool given) {
+      const std::string key = fmt::format("contact[{}].{}", i, name);
+      s.rule(key, acts || !given,
+             fmt::format("has no effect with law = \"{}\"; leave it out", hertz ? "hertz" : "linear"),
+             {.reads = {fmt::format("contact[{}].law", i), key}});
+    };
+    idle("k_n", !hertz, law.k_n != usual.k_n);
+    idle("k_s", !hertz, law.k_s != usual.k_s);
+    idle("zeta_n", !hertz, law.zeta_n != usual.zeta_n);
+    idle("zeta_s", !hertz, law.zeta_s != usual.zeta_s);
+    idle("restitution", hertz, law.restitution != usual.restitution);
+  }
+}
+
 // In a plane everything lies and moves in y = 0.
 void declare_plane(const Model& model, input::Section& s) {
   if (model.dimension != Dimension::plane) return;
@@ -156,6 +176,10 @@ void declare_motion(const Model& model, input::Section& s) {
     largest = std::max(largest, 2 * reach_of(stone));
   }
   if (!stones.empty()) declare_skin(model, smallest, largest, s);
+  const bool corners = std::any_of(stones.begin(), stones.end(), [](const auto& stone) {
+    return stone.shape != bed::ShapeKind::ball && stone.shape != bed::ShapeKind::clump;
+  });
+  declare_steadiness(model, corners, s);
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
          "must be given: no stone is free, so none limits the step", {.reads = {"stone", "time"}});
 }
@@ -204,6 +228,7 @@ void Model::declare_placed(input::Section& s) {
   declare_names_of_placed(*this, s);
   declare_motion(*this, s);
   declare_materials_of_placed(*this, s);
+  declare_idle_of_laws(*this, s);
   declare_plane(*this, s);
   declare_stages_of_placed(*this, s);
   declare_domain(*this, s);
@@ -226,7 +251,9 @@ dem::Domain domain_of_placed(const Model& model) {
     for (const bed::StoneParameters& stone : placed.stones) {
       const Vec3 at = vector_of(stone.position), reach = Vec3::Constant(reach_of(stone));
       box.extend(Eigen::AlignedBox3d(at - reach, at + reach));
-      speed = std::max(speed, vector_of(stone.velocity).norm());
+      // What a spinning stone touches may take all of its surface's speed.
+      speed = std::max(speed, vector_of(stone.velocity).norm() +
+                                  vector_of(stone.spin).norm() * reach_of(stone));
     }
     const bed::PlacedSurfaces surfaces(placed.plates, placed.boxes, model.physics, model.dimension,
                                        domain.thickness);

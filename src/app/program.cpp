@@ -48,10 +48,10 @@ void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("--stones", shapes.stones, "So many parametric stones, length 1 m")
       ->check(CLI::Range(0, 100000));
   sub->add_option("--elongation", shapes.stone.elongation, "Of stones: width over length, I/L")
-      ->check(CLI::Range(0.1, 1.0))
+      ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
   sub->add_option("--flatness", shapes.stone.flatness, "Of stones: thickness over width, S/I")
-      ->check(CLI::Range(0.1, 1.0))
+      ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
   sub->add_option("--spread", shapes.stone.spread, "Of stones: scatter of both proportions, +-")
       ->check(CLI::Range(0.0, 0.5))

@@ -258,25 +258,6 @@ void declare_oddities(const Model& model, input::Section& s) {
   }
 }
 
-// Balls, alone or joined, allow longer steps. A step that is given is not measured against it: how
-// light the lightest stone is, is known too roughly from the deck.
-void declare_steadiness(const Model& model, input::Section& s) {
-  const double steady = dem::steady_safety(model.physics);
-  const auto corners = [](const bed::LayerParameters& layer) {
-    return layer.stone == bed::StoneKind::polyhedra || layer.stone == bed::StoneKind::compound ||
-           layer.stone == bed::StoneKind::library;
-  };
-  const auto& layers = model.bed.layers;
-  const bool concerned = corners(model.bed) || std::any_of(layers.begin(), layers.end(), corners);
-  s.rule(
-      "dem.safety", !concerned || model.time.step > 0 || model.dem.safety <= steady,
-      fmt::format("may be too much for stones that are pressed and stick to their neighbours: "
-                  "with this k_s and these zeta they were seen to gain energy above about "
-                  "{:.2f}",
-                  steady),
-      {.weight = input::Weight::warning, .reads = {"dem.safety", "time.step", "contact", "bed"}});
-}
-
 // s, about the shortest window there will be if the deck does not give it: of one sub-step, or what
 // the coupling allows. The rough step may be twice the real one; so only what is shorter than half
 // of it is called short.
@@ -286,7 +267,28 @@ double shortest_window(const Model& model) {
   return std::min(time.step > 0 ? time.step : time.rough_step / 2, time.rough_window);
 }
 
+bool has_corners(const bed::BedParameters& bed) {
+  const auto corners = [](const bed::LayerParameters& layer) {
+    return layer.stone == bed::StoneKind::polyhedra || layer.stone == bed::StoneKind::compound ||
+           layer.stone == bed::StoneKind::library;
+  };
+  return corners(bed) || std::any_of(bed.layers.begin(), bed.layers.end(), corners);
+}
+
 }  // namespace
+
+// Balls, alone or joined, allow longer steps. A step that is given is not measured against it: how
+// light the lightest stone is, is known too roughly from the deck.
+void declare_steadiness(const Model& model, bool corners, input::Section& s) {
+  const double steady = dem::steady_safety(model.physics);
+  s.rule("dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
+         fmt::format("may be too much for stones that are pressed and stick to their neighbours: "
+                     "with this k_s and these zeta they were seen to gain energy above about "
+                     "{:.2f}",
+                     steady),
+         {.weight = input::Weight::warning,
+          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+}
 
 // A slice with free faces has no pressure across the track, without which soil carries next to
 // nothing.
@@ -342,7 +344,7 @@ void declare_rules(const Model& model, input::Section& s) {
   declare_passages(model, s);
   declare_regions(model, s);
   declare_oddities(model, s);
-  declare_steadiness(model, s);
+  declare_steadiness(model, has_corners(model.bed), s);
   declare_skin_of_bed(model, s);
   declare_walls(model, s);
   declare_tamping(model, s);

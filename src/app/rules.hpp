@@ -19,6 +19,8 @@ void declare_idle_sides(const fem::GroundParameters& ground, Dimension dimension
 void declare_ground_yields(const Model& model, input::Section& s);
 void declare_walls(const Model& model, input::Section& s);
 void declare_tamping(const Model& model, input::Section& s);
+// Warns of a dem.safety that is large for pressed stones with corners, if there are any.
+void declare_steadiness(const Model& model, bool corners, input::Section& s);
 // What only the files of a ground can tell: all that is wrong with its mesh, and a bed that reaches
 // beyond its top; odd moduli along a layer; sides that hold the wave from below. Throws InputError.
 // Reads the files, if there are any; else all is empty.

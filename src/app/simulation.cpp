@@ -15,6 +15,7 @@
 #include "app/deck_files.hpp"
 #include "app/doubts.hpp"
 #include "app/interrupt.hpp"
+#include "app/placed_words.hpp"
 #include "app/result_folder.hpp"
 #include "app/shear.hpp"
 #include "app/summary.hpp"
@@ -307,6 +308,7 @@ bool Simulation::settle_ground() {
 // A run that is resumed from it begins with the next stage. `actions_.end` may take stones away
 // (cribs), so what describes the stage itself is written before it.
 void Simulation::end_stage() {
+  sample_end();
   {
     const auto timing = timers_.scope(Verb::output);
     if (model_.has_stones())
@@ -363,6 +365,7 @@ bool Simulation::is_to_stop() const {
 // The one agreement of a window: trouble anywhere, a wish to stop, a report due.
 Simulation::Verdict Simulation::agree() {
   std::string problem = world_.particles.trouble();
+  if (world_.placement && !problem.empty()) problem = by_names(problem, world_);
   if (problem.empty() && world_.ground) problem = world_.ground->trouble();
   if (problem.empty() && world_.sleepers) problem = world_.sleepers->trouble();
   if (problem.empty()) problem = world_.coupler.trouble();

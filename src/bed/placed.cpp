@@ -6,11 +6,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace trackbed::bed {
 
 namespace {
+
+const std::vector<std::string_view> shape_words = {
+    "ball", "block", "clump", "hull", "polyhedron", "compound", "library", "mesh"};
+
+std::string_view word_of(ShapeKind kind) { return shape_words[static_cast<std::size_t>(kind)]; }
 
 constexpr const char* place_of_turn =
     "Axis of any length about which it is turned by `angle`, counter-clockwise seen from its tip.";
@@ -31,6 +37,39 @@ bool are_spheres(const std::vector<double>& spheres) {
 bool is_drawn(const ShapeParameters& p) {
   return p.shape == ShapeKind::polyhedron || p.shape == ShapeKind::compound ||
          (p.shape == ShapeKind::clump && p.spheres.empty());
+}
+
+// Against the defaults: what a deck leaves out cannot be told from what it repeats.
+void declare_idle_of_shape(const ShapeParameters& p, input::Section& s) {
+  using enum ShapeKind;
+  const ShapeParameters usual;
+  const auto of = [&](std::initializer_list<ShapeKind> kinds) {
+    return std::find(kinds.begin(), kinds.end(), p.shape) != kinds.end();
+  };
+  const auto idle = [&](const char* key, bool acts, bool given) {
+    s.rule(key, acts || !given,
+           fmt::format("has no effect with shape = \"{}\"; leave it out", word_of(p.shape)),
+           {.reads = {"shape", key}});
+  };
+  const bool drawn = is_drawn(p), pieces = of({compound, mesh});
+  idle("radius", of({ball}), p.radius != usual.radius);
+  idle("sides", of({block}), !p.sides.empty());
+  idle("corners", of({hull}), !p.corners.empty());
+  idle("rounding", of({block, hull}), p.rounding != usual.rounding);
+  idle("spheres", of({clump}), !p.spheres.empty());
+  idle("seed", drawn, p.seed != usual.seed);
+  idle("file", of({library, mesh}), !p.file.empty());
+  idle("entry", of({library}), !p.entry.empty());
+  idle("unit", of({mesh}), p.unit != usual.unit);
+  const PolyhedronParameters &own = p.polyhedron, &none = usual.polyhedron;
+  idle("polyhedron.vertices", drawn || of({mesh}), own.vertices != none.vertices);
+  idle("polyhedron.rounding", drawn || of({mesh}), own.rounding != none.rounding);
+  idle("polyhedron.elongation", drawn, own.elongation != none.elongation);
+  idle("polyhedron.flatness", drawn, own.flatness != none.flatness);
+  idle("polyhedron.spread", drawn, own.spread != none.spread);
+  idle("polyhedron.angularity", drawn, own.angularity != none.angularity);
+  idle("polyhedron.pieces", pieces, own.pieces != none.pieces);
+  idle("polyhedron.spheres", drawn && of({clump}), own.spheres != none.spheres);
 }
 
 void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
@@ -59,7 +98,7 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
 
 void ShapeParameters::declare(input::Section& s) {
   s.choice("shape", shape,
-           {"ball", "block", "clump", "hull", "polyhedron", "compound", "library", "mesh"},
+           shape_words,
            "ball: sphere, in a plane disk; block: cuboid; clump: spheres joined, in a plane disks; "
            "hull: convex hull of corners; polyhedron: drawn irregular one; compound: the same cut "
            "into convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "
@@ -86,6 +125,7 @@ void ShapeParameters::declare(input::Section& s) {
            "Smallest square hole the stone passes, which scales it (drawn, library, mesh); 0: as "
            "the file has it.");
   declare_rules_of_shape(*this, s);
+  declare_idle_of_shape(*this, s);
 }
 
 void StoneParameters::declare(input::Section& s) {

@@ -91,6 +91,23 @@ std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StonePa
   return pieces;
 }
 
+// The walls of a container are behind each other for nobody: of a body all faces have their inside
+// behind them, of a container any face has what is outside.
+bool is_behind(const Vec3& point, const Surface& surface) {
+  std::size_t behind = 0;
+  double sum = 0;  // of what the normals point away from; above 0: a body
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& node : surface.position) middle += node / static_cast<double>(surface.nodes());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Polygon triangle = corners_of(surface, t);
+    const Vec3 n = normal_of(triangle);
+    sum += n.dot(triangle[0] - middle);
+    if (n.dot(point - triangle[0]) < 0) ++behind;
+  }
+  const bool body = is_closed(surface) && sum > 0;
+  return body ? behind == surface.triangles.size() : behind > 0;
+}
+
 namespace {
 
 // s, when a point h m above a plane, c m/s away from it and pulled to it by g m/s^2 is in it:

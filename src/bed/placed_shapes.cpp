@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -50,7 +51,17 @@ PlacedShape hull(const ShapeParameters& p) {
   std::vector<Vec3> corners;
   for (std::size_t k = 0; k + 2 < p.corners.size(); k += 3)
     corners.emplace_back(p.corners[k], p.corners[k + 1], p.corners[k + 2]);
-  const geom::Piece piece = geom::rounded(geom::convex_hull(corners), p.rounding);
+  const geom::Convex core = geom::convex_hull(corners);
+  constexpr std::size_t fewest = 4;  // faces of a body; a flat one has two, back to back
+  if (core.faces.size() < fewest)
+    throw InputError({"corners: lie in one plane and enclose nothing: give at least four that do"});
+  const double volume = geom::piece_solid({core, 0}).volume;
+  const double largest = std::cbrt(3 * volume / (4 * std::numbers::pi));
+  if (p.rounding > largest)
+    throw InputError({fmt::format("rounding: {:g} m is the radius of a ball larger than the hull of "
+                                  "{:.3g} m^3; it must be below {:.3g} m",
+                                  p.rounding, volume, largest)});
+  const geom::Piece piece = geom::rounded(core, p.rounding);
   return shape_of(piece, geom::smallest_hole({piece}));
 }
 
@@ -72,7 +83,7 @@ PlacedShape drawn(const ShapeParameters& p) {
               : p.shape == ShapeKind::compound ? StoneKind::compound
                                                : StoneKind::clump;
   bed.polyhedron = p.polyhedron, bed.seed = p.seed, bed.shapes = 1;
-  return {polyhedron_stone(bed, 0), 1, Quat::Identity()};
+  return {polyhedron_shape(bed, 0), 1, Quat::Identity()};
 }
 
 PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
@@ -82,11 +93,17 @@ PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
   if (p.entry.empty() && shapes.size() == 1) return {shapes[0].shape, 1, Quat::Identity()};
   const auto found = std::find(names.begin(), names.end(), p.entry);
   if (found == names.end()) {
-    const std::string near = input::nearest(p.entry, names);
-    names.resize(std::min<std::size_t>(names.size(), 10));
-    throw InputError({fmt::format("entry: {} has no shape \"{}\"; {}", p.file, p.entry,
-                                  near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
-                                               : fmt::format("did you mean {}?", near))});
+    const std::string near = p.entry.empty() ? "" : input::nearest(p.entry, names);
+    const std::size_t count = names.size();
+    names.resize(std::min<std::size_t>(count, 10));
+    const std::string known =
+        fmt::format("there {} {}{}", count == 1 ? "is" : "are", fmt::join(names, ", "),
+                    count > names.size() ? fmt::format(" and {} more", count - names.size()) : "");
+    throw InputError({fmt::format(
+        "entry: {}; {}",
+        p.entry.empty() ? fmt::format("must name one of the {} shapes of {}", count, p.file)
+                        : fmt::format("{} has no shape \"{}\"", p.file, p.entry),
+        near.empty() ? known : fmt::format("did you mean {}?", near))});
   }
   const NamedShape& shape = shapes[static_cast<std::size_t>(found - names.begin())];
   for (const geom::Piece& piece : shape.shape.pieces)
@@ -133,6 +150,10 @@ PlacedShape placed_shape(const par::Comm& comm, const ShapeParameters& parameter
     return placed;
   } catch (const std::invalid_argument& why) {
     throw InputError({fmt::format("shape: cannot be made: {}", why.what())});
+  } catch (const InputError& why) {  // of a file, which is what its sentence begins with
+    const std::string words = why.what();
+    if (parameters.file.empty() || !words.starts_with(parameters.file)) throw;
+    throw InputError({"file: " + words});
   }
 }
 

@@ -46,17 +46,20 @@ int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t sh
 void PolyhedronParameters::declare(input::Section& s) {
   s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
             "Corners of a stone; its faces are triangles, twice as many less four.");
+  constexpr double most = 0.995;  // nearer to 1 no stretching of many corners gets
   s.number(
-      "elongation", elongation, {.above = 0, .at_most = 1},
+      "elongation", elongation, {.above = 0, .at_most = most},
       "Width over length (I/L) of the stone, rounding included, between callipers: thickness S "
       "is its smallest distance of parallel jaws, width I the smallest at right angles to "
-      "it, length L at right angles to both. Above about 0.95 there may be no such stone.");
-  s.number("flatness", flatness, {.above = 0, .at_most = 1},
+      "it, length L at right angles to both. Above about 0.95 stones of few corners do not reach it.");
+  s.number("flatness", flatness, {.above = 0, .at_most = most},
            "Thickness over width (S/I), measured likewise.");
   s.number(
       "spread", spread, {.at_least = 0, .at_most = 0.5},
-      "Scatter of elongation and flatness over the shapes: each is drawn evenly from the "
-      "wanted value +- this, at most 0.95. 0: all shapes have just the proportions asked for.");
+      "Scatter of elongation and flatness over the shapes: each is drawn evenly from the wanted "
+      "value +- this; what is drawn below 0.1 becomes 0.1, what is drawn above 0.95 becomes 0.95 "
+      "(of elongation 0.85 +- 0.23 that is 28 % of the stones). 0: all shapes have just the "
+      "proportions asked for.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
            "0: corners evenly spread over an ellipsoid; 1: a worn polyhedron of few main corners.");
   s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
@@ -71,18 +74,22 @@ void PolyhedronParameters::declare(input::Section& s) {
 
 // The seed of template k is a hash of both, so that more shapes leave the polyhedra there are as
 // they were.
-dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) {
+dem::Template polyhedron_shape(const BedParameters& parameters, std::int64_t k) {
   const PolyhedronParameters& p = parameters.polyhedron;
   const std::uint64_t seed =
       mix(static_cast<std::uint64_t>(parameters.seed) ^ mix(static_cast<std::uint64_t>(k)));
+  const geom::Piece whole = geom::rounded_stone(
+      {p.elongation, p.flatness, p.angularity, static_cast<int>(p.vertices), p.spread}, p.rounding,
+      seed);
+  if (parameters.stone == StoneKind::compound) return compound(whole, static_cast<int>(p.pieces));
+  if (parameters.stone == StoneKind::clump)
+    return filled(whole, spheres_of(p.spheres, k, parameters.shapes));
+  return geom::template_of({whole});
+}
+
+dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) {
   try {
-    const geom::Piece whole = geom::rounded_stone(
-        {p.elongation, p.flatness, p.angularity, static_cast<int>(p.vertices), p.spread},
-        p.rounding, seed);
-    if (parameters.stone == StoneKind::compound) return compound(whole, static_cast<int>(p.pieces));
-    if (parameters.stone == StoneKind::clump)
-      return filled(whole, spheres_of(p.spheres, k, parameters.shapes));
-    return geom::template_of({whole});
+    return polyhedron_shape(parameters, k);
   } catch (const std::invalid_argument& why) {
     throw InputError({fmt::format("bed.polyhedron makes no stone: {}", why.what())});
   }

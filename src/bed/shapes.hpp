@@ -10,8 +10,9 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
 dem::Template round_stone(Dimension dimension);                                   // diameter 1 m
 dem::Template clump_stone(const BedParameters& parameters, Dimension dimension);  // extent 1 m
 // The k-th polyhedron, compound or filled polyhedron; about 1 m. Throws InputError if there is
-// none.
+// none; `polyhedron_shape`: std::invalid_argument, for those whose parameters have other names.
 dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k);
+dem::Template polyhedron_shape(const BedParameters& parameters, std::int64_t k);
 
 // Each sphere as a piece: a core of one corner.
 std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres);

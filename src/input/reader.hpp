@@ -23,7 +23,7 @@ class Reader : public Section {
   // Before the visit: files that the run began with are not looked for.
   void take_origins_as_they_are() { origins_as_they_are_ = true; }
   // After the visit: what the file has at its top that nobody asked for.
-  void finish() { leave(); }
+  void finish();
 
   void number(std::string_view name, double& value, const Limits& limits,
               std::string_view meaning) override;
@@ -56,6 +56,14 @@ class Reader : public Section {
     std::vector<std::string> known;  // names asked for so far
     std::size_t problems_before = 0;
   };
+  // A name that nobody asked for. What may have been meant is known after the visit: sections of
+  // the deck's model, which its end alone knows all, and no others.
+  struct Unknown {
+    const Node* node;
+    std::string section, name;
+    std::vector<std::string> known;  // names of that section
+    std::string path() const { return section.empty() ? name : section + "." + name; }
+  };
   // The value of a parameter of the open section, or null; notes that it is known.
   const Node* find(std::string_view name);
   std::string path_of(std::string_view name) const;
@@ -67,7 +75,9 @@ class Reader : public Section {
   // Checks type, finiteness and limits; says what is wrong with `node` and returns false.
   bool take_number(const Node& node, const std::string& path, const Limits& limits, double& value);
   void report_unknown(const Frame& frame);
-  std::string suggestion(const Frame& frame, const std::string& name) const;
+  std::string what_it_is_not(const Unknown& unknown) const;
+  std::string suggestion(const Unknown& unknown) const;
+  std::size_t count() const { return problems_.count() + unknown_.size(); }
   void open(Frame frame);
 
   std::string folder_;
@@ -75,6 +85,8 @@ class Reader : public Section {
   std::vector<ParameterInfo> paths_;
   Problems& problems_;
   std::vector<Frame> open_;
+  std::vector<Unknown> unknown_;
+  std::vector<std::string> sections_;  // names known at the top, once the visit is over
   // A rule asks this list whether what it reads can be trusted.
   std::vector<std::string> refused_;  // paths of values that were not taken
 };

@@ -29,7 +29,7 @@ bool Reader::enter(std::string_view name, std::string_view) {
     refuse(*node, path, fmt::format("must be a section, [{}]", path));
     return false;
   }
-  open({path, node, {}, problems_.count()});
+  open({path, node, {}, count()});
   return true;
 }
 
@@ -46,7 +46,7 @@ std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string
     refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
     return std::nullopt;
   }
-  open({path, node, {}, problems_.count()});
+  open({path, node, {}, count()});
   return node->items.size();
 }
 
@@ -55,7 +55,7 @@ void Reader::enter_element(std::size_t index) {
   open({fmt::format("{}[{}]", list.path, index),
         &list.node->items.at(index),
         {},
-        problems_.count()});
+        count()});
 }
 
 // The last chance of a section's names to be known.
@@ -104,28 +104,50 @@ void Reader::missing(std::string_view name, const std::string& unit) {
 void Reader::report_unknown(const Frame& frame) {
   for (const auto& [name, value] : frame.node->members) {
     if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
-    const std::string path = frame.path.empty() ? name : fmt::format("{}.{}", frame.path, name);
-    problem(&value, path,
-            fmt::format(" is not a {}{}", value.is_value() ? "parameter" : "section",
-                        did_you_mean(suggestion(frame, name))));
+    unknown_.push_back({&value, frame.path, name, frame.known});
+    refused_.push_back(unknown_.back().path());
   }
 }
 
-// The nearest name of the same section, else the nearest one anywhere.
+void Reader::finish() {
+  sections_ = open_.back().known;
+  leave();
+  for (const Unknown& unknown : unknown_)
+    problems_.add(unknown.node, unknown.path() + what_it_is_not(unknown));
+  unknown_.clear();
+}
+
+// Another model's section, or a slip.
+std::string Reader::what_it_is_not(const Unknown& unknown) const {
+  const bool elsewhere =
+      unknown.section.empty() && std::any_of(paths_.begin(), paths_.end(), [&](const auto& known) {
+        return known.path.starts_with(unknown.name + ".") ||
+               known.path.starts_with(unknown.name + "[");
+      });
+  const char* kind = unknown.node->is_value() ? "parameter" : "section";
+  if (elsewhere) return fmt::format(" is not a {} of a deck with this `model`; leave it out", kind);
+  return fmt::format(" is not a {}{}", kind, did_you_mean(suggestion(unknown)));
+}
+
+// The nearest name of the same section, else the nearest one anywhere that this deck may hold.
 // A parameter may just stand in the wrong section: its full path says where it belongs, and the
 // user need not search.
-std::string Reader::suggestion(const Frame& frame, const std::string& name) const {
-  if (const std::string near = nearest(name, frame.known); !near.empty())
-    return frame.path.empty() ? near : fmt::format("{}.{}", frame.path, near);
-  // All parameters of the program, also of sections that this deck does not have.
+std::string Reader::suggestion(const Unknown& unknown) const {
+  if (const std::string near = nearest(unknown.name, unknown.known); !near.empty())
+    return unknown.section.empty() ? near : fmt::format("{}.{}", unknown.section, near);
+  std::vector<const ParameterInfo*> possible;
   std::vector<std::string> words;
-  for (const ParameterInfo& parameter : paths_) words.push_back(last_word(parameter.path));
-  const std::string near = nearest(name, words);
   for (const ParameterInfo& parameter : paths_) {
-    if (near.empty() || last_word(parameter.path) != near) continue;
+    const std::string top = parameter.path.substr(0, parameter.path.find_first_of(".["));
+    if (std::find(sections_.begin(), sections_.end(), top) == sections_.end()) continue;
+    possible.push_back(&parameter), words.push_back(last_word(parameter.path));
+  }
+  const std::string near = nearest(unknown.name, words);
+  for (const ParameterInfo* parameter : possible) {
+    if (near.empty() || last_word(parameter->path) != near) continue;
     // "stage[0].start ...; did you mean start?" would seem to suggest what is there.
-    const bool top = parameter.path == near && !frame.path.empty();
-    return parameter.path + (top ? " at the top of the deck" : "");
+    const bool top = parameter->path == near && !unknown.section.empty();
+    return parameter->path + (top ? " at the top of the deck" : "");
   }
   return "";
 }

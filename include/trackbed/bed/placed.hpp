@@ -118,6 +118,9 @@ std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StonePa
 // the way out, rounding included. 0 where neither is so and contacts tell.
 double depth_within(const std::vector<geom::Piece>& pieces, const Surface& surface);
 
+// Whether a point is behind a plate or a wall, or in a box that is touched from outside.
+bool is_behind(const Vec3& point, const Surface& surface);
+
 // A point in free flight, and the surface it reaches first within `until` s, where surfaces are as
 // `show` placed them last.
 struct Flight {
