@@ -49,7 +49,10 @@ void Simulation::observe() {
   // The first row of a stage, to which envelopes and figures are relative, is that of its first
   // window: before it bodies have come or gone, and nobody knows yet who touches whom. The others
   // follow at even steps, as spectra want them.
-  const bool row = is_row();
+  // How an experiment with single stones ends is what it was made for: its last window has one,
+  // too. Here and not in `end_stage`, where a resumed run may know no contacts yet.
+  const bool due = (course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0;
+  const bool row = due || (model_.is_placed() && !runs());
   const bool picture = model_.output.fields && every(model_.output.fields_interval);
   if (row) sample();
   // A picture holds what it shows itself.
@@ -61,16 +64,6 @@ void Simulation::observe() {
                             world_.scene());
   }
   if (course_.windows % windows_between_balance_checks == 0) world_.rebalance();
-}
-
-bool Simulation::is_row() const {
-  return (course_.clock.window() - 1) % windows_in(model_.output.history_interval) == 0;
-}
-
-// How an experiment with single stones ends is what it was made for; of beds, spectra want even
-// steps. Collective.
-void Simulation::sample_end() {
-  if (model_.is_placed() && !is_row()) sample();
 }
 
 // A ground that is held still has nothing that changes.

@@ -81,7 +81,7 @@ std::string where_it_begins(const Deep& deep, const World& world, const input::D
     return fmt::format("surface \"{}\"", world.placement->surfaces()[k].name);
   }();
   return fmt::format(
-      "{}: stone \"{}\" begins {:.4g} m within {}, {:.2g} of the smaller radius (stones with "
+      "{}: stone \"{}\" begins {:.4g} m within {}, {:.3g} of the smaller radius (stones with "
       "corners: rounding)",
       deck.where(fmt::format("stone[{}].position", deep.first)),
       stones[static_cast<std::size_t>(deep.first)].name, deep.overlap, other,
@@ -121,6 +121,47 @@ std::vector<std::string> from_behind(const World& world, const input::Deck& deck
   return sentences;
 }
 
+// m, the widest gap that a chain through all balls has to bridge; below 0 they are one body.
+double gap_of(const std::vector<geom::Piece>& balls) {
+  std::vector<double> gap(balls.size(), std::numeric_limits<double>::infinity());
+  std::vector<bool> joined(balls.size(), false);
+  double widest = -std::numeric_limits<double>::infinity();
+  std::size_t last = 0;
+  joined[last] = true;
+  for (std::size_t count = 1; count < balls.size(); ++count) {  // Prim
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < balls.size(); ++k) {
+      if (joined[k]) continue;
+      const double apart = (balls[k].core.vertices[0] - balls[last].core.vertices[0]).norm();
+      gap[k] = std::min(gap[k], apart - balls[k].radius - balls[last].radius);
+      if (joined[next] || gap[k] < gap[next]) next = k;
+    }
+    widest = std::max(widest, gap[next]);
+    joined[next] = true, last = next;
+  }
+  return widest;
+}
+
+// Spheres of one clump that nothing joins.
+std::vector<std::string> loose_clumps(const World& world,
+                                      const std::vector<bed::PlacedShape>& shapes,
+                                      const input::Deck& deck) {
+  constexpr double touching = 1e-6;  // of the radius: decks are written with some digits
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const bed::StoneParameters& stone = world.model.placed.stones[i];
+    if (stone.shape != bed::ShapeKind::clump || stone.spheres.empty()) continue;
+    const auto balls = bed::pieces_in_space(shapes[i], stone);
+    const double gap = gap_of(balls);
+    if (gap > touching * balls[0].radius)
+      sentences.push_back(fmt::format(
+          "{}: spheres of stone \"{}\" are {:.3g} m apart, which nothing fills: they move as one "
+          "body all the same; let them overlap, or place several stones",
+          deck.where(fmt::format("stone[{}].spheres", i)), stone.name, gap));
+  }
+  return sentences;
+}
+
 }  // namespace
 
 PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedShape>& shapes,
@@ -138,10 +179,8 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
     else if (!both_held(deep, model))
       found.warnings.push_back(where);
   }
-  if (found.problems.empty()) {
-    const std::vector<std::string> more = from_behind(world, deck);
+  for (const auto& more : {from_behind(world, deck), loose_clumps(world, shapes, deck)})
     found.warnings.insert(found.warnings.end(), more.begin(), more.end());
-  }
   return found;
 }
 

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "app/parameters.hpp"
+#include "app/placement.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/geom/mesh.hpp"
 #include "trackbed/input/deck.hpp"
@@ -26,6 +27,26 @@ namespace {
 namespace fs = std::filesystem;
 using bed::NamedShape;
 
+// Each stone of the deck at its size, by its name.
+std::vector<NamedShape> shapes_of_placed(const par::Comm& comm, const Model& model) {
+  std::vector<NamedShape> shapes;
+  Placement placement(comm, model);
+  const std::vector<bed::PlacedShape>& made = placement.make_shapes();
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    dem::Template shape = made[i].shape;
+    const double scale = made[i].scale;
+    for (dem::Piece& piece : shape.pieces) {
+      piece.core = geom::scaled(std::move(piece.core), scale);
+      piece.radius *= scale;
+    }
+    const bool plane = model.dimension == Dimension::plane;
+    shape.volume *= plane ? scale * scale : scale * scale * scale;
+    shape.gyration *= scale * scale, shape.sieve *= scale;
+    shapes.push_back({model.placed.stones[i].name, std::move(shape), {}});
+  }
+  return shapes;
+}
+
 // The templates a bed of this deck would be made of, drawn from the same seed, then those of its
 // other layers under their names. The deck's dimension decides how the table reads; of several
 // decks the last.
@@ -35,6 +56,7 @@ std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string&
   Model model;
   deck.fill([&](input::Section& section) { model.declare(section); });
   dimension = model.dimension;
+  if (model.is_placed()) return shapes_of_placed(comm, model);
   std::vector<NamedShape> shapes;
   const auto add = [&](const std::string& name, const bed::BedParameters& layer) {
     std::size_t number = 0;

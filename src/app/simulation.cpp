@@ -308,7 +308,6 @@ bool Simulation::settle_ground() {
 // A run that is resumed from it begins with the next stage. `actions_.end` may take stones away
 // (cribs), so what describes the stage itself is written before it.
 void Simulation::end_stage() {
-  sample_end();
   {
     const auto timing = timers_.scope(Verb::output);
     if (model_.has_stones())

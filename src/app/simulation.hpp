@@ -71,8 +71,6 @@ class Simulation {
   Verdict agree();
   void observe();
   void sample();
-  bool is_row() const;  // of the window that has ended
-  void sample_end();    // of a stage
   void checkpoint_if_due();
   void checkpoint(const std::string& name);
   bool every(double interval) const;

@@ -51,7 +51,7 @@ void PolyhedronParameters::declare(input::Section& s) {
       "elongation", elongation, {.above = 0, .at_most = most},
       "Width over length (I/L) of the stone, rounding included, between callipers: thickness S "
       "is its smallest distance of parallel jaws, width I the smallest at right angles to "
-      "it, length L at right angles to both. Above about 0.95 stones of few corners do not reach it.");
+      "it, length L at right angles to both. Above about 0.95 there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = most},
            "Thickness over width (S/I), measured likewise.");
   s.number(

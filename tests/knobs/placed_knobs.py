@@ -13,13 +13,15 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, expect  # noqa: E402
 from results import data  # noqa: E402
 
-DRAWN = ["stone.odd.shape=polyhedron", "stone.odd.size=0.012", "stone.odd.rounding=1e-3"]
-HULL = ["stone.odd.shape=hull",
+OTHER = "stone.odd.sides=[]"  # of a stone that is no block any more
+DRAWN = [OTHER, "stone.odd.shape=polyhedron", "stone.odd.size=0.012", "stone.odd.rounding=1e-3"]
+HULL = [OTHER, "stone.odd.shape=hull",
         "stone.odd.corners=[0,0,0, 0.03,0,0, 0,0.02,0, 0,0,0.01]"]
-CLUMP = ["stone.odd.shape=clump", "stone.odd.spheres=[-0.005,0,0,0.006, 0.005,0,0,0.005]"]
-LIBRARY = ["stone.odd.shape=library", "stone.odd.file={folder}/one.h5", "stone.odd.size=0.012",
-           "stone.odd.entry=stone_1"]
-MESH = ["stone.odd.shape=mesh", "stone.odd.file={folder}/one.obj", "stone.odd.unit=1e-3"]
+CLUMP = [OTHER, "stone.odd.shape=clump",
+         "stone.odd.spheres=[-0.005,0,0,0.006, 0.005,0,0,0.005]"]
+LIBRARY = [OTHER, "stone.odd.shape=library", "stone.odd.file={folder}/one.h5",
+           "stone.odd.size=0.012", "stone.odd.entry=stone_1"]
+MESH = [OTHER, "stone.odd.shape=mesh", "stone.odd.file={folder}/one.obj", "stone.odd.unit=1e-3"]
 TURNED = ["stone.odd.angle=30"]
 SMALL = ["plate.floor.size=[0.2,0.02]", "plate.floor.edge=[1,0,0]"]
 TILTED = ["box.walls.angle=10"]
@@ -29,7 +31,7 @@ KNOBS = {
     "domain.low": ("domain.low=[-1,-1,0.009]", DOMAIN),
     "domain.high": ("domain.high=[0.025,1,1]", DOMAIN),
     "stone.[].name": ("stone.odd.name=other", []),
-    "stone.[].shape": ("stone.odd.shape=ball", ["stone.odd.radius=0.01"]),
+    "stone.[].shape": ("stone.odd.shape=compound", DRAWN),
     "stone.[].radius": ("stone.ball.radius=0.009", []),
     "stone.[].sides": ("stone.odd.sides=[0.03,0.02,0.011]", []),
     "stone.[].corners": ("stone.odd.corners=[0,0,0, 0.03,0,0, 0,0.02,0, 0,0,0.012]", HULL),
@@ -39,9 +41,9 @@ KNOBS = {
        name, value in {"vertices": 12, "elongation": 0.7, "flatness": 0.6, "spread": 0.2,
                        "angularity": 0.4, "rounding": 0.08}.items()},
     "stone.[].polyhedron.pieces": ("stone.odd.polyhedron.pieces=2",
-                                   ["stone.odd.shape=compound", *DRAWN[1:]]),
+                                   [*DRAWN, "stone.odd.shape=compound"]),
     "stone.[].polyhedron.spheres": ("stone.odd.polyhedron.spheres=[3,3]",
-                                    ["stone.odd.shape=clump", *DRAWN[1:]]),
+                                    [*DRAWN, "stone.odd.shape=clump"]),
     "stone.[].seed": ("stone.odd.seed=2", DRAWN),
     "stone.[].file": ("stone.odd.file={folder}/two.h5", LIBRARY),
     "stone.[].entry": ("stone.odd.entry=stone_2", LIBRARY),
@@ -84,13 +86,14 @@ REFUSED = {
     "box.walls.name=floor": "is the name of a [[plate]]",
     "stone.odd.sides=[0.03,0.02,0.001]": "must each be above 2 rounding = 0.002 m",
     "stone.odd.shape=hull": "must hold x, y, z of at least four corners",
-    "stone.odd.shape=hull stone.odd.corners=[0,0,0,1,0,0,0,1,0,1,1,0]": "stone[1].shape: cannot be",
+    f"{OTHER} stone.odd.shape=hull stone.odd.corners=[0,0,0,1,0,0,0,1,0,1,1,0]":
+        "stone[1].corners: lie in one plane",
     "stone.odd.shape=clump stone.odd.spheres=[0,0,0,0]": "a radius above 0",
     "stone.odd.shape=polyhedron": "must be above 0 m for a stone that is drawn",
     "stone.odd.size=1": "is for drawn stones, libraries and meshes",
     "stone.odd.shape=mesh": "must name a mesh",
     "stone.odd.shape=mesh stone.odd.file={folder}/none.obj": "does not exist",
-    "stone.odd.shape=library stone.odd.file={folder}/one.obj": "is no library of shapes",
+    f"{OTHER} stone.odd.shape=library stone.odd.file={{folder}}/one.obj": "is no library of shapes",
     f"{' '.join(LIBRARY)} stone.odd.entry=stone_11": "did you mean stone_1?",
     "stone.odd.motion=fixed": "velocity or spin is not zero: take driven",
     "stone.odd.axis=[0,0,0]": "must not be zero",
