@@ -13,6 +13,7 @@ which are not counted.
 """
 import json
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -190,10 +191,24 @@ def in_lammps(programs, ours, folder):
     return [Lammps(program, given, ours.ranks, particles) for program in programs]
 
 
+def arguments(usage):
+    """Program and folder, resolved."""
+    if len(sys.argv) < 3:
+        raise SystemExit(f"two arguments are needed: {usage}")
+    program = Path(sys.argv[1]).resolve()
+    if not program.is_file():
+        raise SystemExit(f"{sys.argv[1]} is no program: {usage}")
+    return program, Path(sys.argv[2]).resolve()
+
+
 def main():
-    program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    program, folder = arguments("bench_spheres.py TRACKBED FOLDER [RUNS] [LAMMPS...]")
     runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
     programs = [str(Path(p).resolve()) if "/" in p else p for p in sys.argv[4:]] or ["lmp"]
+    for lammps in programs:
+        if not shutil.which(lammps):
+            raise SystemExit(f"{lammps} is not there: install Debian's package lammps, or name a "
+                             "LAMMPS built here after RUNS")
     folder.mkdir(parents=True, exist_ok=True)
     cases = [Ours(program, folder, law, ranks) for law in LAWS for ranks in RANKS]
     theirs = [in_lammps(programs, ours, folder) for ours in cases]

@@ -11,9 +11,10 @@ of it side by side (bed.cell), on two ranks twice as many as on one, so as many 
 time that preparation took is printed. `contacts` counts those of pieces, `touched` the stones (and
 the floor) that a stone touches. All cases take turns, RUNS times (3), and of each the best run
 counts: other work on the machine only slows down. The processor time shows what a busy machine
-hides from the wall time. LAMMPS (Debian's) moves the spheres of inputs/bench/spheres.toml
-(bench_spheres.py), and the same clumps with fix rigid/small and the same law between spheres; it is
-left out where there is no `lmp`.
+hides from the wall time. Both programs are taken by their whole loop: ours by the wall time of
+the last stage, with coupling and rows of the histories, LAMMPS by its loop time. LAMMPS (Debian's)
+moves the spheres of inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix
+rigid/small and the same law between spheres; it is left out where there is no `lmp`.
 """
 import json
 import shutil
@@ -108,13 +109,17 @@ class Case:
     def run(self):
         out = self.folder / "run"
         run_deck(self.command, out)
-        self.runs.append(json.loads((out / "summary.json").read_text())["dem"])
+        found = json.loads((out / "summary.json").read_text())
+        self.runs.append({**found["dem"], "loop_s": found["stages"][-1]["wall_time_s"]})
 
     def best(self, figure, largest=True):
         return (max if largest else min)(run[figure] for run in self.runs)
 
     def speed(self):
-        return self.best("particle_steps_per_second_per_core")
+        """Of the whole stage, as LAMMPS counts its whole loop."""
+        dem = self.runs[0]
+        done = dem["particles"] * dem["measured_steps"]
+        return done / self.ranks / self.best("loop_s", largest=False)
 
     def speed_by_cpu(self):
         dem = self.runs[0]
@@ -267,13 +272,15 @@ def ratios(cases, theirs):
 
 
 def main():
-    program, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    program, folder = bench_spheres.arguments("bench_stones.py TRACKBED FOLDER [RUNS]")
     runs = int(sys.argv[3]) if len(sys.argv) > 3 else 3
     folder.mkdir(parents=True, exist_ok=True)
     begin = time.monotonic()
     cases = [Case(program, folder, name, ranks, law)
              for name in NAMES for law in LAWS for ranks in RANKS]
     theirs = beside_lammps(program, folder, cases) if shutil.which("lmp") else []
+    if not theirs:
+        print("there is no `lmp` on the PATH: our own rates alone")
     print(f"prepared in {time.monotonic() - begin:.0f} s")
     for _ in range(runs):
         for one in (*cases, *theirs):

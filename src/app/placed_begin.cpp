@@ -65,8 +65,8 @@ void add_hidden(const World& world, const std::vector<bed::PlacedShape>& shapes,
       const Id stone = static_cast<Id>(i), surface = -1 - static_cast<Id>(k);
       const double depth = bed::depth_within(pieces, surfaces[k]);
       if (!(depth > noticed * least)) continue;
-      Deep& deep = deepest.try_emplace({stone, surface}, Deep{stone, surface, 0, least})
-                       .first->second;
+      Deep& deep =
+          deepest.try_emplace({stone, surface}, Deep{stone, surface, 0, least}).first->second;
       deep.overlap = std::max(deep.overlap, depth);
     }
   }
@@ -173,9 +173,9 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
   for (const auto& [pair, deep] : deepest) {
     const std::string where = where_it_begins(deep, world, deck);
     if (!(deep.overlap <= model.dem.largest_overlap * deep.radius))
-      found.problems.push_back(fmt::format(
-          "{}; the limit is dem.largest_overlap = {:g}: place it further away", where,
-          model.dem.largest_overlap));
+      found.problems.push_back(
+          fmt::format("{}; the limit is dem.largest_overlap = {:g}: place it further away", where,
+                      model.dem.largest_overlap));
     else if (!both_held(deep, model))
       found.warnings.push_back(where);
   }

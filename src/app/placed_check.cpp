@@ -1,5 +1,5 @@
-// The stones are made and their forces computed once, as a run would begin; what that finds is named
-// by the deck's keys.
+// The stones are made and their forces computed once, as a run would begin; what that finds is
+// named by the deck's keys.
 #include "app/placed_check.hpp"
 
 #include <fmt/format.h>
@@ -61,7 +61,9 @@ void require_windows(const World& world, const input::Deck& deck) {
     problems.push_back(fmt::format(
         "{}: a window of {:.4g} s ({} sub-step{} of {:.4g} s) is longer than stage \"{}\" of {:g} "
         "s; give {}",
-        deck.where(time.window > 0 ? "time.window" : counted ? "time.substeps" : "time.step"),
+        deck.where(time.window > 0 ? "time.window"
+                   : counted       ? "time.substeps"
+                                   : "time.step"),
         steps.window, steps.substeps, steps.substeps > 1 ? "s" : "", substep, stage.name,
         stage.duration,
         substep <= stage.duration && counted

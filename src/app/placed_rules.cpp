@@ -63,9 +63,10 @@ void declare_idle_of_laws(const Model& model, input::Section& s) {
     const bool hertz = law.kind == dem::LawKind::hertz;
     const auto idle = [&](const char* name, bool acts, bool given) {
       const std::string key = fmt::format("contact[{}].{}", i, name);
-      s.rule(key, acts || !given,
-             fmt::format("has no effect with law = \"{}\"; leave it out", hertz ? "hertz" : "linear"),
-             {.reads = {fmt::format("contact[{}].law", i), key}});
+      s.rule(
+          key, acts || !given,
+          fmt::format("has no effect with law = \"{}\"; leave it out", hertz ? "hertz" : "linear"),
+          {.reads = {fmt::format("contact[{}].law", i), key}});
     };
     idle("k_n", !hertz, law.k_n != usual.k_n);
     idle("k_s", !hertz, law.k_s != usual.k_s);
@@ -252,8 +253,8 @@ dem::Domain domain_of_placed(const Model& model) {
       const Vec3 at = vector_of(stone.position), reach = Vec3::Constant(reach_of(stone));
       box.extend(Eigen::AlignedBox3d(at - reach, at + reach));
       // What a spinning stone touches may take all of its surface's speed.
-      speed = std::max(speed, vector_of(stone.velocity).norm() +
-                                  vector_of(stone.spin).norm() * reach_of(stone));
+      speed = std::max(
+          speed, vector_of(stone.velocity).norm() + vector_of(stone.spin).norm() * reach_of(stone));
     }
     const bed::PlacedSurfaces surfaces(placed.plates, placed.boxes, model.physics, model.dimension,
                                        domain.thickness);

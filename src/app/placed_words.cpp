@@ -15,7 +15,8 @@ namespace trackbed::app {
 namespace {
 
 std::string stone_named(const World& world, Id id) {
-  return fmt::format("stone \"{}\"", world.model.placed.stones.at(static_cast<std::size_t>(id)).name);
+  return fmt::format("stone \"{}\"",
+                     world.model.placed.stones.at(static_cast<std::size_t>(id)).name);
 }
 
 // m, smallest radius of a piece of an own stone; of others infinite.
@@ -33,8 +34,8 @@ std::string deepest_pair(const World& world) {
   std::string names;
   world.particles.contacts([&](const dem::ContactView& c) {
     if (c.second < 0) return;
-    const double radius = std::min(rounding_of(world.particles, c.first),
-                                   rounding_of(world.particles, c.second));
+    const double radius =
+        std::min(rounding_of(world.particles, c.first), rounding_of(world.particles, c.second));
     if (!(c.overlap > deepest * radius)) return;
     deepest = c.overlap / radius;
     names = fmt::format("{} and {}", stone_named(world, c.first), stone_named(world, c.second));
@@ -60,7 +61,8 @@ std::string by_names(const std::string& problem, const World& world) {
   std::smatch found, where;
   if (std::regex_search(problem, found, two)) {
     const std::string names = deepest_pair(world);
-    return names.empty() ? problem : names + problem.substr(static_cast<std::size_t>(found.length()));
+    return names.empty() ? problem
+                         : names + problem.substr(static_cast<std::size_t>(found.length()));
   }
   if (!std::regex_search(problem, found, one)) return problem;
   const Id id = std::stoll(found[1]);

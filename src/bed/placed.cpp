@@ -13,8 +13,8 @@ namespace trackbed::bed {
 
 namespace {
 
-const std::vector<std::string_view> shape_words = {
-    "ball", "block", "clump", "hull", "polyhedron", "compound", "library", "mesh"};
+const std::vector<std::string_view> shape_words = {"ball",       "block",    "clump",   "hull",
+                                                   "polyhedron", "compound", "library", "mesh"};
 
 std::string_view word_of(ShapeKind kind) { return shape_words[static_cast<std::size_t>(kind)]; }
 
@@ -97,8 +97,7 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
 }  // namespace
 
 void ShapeParameters::declare(input::Section& s) {
-  s.choice("shape", shape,
-           shape_words,
+  s.choice("shape", shape, shape_words,
            "ball: sphere, in a plane disk; block: cuboid; clump: spheres joined, in a plane disks; "
            "hull: convex hull of corners; polyhedron: drawn irregular one; compound: the same cut "
            "into convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "

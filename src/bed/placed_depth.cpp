@@ -85,9 +85,9 @@ std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StonePa
   const Quat turn = turn_of(stone.axis, stone.angle) * shape.axes;
   std::vector<geom::Piece> pieces;
   for (const geom::Piece& piece : shape.shape.pieces)
-    pieces.push_back({geom::moved(geom::scaled(piece.core, shape.scale), turn,
-                                  vector_of(stone.position)),
-                      piece.radius * shape.scale});
+    pieces.push_back(
+        {geom::moved(geom::scaled(piece.core, shape.scale), turn, vector_of(stone.position)),
+         piece.radius * shape.scale});
   return pieces;
 }
 

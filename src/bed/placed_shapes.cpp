@@ -58,9 +58,10 @@ PlacedShape hull(const ShapeParameters& p) {
   const double volume = geom::piece_solid({core, 0}).volume;
   const double largest = std::cbrt(3 * volume / (4 * std::numbers::pi));
   if (p.rounding > largest)
-    throw InputError({fmt::format("rounding: {:g} m is the radius of a ball larger than the hull of "
-                                  "{:.3g} m^3; it must be below {:.3g} m",
-                                  p.rounding, volume, largest)});
+    throw InputError(
+        {fmt::format("rounding: {:g} m is the radius of a ball larger than the hull of "
+                     "{:.3g} m^3; it must be below {:.3g} m",
+                     p.rounding, volume, largest)});
   const geom::Piece piece = geom::rounded(core, p.rounding);
   return shape_of(piece, geom::smallest_hole({piece}));
 }

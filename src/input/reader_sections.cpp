@@ -52,10 +52,7 @@ std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string
 
 void Reader::enter_element(std::size_t index) {
   const Frame& list = open_.back();
-  open({fmt::format("{}[{}]", list.path, index),
-        &list.node->items.at(index),
-        {},
-        count()});
+  open({fmt::format("{}[{}]", list.path, index), &list.node->items.at(index), {}, count()});
 }
 
 // The last chance of a section's names to be known.

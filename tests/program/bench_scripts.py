@@ -38,9 +38,25 @@ def expect(holds, what):
         raise SystemExit(what)
 
 
+def check_refusals(program, folder):
+    """One sentence and a code that is not 0, before anything is made."""
+    empty = {"PATH": str(folder)}
+    for script, *words, sentence in (
+            ("bench_spheres.py", "two arguments are needed: bench_spheres.py TRACKBED"),
+            ("bench_stones.py", program, "two arguments are needed: bench_stones.py TRACKBED"),
+            ("bench_stones.py", folder / "none", folder, "none is no program"),
+            ("bench_spheres.py", program, folder / "bench", "lmp is not there: install")):
+        ran = subprocess.run([sys.executable, ROOT / "jobs" / script, *words], env=empty,
+                             capture_output=True, text=True, check=False)
+        expect(ran.returncode != 0 and sentence in ran.stderr and ran.stderr.count("\n") == 1,
+               f"{script} {words}: {ran.returncode}, {ran.stderr}")
+    expect(not (folder / "bench").exists(), "a refused script leaves a folder")
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
+    check_refusals(program, folder)
     state = made(program, "spheres", folder)
     bench_spheres.write_lammps(state, folder)
     spheres = rows(folder / "spheres.data")

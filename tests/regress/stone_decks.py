@@ -140,8 +140,8 @@ def check_behind(bench):
         _, ran = bench.run(text, [longer], code=4)
         expect('stone "a" at (' in ran.stderr and "it came from behind" in ran.stderr, text, ran)
     # Plates that it does not reach, or from which it is kept by another.
-    for text in (ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + FLOOR.replace("2, 2", "2, 2]\n"
-                                                                              "centre = [1.5, 0, 0"),
+    beside = FLOOR.replace("size", "centre = [1.5, 0, 0]\nsize")
+    for text in (ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + beside,
                  ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + FLOOR
                  + table("plate", "lid", size=[2, 2], centre=[0, 0, -0.01], normal=[0, 0, -1]),
                  ball("a", [0, 0, -0.05], velocity=[0, 0, 0.3]) + FLOOR,
