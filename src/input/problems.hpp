@@ -21,6 +21,8 @@ class Problems {
   // `origin:line: ` or `command line: `; `place` may be null (nothing in the text to point at).
   std::string start(const Node* place) const;
   void add(const Node* place, const std::string& sentence);
+  // Adds to the sentence that was the `number`-th, counted from 0.
+  void append(std::size_t number, const std::string& words) { list_.at(number).sentence += words; }
   void warn(const Node* place, const std::string& sentence);
   // In the order of `throw_if_any`.
   std::vector<std::string> warnings() const { return sorted(warnings_); }

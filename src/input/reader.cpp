@@ -204,7 +204,7 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
 // A path covers all below it, read or refused: "ground" stands for ground.x and for
 // ground.layer[0].young.
 bool Reader::in_doubt(const About& about) const {
-  if (about.reads.empty()) return count() > open_.back().problems_before;
+  if (about.reads.empty()) return problems_.count() > open_.back().problems_before;
   return std::any_of(about.reads.begin(), about.reads.end(), [&](const std::string& read) {
     const std::string path = path_of(read);
     return std::any_of(refused_.begin(), refused_.end(), [&](const std::string& wrong) {

@@ -62,6 +62,7 @@ class Reader : public Section {
     const Node* node;
     std::string section, name;
     std::vector<std::string> known;  // names of that section
+    std::size_t problem;             // number of its sentence
     std::string path() const { return section.empty() ? name : section + "." + name; }
   };
   // The value of a parameter of the open section, or null; notes that it is known.
@@ -77,7 +78,6 @@ class Reader : public Section {
   void report_unknown(const Frame& frame);
   std::string what_it_is_not(const Unknown& unknown) const;
   std::string suggestion(const Unknown& unknown) const;
-  std::size_t count() const { return problems_.count() + unknown_.size(); }
   void open(Frame frame);
 
   std::string folder_;

@@ -29,7 +29,7 @@ bool Reader::enter(std::string_view name, std::string_view) {
     refuse(*node, path, fmt::format("must be a section, [{}]", path));
     return false;
   }
-  open({path, node, {}, count()});
+  open({path, node, {}, problems_.count()});
   return true;
 }
 
@@ -46,13 +46,16 @@ std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string
     refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
     return std::nullopt;
   }
-  open({path, node, {}, count()});
+  open({path, node, {}, problems_.count()});
   return node->items.size();
 }
 
 void Reader::enter_element(std::size_t index) {
   const Frame& list = open_.back();
-  open({fmt::format("{}[{}]", list.path, index), &list.node->items.at(index), {}, count()});
+  open({fmt::format("{}[{}]", list.path, index),
+        &list.node->items.at(index),
+        {},
+        problems_.count()});
 }
 
 // The last chance of a section's names to be known.
@@ -101,8 +104,8 @@ void Reader::missing(std::string_view name, const std::string& unit) {
 void Reader::report_unknown(const Frame& frame) {
   for (const auto& [name, value] : frame.node->members) {
     if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
-    unknown_.push_back({&value, frame.path, name, frame.known});
-    refused_.push_back(unknown_.back().path());
+    unknown_.push_back({&value, frame.path, name, frame.known, problems_.count()});
+    problem(&value, unknown_.back().path(), "");  // `finish` knows the rest
   }
 }
 
@@ -110,8 +113,7 @@ void Reader::finish() {
   sections_ = open_.back().known;
   leave();
   for (const Unknown& unknown : unknown_)
-    problems_.add(unknown.node, unknown.path() + what_it_is_not(unknown));
-  unknown_.clear();
+    problems_.append(unknown.problem, what_it_is_not(unknown));
 }
 
 // Another model's section, or a slip.
