@@ -88,14 +88,6 @@ std::string where_it_begins(const Deep& deep, const World& world, const input::D
       deep.overlap / deep.radius);
 }
 
-// Forces between two that are held move neither.
-bool both_held(const Deep& deep, const Model& model) {
-  const auto held = [&](Id stone) {
-    return model.placed.stones[static_cast<std::size_t>(stone)].motion != bed::MotionKind::free;
-  };
-  return deep.second >= 0 && held(deep.first) && held(deep.second);
-}
-
 // Stones whose first plate or wall is one that they reach from the side where it is not touched.
 // Their centres are followed, without contacts with others.
 std::vector<std::string> from_behind(const World& world, const input::Deck& deck) {
@@ -176,7 +168,7 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
       found.problems.push_back(
           fmt::format("{}; the limit is dem.largest_overlap = {:g}: place it further away", where,
                       model.dem.largest_overlap));
-    else if (!both_held(deep, model))
+    else
       found.warnings.push_back(where);
   }
   for (const auto& more : {from_behind(world, deck), loose_clumps(world, shapes, deck)})

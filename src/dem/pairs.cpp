@@ -55,7 +55,8 @@ class PairFinder {
 
  private:
   // All levels of sizes, each as far as its largest particle reaches. A pair is taken from the side
-  // of the lower id; two ghosts are none of this rank's business.
+  // of the lower id; two ghosts are none of this rank's business. Two that are held do not touch:
+  // no force would move them, and they may be built into one another.
   void find_partners(std::size_t i) {
     const State& s = scene_.state;
     const Vec3 home = scene_.grid.wrapped(s.x[i].vec3(), cells_.wrap(i));
@@ -64,6 +65,7 @@ class PairFinder {
       const double reach = s.x[i].w + scene_.grid.levels()[level].bound + scene_.skin;
       cells_.near(level, home, reach, [&](std::size_t j, const Cell& across) {
         if (s.id[j] <= s.id[i] || (i >= s.own && j >= s.own)) return;
+        if (s.held[i] != 0 && s.held[j] != 0) return;
         const std::uint16_t shift = shift_number(cells_.wrap(i), cells_.wrap(j), across);
         if (near(s.x[i], s.x[j], shift))
           partners_.push_back({s.id[j], static_cast<std::int32_t>(j), shift});
