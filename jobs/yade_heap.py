@@ -5,9 +5,9 @@
 
 RESULTS: a run of inputs/bed/repose.toml with bed.container=box, whose deck gives friction, walls
 and local damping. CHECKPOINT: the stones before the walls rise, RESULTS/stage_fill.h5 by default.
-Prints time, mean height of the stones, median speed and the angle of postproc/heap.py. With
-Debian's package `yade` (2023.02a) 110 stones take 8 min of a core. Its law keeps one shear force
-for all contacts; `Scene.friction` replaces it (docs/decisions/heap_and_strength.md).
+Prints time, angle and top of the heap, mean height and median speed of the stones. With Debian's
+package `yade` (2023.02a) 110 stones take 8 min of a core. Its law keeps one shear force for all
+contacts; `Scene.friction` replaces it (docs/decisions/heap_and_strength.md).
 """
 import pathlib
 import sys
@@ -57,8 +57,9 @@ def lying(made):
 class Scene:
     """Stones, floor and walls; phases: settle, lift, rest."""
 
-    def __init__(self, results, checkpoint):
-        deck, saved = read.results(results).deck, read.checkpoint(checkpoint)
+    def __init__(self, results, checkpoint=None):
+        deck = read.results(results).deck
+        saved = read.checkpoint(checkpoint or results / "stage_fill.h5")
         self.lift = next(stage for stage in deck["stage"] if stage["kind"] == "lift_walls")
         self.rough, self.smooth = (pair["friction"] for pair in deck["contact"][:2])
         self.size = 1e-3 * np.median(deck["bed"]["sieve"])
@@ -91,8 +92,7 @@ class Scene:
         """Coulomb's, on a linear spring with a history of each contact, in place of the law's."""
         forces = {}
         for contact in O.interactions:
-            size = contact.phys.normalForce.norm() if contact.isReal else 0
-            if not size:
+            if not (contact.isReal and (size := contact.phys.normalForce.norm())):
                 continue
             pair, normal = (contact.id1, contact.id2), contact.geom.normal
             force = -K_S * contact.geom.shearInc
@@ -122,17 +122,20 @@ class Scene:
             O.pause()
 
     def report(self):
-        angle, scatter, _ = heap.flank(map(lying, self.stones), self.size)
-        height = 1e3 * np.mean([made.state.pos[2] for made in self.stones])
+        """The angle between heap.LEVELS of the height: heap.flank wants more than two stones."""
+        cell = self.size / heap.CELLS
+        surface = heap.surface(map(lying, self.stones), cell)[2]
+        top = np.sort(surface, axis=None)[-heap.CELLS**2]
+        angle, _ = heap.slope(top * np.linspace(*heap.LEVELS, heap.STEPS), surface, cell)
+        mean = np.mean([made.state.pos[2] for made in self.stones])
         speed = np.median([made.state.vel.norm() for made in self.stones])
-        print(f"{O.time:.3f} s: mean height {height:.1f} mm, median speed {speed:.1e} m/s, "
-              f"angle {angle:.1f} +- {scatter:.1f} degrees", flush=True)
+        print(f"{O.time:.3f} s: angle {angle:.1f} degrees, top {1e3 * top:.0f} mm, mean height "
+              f"{1e3 * mean:.1f} mm, median speed {speed:.1e} m/s", flush=True)
 
 
 if len(sys.argv) not in (2, 3):
     sys.exit(__doc__)
-RUN = pathlib.Path(sys.argv[1])
-SCENE = Scene(RUN, sys.argv[2] if len(sys.argv) == 3 else RUN / "stage_fill.h5")
+SCENE = Scene(*map(pathlib.Path, sys.argv[1:]))
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb()], verletDist=5e-4,
@@ -145,6 +148,5 @@ O.engines = [
     PyRunner(command="SCENE.advance()", iterPeriod=10),
     PyRunner(command="SCENE.report()", virtPeriod=0.05)]
 O.dt = STEP
-O.run()
-O.wait()
+O.run(-1, True)
 SCENE.report()
