@@ -193,9 +193,8 @@ double pair_loop(const Arrays& a, const LawTable& table, NearPairs& near, double
   return worst;
 }
 
-// The loop compiled for what these shapes and laws need.
-// A flag of the laws or shapes as a whole, not of a contact: one exception among many contacts
-// makes all take the general loop.
+// The loop compiled for these shapes and laws. If one law is Hertz's, all contacts take the loop
+// that computes both; the same goes for rolling.
 auto loop_for(bool spheres, bool hertz, bool rolls) {
   constexpr decltype(&pair_loop<false, false, false>) loops[] = {
       pair_loop<false, false, false>, pair_loop<false, false, true>, pair_loop<false, true, false>,

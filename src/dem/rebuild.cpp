@@ -96,7 +96,10 @@ void Particles::Room::migrate(std::vector<History>& history) {
   std::vector<std::size_t> staying;
   for (std::size_t b = 0; b < state.own; ++b) {
     const Vec3 at = state.x[b].vec3();
-    if (grid.outside(at))
+    if (!at.allFinite() || !quat(state.q[b]).coeffs().allFinite())
+      report(fmt::format("place or attitude of particle {} is not a number: take smaller steps",
+                         state.id[b]));
+    else if (grid.outside(at))
       report(fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m", state.id[b],
                          at.x(), at.y(), at.z()));
     const int owner = at.allFinite() ? grid.owner_at(at) : comm.rank();

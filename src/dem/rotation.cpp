@@ -148,12 +148,12 @@ double drift_and_rotate(State& state, double dt, const std::vector<Vec4>& refere
     const Bodies bodies{&state.x[b], &state.q[b],       &state.w[b],     &state.v[b],
                         &state.l[b], &state.inertia[b], &reference_x[b], &reference_q[b]};
     const std::size_t count = std::min(lanes, state.own - b);
-    most = larger(
-        count == lanes ? drift_and_rotate(bodies, dt) : drift_and_rotate_rest(bodies, count, dt),
-        most);
+    const Lanes moved =
+        count == lanes ? drift_and_rotate(bodies, dt) : drift_and_rotate_rest(bodies, count, dt);
+    most = select((moved <= most) | (most != most), most, moved);  // `not_below`
   }
   double motion = 0;
-  for (std::size_t k = 0; k < lanes; ++k) motion = std::max(motion, most[k]);
+  for (std::size_t k = 0; k < lanes; ++k) motion = not_below(most[k], motion);
   return motion;
 }
 

@@ -98,7 +98,7 @@ void Particles::Room::drift_in_space(double dt) {
     state.q[b] = attitude;
     rotate_steadily(state.q[b], state.l[b], state.inertia[b], dt);
     update_spin(b);
-    largest_motion = std::max(largest_motion, motion_since_rebuild(b));
+    largest_motion = not_below(motion_since_rebuild(b), largest_motion);
   }
 }
 
@@ -138,8 +138,7 @@ void Particles::Room::kick_and_drift(double dt, int halves) {
     x.x += dt * v.x, x.y += dt * v.y, x.z += dt * v.z;
     rotate_in_plane(state.q[b], dt * l.y / inertia.y);
     update_spin(b);
-    const double moved = motion_since_rebuild(b);
-    motion = moved > motion ? moved : motion;
+    motion = not_below(motion_since_rebuild(b), motion);
   }
   largest_motion = motion;
 }

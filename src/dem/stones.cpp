@@ -116,8 +116,8 @@ void StoneContacts::reset(const Scene& scene, const StoneList& list) {
   grown_ = scene.state.grown;
 }
 
-// Drops the words of pairs that have found new ones.
-// Words are appended and never overwritten, as pairs find more or fewer features each time.
+// Feature words are appended when a pair finds its features anew, since it may find more than
+// before. This drops those that no pair uses any longer.
 void StoneContacts::compact() {
   std::vector<FeatureWord> kept;
   kept.reserve(words_.size());

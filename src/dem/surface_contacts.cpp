@@ -43,9 +43,8 @@ void load_nodes(Surface& surface, const MeshContact& c, const Vec3& force, doubl
     load_node(surface, nodes[static_cast<std::size_t>(k)], c.weight[k] * force, s, over);
 }
 
-// m, of the surface at the contact, over one sub-step.
-// The point of the surface that is touched: its nodes' motion by the same shape functions as its
-// load, so the work on both sides is one number.
+// Displacement of the surface at the contact in one sub-step, m. It is interpolated by the shape
+// functions that share out the force, so that force times displacement is the work on both sides.
 Vec3 motion_at(const Surface& surface, const MeshContact& c, const SubStep& step) {
   const auto& nodes = surface.triangles[static_cast<std::size_t>(c.triangle)];
   Vec3 motion = Vec3::Zero();

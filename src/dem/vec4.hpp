@@ -18,7 +18,7 @@ inline Quat quat(const Vec4& q) { return Quat(q.w, q.x, q.y, q.z); }
 inline Vec4 vec4(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
 inline Vec4 vec4(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-// The larger of two, and what is not a number rather than one.
-inline double not_below(double a, double least) { return a <= least ? least : a; }
+// The larger of two; what is not a number is larger than any, and stays so.
+inline double not_below(double a, double least) { return a <= least || least != least ? least : a; }
 
 }  // namespace trackbed::dem

@@ -2,6 +2,7 @@
 // how a shape is written down does not matter.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "support/stone_pairs.hpp"
@@ -370,6 +371,20 @@ TEST(StonePair, CoresPassIntoEachOtherWithoutAJumpOfEnergy) {
     }
     EXPECT_NEAR(energy[1] / energy[0], 1, wanted) << key;
   }
+}
+
+// One of nine stones, so that others come after it in its lane and in other lanes.
+TEST(StonePair, WhatIsNotANumberEndsTheRun) {
+  const dem::Template a = prism(4);
+  std::vector<dem::NewParticle> row(9);
+  for (std::size_t n = 0; n < row.size(); ++n) {
+    row[n].id = static_cast<Id>(n), row[n].scale = 0.01;
+    row[n].position.x() = -0.8 + 0.2 * static_cast<double>(n);
+  }
+  row[2].velocity.x() = std::numeric_limits<double>::quiet_NaN();
+  dem::Particles p = two(a, a, row, elastic());
+  p.advance(1e-5, 2);
+  EXPECT_EQ(p.trouble(), "place or attitude of particle 2 is not a number: take smaller steps");
 }
 
 }  // namespace
