@@ -34,11 +34,13 @@ std::int64_t whole_windows(double duration, double window) {
 
 // Sums of loads get room as loads grow (Particles::expect_load), and a bed that is poured grows
 // slowly. One that is laid from copies weighs all at once, and its floor may have one node for a
-// thousand of them. A quarter, since eight times as much has room: beds that have room already keep
-// their bits. Collective.
+// thousand of them. Eight times what is expected has room: the weight for copies, which may still
+// shake and then press with twice their weight; a quarter of it for other beds, so that those that
+// have room already keep their bits. Collective.
 void expect_weight(World& world, int substeps) {
   const double weight = world.particles.totals().mass * world.model.dem.gravity;
-  world.particles.expect_load(weight * substeps / 4);
+  const double part = world.model.bed.cell.empty() ? 0.25 : 1;
+  world.particles.expect_load(part * weight * substeps);
 }
 
 }  // namespace
