@@ -7,6 +7,8 @@
 // Rejected: Hertz's table of m and n, whose four digits show in C_H.
 #include "trackbed/track/wheel_rail.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -76,6 +78,14 @@ HertzContact hertz_contact(const HertzBodies& bodies) {
   return contact;
 }
 
+namespace {
+
+// Pa; N/m^1.5. Far softer than anything that rolls; from a millionth of it on the search for the
+// equilibrium of a train fails.
+constexpr double softest = 1e3;
+
+}  // namespace
+
 // A linear law serves to compare with closed forms, and as the spring of a sprung mass.
 void WheelRailParameters::declare(input::Section& s) {
   s.choice("law", law, {"hertz", "linear"},
@@ -85,7 +95,7 @@ void WheelRailParameters::declare(input::Section& s) {
   s.number("rail_radius", bodies.rail_radius,
            {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 1},
            "Radius of the rail head across the track (hertz).");
-  s.number("young", bodies.young, {.unit = "Pa", .above = 0, .usually_from = 1e9},
+  s.number("young", bodies.young, {.unit = "Pa", .at_least = softest, .usually_from = 1e9},
            "Young's modulus of wheel and rail in their contact (hertz).");
   s.number("poisson", bodies.poisson, {.above = -1, .at_most = 0.5},
            "Poisson's ratio of wheel and rail in their contact (hertz).");
@@ -105,6 +115,10 @@ void WheelRailParameters::declare(input::Section& s) {
          "has no effect with law = \"hertz\"", about);
   s.rule("constant", law == WheelRailLaw::hertz || constant == 0,
          "has no effect with law = \"linear\"", about);
+  s.rule(
+      "constant", constant == 0 || constant >= softest,
+      fmt::format("must be 0 or at least {:g} N/m^1.5: no softer contact holds a wheel", softest),
+      {.reads = {"constant"}});
   const WheelRailParameters none;
   const auto of_flat = [&](const char* name, bool given) {
     s.rule(name, flat_axle > 0 || !given, "has no effect: no axle has a flat (flat_axle)",
