@@ -236,7 +236,7 @@ void PassageParameters::declare(input::Section& s) {
       "train: wheels on the rail; seats: [load] on each rail seat, without pads and rail (of a "
       "track alone, or on a ground).");
   s.number("tolerance", tolerance,
-           {.unit = "m", .above = 0, .usually_from = 1e-16, .usually_to = 1e-8},
+           {.unit = "m", .at_least = 1e-20, .usually_from = 1e-16, .usually_to = 1e-8},
            "Of the approach of wheel and rail in each step; a stiffness of 1e9 N/m makes 1e-12 m "
            "1 mN.");
 }
