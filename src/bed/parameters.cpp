@@ -79,7 +79,7 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("pebble_radius", bed.pebble_radius,
            {.unit = "m", .above = 0, .usually_from = 5e-4, .usually_to = 0.1},
            "Radius of the disks of a plane stone (pebbles).");
-  s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .above = 0, .at_most = 3},
+  s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .at_least = 0.05, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
   s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
             "Number of different stones. Pebbles: each stands for the same share of the mass; "
@@ -103,6 +103,9 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
          "must be at most a third of the smallest sieve");
+  s.rule("pebble_radius",
+         !pebbles || bed.sieve.empty() || 1e3 * bed.pebble_radius >= 1e-3 * bed.sieve.back(),
+         "must be at least a thousandth of the largest sieve: no stone needs more disks");
   bool radii = true;
   for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
   s.rule("clump", bed.clump.size() % 4 == 0, "must hold x, y, z and radius of each sphere");
