@@ -208,7 +208,7 @@ void Elastic::declare(Section& s) {
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
            "Rayleigh damping: share of the mass matrix; below 0: that of the ground.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
-           {.unit = "s", .at_least = -1, .usually_to = longest_usual},
+           {.unit = "s", .at_least = -1, .at_most = 1e3, .usually_to = longest_usual},
            "Rayleigh damping: share of the stiffness matrix; below 0: that of the ground.");
 }
 
@@ -353,7 +353,7 @@ void GroundParameters::declare_steps(Section& s) {
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
            "Rayleigh damping: share of the mass matrix in the damping matrix.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
-           {.unit = "s", .at_least = 0, .usually_to = longest_usual},
+           {.unit = "s", .at_least = 0, .at_most = 1e3, .usually_to = longest_usual},
            "Rayleigh damping: share of the stiffness matrix; lowers the stable explicit step.");
   s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
            "explicit: central differences, as many steps in a window as stability asks for; the "
