@@ -104,8 +104,8 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
          "must be at most a third of the smallest sieve");
   s.rule("pebble_radius",
-         !pebbles || bed.sieve.empty() || 1e3 * bed.pebble_radius >= 1e-3 * bed.sieve.back(),
-         "must be at least a thousandth of the largest sieve: no stone needs more disks");
+         !pebbles || bed.sieve.empty() || 1e4 * bed.pebble_radius >= 1e-3 * bed.sieve.back(),
+         "must be at least 1e-4 of the largest sieve: no stone needs more disks");
   bool radii = true;
   for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
   s.rule("clump", bed.clump.size() % 4 == 0, "must hold x, y, z and radius of each sphere");
