@@ -261,7 +261,7 @@ void Strength::declare(Section& s) {
 void Layer::declare(Section& s) {
   s.text("name", name, "What messages and overrides call the layer.");
   s.number("thickness", thickness,
-           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 200},
+           {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 200},
            "Height of the layer; without `zones` its borders need not lie on element borders.");
   s.integer(
       "zones", zones, {.at_least = 0, .at_most = 1e5},
