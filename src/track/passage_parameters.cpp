@@ -102,11 +102,11 @@ void TrackZone::declare(input::Section& s) {
   s.number("from", from, {.unit = "m", .required = true}, "x where the zone begins.");
   s.number("to", to, {.unit = "m", .required = true},
            "x where it ends: what stands right there is outside, but for the end of the track.");
-  s.number("rail", rail, {.above = 0, .usually_to = 100},
+  s.number("rail", rail, {.above = 0, .at_most = 1e9, .usually_to = 100},
            "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
            "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
-  s.number("gap", gap, {.unit = "m", .at_least = 0, .usually_to = 0.02},
+  s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
            "Between sleepers and ballast while nothing is on the track: these sleepers hang.");
   s.choice("side", side, {"both", "left", "right"},
            "Rail, or end of the sleepers, that is so; of two.");
