@@ -89,8 +89,10 @@ std::string where_it_begins(const Deep& deep, const World& world, const input::D
 }
 
 // Stones whose first plate or wall is one that they reach from the side where it is not touched.
-// Their centres are followed, without contacts with others.
-std::vector<std::string> from_behind(const World& world, const input::Deck& deck) {
+// They are followed without spin and without contacts with others.
+std::vector<std::string> from_behind(const World& world,
+                                     const std::vector<bed::PlacedShape>& shapes,
+                                     const input::Deck& deck) {
   const Model& model = world.model;
   double until = 0;
   for (const Stage& stage : model.stages) until += stage.duration;
@@ -99,9 +101,8 @@ std::vector<std::string> from_behind(const World& world, const input::Deck& deck
     const bed::StoneParameters& stone = model.placed.stones[i];
     const bool falls = stone.motion == bed::MotionKind::free;
     const auto reached = world.placement->reached_first(
-        {bed::vector_of(stone.position), bed::vector_of(stone.velocity),
-         falls ? model.dem.gravity : 0},
-        until);
+        bed::pieces_in_space(shapes[i], stone),
+        {bed::vector_of(stone.velocity), falls ? model.dem.gravity : 0}, until);
     if (!reached || !reached->from_behind) continue;
     sentences.push_back(fmt::format(
         "{}: stone \"{}\" comes to surface \"{}\" from behind after about {:.3g} s, which ends the "
@@ -171,7 +172,7 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
     else
       found.warnings.push_back(where);
   }
-  for (const auto& more : {from_behind(world, deck), loose_clumps(world, shapes, deck)})
+  for (const auto& more : {from_behind(world, shapes, deck), loose_clumps(world, shapes, deck)})
     found.warnings.insert(found.warnings.end(), more.begin(), more.end());
   return found;
 }

@@ -27,8 +27,9 @@ class Placement {
   std::vector<Surface>& surfaces() { return surfaces_.surfaces(); }
   const std::vector<Surface>& surfaces() const { return surfaces_.surfaces(); }
   // Surfaces where `show` put them last.
-  std::optional<bed::Reached> reached_first(const bed::Flight& flight, double until) const {
-    return bed::reached_first(flight, surfaces_, until);
+  std::optional<bed::Reached> reached_first(const std::vector<geom::Piece>& pieces,
+                                            const bed::Flight& flight, double until) const {
+    return bed::reached_first(pieces, flight, surfaces_, until);
   }
   // Where the surfaces are at `time` s, and their way in a window of length dt from there.
   void show(double time, double dt) { surfaces_.show(time, dt); }

@@ -126,26 +126,45 @@ bool is_over(const Polygon& triangle, const Vec3& point) {
   return true;
 }
 
+// m, how far a corner of the piece may be behind a surface and be in contact with it.
+double reach_behind(const geom::Piece& piece) {
+  const std::vector<Vec3>& corners = piece.core.vertices;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& corner : corners) middle += corner / static_cast<double>(corners.size());
+  double ball = 0;
+  for (const Vec3& corner : corners) ball = std::max(ball, (corner - middle).norm());
+  return std::max(piece.radius, dem::deepest * (ball + piece.radius));
+}
+
 }  // namespace
 
-// Along its parabola; the first triangle counts, whichever side it shows.
-std::optional<Reached> reached_first(const Flight& flight, const PlacedSurfaces& placed,
-                                     double until) {
+// Each corner along its parabola, with the ball around it; the first triangle counts, whichever
+// side it shows.
+std::optional<Reached> reached_first(const std::vector<geom::Piece>& pieces, const Flight& flight,
+                                     const PlacedSurfaces& placed, double until) {
   std::optional<Reached> first;
+  const auto follow = [&](const Vec3& corner, double radius, double behind, std::size_t k,
+                          const Polygon& triangle) {
+    const Vec3 n = normal_of(triangle), velocity = flight.velocity - placed.velocity(k);
+    const double h = n.dot(corner - triangle[0]), c = n.dot(velocity);
+    const double g = flight.gravity * n.z();
+    for (const bool from_behind : {false, true}) {
+      for (const double time : times_in_plane(from_behind ? h + behind : h - radius, c, g)) {
+        const bool rises = c - g * time > 0;
+        if (rises != from_behind || !(time > 0)) continue;
+        if (time > (first ? std::min(until, first->time) : until)) continue;
+        const Vec3 fall(0, 0, -flight.gravity * time * time / 2);
+        if (is_over(triangle, corner + time * velocity + fall)) first = {k, time, from_behind};
+      }
+    }
+  };
   for (std::size_t k = 0; k < placed.surfaces().size(); ++k) {
     const Surface& surface = placed.surfaces()[k];
-    const Vec3 velocity = flight.velocity - placed.velocity(k);
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const Polygon triangle = corners_of(surface, t);
-      const Vec3 n = normal_of(triangle);
-      const double h = n.dot(flight.from - triangle[0]), c = n.dot(velocity);
-      const double g = flight.gravity * n.z();
-      for (const double time : times_in_plane(h, c, g)) {
-        if (!(time > 0) || time > (first ? std::min(until, first->time) : until)) continue;
-        const Vec3 fall(0, 0, -flight.gravity * time * time / 2);
-        if (is_over(triangle, flight.from + time * velocity + fall))
-          first = Reached{k, time, c - g * time > 0};
-      }
+      for (const geom::Piece& piece : pieces)
+        for (const Vec3& corner : piece.core.vertices)
+          follow(corner, piece.radius, reach_behind(piece), k, triangle);
     }
   }
   return first;

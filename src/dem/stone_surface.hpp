@@ -21,12 +21,9 @@
 
 #include "mesh.hpp"
 #include "separation.hpp"
+#include "trackbed/dem/particles.hpp"
 
 namespace trackbed::dem {
-
-// How far a corner may be behind a surface, over the radius of the ball around its piece.
-// Approaches reach so much further than the ball that the closest triangle is always among them.
-inline constexpr double deepest = 0.5;
 
 // In this order within a patch.
 enum class FeatureKind : std::uint8_t { corner, edge, sharp_corner };

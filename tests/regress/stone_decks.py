@@ -6,6 +6,7 @@ and windows, names in the sentences of a run; the last row of a stage.
 """
 import concurrent.futures
 import pathlib
+import re
 import shutil
 import sys
 
@@ -130,16 +131,21 @@ def check_depths(bench):
 def check_behind(bench):
     """Of plates and of walls, as far as the first flight goes; and what a run says of it."""
     upside = FLOOR.replace("size", "normal = [0, 0, -1]\nsize")
-    behind = "from behind after about 0.01"
     longer = "stage.go.duration=0.05"
-    for text in (ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + FLOOR,
-                 ball("a", [0.2, 0, 0.1], velocity=[-10, 0, 0]) + CHEST,
-                 ball("a", [0, 0, -0.05]) + FLOOR.replace("size", "velocity = [0, 0, -5]\nsize"),
-                 ball("a", [0, 0, 0.011]) + upside):
-        after = "from behind after about 0.0474" if "normal" in text else behind
-        bench.accepted(text, [longer], warning=after)
+    # Its surface arrives, 10 mm before its centre; a block's corners half its radius before.
+    for text, time in (
+            (ball("a", [0, 0, -0.03], velocity=[0, 0, 3.1]) + FLOOR, "0.00652"),
+            (ball("a", [0.2, 0, 0.1], velocity=[-10, 0, 0]) + CHEST, "0.009"),
+            (ball("a", [0, 0, -0.05]) + FLOOR.replace("size", "velocity = [0, 0, -5]\nsize"),
+             "0.00806"),
+            (ball("a", [0, 0, 0.011]) + upside, "0.0143"),
+            (block("a", [0, 0, -0.1], sides=[0.02, 0.02, 0.1], velocity=[0, 0, 5.1]) + FLOOR,
+             "0.00496")):
+        bench.accepted(text, [longer], warning=f"from behind after about {time}")
         _, ran = bench.run(text, [longer], code=4)
         expect('stone "a" at (' in ran.stderr and "it came from behind" in ran.stderr, text, ran)
+        ended = float(re.search(r"\(at (\S+) s, stage", ran.stderr)[1])
+        expect(abs(ended - float(time)) < 2e-4, f"ends at {ended} s, check says {time} s", ran)
     # Plates that it does not reach, or from which it is kept by another.
     beside = FLOOR.replace("size", "centre = [1.5, 0, 0]\nsize")
     for text in (ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + beside,
@@ -185,7 +191,7 @@ def check_steps(bench):
     bench.accepted(lone, ["time.window=0.01"])
     # What the sentence names is enough.
     long = "time.step=4e-6"
-    bench.refused(lone, "dem.largest_overlap = 0.0018, beyond which the run would stop, or "
+    bench.refused(lone, "dem.largest_overlap = 0.0018 (beyond which the run would stop) or "
                   "dem.safety = 0.652 would allow it", changes=[long], law=HERTZ)
     bench.accepted(lone, [long, "dem.largest_overlap=0.0018"], law=HERTZ)
     bench.accepted(lone, [long, "dem.safety=0.652"], law=HERTZ,

@@ -121,18 +121,18 @@ double depth_within(const std::vector<geom::Piece>& pieces, const Surface& surfa
 // Whether a point is behind a plate or a wall, or in a box that is touched from outside.
 bool is_behind(const Vec3& point, const Surface& surface);
 
-// A point in free flight, and the surface it reaches first within `until` s, where surfaces are as
-// `show` placed them last.
+// The surface that a stone in free flight reaches first within `until` s, where surfaces are as
+// `show` placed them last. The stone does not turn.
 struct Flight {
-  Vec3 from = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s
-  double gravity = 0;                                 // m/s^2, along -z
+  Vec3 velocity = Vec3::Zero();  // m/s
+  double gravity = 0;            // m/s^2, along -z
 };
 struct Reached {
   std::size_t surface;
   double time;       // s
   bool from_behind;  // where stones do not touch it
 };
-std::optional<Reached> reached_first(const Flight& flight, const PlacedSurfaces& placed,
-                                     double until);
+std::optional<Reached> reached_first(const std::vector<geom::Piece>& pieces, const Flight& flight,
+                                     const PlacedSurfaces& placed, double until);
 
 }  // namespace trackbed::bed

@@ -46,6 +46,10 @@ struct Domain {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m; particles beyond a non-periodic side are lost
 };
 
+// How far a corner may be behind a surface and be in contact with it, over the radius of the ball
+// around its piece (balls: 1).
+inline constexpr double deepest = 0.5;
+
 struct Parameters {
   double skin = 0;          // m, reach of neighbour lists beyond contact; 0: chosen
   double rebalance = 1.15;  // work of the busiest rank over the mean; above: new split; 0: never
