@@ -145,7 +145,7 @@ int check(const par::Comm& comm, const Arguments& arguments) {
     print(comm, "  stones: those of " + start + "\n");
   }
   const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
-  print(comm, fmt::format("memory: {:.0f} MB of state on the fullest rank\n", comm.max(megabytes)));
+  print(comm, fmt::format("memory: {:.2g} MB of state on the fullest rank\n", comm.max(megabytes)));
   print(comm, arguments.deck + " is valid\n");
   return static_cast<int>(ExitCode::success);
 }

@@ -176,9 +176,9 @@ void FootingParameters::declare(input::Section& s) {
             "Sleepers of the track, on springs alone, before the first one on the ground.");
   s.integer("count", count, {.at_least = 1, .at_most = 10000}, "Sleepers on the ground.");
   s.number("first", first, {.unit = "m"}, "x, in the ground, of the first of them.");
-  s.number("width", width, {.unit = "m", .above = 0, .usually_to = 3},
+  s.number("width", width, {.unit = "m", .at_least = 1e-3, .usually_to = 3},
            "Along the track, of what the ballast of a sleeper presses on.");
-  s.number("length", length, {.unit = "m", .above = 0, .usually_to = 5},
+  s.number("length", length, {.unit = "m", .at_least = 1e-3, .usually_to = 5},
            "The same across the track (space; in a plane model its thickness); below two rails at "
            "least a sleeper's length.");
   s.number("y", y, {.unit = "m"}, "Middle of that (space).");

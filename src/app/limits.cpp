@@ -228,13 +228,15 @@ std::string remedies(const Model& model, double limit) {
   const double longer = model.time.step / limit, safety = model.dem.safety * longer;
   if (!hertz || !std::isfinite(longer)) return {};
   std::vector<std::string> words;
-  if (model.dimension == Dimension::space)
-    words.push_back(fmt::format(
-        "dem.largest_overlap = {:.2g}, beyond which the run would stop",
-        0.99 * model.dem.largest_overlap / std::pow(longer, 4)));  // printed with two digits
+  // Printed with two digits. Smaller overlaps than that would end any run at its first contact.
+  constexpr double of_use = 1e-4;
+  const double overlap = 0.99 * model.dem.largest_overlap / std::pow(longer, 4);
+  if (model.dimension == Dimension::space && overlap >= of_use)
+    words.push_back(
+        fmt::format("dem.largest_overlap = {:.2g} (beyond which the run would stop)", overlap));
   if (safety <= 1) words.push_back(fmt::format("dem.safety = {:.3g}", 1.005 * safety));
   if (words.empty()) return {};
-  return fmt::format("; {} would allow it", fmt::join(words, ", or "));
+  return fmt::format("; {} would allow it", fmt::join(words, " or "));
 }
 
 }  // namespace

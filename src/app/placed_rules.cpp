@@ -78,6 +78,9 @@ void declare_idle_of_laws(const Model& model, input::Section& s) {
 
 // In a plane everything lies and moves in y = 0.
 void declare_plane(const Model& model, input::Section& s) {
+  s.rule("thickness", model.dimension == Dimension::plane || model.thickness == Model{}.thickness,
+         "has no effect with dimension = \"space\"; leave it out",
+         {.reads = {"thickness", "dimension"}});
   if (model.dimension != Dimension::plane) return;
   const auto zero = [&](const std::string& key, double value) {
     s.rule(key, value == 0, "must have no part out of the plane x, z in a plane model",

@@ -96,16 +96,24 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
       model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
+namespace {
+
+const char* s_of(std::int64_t count) { return count == 1 ? "" : "s"; }
+
+}  // namespace
+
 // Memory of the fullest rank, since that one fails first.
 void Progress::stage_begins(const Stage& stage, const Course& course, World& world) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm_.max(megabytes(world.memory()));
   const bool stones = world.model.has_stones();
   say(comm_,
-      "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.0f} MB per "
+      "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.2g} MB per "
       "rank\n",
       stage.name,
-      stones ? fmt::format("{} stones ({} pieces), ", totals.particles, totals.pieces) : "",
+      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles, s_of(totals.particles),
+                           totals.pieces, s_of(totals.pieces))
+             : "",
       course.clock.dt(),
       stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
                            course.steps.substeps > 1 ? "s" : "")

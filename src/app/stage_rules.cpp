@@ -37,7 +37,15 @@ constexpr const char* word_wanted =
 // Each a word, all different.
 void declare_names(const std::string& list, const std::string& plural, const auto& tables,
                    const input::About& about, input::Section& s) {
-  s.rule(list, names_are_unique(tables), plural + " need different names", about);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const auto end = tables.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto same = std::find_if(tables.begin(), end,
+                                   [&](const auto& one) { return one.name == tables[i].name; });
+    s.rule(fmt::format("{}[{}].name", list, i), same == end,
+           fmt::format("is the name of {}[{}] as well: {} need different names", list,
+                       same - tables.begin(), plural),
+           about);
+  }
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string key = fmt::format("{}[{}].name", list, i);
     s.rule(key, is_a_word(tables[i].name), word_wanted, {.reads = {key}});
@@ -211,11 +219,18 @@ void declare_names_of_placed(const Model& model, input::Section& s) {
   declare_names("stone", "stones", placed.stones, {.reads = {"stone"}}, s);
   declare_names("plate", "plates", placed.plates, {.reads = {"plate"}}, s);
   declare_names("box", "boxes", placed.boxes, {.reads = {"box"}}, s);
-  for (std::size_t i = 0; i < placed.boxes.size(); ++i)
-    s.rule(fmt::format("box[{}].name", i),
-           std::none_of(placed.plates.begin(), placed.plates.end(),
-                        [&](const auto& plate) { return plate.name == placed.boxes[i].name; }),
-           "is the name of a [[plate]]; give it another", {.reads = {"plate", "box"}});
+  const auto differ = [&](const char* list, const auto& tables, const char* other,
+                          const auto& others) {
+    for (std::size_t i = 0; i < tables.size(); ++i)
+      s.rule(fmt::format("{}[{}].name", list, i),
+             std::none_of(others.begin(), others.end(),
+                          [&](const auto& one) { return one.name == tables[i].name; }),
+             fmt::format("is the name of a [[{}]]; give it another", other),
+             {.reads = {list, other}});
+  };
+  differ("plate", placed.plates, "stone", placed.stones);
+  differ("box", placed.boxes, "stone", placed.stones);
+  differ("box", placed.boxes, "plate", placed.plates);
 }
 
 void declare_stages(const Model& model, input::Section& s) {

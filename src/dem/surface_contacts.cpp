@@ -326,7 +326,7 @@ void Particles::Room::feel_surfaces(const SubStep& step) {
   // Of the worst only: a slow surface that is pressed through a bed touches many.
   report(fmt::format(
       "particle {} at ({:.3g}, {:.3g}, {:.3g}) m overlaps the surface \"{}\" by {:.3g} "
-      "of its radius (limit dem.largest_overlap = {:.3g}); a slower surface, a smaller "
+      "of its radius (limit dem.largest_overlap = {:.3g}); a slower impact or surface, a smaller "
       "step, a stiffer contact or less load may help",
       state.id[b], x.x, x.y, x.z, surfaces[static_cast<std::size_t>(deepest->surface)]->name, worst,
       parameters.largest_overlap));

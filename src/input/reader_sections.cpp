@@ -120,7 +120,7 @@ void Reader::finish() {
 std::string Reader::what_it_is_not(const Unknown& unknown) const {
   const bool elsewhere =
       unknown.section.empty() && std::any_of(paths_.begin(), paths_.end(), [&](const auto& known) {
-        return known.path.starts_with(unknown.name + ".") ||
+        return known.path == unknown.name || known.path.starts_with(unknown.name + ".") ||
                known.path.starts_with(unknown.name + "[");
       });
   const char* kind = unknown.node->is_value() ? "parameter" : "section";

@@ -300,7 +300,7 @@ def report(text):
     """What the screen says of model and stages; memory and wall time aside."""
     lines = [line for line in text.splitlines()
              if re.match(r"trackbed:|  (ground|sleepers):|stage ", line)]
-    return [re.sub(r"; \d+ MB per rank", "", line) for line in lines]
+    return [re.sub(r"; [\d.e+-]+ MB per rank", "", line) for line in lines]
 
 
 class Bench:
