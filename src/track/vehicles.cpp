@@ -298,6 +298,11 @@ void VehicleParameters::declare_roll(input::Section& s) {
            "Between left and right primary springs (on two rails); 0: 2 m.");
   s.number("secondary_base", secondary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
            "Between left and right secondary springs (on two rails); 0: 2 m.");
+  constexpr double narrow = 0.01;  // m; springs side by side hold no roll
+  for (const auto& [of, base] :
+       {std::pair{"primary_base", primary_base}, std::pair{"secondary_base", secondary_base}})
+    s.rule(of, base == 0 || base >= narrow, fmt::format("must be 0 or at least {:g} m", narrow),
+           {.reads = {of}});
   s.number(
       "body_offset", body_offset, {.unit = "m", .usually_from = -0.5, .usually_to = 0.5},
       "Of the body's centre of mass to the left, as of a load that has shifted (on two rails).");
