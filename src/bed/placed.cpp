@@ -109,7 +109,7 @@ void ShapeParameters::declare(input::Section& s) {
   s.numbers("corners", corners, {.unit = "m"}, "x, y, z of each corner before rounding (hull).");
   s.number("rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
            "Radius of edges and corners (block: the faces keep their places; hull: the volume is "
-           "kept).");
+           "kept, see docs/shapes.md).");
   s.numbers("spheres", spheres, {.unit = "m"},
             "x, y, z, radius of each sphere (clump); none: a drawn polyhedron filled with spheres. "
             "In a plane y counts for nothing.");
@@ -137,7 +137,8 @@ void StoneParameters::declare(input::Section& s) {
   s.numbers("position", position, {.unit = "m"}, "Of the centre of mass.", 3);
   declare_turn(axis, angle, s);
   s.numbers("velocity", velocity, {.unit = "m/s"}, "Of the centre of mass, at the begin.", 3);
-  s.numbers("spin", spin, {.unit = "rad/s"}, "Angular velocity in space axes, at the begin.", 3);
+  s.numbers("spin", spin, {.unit = "rad/s", .usually_from = -1e4, .usually_to = 1e4},
+            "Angular velocity in space axes, at the begin.", 3);
   s.rule(
       "motion",
       motion != MotionKind::fixed || (vector_of(velocity).isZero(0) && vector_of(spin).isZero(0)),

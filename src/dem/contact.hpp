@@ -75,21 +75,23 @@ template <class Real, std::size_t n>
   return sum;
 }
 
-// Force at the step in which a contact with F = K delta^1.5 closes or opens, over K t^1.5, such
-// that all steps of the contact together do the spring's work. theta = delta / t in 0..1, t a
-// step's travel (below), e = dt^2 K sqrt(t) / m_eff: how much of the speed that force takes in a
-// step.
+// The force of a Hertz spring, F = K delta^1.5, in the step in which the contact closes or opens,
+// over K t^1.5. It is chosen such that all steps of the contact together do the spring's work.
+//   theta = delta / t, in 0..1, where t is the travel of one step (m);
+//   e = dt^2 K sqrt(t) / m_eff, the share of the speed that the force K t^1.5 takes in one step.
 //
-// A sum over whole steps differs from the integral by its ends only (Euler-Maclaurin with an
-// algebraic endpoint: Navot 1961, doi:10.1002/sapm1961401271), and the positions x(n) of the steps
-// after a free approach, one travel in each, are known in powers of e:
-//   x = n + e X(n) + ..., X(n + 1) - 2 X(n) + X(n - 1) = -n^1.5: X(n) = n Z(-3/2, n) - Z(-5/2, n),
-// Z Hurwitz's zeta function, n counted from where x is 0. With x(n) = theta the force is
-//   g_0 + e g_1 + O(e^2): g_0 = -Z(-3/2, 1 + theta), g_1 = 3/2 Z(-1/2, 1 + theta) X(theta) - U,
-// U = 3/2 sum of sqrt(theta + n) X(theta + n) over n > 0, divergent parts by Z. This is closing,
-// with t the travel before; of opening it is the mirror image, with t the travel after. That is
-// not known yet: t is then what it would be with the force K delta^1.5, which adds
-// (g_0 - theta^1.5) (3/2 g_0 - theta g_0') to g_1. Fits on 0..1, right to 1e-8, 2e-8 and 3e-5.
+// Derivation. The work is a sum over whole steps. By the formula of Euler and Maclaurin for an
+// algebraic endpoint (Navot 1961, doi:10.1002/sapm1961401271) it differs from the integral by terms
+// of the two ends only. In units of t, the overlaps x(n) after a free approach follow
+//   x(n) = n + e X(n) + O(e^2),  X(n + 1) - 2 X(n) + X(n - 1) = -n^1.5,
+// so that X(n) = n Z(-3/2, n) - Z(-5/2, n). Z is Hurwitz's zeta function; n is counted from where
+// x = 0. With x = theta in the closing step, the force that makes the difference vanish is
+//   g_0 + e g_1 + O(e^2),  g_0 = -Z(-3/2, 1 + theta),  g_1 = 3/2 Z(-1/2, 1 + theta) X(theta) - U,
+// where U is 3/2 times the sum over n > 0 of sqrt(theta + n) X(theta + n), its divergent part taken
+// by Z. When the contact closes, t is the travel of the step before. Opening is the mirror image,
+// with the travel of the step after, which is not yet known: the travel under the force K delta^1.5
+// is taken for it, which adds (g_0 - theta^1.5) (3/2 g_0 - theta g_0') to g_1.
+// The polynomials are fits on 0..1; they are right to 1e-8, 2e-8 and 3e-5.
 template <class Real, class Test>
 [[gnu::always_inline]] inline Real hertz_onset(Real theta, Real e, Test closes) {
   constexpr double zeroth[] = {0.02548521102,  0.3118281237,  0.5476597213,    0.1630440743,
@@ -112,21 +114,21 @@ struct NormalSpring {
 
 // The normal spring's force. `rate`: closing velocity of the half step before (m/s).
 //
-// Velocity Verlet adds to the kinetic energy the trapezoid's work, (F_0 + F_1)/2 (x_1 - x_0), which
-// is that of a linear spring in every step but the ones in which the contact closes or opens. There
-// the force is chosen such that two steps around it do the spring's work. With overlap delta,
-// s = |rate| dt the travel of the step before and b = dt^2 / m_eff:
-//   closing: F (2 s - b F) = k delta (delta + s - b F), s - b F the travel of the next step,
-//   opening: F (2 s + b F) = k delta (delta + s).
-// An elastic collision of two bodies then keeps its energy to rounding. A Hertz spring does not
-// have the trapezoid's work in between either; `hertz_onset` puts that right at the ends: 1e-11 of
-// the energy in a collision of 50 steps, 6e-5 without, and of order 7.5 in the step. A contact that
-// neither closes nor opens is not changed.
+// In each step velocity Verlet adds the work (F_0 + F_1)/2 (x_1 - x_0) to the kinetic energy. For a
+// linear spring that is exact, except in the steps in which the contact closes or opens. In those
+// the force is chosen such that the two steps around it do the spring's work. With the overlap
+// delta, the travel s = |rate| dt of the step before and b = dt^2 / m_eff:
+//   closing: F (2 s - b F) = k delta (delta + s - b F), where s - b F is the travel of the next
+//   step, opening: F (2 s + b F) = k delta (delta + s).
+// An elastic collision of two bodies then keeps its energy to rounding. For a Hertz spring the sum
+// is not exact in between either; `hertz_onset` corrects all of it at the two ends. The error of a
+// collision of 50 steps is then 1e-11 of the energy (6e-5 without) and of order 7.5 in the step.
+// The force of a contact that neither closes nor opens is not changed.
 //
-// A Hertz contact has one such step at each end, with theta in 0..1, and 0 and 1 give unlike
-// forces: of two bodies that touch at the end of a step rounding would take both steps or none
-// (5e-5 of the energy). So it is theta in `edge`..1 + `edge`, which nobody's numbers meet by
-// themselves.
+// A Hertz contact has one corrected step at each end, which is the one with theta in 0..1. Where
+// two bodies touch just at the end of a step, rounding would decide whether two steps or none are
+// corrected (error 5e-5 of the energy). The interval is therefore `edge`..1 + `edge`: decks with
+// round numbers do not meet its ends.
 inline constexpr double edge = 1e-5;
 
 template <bool any_hertz, class Real>
@@ -189,21 +191,20 @@ struct Slider {
   Real kept;   // of the stretch, since the step before
 };
 
-// What a slider may meet in the step after.
+// What a slider is expected to meet in the next step.
 template <class Real>
 struct NextStep {
-  Real limit;  // N, at least
+  Real limit;  // N, half of the predicted limit of friction; of Hertz contacts infinite
   Real mass;   // kg, that a push along the normal moves
 };
 
-// How much of a slider's force remains along the motion v, where its stretch xi ends in the step to
-// come. In each step force and motion do the trapezoid's work, which is that of a linear spring
-// also where its stretch passes zero: the force of the step after takes away what this one does too
-// much. Where the limit of the step after cuts that force (a contact that is about to open or
-// opens), it does not, and up to k (v dt)^2 / 8 would be won each time. The force is then cut to
-// the stretch over the travel, that of this step and what the force adds to it: a solid sphere
-// gives way to a push along its surface 7/2 times as fast as to one along the normal, and to a
-// moment about its centre, 5/2 times.
+// The factor of a slider's force while it drives the motion v and its stretch xi passes zero in the
+// next step. The trapezoid's work is exact also in that step, provided that the force of the next
+// step may act: it takes back what this step's force does too much. If the limit of the next step
+// cuts that force, because the contact is about to open, up to k (v dt)^2 / 8 would be gained each
+// time. The force is then multiplied by the stretch over the travel of one step. That travel
+// includes what the force itself adds to the velocity: the surface of a solid sphere yields to a
+// tangential push 7/2 times as fast as to a normal one (rolling: 5/2 times).
 template <class Real>
 [[gnu::always_inline]] inline Real remaining(const Triple<Real>& force, const Triple<Real>& v,
                                              const Triple<Real>& xi, Real k,
@@ -253,7 +254,8 @@ template <class Real>
   return -smaller(larger(moment, -s.limit), s.limit);
 }
 
-// Friction on i, normal force (along -n on i) and its least value in the step after, N.
+// Friction on i, normal force (along -n on i) and half of its predicted value in the next step, N
+// (of Hertz contacts infinite: they lose their tangential stiffness before they open).
 template <class Real>
 struct ContactForce {
   Triple<Real> friction;
@@ -272,11 +274,11 @@ template <class Real>
   const Real v_n = dot(t.v, t.n);  // > 0: approaching
   const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
   const Triple<Real> sliding = t.v - v_n * t.n;
-  // The force in the step after, if nothing else acts on the two, and half of it, since the contact
-  // may open then (`spring_force`). A Hertz contact has lost its tangential stiffness by that time.
+  // The force in the next step if nothing else acts on the two, and half of it, since the force of
+  // an opening contact is smaller (`spring_force`).
   const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
-  const Real least = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
-  const Real next = select(spring.linear > 0, least, Real{} + 1e300);
+  const Real half = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
+  const Real next = select(spring.linear > 0, half, Real{} + 1e300);
   // No friction from a contact that pulls.
   const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
   const NextStep<Real> then{c.mu * next, spring.mass};
@@ -291,9 +293,9 @@ struct Rolling {
   Real zeta{};
 };
 
-// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal, now
-// and in the step after at least, k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the radius of the ball
-// around the piece (a surface is flat: R = R_i).
+// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal now
+// and half of that of the next step (ContactForce), k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the
+// radius of the ball around the piece (a surface is flat: R = R_i).
 template <class Real>
 struct Rolls {
   Triple<Real> n, spin;

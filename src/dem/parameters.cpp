@@ -51,8 +51,11 @@ void ContactLaw::declare(input::Section& s) {
            "Tangential stiffness, linear law.");
   s.number("friction", friction, {.unit = "-", .at_least = 0, .usually_to = 2},
            "Coulomb's friction coefficient.");
-  s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
-           "Normal viscous damping over critical, linear law.");
+  s.number(
+      "zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
+      "Normal viscous damping over critical, linear law. A head-on collision has the restitution "
+      "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)), with attraction exp(-pi zeta / sqrt(1 - "
+      "zeta^2)).");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
            "Tangential viscous damping over critical, linear law.");
   s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},

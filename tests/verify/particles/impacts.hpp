@@ -17,6 +17,7 @@ struct Ball {
   double zeta = 0;                               // linear only
   double plate_young = 1e30, plate_poisson = 0;  // rigid
   double k_n = 1e6, k_s = 8e5;                   // linear only
+  double place = 0.5;                            // gap to the plate at the begin, in steps' ways
   double mass() const { return density * test::sphere().volume * std::pow(radius, 3); }
   double e_star() const {
     return 1 /
@@ -65,7 +66,7 @@ inline Motion thrown(const Ball& ball, const Motion& before, double dt, const Se
   dem::Particles p = nothing(ball);
   dem::NewParticle one;
   one.scale = ball.radius, one.velocity = before.velocity, one.spin = before.spin;
-  one.position.z() = ball.radius - 0.5 * dt * before.velocity.z();
+  one.position.z() = ball.radius - ball.place * dt * before.velocity.z();
   p.add(std::span(&one, 1));
   Surface plate = test::floor_of(1, 20 * ball.radius);
   plate.material = 1;

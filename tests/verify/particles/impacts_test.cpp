@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "dem/laws.hpp"
 #include "support/verified.hpp"
 
 namespace trackbed {
@@ -55,6 +56,42 @@ TEST(Impact, SlidingThroughoutFollowsItsClosedForm) {
         const double turned = 2.5 * change / r;
         verified::near("spin gained" + at, "rad/s", after.spin.y() - spin, turned, 5e-3 * turned);
       }
+}
+
+// Head-on impacts, without attraction, that begin at any place in a step: largest and mean error of
+// the restitution that is asked for. Of first order in the step: the damper reads the velocity of
+// half a step before, and that of a linear law begins with a jump, which counts as a whole step
+// (docs/decisions/contact_laws.md).
+TEST(Impact, RestitutionErrsToFirstOrderInTheStep) {
+  constexpr int places = 40;
+  constexpr double v = 0.5;
+  struct Error {
+    double largest = 0, mean = 0;
+  };
+  const auto error_of = [&](Ball ball, double e, double share) {
+    Error error;
+    for (int k = 0; k < places; ++k) {
+      ball.place = (k + 0.5) / places;
+      const Motion before{{0, 0, -v}, Vec3::Zero()};
+      const Motion after = thrown(ball, before, share * contact_time(ball, v));
+      const double off = after.velocity.z() / v - e;
+      error.largest = std::max(error.largest, std::abs(off)), error.mean += off / places;
+    }
+    return error;
+  };
+  for (const bool hertz : {false, true})
+    for (const double e : {0.2, 0.5, 0.9}) {
+      const Ball ball{.restitution = e, .hertz = hertz, .zeta = dem::linear_damping(e, true)};
+      const Error coarse = error_of(ball, e, 0.02), fine = error_of(ball, e, 0.01);
+      const std::string law = fmt::format("{}, e = {:g}", hertz ? "hertz" : "linear", e);
+      verified::below("largest error of restitution, step of 0.02 t_c, " + law, "-", coarse.largest,
+                      0.016);
+      verified::below("the same, mean, " + law, "-", std::abs(coarse.mean), 0.006);
+      verified::near("largest error with half the step over it, " + law, "-",
+                     fine.largest / coarse.largest, 0.5, 0.2);
+      RecordProperty(law, fmt::format("{:.2g} {:.2g} {:.2g} {:.2g}", coarse.largest, fine.largest,
+                                      coarse.mean, fine.mean));
+    }
 }
 
 // Two balls that meet along x with spins about y: unlike spins, speeds and sizes (tests 7 and 8).
