@@ -7,7 +7,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 # Only CGAL's headers are used (hulls, meshes, exact predicates): its own CMake package would
-# demand Boost components and overrule build types.
+# require Boost components and override build types.
 find_path(CGAL_INCLUDE_DIR CGAL/convex_hull_2.h REQUIRED)
 find_library(GMP_LIBRARY gmp REQUIRED)
 find_library(MPFR_LIBRARY mpfr REQUIRED)
@@ -19,5 +19,5 @@ find_library(METIS_LIBRARY metis REQUIRED)
 pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
 
-# Debian's python3, not the first on PATH: only it has the modules of cmake/packages.txt.
+# Debian's python3, not the first on PATH: only Debian's has the modules of cmake/packages.txt.
 set(TRACKBED_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with h5py, numpy, matplotlib and VTK")

@@ -2,14 +2,18 @@
 add_library(trackbed_options INTERFACE)
 target_compile_options(trackbed_options INTERFACE
   -Wall -Wextra -Wpedantic -Wno-psabi
-  # Contacts are computed on several ranks by differently inlined code: fused multiply-adds chosen
-  # by the compiler would change their last bits. None of these changes a value.
+  # The same contact is computed on several ranks by differently inlined code, in which fused
+  # multiply-adds chosen by the compiler would change the last bits. None of these flags changes a
+  # value.
   -ffp-contract=off -fno-math-errno -fno-trapping-math -fopenmp-simd)
-# GCC 12 takes parts of its own AVX-512 header, and of fmt's, for errors of those who use them
-# (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105593); the sanitizer preset looks for real ones.
+# GCC 12 reports parts of its own AVX-512 header, and of fmt's, as errors of the calling code
+# (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105593); the sanitizer preset finds real ones.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(trackbed_options INTERFACE
-    -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow)
+    -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-restrict)
+endif()
+if(TRACKBED_WERROR)
+  target_compile_options(trackbed_options INTERFACE -Werror)
 endif()
 if(TRACKBED_NATIVE)
   target_compile_options(trackbed_options INTERFACE -march=native)

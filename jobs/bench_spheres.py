@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Speed of inputs/bench/spheres.toml beside LAMMPS on the same spheres, with the linear law and
-with Hertz's, on one rank and on two, in one run, alternating.
+"""Speed of inputs/bench/spheres.toml compared with LAMMPS on the same spheres, with the linear and
+with the Hertzian contact law, on one rank and on two, alternating within one session.
 
     bench_spheres.py TRACKBED FOLDER [RUNS] [LAMMPS...]
 
 TRACKBED: the program. FOLDER: where the settled beds are prepared (kept for the next call) and the
-results go. LAMMPS: programs to compare with, Debian's `lmp` unless others are given, e.g. one built
-for this machine. Prints particle-steps per second and core of each of RUNS (3) rounds and the
-medians of the ratios. Both integrate the same spheres at rest (positions and radii from our
-checkpoint, the same law with history); LAMMPS needs some steps to build its contact histories,
-which are not counted.
+results are written. LAMMPS: programs to compare with; default is Debian's `lmp`, another may be one
+built for this machine. Prints the particle-steps per second and core of each of RUNS (3)
+repetitions and the medians of the ratios. Both programs integrate the same spheres at rest
+(positions and radii from the checkpoint of trackbed, same law with tangential history); LAMMPS
+needs some steps to build its contact histories, which are not counted.
 """
 import json
 import re
@@ -26,11 +26,11 @@ import numpy as np
 import launch
 
 DECK = Path(__file__).resolve().parent.parent / "inputs" / "bench" / "spheres.toml"
-STEPS = 3000  # of LAMMPS
+STEPS = 3000  # time steps of LAMMPS
 RANKS = (1, 2)
 LAWS = ("linear", "hertz")
-# Of Hertz's law; with this Young's modulus (Pa) over the deck's k_n (N/m) contacts at rest are
-# somewhat softer than with the linear law, so that LAMMPS may keep the step.
+# For the Hertzian law; with this Young's modulus (Pa) over the deck's k_n (N/m) contacts at rest
+# are somewhat softer than with the linear law, so that LAMMPS can use the same time step.
 YOUNG_PER_STIFFNESS, POISSON, RESTITUTION = 300, 0.25, 0.5  # 1/m
 
 LAMMPS_INPUT = """units si
@@ -54,7 +54,7 @@ run {steps}
 
 
 def law_words(deck, law):
-    """Of the command line."""
+    """Command-line arguments that select the contact law."""
     if law == "linear":
         return []
     stiffness = tomllib.loads(deck.read_text())["contact"][0]["k_n"]
@@ -64,14 +64,14 @@ def law_words(deck, law):
 
 
 def in_law(lammps_input, law):
-    """An input of LAMMPS for the linear law, or the same with Hertz's."""
+    """The LAMMPS input for this law; `lammps_input` is written for the linear one."""
     def hertzian(found):
         k_n, g_n, g_t, friction = (float(found[part]) for part in (2, 4, 5, 6))
         young = YOUNG_PER_STIFFNESS * k_n
         shear = young / (2 * (1 + POISSON))
         normal = 4 / 3 * young / (2 * (1 - POISSON**2))
         tangential = 8 * shear / (2 * (2 - POISSON))
-        # The damping as strong where the stiffness is that of the linear law.
+        # Same damping ratio where the stiffness equals that of the linear law.
         return (f"{found[1]}hertz/history {normal} {tangential} {g_n * normal / k_n} "
                 f"{g_t * normal / k_n} {friction}")
     if law == "linear":
@@ -100,8 +100,8 @@ def settled(program, folder, law):
 
 
 def write_lammps(state, folder, copies=1):
-    """The spheres of our checkpoint, copied side by side, and the law of the deck stored in it.
-    Returns how many they are."""
+    """Writes the spheres of the checkpoint, copied side by side, with the contact law of the deck
+    stored in it. Returns the number of spheres."""
     with h5py.File(state) as file:
         deck = tomllib.loads(bytes(file.attrs["deck"]).decode())
         bed = file["particles"]
@@ -134,7 +134,7 @@ def write_lammps(state, folder, copies=1):
 
 
 class Ours:
-    """The bed at rest, on a number of ranks with a law."""
+    """The bed at rest in trackbed, on a number of ranks with a contact law."""
 
     def __init__(self, program, folder, law, ranks):
         self.law, self.ranks = law, ranks
@@ -143,7 +143,7 @@ class Ours:
         self.command = [*ranked, program, "run", DECK, f"start={self.state}", *law_words(DECK, law)]
 
     def run(self):
-        """Particle-steps per second and core, of the whole stage: LAMMPS counts its whole loop."""
+        """Particle-steps per second and core of the whole stage; LAMMPS counts its whole loop."""
         run_deck(self.command, self.out)
         found = json.loads((self.out / "summary.json").read_text())
         dem = found["dem"]
@@ -152,7 +152,7 @@ class Ours:
 
 
 class Lammps:
-    """Particles in LAMMPS on a number of ranks."""
+    """The same particles in LAMMPS on a number of ranks."""
 
     def __init__(self, program, given, ranks, particles, name="spheres", law="linear"):
         self.program, self.given, self.ranks, self.particles = program, given, ranks, particles
@@ -181,7 +181,7 @@ class Lammps:
 
 
 def in_lammps(programs, ours, folder):
-    """The same spheres with the same law on as many ranks in each of the programs."""
+    """The same spheres, law and number of ranks in each of the LAMMPS programs."""
     particles = write_lammps(ours.state, folder)
     data = folder / f"spheres_{ours.law}.data"
     (folder / "spheres.data").replace(data)
@@ -192,12 +192,12 @@ def in_lammps(programs, ours, folder):
 
 
 def arguments(usage):
-    """Program and folder, resolved."""
+    """Absolute paths of program and folder."""
     if len(sys.argv) < 3:
         raise SystemExit(f"two arguments are needed: {usage}")
     program = Path(sys.argv[1]).resolve()
     if not program.is_file():
-        raise SystemExit(f"{sys.argv[1]} is no program: {usage}")
+        raise SystemExit(f"{sys.argv[1]} is not an executable program: {usage}")
     return program, Path(sys.argv[2]).resolve()
 
 
@@ -207,7 +207,7 @@ def main():
     programs = [str(Path(p).resolve()) if "/" in p else p for p in sys.argv[4:]] or ["lmp"]
     for lammps in programs:
         if not shutil.which(lammps):
-            raise SystemExit(f"{lammps} is not there: install Debian's package lammps, or name a "
+            raise SystemExit(f"{lammps} not found: install Debian's package lammps, or name a "
                              "LAMMPS built here after RUNS")
     folder.mkdir(parents=True, exist_ok=True)
     cases = [Ours(program, folder, law, ranks) for law in LAWS for ranks in RANKS]

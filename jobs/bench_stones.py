@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
-"""Speed of the stones at rest under inputs/bench beside LAMMPS, on one rank and on two, with the
-linear law and with Hertz's.
+"""Speed of the beds at rest of inputs/bench compared with LAMMPS, on one rank and on two, with the
+linear and with the Hertzian contact law.
 
     bench_stones.py TRACKBED FOLDER [RUNS]
 
 TRACKBED: the program. FOLDER: where settled cells are prepared (kept for the next call) and the
-results go. A cell is little larger than a periodic bed of these stones must be, a sixth of the
-deck's bed. It is poured, settled and let come to rest under each law; the measured beds are copies
-of it side by side (bed.cell), on two ranks twice as many as on one, so as many stones each. The
-time that preparation took is printed. `contacts` counts those of pieces, `touched` the stones (and
-the floor) that a stone touches. All cases take turns, RUNS times (3), and of each the best run
-counts: other work on the machine only slows down. The processor time shows what a busy machine
-hides from the wall time. Both programs are taken by their whole loop: ours by the wall time of
-the last stage, with coupling and rows of the histories, LAMMPS by its loop time. LAMMPS (Debian's)
-moves the spheres of inputs/bench/spheres.toml (bench_spheres.py), and the same clumps with fix
-rigid/small and the same law between spheres; it is left out where there is no `lmp`.
+results are written. A cell is little larger than the smallest periodic bed of these stones, a sixth
+of the deck's bed. It is poured and settled to rest under each law; the measured beds are copies of
+it side by side (bed.cell), on two ranks twice as many as on one, so that each rank has the same
+number of stones. The time of the preparation is printed. `contacts` counts contacts of pieces,
+`touched` the stones (and the floor) that a stone touches. All cases alternate, RUNS times (3), and
+the best run of each counts, because other work on the machine can only slow it down. The processor
+time shows what a busy machine hides in the wall time. Both programs are timed over the whole loop:
+trackbed by the wall time of the last stage, with coupling and history output, LAMMPS by its loop
+time. LAMMPS (Debian's) moves the spheres of inputs/bench/spheres.toml (bench_spheres.py), and the
+same clumps with fix rigid/small and the same law between spheres; it is left out where there is no
+`lmp`.
 """
 import json
 import shutil
@@ -31,10 +32,10 @@ import launch
 from bench_spheres import LAWS, RANKS, Lammps, in_law, law_words, run_deck
 
 DECKS = Path(__file__).resolve().parent.parent / "inputs" / "bench"
-STEPS = 1000  # of LAMMPS
+STEPS = 1000  # time steps of LAMMPS
 NAMES = ("stones12", "stones24", "compound", "clumps")
 CELL_SIDE = {"spheres": 0.125, "stones": 0.32}  # m, along x and y
-# s. A bed of copies goes on as its cell would have: it need not settle again.
+# s. A bed of copies moves as its cell would have: it need not settle again.
 LAY = ["stage.fill.duration=0.0005", "stage.settle.duration=0.0005"]
 
 LAMMPS_INPUT = """units si
@@ -59,13 +60,13 @@ run {steps}
 
 
 def bed_of(name, copies):
-    """Words for so many cells of the deck in a row."""
+    """Command-line arguments for this number of cells in a row."""
     side = CELL_SIDE["spheres" if name == "spheres" else "stones"]
     return [f"bed.x=[0.0, {copies * side:.6g}]", f"bed.y=[{-side / 2:.6g}, {side / 2:.6g}]"]
 
 
 def copies_for(name, ranks):
-    """Cells with about as many stones per rank as the deck has."""
+    """Number of cells that gives about as many stones per rank as the deck has."""
     bed = tomllib.loads((DECKS / f"{name}.toml").read_text())["bed"]
     area = (bed["x"][1] - bed["x"][0]) * (bed["y"][1] - bed["y"][0])
     side = CELL_SIDE["spheres" if name == "spheres" else "stones"]
@@ -73,7 +74,7 @@ def copies_for(name, ranks):
 
 
 def settled_cell(program, folder, name, law):
-    """Checkpoint of the deck's cell at rest under this law."""
+    """Checkpoint of the deck's cell at rest under this contact law."""
     place, deck = folder / f"cell_{name}_{law}", DECKS / f"{name}.toml"
     state = place / "stage_settle.h5"
     if not state.exists():
@@ -87,7 +88,7 @@ def settled_cell(program, folder, name, law):
 
 
 class Case:
-    """One deck on a number of ranks with a law."""
+    """One deck on a number of ranks with a contact law."""
 
     def __init__(self, program, folder, name, ranks=1, law="linear"):
         self.name, self.ranks, self.law = name, ranks, law
@@ -116,7 +117,7 @@ class Case:
         return (max if largest else min)(run[figure] for run in self.runs)
 
     def speed(self):
-        """Of the whole stage, as LAMMPS counts its whole loop."""
+        """Particle-steps per second and core of the whole stage; LAMMPS counts its whole loop."""
         dem = self.runs[0]
         done = dem["particles"] * dem["measured_steps"]
         return done / self.ranks / self.best("loop_s", largest=False)
@@ -139,7 +140,7 @@ class Clumps:
             solid = bed["template/solid"][:]
             self.count = bed["template/pieces"][:].ravel()
             self.radius = bed["template/radius"][:].ravel()
-            self.corner = bed["template/corners"][:]  # one of each sphere
+            self.corner = bed["template/corners"][:]  # one corner per sphere
         self.scale = self.scale.ravel()
         density = self.deck["material"][0]["density"]
         self.mass = density * solid[self.shape, 0] * self.scale**3
@@ -147,7 +148,7 @@ class Clumps:
         self.box = (self.deck["bed"]["x"], self.deck["bed"]["y"])  # m, the periodic sides
 
     def turned(self, body, vectors):
-        """From the body's principal axes to space."""
+        """Vectors rotated from the body's principal axes to the global axes."""
         return vectors @ self.axes(body).T
 
     def axes(self, body):
@@ -158,7 +159,7 @@ class Clumps:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
     def wrapped(self, points):
-        """Points in the box, and across how many periods along x, y, z they came."""
+        """Points wrapped into the box, and the number of periods crossed along x, y, z."""
         points, turns = points.copy(), np.zeros(points.shape, int)
         for axis, (low, high) in enumerate(self.box):
             turns[:, axis] = np.floor((points[:, axis] - low) / (high - low))
@@ -182,7 +183,7 @@ class Clumps:
         head = ["clumps", "", f"{len(at)} atoms", "1 atom types", ""]
         head += [f"{low} {high} {a}lo {a}hi" for a, (low, high) in zip("xy", self.box)]
         head += [f"-0.1 {at[:, 2].max() + 0.2} zlo zhi", "", "Atoms", ""]
-        # The density of a sphere only counts in the damping: the body's mass, spread evenly.
+        # The density of a sphere only affects the damping: the body's mass is spread evenly.
         mass = (self.mass / self.count[self.shape])[bodies]
         density = mass / (4 / 3 * np.pi * radii**3)
         rows = [f"{k + 1} 1 {p[0]} {p[1]} {p[2]} {2 * r} {d} {b + 1} {t[0]} {t[1]} {t[2]}"
@@ -210,7 +211,7 @@ class Clumps:
 
 
 def in_lammps(case, write, name):
-    """The particles of a case in Debian's LAMMPS, on its ranks with its law."""
+    """The particles of a case in Debian's LAMMPS, with the ranks and the law of the case."""
     particles = write(case)
     given = case.folder / f"{name}_{case.law}.in"
     given.write_text(in_law((case.folder / f"{name}.in").read_text(), case.law))
@@ -280,7 +281,7 @@ def main():
              for name in NAMES for law in LAWS for ranks in RANKS]
     theirs = beside_lammps(program, folder, cases) if shutil.which("lmp") else []
     if not theirs:
-        print("there is no `lmp` on the PATH: our own rates alone")
+        print("no `lmp` on the PATH: only the rates of trackbed are measured")
     print(f"prepared in {time.monotonic() - begin:.0f} s")
     for _ in range(runs):
         for one in (*cases, *theirs):

@@ -1,11 +1,11 @@
 # Shared by the scripts in jobs/ and tests/; sourced, not run. Afterwards the working directory is
-# the project's folder, Open MPI accepts root if that is who we are, and these functions exist:
+# the project's folder, Open MPI accepts root if the user is root, and these functions exist:
 #   install_packages           Debian packages of cmake/packages.txt that are missing
 #   build PRESET [TARGET...]   configures build/PRESET and builds the targets (default: all)
-#   part "TEXT" COMMAND...     runs a command and says how long it took
+#   part "TEXT" COMMAND...     runs a command and prints its wall time
 #   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
 #   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
-#   figures DIR [DIR] -o DIR   draws
+#   figures DIR [DIR] -o DIR   draws the figures
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -15,7 +15,7 @@ if [ "$(id -u)" = 0 ]; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 fi
 
-# Ranks that wait give their core to others: costs nothing on free cores, saves much on shared ones.
+# Waiting ranks yield their core: no cost on free cores, a large saving on shared ones.
 export OMPI_MCA_mpi_yield_when_idle=1
 
 install_packages() {
@@ -54,29 +54,29 @@ part() {
 }
 
 run_model() {
-  local deck=$1 folder=$2 run code=0 told=0
+  local deck=$1 folder=$2 run code=0 stop_requested=0
   shift 2
-  # Told to end, mpirun kills the ranks a second later; SIGUSR1 it passes on, and waits for their
-  # checkpoint. A session of its own keeps the terminal's Ctrl-C from it.
+  # On SIGTERM mpirun kills the ranks a second later; SIGUSR1 it passes on and then waits for their
+  # checkpoint. In a session of its own it does not receive Ctrl-C from the terminal.
   setsid mpirun -n "${RANKS:-2}" --oversubscribe --bind-to none \
     build/release/trackbed run "$deck" -o "$folder" "$@" &
   run=$!
-  # Again each second until it ends: mpirun that has no ranks yet passes nothing on.
-  trap 'told=1; while kill -USR1 $run 2>/dev/null; do sleep 1; done &' TERM INT HUP
+  # Repeated each second until it ends: without ranks mpirun does not pass the signal on.
+  trap 'stop_requested=1; while kill -USR1 $run 2>/dev/null; do sleep 1; done &' TERM INT HUP
   wait $run || code=$?
-  while kill -0 $run 2>/dev/null; do  # a signal ended the waiting, not the run
+  while kill -0 $run 2>/dev/null; do  # a signal has ended `wait`, not the run
     code=0
     wait $run || code=$?
   done
   trap - TERM INT HUP
-  # mpirun itself dies of it (128 + 10) before it has ranks and when they have ended; 129, 130 and
-  # 143 are those of the waiting if the run has ended meanwhile.
-  if [ $told = 1 ] && [[ " 0 129 130 138 143 " == *" $code "* ]]; then code=3; fi
+  # SIGUSR1 kills mpirun itself (128 + 10) before it has ranks and after they have ended; 129, 130
+  # and 143 are codes of `wait` if the run has ended in the meantime.
+  if [ $stop_requested = 1 ] && [[ " 0 129 130 138 143 " == *" $code "* ]]; then code=3; fi
   return $code
 }
 
-# All stages before the first with ground_moves know nothing of the ground but its flat top: a
-# variant with another ground can begin behind them, and has the same bed, grain by grain.
+# All stages before the first with ground_moves depend only on the flat top of the ground: a variant
+# with another ground can start after them, with exactly the same stones.
 still_checkpoint() {
   local deck=$1 folder=$2 stage file
   stage=$("$python" - "$deck" <<'END'
@@ -87,13 +87,13 @@ with open(sys.argv[1], "rb") as file:
     stages = tomllib.load(file)["stage"]
 moving = [number for number, stage in enumerate(stages) if stage.get("ground_moves")]
 if not moving or moving[0] == 0:
-    sys.exit(f"{sys.argv[1]}: no stage lies before the first one with ground_moves = true")
+    sys.exit(f"{sys.argv[1]}: there is no stage before the first one with ground_moves = true")
 print(stages[moving[0] - 1]["name"])
 END
   ) || return 1
   file=$PWD/$folder/stage_$stage.h5
   if [ ! -f "$file" ]; then
-    echo "$file is missing: the variant begins there; run $deck with -o $folder to its end" >&2
+    echo "$file is missing; the variant starts from it: run $deck with -o $folder" >&2
     return 1
   fi
   printf '%s\n' "$file"

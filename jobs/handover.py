@@ -1,39 +1,41 @@
 #!/usr/bin/env python3
-"""The hand-over loop of long-term studies: what the bed is like goes to the train over a track
-alone, what this does to each sleeper goes back to the bed, round after round.
+"""The hand-over loop of long-term studies. In each round the support stiffness of the bed is passed
+to a train on a track alone, and the resulting load of each sleeper is passed back to the bed.
 
     handover.py PROGRAM DECK FOLDER [--start STATE]
                 [--rounds N] [--trains N] [--each N] [--load N] [--force]
 
-DECK: a bed with the sections of rail and train, and [handover] (inputs/track/on_bed.toml): a stage
-`after` which the rounds begin, with sleepers that are bedded in, and numbers that words of the
-command line may replace. The bed is run up to that stage in FOLDER/bed; STATE, the stage_NAME.h5 of
-an earlier run of the deck, or the folder it is in, saves that. One round, in FOLDER/round_K:
+DECK: a bed with the sections of rail and train, and [handover] (inputs/track/on_bed.toml): the
+stage `after` which the rounds begin, with sleepers that are bedded in, and numbers that
+command-line options may replace. The bed is run up to that stage in FOLDER/bed. With STATE, the
+stage_NAME.h5 of an earlier run of the deck or the folder that contains it, this is not repeated.
+One round, in FOLDER/round_K:
 
-1. weigh: all seats are loaded and unloaded slowly; the slope of force over displacement while the
-   load goes, without ringing and slips (support.py), is the support stiffness of each sleeper, of
-   two rails half of it below each.
-2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail that
-   lies as the sleepers have settled so far.
-3. trains: the seat forces of this run pass N times over the bed (load.kind = "seats"), in a stage
-   that is else the deck's own with train = true.
-4. What each sleeper has lost, times EACH (trains that one computed train stands for), is added to
-   the geometry of the rail for the next round; of two rails (track.dimension = "space") what each
-   of its seats has lost to that of its rail.
+1. load test: all seats are loaded and unloaded slowly; the slope of force over displacement during
+   unloading, without ringing and slips (support.py), is the support stiffness of each sleeper. For
+   two rails half of it acts below each.
+2. track: the train runs over a track alone whose springs have these stiffnesses, on a rail whose
+   geometry is the accumulated settlement of the sleepers.
+3. trains: the seat forces of this run are applied to the bed N times (load.kind = "seats"), in a
+   stage that otherwise equals the deck's own stage with train = true.
+4. The settlement of each sleeper, times EACH (trains represented by one computed train), is added
+   to the geometry of the rail for the next round; with two rails (track.dimension = "space") the
+   settlement of each seat is added to the geometry of its rail.
 
-The same command again goes on where the last one was stopped (SIGTERM, SIGHUP or Ctrl-C: code 3,
-after a checkpoint): what FOLDER holds of the same decks is taken as it is, what was stopped is
-resumed. --force begins anew: what a loop writes in FOLDER is removed first (bed, bed.toml,
-bed.log, round_0 and on, handover.csv, handover.png). A deck, a file that it names or a --start
-among these is refused. Rounds in handover.csv beyond N of --rounds stay there.
+The same command again continues where the last one was stopped (SIGTERM, SIGHUP or Ctrl-C: code 3,
+after a checkpoint): finished runs of the same decks in FOLDER are kept, a stopped run is resumed.
+--force starts again: what a loop writes in FOLDER is removed first (bed, bed.toml, bed.log, round_0
+and on, handover.csv, handover.png). A deck, a file that it names or a --start among these is
+refused. Rounds in handover.csv beyond N of --rounds are kept.
 
-What is wrong with words, deck or state is said before anything is written, code 2. A run that fails
-ends the loop with its own sentences and code (docs/running.md). One loop works in a folder at a
-time, which holds handover.lock.
+Errors in options, deck or state are reported before anything is written, with code 2. A run that
+fails ends the loop with its own messages and code (docs/running.md). Only one loop can work in a
+folder at a time; it holds handover.lock.
 
-A rail that follows its sleepers and seats that are weighed all at once are simplifications: a real
-rail bridges a sunk sleeper, and a seat alone finds a stiffer ground. Writes FOLDER/handover.csv
-(all figures of each sleeper and round) and handover.png. RANKS=N sets the ranks (2).
+Two simplifications: the rail follows its sleepers, whereas a real rail bridges a settled sleeper;
+and all seats are loaded at once in the load test, whereas the ground below a single loaded seat is
+stiffer. Writes FOLDER/handover.csv (all results of each sleeper and round) and handover.png.
+RANKS=N sets the number of ranks (2).
 """
 import argparse
 import csv
@@ -61,25 +63,25 @@ from loop_deck import FALL, LoopDeck, table_of_seats  # noqa: E402
 
 OPTIONS = ("rounds", "trains", "each", "load")
 LOCK = "handover.lock"
-# What a loop writes in its folder, and nothing else there is removed or mistaken for its own.
+# Names that a loop writes in its folder; nothing else there is removed or taken for its own.
 OF_THE_LOOP = re.compile(r"bed|bed\.toml|bed\.log|round_\d+|handover\.(csv|csv\.part|png|lock)")
 COLUMNS = ("stiffness_N_m", "stiffness_spread_N_m", "largest_seat_force_N",
            "largest_wheel_force_N", "settlement_per_train_m", "geometry_before_m")
 
 
 class Loop:
-    """All that may be refused is refused while it is made; only then is its folder touched."""
+    """All checks are made in the constructor, before anything in the folder is changed."""
 
     def __init__(self, given):
-        self.given, self.ranks = given, launch.ranks_told()
+        self.given, self.ranks = given, launch.requested_ranks()
         words = " without --force" if given.force else ""
-        self.then = f"the same command{words} goes on in {given.folder}"
+        self.then = f"the same command{words} continues in {given.folder}"
         self.check(given.deck)
         self.deck = LoopDeck(given.deck, given.program)
         for name in OPTIONS:
             if getattr(given, name) is None:
-                told = self.deck.value(f"handover.{name}")  # 1e1 is a whole number of a deck too
-                setattr(given, name, int(told) if name in ("rounds", "trains") else told)
+                value = self.deck.value(f"handover.{name}")  # in a deck also 1e1 is a whole number
+                setattr(given, name, int(value) if name in ("rounds", "trains") else value)
         numbers = [getattr(given, name) for name in OPTIONS]
         if not (np.isfinite(numbers).all() and min(numbers) > 0):
             launch.refuse("rounds, trains, each and load must be above 0")
@@ -91,7 +93,7 @@ class Loop:
         self.columns = ("round", "x_m", *(["side"] if self.two() else []), *COLUMNS)
         self.x = self.deck.sleepers["first"] + self.deck.sleepers["spacing"] * np.arange(
             self.deck.sleepers["count"])
-        self.settled = np.zeros((len(self.x), len(self.sides)))  # m, what the geometry has
+        self.settled = np.zeros((len(self.x), len(self.sides)))  # m, settlement in the geometry
         self.spare_inputs()
         self.table, self.rows = [] if given.force else self.old_table(), []
         if not given.force:
@@ -100,8 +102,8 @@ class Loop:
         launch.make_folder(given.folder)
         self.lock = self.take_folder()
         if not given.force:
-            self.table = self.old_table()  # another loop may have ended while decks were tried
-        if given.force:  # or a stop would leave later rounds to the command that goes on
+            self.table = self.old_table()  # another loop may have ended during the checks
+        if given.force:  # otherwise a continued command would find old rounds
             for old in given.folder.iterdir():
                 if OF_THE_LOOP.fullmatch(old.name) and old.name != LOCK:
                     shutil.rmtree(old) if old.is_dir() and not old.is_symlink() else old.unlink()
@@ -115,8 +117,8 @@ class Loop:
         return [folder / f"geometry{side and '_' + side}.csv" for side in self.sides]
 
     def check(self, deck, what=None):
-        """Ends with the program's own sentences if the deck is not valid; `what` the loop has made
-        it for."""
+        """Ends with the program's own messages if the deck is not valid; `what` names the purpose
+        of a deck that the loop has made."""
         ran = launch.run([self.given.program, "check", deck], self.then,
                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if ran.returncode and what:
@@ -134,27 +136,27 @@ class Loop:
             if given.start.is_dir():
                 given.start /= f"stage_{done}.h5"
             if not given.start.is_file():
-                launch.refuse(f"{given.start} is not there")
+                launch.refuse(f"{given.start} does not exist")
             done = given.start.name.removeprefix("stage_").removesuffix(".h5")
         if done not in [stage["name"] for stage in self.deck.values.get("stage", [])]:
-            launch.refuse(f"{given.start} is no stage_NAME.h5 of {given.deck}")
+            launch.refuse(f"{given.start} is not a stage_NAME.h5 of {given.deck}")
         return done
 
     def spare_inputs(self):
-        """Refuses what it would write over, or remove, of its own inputs."""
+        """Refuses inputs that the loop would overwrite or remove."""
         given, folder = self.given, self.given.folder.resolve()
 
         def place(path):
-            """Of the loop in its folder, by the first name below it."""
+            """Whether `path` is among the names that the loop writes in its folder."""
             inside = path.resolve().is_relative_to(folder) and path.resolve() != folder
             name = path.resolve().relative_to(folder).parts[0] if inside else ""
             return OF_THE_LOOP.fullmatch(name)
         for path in (given.deck, *map(Path, self.deck.files)):
             if place(path):
-                launch.refuse(f"{path} is where the loop writes its own: take another folder")
+                launch.refuse(f"{path} would be overwritten by the loop: choose another folder")
         if given.force and given.start and place(given.start):
-            launch.refuse(f"--force would remove {given.start}: copy it to another place, or take "
-                          "another folder")
+            launch.refuse(f"--force would remove {given.start}: copy it to another place, or "
+                          "choose another folder")
 
     def old_table(self):
         """Rows of handover.csv."""
@@ -164,24 +166,26 @@ class Loop:
         with open(path, newline="", encoding="utf-8") as file:
             rows = csv.DictReader(file)
             if tuple(rows.fieldnames or ()) != self.columns:
-                launch.refuse(f"{path} is no table of the loop: take another folder, or --force")
+                launch.refuse(f"{path} is not a table of this loop: choose another folder, or "
+                              "use --force")
             return list(rows)
 
     def refuse_others(self):
-        """Names the number of the command line that is not the one of the folder's rounds."""
+        """Refuses an option whose value differs from that of the rounds in the folder."""
         self.refuse_other_each()
-        for name, run, key in (("load", "weigh", "load"), ("trains", "trains", "cycles")):
+        for name, run, key in (("load", "load_test", "load"), ("trains", "trains", "cycles")):
             deck = self.given.folder / f"round_0/{run}.toml"
             if not (deck.is_file() and deck.with_suffix("").exists()):
                 continue
-            told = tomllib.loads(deck.read_text(encoding="utf-8"))["stage"][-1][key]
-            if told != getattr(self.given, name):
-                launch.refuse(f"{self.given.folder} holds rounds with {name} = {told:.9g}, not "
-                              f"{getattr(self.given, name):.9g}: take another folder, or --force")
+            value = tomllib.loads(deck.read_text(encoding="utf-8"))["stage"][-1][key]
+            if value != getattr(self.given, name):
+                launch.refuse(f"{self.given.folder} holds rounds with {name} = {value:.9g}, not "
+                              f"{getattr(self.given, name):.9g}: choose another folder, or use "
+                              "--force")
 
     def refuse_other_each(self):
-        """A round lies on a rail that has sunk by what the first one lost, times its trains, times
-        EACH."""
+        """Refuses another EACH: the geometry of a round is the settlement under one train of the
+        round before, times its number of trains, times EACH."""
         paths = self.geometry_files(self.given.folder / "round_1")
         trains = self.given.folder / "round_0/trains.toml"
         lost = [float(row["settlement_per_train_m"]) for row in self.table if row["round"] == "0"]
@@ -197,22 +201,22 @@ class Loop:
         each = sunk / lost[most] / count if lost[most] else 0.0
         if each and not np.isclose(each, self.given.each, rtol=1e-9):
             launch.refuse(f"{self.given.folder} holds rounds with each = {each:.9g}, not "
-                          f"{self.given.each:g}: take another folder, or --force")
+                          f"{self.given.each:g}: choose another folder, or use --force")
 
     def try_decks(self, done):
-        """Has the program check the decks of the first round, as far as they are known."""
+        """Lets the program check the decks of the first round, with preliminary values."""
         start = self.given.start or self.given.folder / f"bed/stage_{done}.h5"
         stiffness = np.full(len(self.x), self.deck.springs())
         with tempfile.TemporaryDirectory() as folder:
             deck, table = Path(folder) / "deck.toml", Path(folder) / "table.csv"
 
             def check(values, text, what):
-                table.write_text(text, encoding="utf-8")  # of both rails, which lie alike yet
+                table.write_text(text, encoding="utf-8")  # both rails have the same geometry here
                 deck.write_text(self.deck.text(values, folder), encoding="utf-8")
                 self.check(deck, what)
             check(self.deck.track_alone(stiffness, [table] * len(self.sides)),
                   self.deck.geometry(self.settled[:, 0]), "track alone of the loop")
-            stages = [self.deck.weighing(0, self.given.load), self.deck.trains(0, 1)]
+            stages = [self.deck.load_test(0, self.given.load), self.deck.trains(0, 1)]
             values = self.bed | {"stage": self.bed["stage"] + stages,
                                  "load": self.seat_load(table)}
             if start.is_file() and not (self.given.force and not self.given.start):
@@ -221,33 +225,33 @@ class Loop:
                   "bed of the loop")
 
     def seat_load(self, table):
-        """Section of the bed."""
+        """Section [load] of the bed."""
         load = {"kind": "seats", "file": str(table)}
         return load | ({"gauge": self.deck.value("track.gauge")} if self.two() else {})
 
     def take_folder(self):
-        """An open file, locked until the script ends, however it does: one that an earlier loop has
-        left behind hinders nobody."""
+        """Returns an open file that stays locked until the script ends for any reason; a file left
+        by an earlier loop is not locked."""
         path = self.given.folder / LOCK
         try:
             file = open(path, "a+", encoding="utf-8")
         except OSError as error:
-            launch.refuse(f"{path} cannot be written ({error.strerror}): take another folder")
+            launch.refuse(f"{path} cannot be written ({error.strerror}): choose another folder")
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             file.seek(0)
             launch.refuse(f"{self.given.folder}: another loop (process {file.read().strip()}) "
-                          "works in it: wait for its end, stop it, or take another folder")
+                          "is running here: wait for its end, stop it, or choose another folder")
         file.truncate(0)
         file.write(f"{os.getpid()}\n")
         file.flush()
         return file
 
     def program(self, folder, values, ranks, made_of=()):
-        """Runs the deck `values` in `folder`, or what is still to do of it. The deck becomes the
-        file folder.toml, with a line on what the files it is made of hold: paths of what is there,
-        or (path, text) of what is still to be written."""
+        """Runs the deck `values` in `folder`, or the part of the run that is missing. The deck is
+        written to folder.toml, with a line for the contents of each file it depends on: `made_of`
+        has paths of existing files, or (path, text) of files to be written."""
         deck, summary = folder.with_suffix(".toml"), folder / "summary.json"
         text, written = self.deck.text(values, folder.parent), {}
         for one in made_of:
@@ -261,32 +265,32 @@ class Loop:
         words = ["run", deck, "-o", folder]
         if folder.exists():
             if not deck.is_file() or deck.read_text(encoding="utf-8") != text:
-                launch.refuse(f"{folder} holds a run of another deck: take another folder, or "
-                              "--force")
+                launch.refuse(f"{folder} holds a run of another deck: choose another folder, or "
+                              "use --force")
             if summary.is_file() and json.loads(summary.read_text(encoding="utf-8"))["finished"]:
                 return
             if (folder / "latest").is_file():
                 words = ["resume", folder]
-            else:  # it ended before its first checkpoint
+            else:  # the run ended before its first checkpoint
                 words.append("--force")
         for path, content in {**written, deck: text}.items():
             path.write_text(content, encoding="utf-8")
         self.run_logged(folder, launch.on_ranks(ranks, self.given.program, *words))
 
     def run_logged(self, folder, command):
-        """What it says goes into folder.log, its errors at the end."""
+        """Writes the output of the run to folder.log, its error messages last."""
         with open(f"{folder}.log", "w", encoding="utf-8") as log, \
                 tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors:
             try:
                 ran = launch.run(command, self.then, stdout=log, stderr=errors)
             finally:
                 errors.seek(0)
-                said = errors.read()
-                log.write(said)
-        if ran.returncode == launch.STOPPED:  # by its own deck
+                errors_text = errors.read()
+                log.write(errors_text)
+        if ran.returncode == launch.STOPPED:  # a limit in its own deck
             launch.stop(self.then)
         if ran.returncode:
-            ran.stderr = said
+            ran.stderr = errors_text
             launch.fail(ran, str(folder), f"; see {folder}.log")
 
     def make_bed(self, last):
@@ -296,7 +300,7 @@ class Loop:
         return folder / f"stage_{last}.h5"
 
     def run_bed(self, stage, folder, seats=None):
-        """One stage more of the bed, under a table of seat forces or none; histories of it."""
+        """Runs one more stage of the bed, with a table of seat forces or none; its histories."""
         self.bed["stage"] = self.bed["stage"] + [stage]
         values, files = {**self.bed, "start": str(self.start)}, [self.start]
         if seats:
@@ -311,35 +315,37 @@ class Loop:
                      for name in ("displacement", "seat_force")}
             return file["history/time"][()].ravel()[rows], found
 
-    def weigh(self, number, folder):
-        """N/m, of the support of each sleeper and rail, and what this is worth."""
-        time, sleeper = self.run_bed(self.deck.weighing(number, self.given.load), folder / "weigh")
+    def measure_supports(self, number, folder):
+        """Support stiffness of each sleeper and rail, N/m, and its standard error, N/m."""
+        time, sleeper = self.run_bed(self.deck.load_test(number, self.given.load),
+                                     folder / "load_test")
         fall = time >= time[-1] - FALL
         found = [support.support(force, z) for force, z in zip(sleeper["seat_force"][fall].T,
                                                                sleeper["displacement"][fall].T)]
-        self.refuse_unweighed(number, found)
+        self.refuse_unreliable(number, found)
         return np.array([(one.stiffness, one.spread) for one in found]).T / self.rails
 
-    def refuse_unweighed(self, number, found):
-        """Ends the loop if a support that was weighed says nothing."""
-        without = [(x, one) for x, one in zip(self.x, found) if one.drowned()]
+    def refuse_unreliable(self, number, found):
+        """Ends the loop if the measured stiffness of a support is not reliable."""
+        without = [(x, one) for x, one in zip(self.x, found) if one.is_unreliable()]
         if not without:
             return
         x, one = without[0]
-        why, remedy = (f"the load of {self.given.load:g} N drowns in what the bed moves by itself",
+        why, remedy = (f"the load of {self.given.load:g} N is too small against the motion of the "
+                       "bed itself",
                        "a larger handover.load (--load)")
-        if one.sinks():
-            why, remedy = ("the bed still gives way while its load goes",
-                           "a bed that is bedded in for longer, with more load, up to "
-                           "handover.after")
+        if one.keeps_settling():
+            why, remedy = ("the sleeper still settles while it is unloaded",
+                           "a longer bedding-in with a larger load before handover.after")
         print(f"round {number}: {why}: the support of the sleeper at x = {x:g} m is "
               f"{one.stiffness / 1e6:.3g} +- {one.spread / 1e6:.2g} MN/m ({len(without)} of "
-              f"{len(found)} sleepers have none): take {remedy}, with --force or in another folder",
+              f"{len(found)} sleepers without a reliable value): use {remedy}, with --force or in "
+              "another folder",
               file=sys.stderr)
         sys.exit(launch.FAILED)
 
     def pass_track(self, folder, stiffness):
-        """Seat forces, N of one rail, [time, sleeper, side], their table for the bed; largest wheel
+        """Seat forces of one rail, N, [time, sleeper, side]; their table for the bed; largest wheel
         force, N."""
         files = self.geometry_files(folder)
         self.program(folder / "track",
@@ -354,7 +360,7 @@ class Loop:
         return force, (folder / "seats.csv", table_of_seats(time, on_seat, self.sides)), wheel
 
     def pass_bed(self, number, folder, seats):
-        """m, what each seat loses under one train, [sleeper, side]."""
+        """Settlement of each seat under one train, m, [sleeper, side]."""
         begin = self.start
         _, sleeper = self.run_bed(self.deck.trains(number, self.given.trains), folder / "trains",
                                   seats)
@@ -365,8 +371,9 @@ class Loop:
         return lost / self.given.trains
 
     def seat_heights(self, state):
-        """m, since the sleepers were placed, [sleeper, side]: of a checkpoint, as histories have no
-        roll. A seat g/2 to the left stands g/2 R_zy higher than the centre, R the rotation."""
+        """Displacement of the seats since the sleepers were placed, m, [sleeper, side]: from a
+        checkpoint, as histories have no roll. With rotation R a seat g/2 to the left is g/2 R_zy
+        above the centre."""
         with h5py.File(state) as file:
             z = file["sleepers/displacement"][()].reshape(-1, 3)[:, 2]
             a, b, c, w = file["sleepers/attitude"][()].reshape(-1, 4).T
@@ -376,7 +383,7 @@ class Loop:
     def round(self, number):
         folder = self.given.folder / f"round_{number}"
         launch.make_folder(folder)
-        stiffness, spread = self.weigh(number, folder)
+        stiffness, spread = self.measure_supports(number, folder)
         force, seats, wheel = self.pass_track(folder, stiffness)
         lost = self.pass_bed(number, folder, seats)
         for i, k in np.ndindex(self.settled.shape):
@@ -385,13 +392,13 @@ class Loop:
                 spread[i], force[:, i, k].max(), wheel, lost[i, k], 0.0 - self.settled[i, k])))))
         self.settled = self.settled + lost * self.given.trains * self.given.each
         print(f"round {number}: support {stiffness.min() / 1e6:.1f} to {stiffness.max() / 1e6:.1f} "
-              f"MN/m (+- {1e2 * (spread / stiffness).max():.1f} % at most), seats up to "
-              f"{force.max() / 1e3:.1f} kN, wheels up to {wheel / 1e3:.1f} kN, settlement per "
-              f"train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm (most)",
+              f"MN/m (+- {1e2 * (spread / stiffness).max():.1f} % at most), seat force up to "
+              f"{force.max() / 1e3:.1f} kN, wheel force up to {wheel / 1e3:.1f} kN, settlement per "
+              f"train {1e3 * lost.mean():.4f} mm (mean), {1e3 * lost.max():.4f} mm (largest)",
               flush=True)
 
     def later_rows(self):
-        """Of rounds that handover.csv has beyond those of this command, if of the same loop."""
+        """Rows of handover.csv beyond the rounds of this command, if they are of the same loop."""
         same = self.table[:len(self.rows)] == self.rows
         return self.table[len(self.rows):] if same else []
 
@@ -402,7 +409,7 @@ class Loop:
             table = csv.DictWriter(out, self.columns)
             table.writeheader()
             table.writerows(rows)
-        part.replace(path)  # whole at any time
+        part.replace(path)  # so that the table is complete at any time
         self.draw(rows)
 
     def draw(self, rows):
@@ -426,12 +433,13 @@ class Loop:
         figure.savefig(self.given.folder / "handover.png", dpi=130)
         plt.close(figure)
 
-    def say_what_stays(self):
+    def report_kept_rounds(self):
         table, more = self.given.folder / "handover.csv", len(self.table) > len(self.rows)
         if more and self.later_rows():
-            print(f"{table} keeps its rounds from {self.given.rounds} on, of an earlier command")
+            print(f"{table} still contains rounds from {self.given.rounds} on, of an earlier "
+                  "command")
         elif more:
-            print(f"{table} had more rounds, of another loop: they are left out")
+            print(f"{table} contained further rounds of another loop, which were removed")
 
 
 def main():
@@ -440,17 +448,18 @@ def main():
     parser.add_argument("deck", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--start", type=Path, metavar="STATE", help="stage_NAME.h5 of an earlier "
-                        "run of the deck, or the folder it is in, instead of making the bed")
+                        "run of the deck, or the folder it is in, instead of running the bed")
     parser.add_argument("--rounds", type=int)
-    parser.add_argument("--trains", type=int, help="computed in a round")
-    parser.add_argument("--each", type=float, help="trains that one stands for")
-    parser.add_argument("--load", type=float, help="N on each seat while weighing")
-    parser.add_argument("--force", action="store_true", help="do what FOLDER holds anew")
+    parser.add_argument("--trains", type=int, help="trains computed in a round")
+    parser.add_argument("--each", type=float, help="trains represented by one computed train")
+    parser.add_argument("--load", type=float, help="N on each seat in the load test")
+    parser.add_argument("--force", action="store_true", help="remove the results in FOLDER and "
+                        "start again")
     loop = Loop(parser.parse_args())
     for number in range(loop.given.rounds):
         loop.round(number)
         loop.write()
-    loop.say_what_stays()
+    loop.report_kept_rounds()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Starts runs for the scripts in jobs/ that are Python, as common.sh does for those in shell."""
+"""Starts runs for the Python scripts in jobs/, as common.sh does for the shell scripts."""
 import os
 import re
 import shutil
@@ -6,12 +6,12 @@ import signal
 import subprocess
 import sys
 
-BAD_INPUT = 2  # exit codes, as the program's
-STOPPED = 3  # of a run that can be resumed, and of a script that was told to stop
+BAD_INPUT = 2  # exit codes, those of the program
+STOPPED = 3  # a run that can be resumed, or a script that received a signal to stop
 FAILED = 4
 TO_STOP = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-# Ends of a run that was told: at its end, in time, or before it could listen, alone or of a rank.
-TOLD_ENDS = (0, STOPPED, -signal.SIGUSR1, 128 + signal.SIGUSR1)
+# Exit codes of a run after a stop signal: finished, stopped, or killed before its handler was set.
+STOP_CODES = (0, STOPPED, -signal.SIGUSR1, 128 + signal.SIGUSR1)
 
 if os.geteuid() == 0:
     os.environ |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -19,26 +19,26 @@ os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
 
 
 class Runs:
-    """The one that is under way, and whether the script was told to stop."""
-    told, process = False, None
+    """The current run, and whether the script has received a signal to stop."""
+    stop_requested, process = False, None
 
     def listen(self):
         for number in (*TO_STOP, signal.SIGALRM):
             if signal.getsignal(number) is not signal.SIG_IGN:  # nohup
-                signal.signal(number, self.tell)
+                signal.signal(number, self.request_stop)
 
-    def tell(self, *_):
-        self.told = True
+    def request_stop(self, *_):
+        self.stop_requested = True
         if self.process:
             self.process.send_signal(signal.SIGUSR1)
-            signal.setitimer(signal.ITIMER_REAL, 1)  # again: mpirun that has no ranks yet loses it
+            signal.setitimer(signal.ITIMER_REAL, 1)  # repeat: mpirun loses it while it has no ranks
 
     def begin(self, command, how):
-        # A session of its own keeps the terminal's Ctrl-C from it.
+        # In a session of its own the run does not receive Ctrl-C from the terminal.
         self.process = subprocess.Popen(command, start_new_session=True, stdin=subprocess.DEVNULL,
                                         **how)
-        if self.told:  # between the look before and now
-            self.tell()
+        if self.stop_requested:  # since the check in run()
+            self.request_stop()
         return self.process
 
     def end(self):
@@ -50,19 +50,19 @@ RUNS = Runs()
 
 
 def refuse(sentence):
-    """Ends the script: what it was given is wrong, nothing has been done."""
+    """Ends the script because of an invalid input; nothing has been run or written."""
     print(sentence, file=sys.stderr)
     sys.exit(BAD_INPUT)
 
 
 def program(word):
-    """As a shell finds it: what PATH has by this name, or else the file."""
+    """Path of a program as a shell resolves it: by PATH if it has no slash, else as a file."""
     found = shutil.which(word) if os.sep not in word else None
     return found or os.path.abspath(word)
 
 
-def ranks_told():
-    """RANKS, 2 without it."""
+def requested_ranks():
+    """The environment variable RANKS, 2 if it is not set."""
     text = os.environ.get("RANKS") or "2"
     if not text.isdecimal() or int(text) < 1:
         refuse(f'RANKS = "{text}": must be a whole number, 1 or more')
@@ -74,11 +74,11 @@ def make_folder(path):
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = "it is a file" if path.is_file() else error.strerror
-        refuse(f"{path} cannot be made as a folder ({reason}): choose another")
+        refuse(f"{path} cannot be created as a folder ({reason}): choose another")
 
 
 def on_ranks(ranks, *words):
-    """The command as a list."""
+    """The mpirun command as a list."""
     return ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *map(str, words)]
 
 
@@ -90,13 +90,13 @@ def stop(then):
     sys.exit(STOPPED)
 
 
-def run(command, then="the same command begins anew", **how):
-    """What subprocess.run gives of `command`, with the words of Popen. SIGTERM, SIGHUP and Ctrl-C,
-    now or since an earlier run, reach it as SIGUSR1: told to end, mpirun kills the ranks a second
-    later; SIGUSR1 it passes on, and waits for their checkpoint. The script then ends with STOPPED
-    and says what `then` the same command does."""
+def run(command, then="the same command starts again", **how):
+    """Runs `command` and returns what subprocess.run returns; `how` are arguments of Popen.
+    SIGTERM, SIGHUP and Ctrl-C, now or since an earlier run, are sent to it as SIGUSR1: on the
+    others mpirun kills the ranks a second later, SIGUSR1 it passes on and then waits for the
+    checkpoint. The script then ends with STOPPED and reports what `then` the same command does."""
     RUNS.listen()
-    if RUNS.told:
+    if RUNS.stop_requested:
         stop(then)
     try:
         process = RUNS.begin(command, how)
@@ -104,34 +104,34 @@ def run(command, then="the same command begins anew", **how):
         refuse(f"{error.filename}: {error.strerror}")
     out, err = process.communicate()
     RUNS.end()
-    if RUNS.told and process.returncode in TOLD_ENDS:
+    if RUNS.stop_requested and process.returncode in STOP_CODES:
         stop(then)
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
-# Between two lines of dashes: what mpirun itself says of a run that failed.
+# Messages of mpirun itself on a failed run, between two lines of dashes.
 BANNER = re.compile(r"^-{60,}\n(.*?)^-{60,}\n", re.MULTILINE | re.DOTALL)
 KILLED = re.compile(r"process rank (\d+) .* exited on signal (\d+) \(([^)]*)\)")
-# Of PETSc, and of Open MPI without dashes.
+# Messages of PETSc, and of Open MPI without dashes.
 TRACE = re.compile(r"\[\d+\]PETSC ERROR|\[[^\]\s]+:\d+\] |\d+ total process|mpirun: Forwarding")
 MOST_LINES = 20
 
 
-def sentences(said):
-    """Lines of the program itself in what a run said on stderr: its last words. Without any, those
-    of mpirun, which then could not begin."""
-    own = [line for line in dict.fromkeys(BANNER.sub("", said).splitlines())
+def messages(stderr):
+    """The last messages of the program itself on stderr. Without any, those of mpirun, which then
+    could not start it."""
+    own = [line for line in dict.fromkeys(BANNER.sub("", stderr).splitlines())
            if line and not TRACE.match(line)]
     first = [number for number, line in enumerate(own) if line.startswith("trackbed: ")]
-    if not own and not KILLED.search(said):
-        own = [line for part in BANNER.findall(said) for line in part.splitlines() if line.strip()]
+    if not own and not KILLED.search(stderr):
+        own = [line for part in BANNER.findall(stderr)
+               for line in part.splitlines() if line.strip()]
     return own[first[0] if first else 0:][-MOST_LINES:]
 
 
-def end_in_words(code, said):
-    """How a run ended, of its code and what it said on stderr: a rank that was killed, or the
-    code."""
-    if found := KILLED.search(said):
+def describe_end(code, stderr):
+    """How a run ended, from its code and its stderr: a rank that was killed, or the code."""
+    if found := KILLED.search(stderr):
         return f"rank {found[1]} was killed (signal {found[2]}, {found[3]})"
     if code < 0:
         return f"was killed (signal {-code}, {signal.strsignal(-code)})"
@@ -139,8 +139,8 @@ def end_in_words(code, said):
 
 
 def fail(ran, what, see=""):
-    """Ends the script as the run `ran` of `what` has ended: the program's own sentences, then how;
-    code of the run, or 128 and the signal, as shells tell it."""
-    ending = f"{what} failed: {end_in_words(ran.returncode, ran.stderr)}"
-    print("\n".join([*sentences(ran.stderr), ending + see]), file=sys.stderr)
+    """Ends the script after the failed run `ran` of `what`: prints the program's own messages and
+    how it ended; exits with the code of the run, or 128 and the signal number as shells do."""
+    ending = f"{what} failed: {describe_end(ran.returncode, ran.stderr)}"
+    print("\n".join([*messages(ran.stderr), ending + see]), file=sys.stderr)
     sys.exit(ran.returncode if ran.returncode > 0 else 128 - ran.returncode)

@@ -1,9 +1,9 @@
-"""The deck of a hand-over loop (handover.py): what is refused of it, and the decks made from it.
+"""The deck of a hand-over loop (handover.py): its checks, and the decks made from it.
 
-Decks are taken apart as values, not as text: dotted keys, tables written inline, several ways to
-quote mean to the loop what they mean to the program. Files that a deck names are known by their
-parameters, from what `describe` prints (as are the defaults of what it leaves out), and named anew
-from where each deck of the loop lies: so a folder moves together with them.
+Decks are processed as parsed values, not as text, so that dotted keys, inline tables and all kinds
+of quotes have the same meaning as in the program. Names of files are recognised by the kinds of
+parameters that `describe` prints (which also gives the defaults of missing keys), and are rewritten
+relative to the location of each deck of the loop, so that a folder can be moved as a whole.
 """
 import csv
 import io
@@ -20,19 +20,19 @@ import support
 
 OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train", "wheel_rail",
                 "irregularity", "irregularity_right", "passage")
-# Of [passage], what does not count on a bed, and so neither in its loop.
+# Keys of [passage] that have no effect on a bed, and therefore none in its loop.
 OF_A_TRACK_ALONE = ("duration", "wall_time", "stop_after", "checkpoint_interval")
-# Of the stage that sends the train, what would end one before its last axle has left, or is the
-# loop's to say. All else the trains of the rounds have too.
+# Keys of the train's stage that would end it before the last axle has left, or that the loop
+# sets. All other keys also hold for the trains of the rounds.
 INSTEAD = {"duration": "the loop's trains run until their last axle has left",
            "settlement": "a round has as many trains as handover.trains says",
            "cycles": "a round has as many trains as handover.trains says"}
-WEIGHING = 0.3  # s, of the stage: its load rises in one half and falls in the other
-FALL = 0.12  # s, its end, when a tenth of the load has gone: before, what it pressed still settles
+LOAD_TEST = 0.3  # s, duration of the stage: its load rises in one half and falls in the other
+FALL = 0.12  # s, its evaluated end, after a tenth of the unloading: before, the bed still settles
 
 
 def is_section(value):
-    """Whether it has a heading of its own: a table, or a list of some."""
+    """Whether the value has its own heading: a table, or a list of tables."""
     return isinstance(value, dict) or (
         isinstance(value, list) and bool(value) and all(isinstance(one, dict) for one in value))
 
@@ -42,7 +42,7 @@ def inline(value):
         return str(value).lower()
     if isinstance(value, list):
         return "[" + ", ".join(map(inline, value)) + "]"
-    if isinstance(value, str):  # JSON escapes as TOML does, but for one character
+    if isinstance(value, str):  # escapes of JSON equal those of TOML except for one character
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(float(value) if isinstance(value, float) else value)
 
@@ -60,8 +60,8 @@ def toml(values, path=""):
 
 
 def parameters_of(program):
-    """Kind and default (None: must be given) of each parameter, by section.name, from the page of
-    all of them."""
+    """Kind and default (None: must be given) of each parameter, by section.name, from the output of
+    `describe`."""
     ran = launch.run([program, "describe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                      text=True)
     if ran.returncode:
@@ -78,7 +78,7 @@ def parameters_of(program):
 
 
 def with_files(values, parameters, change, path=""):
-    """The values, with `change` of each name of a file."""
+    """The values, with `change` applied to each name of a file."""
     def changed(name, value):
         if isinstance(value, dict):
             return with_files(value, parameters, change, f"{path}{name}.")
@@ -90,7 +90,7 @@ def with_files(values, parameters, change, path=""):
 
 
 class LoopDeck:
-    """What the loop takes from the deck at `path`, which the program has found valid."""
+    """The parts of the deck at `path` that the loop uses; the program has checked the deck."""
 
     def __init__(self, path, program):
         self.path, self.files = path, []
@@ -108,7 +108,7 @@ class LoopDeck:
         self.train = {}  # the stage
 
     def whole(self, name):
-        """Path of a file, as the program finds it: from where the deck lies."""
+        """Path of a file relative to the folder of the deck, as in the program."""
         self.files.append(os.path.abspath(self.path.parent / name))
         return self.files[-1]
 
@@ -116,13 +116,13 @@ class LoopDeck:
         return self.values.get(name, {})
 
     def value(self, name):
-        """Of section.key, the program's default if the deck does not say it."""
+        """Value of section.key, or the program's default."""
         section, key = name.split(".")
         return self.section(section).get(key, self.parameters[name][1])
 
     def text(self, values, folder):
-        """Of a deck that will lie in `folder`. Links to folders are followed, as the names of files
-        are looked up from where the deck is."""
+        """Text of a deck that will be stored in `folder`. Links to folders are resolved, as names
+        of files are relative to the location of the deck."""
         def named(name):
             place, last = os.path.split(name)
             return os.path.relpath(os.path.join(os.path.realpath(place), last),
@@ -130,24 +130,26 @@ class LoopDeck:
         return toml(with_files(values, self.parameters, named))
 
     def begin_after(self, done, of):
-        """Refuses what rounds that begin after the stage `done` cannot do; `of` says who named
-        it. The values of the bed that is made up to there."""
+        """Refuses a stage `done` after which rounds cannot begin; `of` names the source of `done`
+        in messages. Returns the values of the bed up to that stage."""
         stages = self.values["stage"]
         names = [stage["name"] for stage in stages]
         end = names.index(done) + 1
         if not any(stage.get("kind") == "sleepers" for stage in stages[:end]):
-            launch.refuse(f"{of}: the rounds weigh sleepers, which a later stage places")
+            launch.refuse(f"{of}: the rounds load the sleepers, which only a later stage places")
         if any(stage.get("train") for stage in stages[:end]):
-            launch.refuse(f"{of}: the rounds bring their own trains, the bed must end before one")
+            launch.refuse(f"{of}: the rounds add their own trains: choose a stage before the "
+                          "first train")
         trains = [name for name, stage in zip(names, stages) if stage.get("train")]
         if not trains:
             launch.refuse(f"{self.path} has no stage with train = true")
         if len(trains) > 1:
-            launch.refuse(f"{self.path}: the rounds have one kind of train, the deck sends several "
+            launch.refuse(f"{self.path}: the rounds use one kind of train, the deck has several "
                           f"(stages {', '.join(trains)}): leave one")
         if left_out := [name for name in names[end:] if name != trains[0]]:
-            launch.refuse(f"{of}: the rounds would leave out {', '.join(left_out)}: behind the "
-                          f"bed's last stage only {trains[0]} may stand, which sends the train")
+            launch.refuse(f"{of}: the rounds would omit {', '.join(left_out)}: after the "
+                          f"last stage of the bed only {trains[0]} may follow, the stage with "
+                          "train = true")
         self.take_train(stages[names.index(trains[0])])
         self.refuse_others()
         kept = {name: value for name, value in self.values.items()
@@ -158,54 +160,54 @@ class LoopDeck:
         for key, instead in INSTEAD.items():
             if stage.get(key, 0) > (1 if key == "cycles" else 0):
                 launch.refuse(f"{self.path}: stage \"{stage['name']}\": {key} = {stage[key]} is "
-                              f"not for the loop: {instead}")
+                              f"not allowed in the loop: {instead}")
         self.train = {key: value for key, value in stage.items()
                       if key not in (*INSTEAD, "train", "name")}
 
     def refuse_others(self):
         if self.value("irregularity.kind") != "none":
-            launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
+            launch.refuse(f"{self.path}: the loop sets its own irregularity: remove "
                           "[irregularity]")
         if self.value("irregularity_right.kind") not in ("none", "same"):
-            launch.refuse(f"{self.path}: the loop has its own irregularity, leave out "
+            launch.refuse(f"{self.path}: the loop sets its own irregularity: remove "
                           "[irregularity_right]")
         if missing := [key for key in ("first", "spacing", "count") if key not in self.sleepers]:
-            launch.refuse(f"{self.path}: [sleepers] must say {' and '.join(missing)}")
+            launch.refuse(f"{self.path}: [sleepers] must give {' and '.join(missing)}")
 
         interval, rows = self.value("output.history_interval"), support.LEAST_ROWS
         if interval * rows > FALL:
-            launch.refuse(f"{self.path}: output.history_interval = {interval:g} s: at most "
-                          f"{FALL / rows:g} s, or supports cannot be weighed")
+            launch.refuse(f"{self.path}: output.history_interval = {interval:g} s: must be at most "
+                          f"{FALL / rows:g} s, or support stiffnesses cannot be measured")
 
-    def weighing(self, number, load):
-        """Stage of a slow load, a haversine: ramps have corners, at which the bed begins to ring.
-        Contacts and ground are those of the train, stones are calmed."""
+    def load_test(self, number, load):
+        """Stage of a slow load, a haversine: a ramp has corners that excite ringing of the bed.
+        Contacts and ground are those of the train's stage, stones have local damping."""
         own = {key: value for key, value in self.train.items()
                if key in ("seat_force", "ground_moves", "friction")}
-        return {"name": f"weigh_{number}", "kind": "load", "duration": WEIGHING, "load": load,
+        return {"name": f"load_test_{number}", "kind": "load", "duration": LOAD_TEST, "load": load,
                 "cycles": 1, "local_damping": 0.2, **own}
 
     def trains(self, number, count):
         return {"name": f"trains_{number}", **self.train, "cycles": count}
 
     def seats_on_track(self):
-        """m, x of the bed's sleepers from the begin of the track."""
+        """x of the bed's sleepers from the begin of the track, m."""
         return self.sleepers["spacing"] * (self.value("seat.before")
                                            + np.arange(self.sleepers["count"]))
 
     def springs(self):
-        """N/m, below a sleeper of the track alone where no zone says otherwise."""
+        """Stiffness below a sleeper of the track alone outside of zones, N/m."""
         springs = self.value("ballast.stiffness")
-        if self.value("ballast.mass") > 0:  # the factor of a zone acts on both springs
+        if self.value("ballast.mass") > 0:  # the factor of a zone applies to both springs
             springs = 1 / (1 / springs + 1 / self.value("ballast.below_stiffness"))
         return springs
 
     def geometry(self, settled):
-        """Text of a rail's profile: it lies as its seats have settled, m."""
+        """Text of a rail's profile, which follows the settlement of its seats, m."""
         spacing, length = self.sleepers["spacing"], self.value("track.length")
         at = self.seats_on_track()
         points = {0.0: 0.0, length: 0.0, at[0] - spacing: 0.0, at[-1] + spacing: 0.0,
-                  **dict(zip(at, 0.0 - settled))}  # 0 is no -0.0
+                  **dict(zip(at, 0.0 - settled))}  # avoids -0.0
         return "x_m,z_m\n" + "".join(f"{float(x)!r},{float(points[x])!r}\n"
                                      for x in sorted(points) if 0 <= x <= length)
 
@@ -226,7 +228,7 @@ class LoopDeck:
         return {name: value for name, value in deck.items() if value}
 
     def zones(self):
-        """Over the bed only what they do to the rail: the bed itself is weighed."""
+        """Zones of the deck; over the bed without factors of springs, which the load test gives."""
         at, spacing = self.seats_on_track(), self.sleepers["spacing"]
         low, high = at[0] - 0.45 * spacing, at[-1] + 0.45 * spacing
         zones = []

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The first command: installs what is missing (Debian 12), builds, runs a short transition zone with
-# and without its wedge on two ranks and draws the figures. Replaces the results of the last time.
+# Installs missing packages (Debian 12), builds, runs a short transition zone with and without its
+# wedge on two ranks and draws the figures. Replaces earlier results.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 deck=inputs/quickstart.toml
@@ -8,7 +8,7 @@ results=results/quickstart
 part "Packages" install_packages
 part "Build" build release trackbed
 part "Run with wedge" run_model $deck $results/wedge --force
-# The bed is made and bedded in on a still ground, so it is the same bed: the variant begins there.
+# The bed is built and bedded in on a ground at rest, so the variant can start from the same bed.
 start=$(still_checkpoint $deck $results/wedge)
 part "Run without wedge" run_model $deck $results/no_wedge --force \
   ground.block.wedge.present=false ground.block.wedge_surface.present=false \

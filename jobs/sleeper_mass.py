@@ -10,17 +10,17 @@ same over one width at all depths, and both with embankment soil throughout. Two
 even: over a profile mass moves wheels elsewhere, by as much as another seed does. Writes
 FOLDER/sleeper_mass.csv and sleeper_mass.png.
 
-With --ground: one coach on the ground of elements of inputs/track/netirail.toml, on two ranks. Of
-embankment, there all layers are made of it and nothing is left to taper, so that both geometries
-are one.
+With --ground: one coach on the ground of elements of inputs/track/netirail.toml, on two ranks. With
+embankment soil throughout all layers are equal and no taper is left, so that both geometries are
+identical.
 
-Else on a track alone: the springs below the sleepers are columns of that report's Table 2: each
-layer's modulus over an area that grows by its depth on all sides together (2:1), scaled so that
-embankment has the 42 MN/m of inputs/track/netirail_plain.toml. Thicknesses of sub-ballast and
-capping layer, and how far the wedge's parts reach (6.5 m each, tapered to nothing at 9 m), are
-assumed: the report only draws them. Columns do not know that soil moves as a whole, so both
-geometries of embankment are the same here, and what sleepers' mass does through waves in the ground
-is not in it.
+Otherwise on a track alone: the springs below the sleepers are columns of that report's Table 2:
+each layer's modulus over an area whose sides grow by its depth (load spread 2:1), scaled so that
+embankment has the 42 MN/m of inputs/track/netirail_plain.toml. The thicknesses of sub-ballast and
+capping layer, and the extent of the wedge's parts (6.5 m each, tapered to nothing at 9 m), are
+assumed, as the report gives them only in drawings. Columns neglect the continuity of the soil, so
+both geometries of embankment are identical here, and effects of sleeper mass through waves in the
+ground are not included.
 """
 import argparse
 import csv
@@ -38,9 +38,9 @@ import launch  # noqa: E402
 DECK = Path(__file__).resolve().parent.parent / "inputs/track/netirail_plain.toml"
 EMBANKMENT, UGM, CBM, ABUTMENT = 80e6, 1030e6, 10e9, 30e9         # Pa
 ABOVE = ((0.3, 130e6), (0.3, 200e6), (0.3, 3020e6))  # m, Pa: ballast, sub-ballast, capping layer
-SEAT = (0.29, 0.95)            # m, of half a sleeper that presses
-DEPTH, PART = 9.0, 6.5         # m, of the backfill; along the track of each of its two parts
-BRIDGE_ENDS, LENGTH, SPACING = 21.0, 84.0, 0.6  # m of the track
+SEAT = (0.29, 0.95)            # m, loaded area below half a sleeper
+DEPTH, PART = 9.0, 6.5         # m, height of the backfill, length of each of its two parts
+BRIDGE_ENDS, LENGTH, SPACING = 21.0, 84.0, 0.6  # m, x of the bridge's end; track
 POINTS = (14.7, 41.0)          # m from the bridge
 MASSES = (0.5, 1, 2, 3)
 SLEEPER = 315                  # kg
@@ -48,26 +48,26 @@ GEOMETRIES = {"original": (True, True), "same width": (False, True),
               "same width, embankment": (False, False), "tapered, embankment": (True, False)}
 
 
-def modulus(way, depth, tapered, reinforced):
-    """Pa, of the backfill `way` m behind the bridge, `depth` m below the capping layer."""
-    if way < 0:
+def modulus(distance, depth, tapered, reinforced):
+    """Pa, of the backfill `distance` m behind the bridge, `depth` m below the capping layer."""
+    if distance < 0:
         return ABUTMENT
     reach = PART * (1 - depth / DEPTH) if tapered else PART
-    if not reinforced or way > 2 * reach:
+    if not reinforced or distance > 2 * reach:
         return EMBANKMENT
-    return CBM if way <= reach else UGM
+    return CBM if distance <= reach else UGM
 
 
-def column(way, tapered, reinforced):
-    """N/m, below one rail seat: 1/k = integral of dz/(E A)."""
-    give, top, step = 0.0, 0.0, 0.01
+def column(distance, tapered, reinforced):
+    """Spring below one rail seat, N/m: 1/k = integral of dz/(E A)."""
+    compliance, top, step = 0.0, 0.0, 0.01
     layers = [*ABOVE, (DEPTH, None)]
     for thickness, young in layers:
         for z in np.arange(step / 2, thickness, step):
-            here = young or modulus(way, z, tapered, reinforced)
-            give += step / (here * (SEAT[0] + top + z) * (SEAT[1] + top + z))
+            here = young or modulus(distance, z, tapered, reinforced)
+            compliance += step / (here * (SEAT[0] + top + z) * (SEAT[1] + top + z))
         top += thickness
-    return 1 / give
+    return 1 / compliance
 
 
 def zones(tapered, reinforced):
@@ -82,7 +82,7 @@ def zones(tapered, reinforced):
 
 
 def measured(place):
-    """m, at the points: how far the rail goes down, and its displacement's rms over the run."""
+    """At the points, m: largest downward displacement of the rail, and its rms over the run."""
     with h5py.File(place / "results.h5") as file:
         rail = file["history/rail/displacement"][()]
     return np.array([-rail.min(axis=0), np.sqrt((rail**2).mean(axis=0))])
@@ -138,8 +138,8 @@ def draw(found, path):
         panel.set_xticks(np.arange(len(masses)) + 0.3, [f"{mass} x" for mass in masses])
         panel.set(title=f"{POINTS[k]} m from the bridge", xlabel="mass of sleepers")
         panel.grid(alpha=0.3, axis="y")
-    panels[0].set(ylabel="rail, down, mm")
-    panels[0].set_ylim(top=1.25 * panels[0].get_ylim()[1])  # room for the legend
+    panels[0].set(ylabel="downward displacement of the rail, mm")
+    panels[0].set_ylim(top=1.25 * panels[0].get_ylim()[1])  # space for the legend
     panels[0].legend(fontsize=8, loc="upper center", ncols=2)
     figure.savefig(path, dpi=130)
 
@@ -152,7 +152,7 @@ def main():
     parser.add_argument("--masses", type=float, nargs="+", default=MASSES)
     given = parser.parse_args()
     if min(given.masses) <= 0:
-        parser.error("--masses: factors above 0")
+        parser.error("--masses: factors must be above 0")
     launch.make_folder(given.folder)
     plain = DECK.read_text(encoding="utf-8")
     head, rest = plain.split("[train]")

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""The longest sub-step with which pressed stones stay at rest, over sqrt(m/k_n).
+"""The longest sub-step with which compacted stones stay at rest, in units of sqrt(m/k_n).
 
     steady_step.py PROGRAM FOLDER [--stones polyhedra clump disk] [--vertices 12]
 
-For each kind of stone the bed of inputs/bed/steady.toml is pressed once; its last stage is then run
-with other k_s over k_n, damping ratios, friction and `dem.safety`, halving between steps that are
-calm and steps that are not (the kinetic energy triples within 8 ms, or the run stops with code 4).
-Prints a table and writes FOLDER/steady_step.csv.
+For each kind of stone the bed of inputs/bed/steady.toml is compacted once; its last stage is then
+run with other k_s over k_n, damping ratios, friction and `dem.safety`. The limit is found by
+bisection between stable and unstable steps (unstable: the kinetic energy triples within 8 ms, or
+the run stops with code 4). Prints a table and writes FOLDER/steady_step.csv.
 """
 import argparse
 import csv
@@ -18,13 +18,13 @@ import h5py
 import launch
 
 DECK = Path(__file__).resolve().parent.parent / "inputs/bed/steady.toml"
-K_N = 2e6                      # N/m, the deck's
+K_N = 2e6                      # N/m, as in the deck
 SHEAR = (0.3, 0.8, 1.0)        # k_s over k_n
 DAMPING = (0, 0.2, 0.4, 0.7)   # zeta_n and zeta_s
-FRICTION = (0.7, 2.0)          # of stones; at 2 nearly all stick
-LEAST, MOST, NEAR = 0.08, 1.0, 1.06   # bounds of dem.safety, ratio at which halving ends
-SETTLED = 4                    # rows of 1 ms after which what the new springs shook up is gone
-STOPPED = 4                    # exit code of a run that stones end
+FRICTION = (0.7, 2.0)          # of stones; at 2 nearly all contacts stick
+LEAST, MOST, NEAR = 0.08, 1.0, 1.06   # bounds of dem.safety, ratio at which bisection ends
+SETTLED = 4                    # rows of 1 ms, until the transient of the new springs has decayed
+STOPPED = 4                    # exit code of a run that becomes unstable
 
 
 def run(program, folder, changes):
@@ -35,7 +35,7 @@ def run(program, folder, changes):
     return done.returncode == 0
 
 
-def is_calm(program, folder, changes):
+def is_stable(program, folder, changes):
     if not run(program, folder, changes):
         return False
     with h5py.File(folder / "results.h5") as file:
@@ -48,7 +48,7 @@ def longest(program, folder, changes):
     low, high = LEAST, MOST
     while high / low > NEAR:
         middle = (low * high) ** 0.5
-        if is_calm(program, folder, [*changes, f"dem.safety={middle}"]):
+        if is_stable(program, folder, [*changes, f"dem.safety={middle}"]):
             low = middle
         else:
             high = middle
@@ -56,13 +56,13 @@ def longest(program, folder, changes):
 
 
 def of_kind(program, folder, kind, shape):
-    pressed = folder / kind
-    if not run(program, pressed, shape):
-        raise SystemExit(f"the bed of {kind} was not made")
+    compacted = folder / kind
+    if not run(program, compacted, shape):
+        raise SystemExit(f"the bed of {kind} could not be compacted")
     for friction in FRICTION:
         for shear in SHEAR:
             for zeta in DAMPING:
-                changes = [*shape, f"start='{pressed / 'stage_compact.h5'}'",
+                changes = [*shape, f"start='{compacted / 'stage_compact.h5'}'",
                            f"contact[0].k_s={shear * K_N}", f"contact[0].zeta_n={zeta}",
                            f"contact[0].zeta_s={zeta}", f"stage.held.friction={friction}"]
                 yield kind, friction, shear, zeta, longest(program, folder / "held", changes)
@@ -81,7 +81,7 @@ def main():
         table = csv.writer(file)
         table.writerow(["stones", "friction", "k_s over k_n", "zeta", "longest safety"])
         for kind in given.stones:
-            # Balls overlap by a share of their own radius, not of a rounding.
+            # The overlap of balls is limited by their own radius, not by a rounding radius.
             limit = "5" if kind in ("polyhedra", "compound") else "1"
             shape = [f"bed.stone={kind}", f"dem.largest_overlap={limit}"]
             if kind != "disk":

@@ -4,7 +4,7 @@
     strength.py PROGRAM FOLDER heap|triaxial [--rows NAME...] [--seeds 1 2 3]
 
 Runs inputs/bed/repose.toml or triaxial.toml on one rank for each row and seed, in FOLDER/ROW_SEED;
-what has ended there is not run again, so the same command goes on where it was stopped. Prints a
+finished runs are not repeated, so the same command continues where it was stopped. Prints a
 line per row: mean and standard deviation over the seeds. The tables made with it are those of
 docs/decisions/heap_and_strength.md; a row takes 10 s to 2 min of a core per seed.
 """
@@ -40,7 +40,7 @@ def column(radius, height):
             f"stage.lift.duration={1.04 * height / 0.1}", f"bed.beside={max(0.45, 3 * radius)}"]
 
 
-QUICK = ["stage.lift.lift=0.1", "stage.lift.duration=3"]  # of all rows but the deck's
+QUICK = ["stage.lift.lift=0.1", "stage.lift.duration=3"]  # of all rows except "deck"
 HEAPS = {
     "deck": [],
     "lift 0.1": [],
@@ -67,8 +67,8 @@ HEAPS = {
     "large": column(0.18, 0.42),
 }
 
-# A specimen of six stones across, packed as the deck says and pressed at 60 kPa. One bed for a row
-# of pressures: the strain rate makes the inertial number rate d sqrt(rho / sigma_3) 1e-3.
+# A specimen six stones wide, packed as in the deck and compacted at 60 kPa. One bed for a row of
+# pressures: the strain rate makes the inertial number rate d sqrt(rho / sigma_3) 1e-3.
 SPECIMEN = ["bed.x=[0,0.24]", "bed.y=[0,0.24]", "bed.height=0.48", "bed.sieve=[31.5,40,50]",
             "bed.passing=[0,50,100]", "bed.polyhedron.vertices=12", "bed.polyhedron.rounding=0.02"]
 STRAIN, SIZE, DENSITY, HEIGHT = 0.06, 0.04, 2650.0, 0.48
@@ -90,10 +90,10 @@ def test(pressure, inertial=1e-3, changes=()):
 # inertial number, changes.
 TRIAXIAL = {
     "base": ("base", 1e-3, ()),
-    # At 10 kPa as soft against the pressure as base at 60 kPa; and the other way round.
+    # At 10 kPa the same stiffness relative to the pressure as base at 60 kPa; and the reverse.
     "k_n / 6": ("base", 1e-3, tuple(stiff(5e6 / 6))),
     "k_n x 6": ("base", 1e-3, tuple(stiff(30e6))),
-    "pressed at 10 kPa": (None, 1e-3, ("stage.compact.pressure=10e3",)),
+    "compacted at 10 kPa": (None, 1e-3, ("stage.compact.pressure=10e3",)),
     "fast": ("base", 5e-3, ()),
     "slow": ("base", 3e-4, ()),
     "no gravity": ("base", 1e-3, ("dem.gravity=0",)),
@@ -111,16 +111,16 @@ def summary(folder):
 
 
 def as_file(row):
-    """Its name in those of folders."""
+    """Name of the row in names of folders."""
     return row.replace(" ", "_").replace("/", "over")
 
 
 def run(program, deck, folder, changes):
-    """Unless it has been run to its end."""
+    """Runs the deck in `folder` unless a finished run is there."""
     if (folder / "summary.json").exists() and summary(folder)["finished"]:
         return
     ran = launch.run([program, "run", str(ROOT / "inputs/bed" / deck), *changes, "-o", str(folder),
-                      "--force"], "the same command goes on", stdout=subprocess.PIPE,
+                      "--force"], "the same command continues", stdout=subprocess.PIPE,
                      stderr=subprocess.PIPE, text=True)
     if ran.returncode:
         launch.fail(ran, folder.name)
@@ -135,7 +135,7 @@ def line(name, columns):
 
 
 def heap_figures(folder):
-    """Angle, degrees, height, mm, stones, and overlaps of cores in a thousand steps."""
+    """Angle, degrees, height, mm, stones, and core overlaps per thousand steps."""
     saved, results = read.checkpoint(folder), read.results(folder)
     size = np.median(next(reversed(results.stones.values())).sieved[:, 0])
     angle, _, flank = heap.flank(heap.placed(saved), size)
@@ -172,12 +172,12 @@ def triaxial_figures(folder):
 
 
 def place(given, row, pressure, seed):
-    """Where a triaxial test is run."""
+    """Folder of a triaxial test."""
     return given.folder / f"{as_file(row)}_{pressure / 1e3:.0f}_{seed}"
 
 
 def triaxial_test(given, row, pressure, seed):
-    """The folder of the test, run if it was not yet, after the one whose bed it starts from."""
+    """Folder of the test, which is run if missing, after the test whose bed it starts from."""
     bed, inertial, changes = TRIAXIAL[row]
     here, start = place(given, row, pressure, seed), []
     if bed and (bed, PACKED) != (row, pressure):
@@ -208,7 +208,7 @@ def main():
     known = HEAPS if given.test == "heap" else TRIAXIAL
     for row in given.rows or ():
         if row not in known:
-            launch.refuse(f"--rows {row}: must be of {', '.join(known)}")
+            launch.refuse(f"--rows {row}: must be one of {', '.join(known)}")
     launch.make_folder(given.folder)
     (heaps if given.test == "heap" else triaxial)(given)
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# A passenger vehicle at 160 km/h over a transition zone on stones: wheel forces, settlement under
-# each axle in one figure. Without a word the quickstart's 6 m (7 minutes on two busy cores); with
-# `full` the 17 m of inputs/track/transition_train.toml (an hour and a half).
-# Needs what jobs/quickstart.sh installs. RANKS=N sets the ranks. Results that are there are left
-# alone and end it; `--force` as the last word replaces them.
+# A passenger vehicle at 160 km/h over a transition zone on stones: wheel forces and settlement
+# under each axle in one figure. By default the 6 m of the quickstart (7 minutes on two busy cores);
+# with `full` the 17 m of inputs/track/transition_train.toml (an hour and a half).
+# Needs what jobs/quickstart.sh installs. RANKS=N sets the ranks. Existing results are
+# kept and end the script; `--force` as the last argument replaces them.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 size=short

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The heap of a run with Yade's polyhedra, for comparison.
+"""The heap of a run repeated with the polyhedra of Yade, for comparison.
 
     yade -j1 -f1 -n -x jobs/yade_heap.py RESULTS [CHECKPOINT]
 
 RESULTS: a run of inputs/bed/repose.toml with bed.container=box, whose deck gives friction, walls
-and local damping. CHECKPOINT: the stones before the walls rise, RESULTS/stage_fill.h5 by default.
+and local damping. CHECKPOINT: the stones before the walls are lifted (default:
+RESULTS/stage_fill.h5).
 Prints time, angle and top of the heap, mean height and median speed of the stones. With Debian's
 package `yade` (2023.02a) 110 stones take 8 min of a core. Its law keeps one shear force for all
 contacts; `Scene.friction` replaces it (docs/decisions/heap_and_strength.md).
@@ -21,16 +22,16 @@ from yade.wrapper import (
     Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys, Law2_PolyhedraGeom_PolyhedraPhys_Volumetric,
     NewtonIntegrator, O, PolyhedraMat, PyRunner)
 
-# Yade runs the text of this file, so that __file__ is its own.
+# Yade executes the text of this file, so that __file__ is Yade's own.
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent / "postproc"))
 import heap  # noqa: E402
 import read  # noqa: E402
 
-K_N, K_S = 2.5e9, 1e5     # N/m3 of overlap, N/m: a column of 0.24 m sinks by 10 mm
+K_N, K_S = 2.5e9, 1e5     # N/m3 of overlap, N/m: a column of 0.24 m settles by 10 mm
 STEP = 1.25e-4            # s; a face of 2 cm2 has 5e5 N/m, the lightest stone then 2.3e-4 s
-SETTLE, REST = 0.08, 0.5  # s under this law before the walls rise, and after they are gone
+SETTLE, REST = 0.08, 0.5  # s under this law before the walls are lifted, and afterwards
 DAMPING, THICK = 0.3, 0.03  # local while the column settles; m, of the walls
-FREE, HELD, NOT_EACH_OTHER = 1, 3, 2  # masks: bodies collide that share a bit, but not this last
+FREE, HELD, NOT_EACH_OTHER = 1, 3, 2  # masks: bodies with a common bit collide, except the last
 
 
 def body(corners, material, mask, fixed=False):
@@ -40,14 +41,14 @@ def body(corners, material, mask, fixed=False):
 
 
 def stone(piece, volume, material):
-    """The core scaled to the volume of the rounded stone: faces moved out would split corners."""
+    """The core scaled to the volume of the rounded stone: moved faces would split corners."""
     centre, corners, _, _ = piece
     core = body(corners, material, FREE).shape.GetVolume()
     return body(centre + (volume / core)**(1 / 3) * corners, material, FREE)
 
 
 def lying(made):
-    """As heap.placed gives a piece."""
+    """The stone in the form that heap.placed returns."""
     turn = made.state.ori.toRotationMatrix()
     corners = np.array([turn * corner for corner in made.shape.v])
     planes = scipy.spatial.ConvexHull(corners).equations * [1, 1, 1, -1]
@@ -89,7 +90,7 @@ class Scene:
             yield [(a, b, c) for a in x for b in y for c in (1e-4, 1.4 * bed["height"])]
 
     def friction(self):
-        """Coulomb's, on a linear spring with a history of each contact, in place of the law's."""
+        """Coulomb friction on a linear spring with a history per contact, for that of Yade."""
         forces = {}
         for contact in O.interactions:
             if not (contact.isReal and (size := contact.phys.normalForce.norm())):
@@ -122,7 +123,7 @@ class Scene:
             O.pause()
 
     def report(self):
-        """The angle between heap.LEVELS of the height: heap.flank wants more than two stones."""
+        """The angle between heap.LEVELS of the height: heap.flank needs more than two stones."""
         cell = self.size / heap.CELLS
         surface = heap.surface(map(lying, self.stones), cell)[2]
         top = np.sort(surface, axis=None)[-heap.CELLS**2]

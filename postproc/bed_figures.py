@@ -1,4 +1,4 @@
-"""Figures of the bed itself: what its regions, contacts, sizes and surface say of the stones."""
+"""Figures of the bed: quantities in regions, contact forces, grading and surface of the stones."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -8,7 +8,7 @@ COLOURS = ("tab:blue", "tab:orange")
 
 
 class Missing(Exception):
-    """The run does not have what the figure needs."""
+    """The run does not have the data that the figure needs."""
 
 
 def needs(holds, what):
@@ -17,9 +17,9 @@ def needs(holds, what):
 
 
 def regions(runs):
-    """What was measured in the deck's regions over the run; of several cells the mean."""
+    """Quantities in the deck's regions over the run; the mean over the cells of a region."""
     needs(all(run.regions for run in runs), "the deck has no region")
-    shown = (("porosity", "porosity", 1.0), ("coordination", "partners of a stone", 1.0),
+    shown = (("porosity", "porosity", 1.0), ("coordination", "coordination number", 1.0),
              ("stress", "vertical compression (kPa)", -1e-3))
     figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
     for run, style in zip(runs, ("-", "--")):
@@ -42,7 +42,7 @@ def regions(runs):
 
 
 def forces(runs):
-    """How contact forces are spread about their mean at the end of the last stage."""
+    """Distribution of contact forces over their mean at the end of the last stage."""
     needs(all(run.chains for run in runs), "no contact forces")
     figure, panel = plt.subplots(figsize=(7, 5))
     for run, colour in zip(runs, COLOURS):
@@ -60,7 +60,7 @@ def forces(runs):
 
 
 def grading(runs):
-    """The sieve curve of the stones at the end of the last stage, as asked for and allowed."""
+    """Sieve curve of the stones at the end of the last stage, with prescription and limits."""
     needs(all(run.stones for run in runs), "no stones")
     figure, panel = plt.subplots(figsize=(7, 5))
     for run, colour in zip(runs, COLOURS):
@@ -69,9 +69,9 @@ def grading(runs):
         panel.plot(sizes * 1e3, measures.passing(stones.sieved, sizes), color=colour, lw=1.5,
                    label=f"{run.name}, {len(sizes)} stones at the end of {stage}")
     panel.set_xscale("log")
-    if len(runs[0].grading):   # none of stones from another run, or of several layers
+    if len(runs[0].grading):   # absent for stones of another run or of several layers
         opening, asked, least, most = runs[0].grading.T
-        panel.plot(opening * 1e3, asked, "ko", ms=4, label="asked for")
+        panel.plot(opening * 1e3, asked, "ko", ms=4, label="prescribed")
         if np.any(least < most):
             panel.fill_between(opening * 1e3, least, most, color="0.8", zorder=0,
                                label=f"limits of {runs[0].deck['bed']['grading']}")
@@ -85,8 +85,8 @@ def grading(runs):
 
 
 def outline(run, y):
-    """z of the outline the deck asks for above each y, at the last stage that cuts; None if none
-    does."""
+    """z of the outline prescribed by the deck above each y, at the last stage that cuts the bed;
+    None without one."""
     bed = run.deck["bed"]
     tops = [stage["profile"] for stage in run.deck.get("stage", []) if stage.get("profile", 0) > 0]
     if not tops:
@@ -98,7 +98,7 @@ def outline(run, y):
 
 def profile(rows):
     """Axis (0 along, 1 across the track), places on it, and lowest, mean and highest top of the
-    stones there; a plane model is seen along the track. Places without stones are left out."""
+    stones there; a plane model is shown along the track. Places without stones are omitted."""
     axis = 1 if len(np.unique(rows[:, 1])) > 1 else 0
     rows = rows[np.isfinite(rows[:, 2])]
     places = np.unique(rows[:, axis])

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the figures of one run or of two runs side by side and prints the table of their numbers.
+"""Draws the figures of one run or of two runs side by side and prints a table of their results.
 
     figures.py RESULT_DIR [OTHER_DIR] -o DIR
 
-RESULT_DIR holds results.h5. Writes PNG files and table.txt into DIR. A figure whose data a run does
-not have is left out, and the text says so. Which number is computed how: docs/postproc.md.
+RESULT_DIR holds results.h5. Writes PNG files and table.txt into DIR. A figure whose data are
+missing in a run is skipped with a message. How each number is computed: docs/postproc.md.
 """
 import argparse
 import io
@@ -27,11 +27,11 @@ GRAVITY = 9.81        # m/s^2
 FILTER = signals.LowPass()
 SHOWN_HZ = 20         # upper end of the spectra
 CHAIN_WIDTH = 6       # points, line of the largest force
-CHAIN_STAGES = 3      # the last ones are shown
+CHAIN_STAGES = 3      # number of last stages that are shown
 CHAIN_WINDOW = 3.0    # m, length of track in a picture of force chains
 STRUCTURE = {"color": "0.35", "alpha": 0.35}          # shades of the ground's blocks
 WEDGE = {"color": "tab:green", "alpha": 0.15}
-STRESS_COUNTS = "added by the passage; weight of the bed and static preload not in it"
+STRESS_COUNTS = "added by the passage; without weight of the bed and static preload"
 
 
 def needs_ground(runs):
@@ -41,16 +41,16 @@ def needs_ground(runs):
 
 
 def mark_blocks(axes, run):
-    """Shades the stretches of the ground's blocks and writes their names at the lower edge."""
+    """Shades the blocks of the ground and writes their names at the lower edge."""
     for number, (name, (low, high)) in enumerate(measures.blocks(run).items()):
         axes.axvspan(low, high, lw=0, zorder=0, **(STRUCTURE if name == "structure" else WEDGE))
-        # Blocks may start together; names step up so that they do not cover each other.
+        # Blocks may start at the same x; their names are staggered to remain legible.
         axes.text(low, 0.02 + 0.07 * number, f" {name}", transform=axes.get_xaxis_transform(),
                   va="bottom", fontsize=8)
 
 
 def chosen_sleepers(run):
-    """Three sleepers to show: first, next to the structure's edge (else the middle one), last."""
+    """Three sleepers to show: first, nearest to the structure's edge (or the middle one), last."""
     edge = measures.edge_of_structure(run)
     x = run.sleepers_x
     middle = len(x) // 2 if edge is None else int(np.argmin(np.abs(x - edge)))
@@ -103,7 +103,8 @@ def envelope(runs):
         text.append(f"{run.name}: {-np.min(ground):.3f} mm")
     for panel, what in ((upper, "sleepers"), (lower, "ground surface")):
         mark_blocks(panel, runs[0])
-        panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, from the passage's begin)")
+        panel.set_ylabel(f"lowest displacement of {what}\n(mm, up, "
+                         "relative to the begin of the passage)")
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
@@ -178,7 +179,7 @@ def spectra(runs):
 
 
 def draw_chains(panel, chains, stones, largest):
-    """Disks in grey, on them a red line per contact, as thick as its force."""
+    """Disks in grey, with a red line per contact whose thickness is proportional to the force."""
     if stones is not None and len(stones.radius):
         size = 2 * stones.radius
         panel.add_collection(matplotlib.collections.EllipseCollection(
@@ -192,7 +193,7 @@ def draw_chains(panel, chains, stones, largest):
 
 
 def seat_load(run, stage):
-    """N downwards, largest of all sleepers at the last row of a stage; 0 before there are any."""
+    """Largest downward seat load at the last row of a stage, N; 0 before sleepers are placed."""
     names = [each.get("name") for each in run.deck.get("stage", [])]
     rows = np.flatnonzero(run.stage == names.index(stage)) if stage in names else []
     if not len(rows) or "seat_force" not in run.sleeper:
@@ -202,7 +203,7 @@ def seat_load(run, stage):
 
 def under_load(run):
     """Stage whose end the overview shows. At the end of the passage the train has left, so it is
-    the load stage right before if that ends under more load; else the last one."""
+    the preceding load stage if that ends under a larger load, otherwise the last stage."""
     stages = [name for name, chains in run.chains.items() if len(chains.force)]
     needs(stages, "no force chains")
     deck = run.deck.get("stage", [])
@@ -218,8 +219,8 @@ def load_text(run, stage):
 
 
 def force_chains(runs):
-    """Force chains at the end of the last stages, as Fig. 2 of the transition zone study: the whole
-    bed in the first panel, a stretch of it in the following ones. First run only."""
+    """Force chains at the end of the last stages, as in Fig. 2 of the transition zone study: the
+    whole bed in the first panel, a section of it in the following ones. First run only."""
     run = runs[0]
     stages = [name for name, chains in run.chains.items() if len(chains.force)][-CHAIN_STAGES:]
     needs(stages, "no force chains")
@@ -245,8 +246,8 @@ def force_chains(runs):
 
 
 def energy(runs):
-    """Energies of the stones over the whole run. The potential one is a change from one number for
-    all runs, so that a variant that began at a later stage stays comparable."""
+    """Energies of the stones over the whole run. The potential energy is relative to the same value
+    for all runs, so that a variant that started at a later stage is comparable."""
     needs(all(run.energy for run in runs), "no energies")
     earliest = min(runs, key=lambda run: run.time[0])
     zero = earliest.energy["potential"].values[0]
@@ -260,7 +261,7 @@ def energy(runs):
                        label=run.name)
             panel.set_ylabel(label)
         text.append(f"{run.name}: last kinetic {run.energy['kinetic'].values[-1]:.3g} J")
-    panels[0].set_yscale("log")  # stones fall with kJ and come to rest below mJ
+    panels[0].set_yscale("log")  # from kJ of falling stones to below mJ at rest
     begins = {begin for run in runs for begin in run.time[1:][np.diff(run.stage) != 0]}
     for panel in panels:
         panel.grid(alpha=0.3)
@@ -274,7 +275,7 @@ def energy(runs):
 
 
 def draw_bed(panel, run):
-    """Force chains of the whole bed, z stretched: equal scales would leave a thin strip."""
+    """Force chains of the whole bed, with z stretched, as it is long and thin."""
     stage = under_load(run)
     chains = run.chains[stage]
     draw_chains(panel, chains, run.stones.get(stage), float(np.max(chains.force)))
@@ -285,7 +286,7 @@ def draw_bed(panel, run):
 
 
 def overview(runs):
-    """For the first page: forces in the bed, and what the ground's surface does below it."""
+    """Overview: forces in the bed, displacement and stress of the ground's surface below it."""
     needs_ground(runs)
     figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 7.5),
                                   gridspec_kw={"height_ratios": (1, 1.4, 1.4)})
@@ -300,7 +301,7 @@ def overview(runs):
                        label=run.name)
     panels[1].set_ylabel("lowest displacement of\nthe ground surface (mm)")
     panels[2].set_ylabel("largest compression (kPa),\nmean over a sleeper spacing")
-    panels[1].set_title("In the passage, displacement from its begin", fontsize=10)
+    panels[1].set_title("In the passage, displacement relative to its begin", fontsize=10)
     panels[2].set_title(f"Compression {STRESS_COUNTS}", fontsize=10)
     for panel in panels[1:]:
         mark_blocks(panel, runs[0])
@@ -316,14 +317,14 @@ FIGURES = {"overview": overview, "sleepers": sleepers, "envelope": envelope, "st
 
 
 def draw_all(runs, folder):
-    """Draws every figure into `folder`, writes table.txt; returns the paths of the pictures."""
+    """Draws every figure into `folder`, writes table.txt; returns the paths of the figures."""
     write.folder(folder)
     paths = []
     for name, draw in FIGURES.items():
         try:
             figure = draw(runs)
         except Missing as missing:
-            print(f"{name}.png is left out: {missing}")
+            print(f"{name}.png is skipped: {missing}")
             continue
         figure.tight_layout()
         paths.append(folder / f"{name}.png")
@@ -346,11 +347,12 @@ def main():
     runs = [read.results(path) for path in (arguments.result, arguments.other) if path]
     for run in runs:
         if run.deck.get("model") == "stones":
-            raise read.Unreadable(f"{run.name}: holds single stones; read.py has their histories")
+            raise read.Unreadable(f"{run.name}: contains single stones only; read.py lists "
+                                  "their histories")
         if run.deck.get("model", "bed") != "bed":
-            raise read.Unreadable(f"{run.name}: holds a track alone; draw it with track_figures.py")
+            raise read.Unreadable(f"{run.name}: contains a track alone; use track_figures.py")
         if not len(run.time):
-            raise read.Unreadable(f"{run.name}: its results.h5 holds no row of the histories yet")
+            raise read.Unreadable(f"{run.name}: results.h5 contains no row of the histories yet")
     for path in draw_all(runs, arguments.output):
         print(path)
     print((arguments.output / "table.txt").read_text(encoding="utf-8"), end="")

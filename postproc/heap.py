@@ -1,23 +1,23 @@
 """Angle of repose of a heap of stones from a checkpoint.
 
-The surface is that of the stones' own shapes seen from above, in cells of a fraction of a stone.
-For each height z between LEVELS of the heap's, A is the area of the surface above it; a straight
-line through z against the radius sqrt(A/pi) is the flank, its slope the tangent of the angle. Areas
-need no choice of surface stones and no exact axis; stones that stand out of a flank or lie loose
-before its foot do not turn the line. Other measures on heaps whose angle is known:
-docs/decisions/heap_and_strength.md.
+The surface is the top of the stones' shapes seen from above, in cells of a fraction of a stone. For
+each height z between LEVELS of the heap's height, A is the area where the surface is higher; a
+straight line through z against the radius sqrt(A/pi) is the flank, and its slope the tangent of the
+angle. Areas require neither a choice of surface stones nor an exact axis; stones that protrude from
+a flank or lie loose before its foot do not affect the slope. Comparison with other measures on
+heaps of known angle: docs/decisions/heap_and_strength.md.
 """
 import numpy as np
 
-SECTORS = 8           # for the scatter
+SECTORS = 8           # for the scatter of the angle
 LEVELS = (0.2, 0.8)   # of the heap's height, between which the flank is fitted
-LAYER = 1.0           # median stones: below, single stones before the foot count as heap
+LAYER = 1.0           # median stones: lower, single stones before the foot would count as heap
 CELLS = 6             # per median stone, of the map of heights
 STEPS = 25            # heights at which areas are taken
 
 
 def rotation(attitude):
-    """Matrix of the quaternion x, y, z, w."""
+    """Rotation matrix of the quaternion x, y, z, w."""
     x, y, z, w = attitude
     return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -25,8 +25,8 @@ def rotation(attitude):
 
 
 def templates(saved):
-    """Of each template its pieces: corners of the core, planes of its faces (normal, distance) and
-    rounding. `saved`: read.checkpoint."""
+    """Pieces of each template: corners of the core, planes of its faces (normal, distance) and
+    rounding radius. `saved`: read.checkpoint."""
     def numbers(name):
         return saved[f"particles/template/{name}"].values
 
@@ -52,8 +52,8 @@ def templates(saved):
 
 
 def placed(saved):
-    """Each piece of each stone as it lies: centre of the stone, corners and planes about it,
-    rounding; m."""
+    """Each piece of each stone in its pose: centre of the stone, corners and planes relative to it,
+    rounding radius; m."""
     shapes = templates(saved)
     fields = (saved[f"particles/{name}"].values for name in
               ("position", "attitude", "scale", "shape"))
@@ -65,9 +65,9 @@ def placed(saved):
 
 
 def tops(corners, planes, radius, x, y):
-    """Height of a piece above its stone's centre at x, y (m, from there), minus infinity beside it.
-    Round edges are taken for sharp ones on the faces moved out by the radius, but reach no higher
-    than the piece does. A piece without faces is a ball."""
+    """Height of a piece above its stone's centre at x, y (m, from the centre), minus infinity
+    beside it. Rounded edges are approximated by sharp edges of the faces moved out by the radius,
+    but not higher than the highest point of the piece. A piece without faces is a ball."""
     if len(planes) == 0:
         left = radius**2 - (x - corners[0, 0])**2 - (y - corners[0, 1])**2
         return np.where(left > 0, corners[0, 2] + np.sqrt(np.maximum(left, 0)), -np.inf)
@@ -87,7 +87,7 @@ def tops(corners, planes, radius, x, y):
 
 def surface(pieces, cell):
     """Map of heights above the floor (z = 0) in squares of side `cell`: x, y of their centres and
-    height, m; zero where no stone lies."""
+    height, m; zero where there is no stone."""
     pieces = list(pieces)
     bounds = [(centre[:2] + corners[:, :2].min(axis=0) - radius,
                centre[:2] + corners[:, :2].max(axis=0) + radius)
@@ -107,19 +107,19 @@ def surface(pieces, cell):
 
 
 def slope(levels, heights, cell, turn=2 * np.pi):
-    """Degrees, and the radii of the areas above the levels; `turn`: angle about the axis (rad) that
-    the heights come from."""
+    """Angle in degrees, and the radii of the areas above the levels; `turn`: angle about the axis
+    (rad) covered by the heights."""
     areas = [np.count_nonzero(heights > level) * cell**2 for level in levels]
     radii = np.sqrt(2 * np.array(areas) / turn)
-    if np.ptp(radii) < cell:  # upright, or nothing there
+    if np.ptp(radii) < cell:  # vertical, or no stones there
         return np.nan, radii
     return np.degrees(np.arctan(-np.polyfit(radii, levels, 1)[0])), radii
 
 
 def flank(pieces, size):
     """Angle of a heap's flank, degrees, its scatter between SECTORS, and the flank: radii and
-    heights, m. `size`: of the median stone, m. The heap's height is where a square of one stone's
-    side is left."""
+    heights, m. `size`: of the median stone, m. The height of the heap is the level above which an
+    area of one stone squared remains."""
     cell = size / CELLS
     x, y, height = surface(pieces, cell)
     top = np.sort(height, axis=None)[-CELLS**2]
@@ -127,7 +127,7 @@ def flank(pieces, size):
     if levels[-1] < levels[0] + size:
         return np.nan, np.nan, np.zeros((0, 2))
     angle, radii = slope(levels, height, cell)
-    heap = np.where(height > levels[0], height, 0)  # not the loose stones before it
+    heap = np.where(height > levels[0], height, 0)  # without the loose stones before the heap
     axis = [np.average(at, weights=heap) for at in (x, y)]
     sector = (np.arctan2(y - axis[1], x - axis[0]) + np.pi) // (2 * np.pi / SECTORS) % SECTORS
     parts = [slope(levels, height[sector == k], cell, 2 * np.pi / SECTORS)[0]

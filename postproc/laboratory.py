@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Laboratory tests of ballast beside published figures: shear, triaxial, compression, heaps.
+"""Laboratory tests of ballast compared with published values: shear, triaxial, compression, heaps.
 
     laboratory.py RESULTS... -o DIR
 
 Each RESULTS is the folder of a run with a stage of kind `shear`, `triaxial`, `lift_walls`, or
 several of kind `compact`; runs of one kind share a figure. Writes shear.png, triaxial.png,
-compression.png, heap.png (those there are runs for) and laboratory.txt, the table that is printed.
-How numbers are made, where the published ones come from, and why they differ: docs/laboratory.md.
+compression.png, heap.png (those for which there are runs) and laboratory.txt, the printed table.
+Definition of the numbers, sources of the published values, and reasons for differences:
+docs/laboratory.md.
 """
 import argparse
 import pathlib
@@ -20,7 +21,7 @@ import heap  # noqa: E402
 import read  # noqa: E402
 
 GRAVITY = 9.81   # m/s^2
-SMOOTH = 1e-3    # m of displacement over which stresses are averaged: a row is one window's mean
+SMOOTH = 1e-3    # m of displacement over which stresses are averaged; a row is a mean over a window
 
 # Values in degrees and MPa; [M]: from memory, not read in the source (docs/laboratory.md).
 PUBLISHED_FRICTION = {"clean ballast, 15-75 kPa, range [M]": (45, 65),
@@ -35,7 +36,7 @@ def kinds(run):
 
 
 def area(run):
-    """m^2 of the floor between the walls, as the platen counts it."""
+    """Area of the floor between the walls, m^2, as used for the pressure of the platen."""
     bed = run.deck["bed"]
     length, width = np.diff(bed["x"])[0], np.diff(bed["y"])[0]
     if run.deck["dimension"] == "plane":
@@ -46,34 +47,35 @@ def area(run):
     return corners / 2 * (length / 2)**2 * np.sin(2 * np.pi / corners)
 
 
-def smoothed(way, values):
-    """Mean over SMOOTH of the way about each row."""
-    return np.array([values[np.abs(way - at) <= SMOOTH / 2].mean() for at in way])
+def smoothed(displacement, values):
+    """Mean of `values` over SMOOTH of the displacement about each row."""
+    return np.array([values[np.abs(displacement - at) <= SMOOTH / 2].mean() for at in displacement])
 
 
 def shear(run):
-    """Histories of a shear stage: way and rise of the platen, m, stresses, Pa."""
+    """Histories of a shear stage: shear displacement and rise of the platen, m, stresses, Pa."""
     rows = run.stage == kinds(run).index("shear")
     force = {name: wall["force"].values[rows] for name, wall in run.walls.items()}
-    way = np.abs(run.walls["floor"]["displacement"].values[rows, 0])
+    displacement = np.abs(run.walls["floor"]["displacement"].values[rows, 0])
     upper = sum(f for name, f in force.items() if name.endswith(".upper"))
     lower = sum(f for name, f in force.items() if name.endswith(".lower")) + force["floor"]
     plate = run.platen["force"].values[rows]
-    # The weight of the stones below the plane is no load on it.
+    # The weight of the stones below the shear plane does not load it.
     stones = next(reversed(run.stones.values())).sieved[:, 1].sum() * GRAVITY
     height = run.platen["z"].values[rows]
     below = stones * run.deck["bed"]["split"] / height
     sign = np.sign(np.sum(upper[:, 0]))
-    return {"way": way, "rise": height - height[0],
-            "tau": smoothed(way, sign * (upper + plate)[:, 0]) / area(run),
-            "sigma": smoothed(way, plate[:, 2]) / area(run),
-            "plane": smoothed(way, -lower[:, 2] - below) / area(run)}
+    return {"displacement": displacement, "rise": height - height[0],
+            "tau": smoothed(displacement, sign * (upper + plate)[:, 0]) / area(run),
+            "sigma": smoothed(displacement, plate[:, 2]) / area(run),
+            "plane": smoothed(displacement, -lower[:, 2] - below) / area(run)}
 
 
 def triaxial(run):
     """Histories of a triaxial stage: axial strain, volumetric strain (compression positive) and
-    stresses, Pa: the mean of platen and floor, which is that at half the height with the stones'
-    weight and the friction of the walls, and the mean of the walls, over the sides as they are."""
+    stresses, Pa. sigma_1 is the mean of platen and floor, which holds at half the height with the
+    stones' weight and the friction of the walls; sigma_3 the mean of the walls over their current
+    sides."""
     rows = run.stage == kinds(run).index("triaxial")
     bed, height = run.deck["bed"], run.platen["z"].values[rows]
     force = (run.platen["force"].values[rows, 2] - run.walls["floor"]["force"].values[rows, 2]) / 2
@@ -97,7 +99,7 @@ def triaxial(run):
 
 
 def compression(run):
-    """At the end of each stage that presses: its name, strain from the first, pressure, Pa."""
+    """At the end of each compacting stage: its name, strain since the first, pressure, Pa."""
     ends = []
     for number, stage in enumerate(run.deck["stage"]):
         rows = np.flatnonzero(run.stage == number)
@@ -109,14 +111,14 @@ def compression(run):
 
 
 def moduli(steps):
-    """Constrained modulus between the ends of neighbouring stages, Pa."""
+    """Constrained modulus between the ends of consecutive stages, Pa."""
     return [(name, (pressure - steps[k][2]) / (strain - steps[k][1]))
             for k, (name, strain, pressure) in enumerate(steps[1:]) if strain != steps[k][1]]
 
 
 def dilation_angle(axial, volumetric):
-    """Degrees, of a triaxial test: sin psi = -de_v/(2 de_1 - de_v), compression positive (e.g.
-    Bolton 1986, doi:10.1680/geot.1986.36.1.65)."""
+    """Dilation angle of a triaxial test, degrees: sin psi = -de_v/(2 de_1 - de_v), compression
+    positive (e.g. Bolton 1986, doi:10.1680/geot.1986.36.1.65)."""
     slope = np.polyfit(axial, volumetric, 1)[0]
     return np.degrees(np.arcsin(-slope / (2 - slope)))
 
@@ -131,17 +133,17 @@ def draw_shear(runs, folder):
         got = shear(run)
         peak = int(np.argmax(got["tau"] / got["plane"]))
         name = f"{got['sigma'].mean() / 1e3:.0f} kPa"
-        top.plot(1e3 * got["way"], got["tau"] / got["plane"], label=name)
-        bottom.plot(1e3 * got["way"], 1e3 * got["rise"], label=name)
+        top.plot(1e3 * got["displacement"], got["tau"] / got["plane"], label=name)
+        bottom.plot(1e3 * got["displacement"], 1e3 * got["rise"], label=name)
         angles = [np.degrees(np.arctan(got["tau"][peak] / got[by][peak]))
                   for by in ("sigma", "plane")]
-        # From a third of the way on: the rise of single stones averages out.
-        later = got["way"] > got["way"][-1] / 3
-        slope = np.polyfit(got["way"][later], got["rise"][later], 1)[0]
+        # From a third of the displacement on, where the rise of single stones averages out.
+        later = got["displacement"] > got["displacement"][-1] / 3
+        slope = np.polyfit(got["displacement"][later], got["rise"][later], 1)[0]
         lines.append(f"{run.name:18} {got['sigma'][peak] / 1e3:6.1f} "
                      f"{got['tau'][peak] / 1e3:9.1f} {got['plane'][peak] / 1e3:12.1f} "
                      f"{angles[0]:8.1f} {angles[1]:8.1f} "
-                     f"{np.degrees(np.arctan(slope)):15.1f} {1e3 * got['way'][peak]:4.0f}")
+                     f"{np.degrees(np.arctan(slope)):15.1f} {1e3 * got['displacement'][peak]:4.0f}")
     for k, (name, (low, high)) in enumerate(PUBLISHED_FRICTION.items()):
         low, high = np.tan(np.radians([low, high]))
         top.axhspan(low, high, color=f"C{7 + k}", alpha=0.3, lw=1, label=name)
@@ -156,12 +158,12 @@ def draw_shear(runs, folder):
 
 
 def strength(got):
-    """Of the histories that `triaxial` gives: friction angle at its peak and mean of the last
-    tenth, degrees, and the number of the peak's row."""
+    """From the histories of `triaxial`: friction angle at its peak and mean of the last tenth,
+    degrees, and the number of the peak's row."""
     axial = got["axial"]
     angle = np.degrees(np.arcsin((got["sigma_1"] - got["sigma_3"])
                                  / (got["sigma_1"] + got["sigma_3"])))
-    later = axial > axial[-1] / 10   # walls and platen have found their pressures
+    later = axial > axial[-1] / 10   # walls and platen have reached their pressures
     peak = int(np.argmax(np.where(later, angle, -90)))
     return angle[peak], angle[axial > 0.9 * axial[-1]].mean(), peak
 
@@ -249,7 +251,7 @@ def draw_heaps(runs, folder):
                       * reach, "--", color="0.5", lw=1)
         axes.plot([], [], "--", color="0.5", label=f"{low:g} and {high:g} deg: {name}")
     axes.set_aspect("equal")
-    axes.set_xlabel("radius of the circle as large as the area of the heap above a height, m")
+    axes.set_xlabel("radius of the circle with the area of the heap above a height, m")
     axes.set_ylabel("height, m")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
@@ -271,8 +273,8 @@ def main():
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
                and not {"shear", "triaxial"} & set(kinds(run))]
     if len(sheared) + len(heaps) + len(squeezed) + len(pressed) < len(runs):
-        raise read.Unreadable("a run is no laboratory test: it has no stage of kind shear, "
-                              "triaxial or lift_walls and not two of kind compact")
+        raise read.Unreadable("a run is not a laboratory test: it needs a stage of kind shear, "
+                              "triaxial or lift_walls, or two of kind compact")
     given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),

@@ -1,16 +1,16 @@
-"""Numbers of a transition zone: what lies on the structure, beyond it, and what changes between.
+"""Measures of a transition zone: response on the structure, beyond it, and the change between.
 
 Everything is computed from the envelopes of the passage (relative to its begin) and from the deck
-stored in the result file; nothing is typed in.
+stored in the result file.
 """
 import dataclasses
 
 import numpy as np
 
-REACHED = 0.9    # the transition ends where this part of the way to the plain track is behind
-CLEAR = 0.10     # two runs differ by less: no clear effect
-LASTING = 1e-3   # m, a sleeper that keeps more stands on stones that gave way
-TINY = 1e-9      # m, rounding of places
+REACHED = 0.9    # the transition ends where this fraction of the change is reached
+CLEAR = 0.10     # a smaller relative difference of two runs is no clear effect
+LASTING = 1e-3   # m, a larger residual displacement of a sleeper means that stones have moved
+TINY = 1e-9      # m, tolerance of coordinates
 NOWHERE = float("nan")
 
 
@@ -20,28 +20,28 @@ class Transition:
     edge: float                     # m, end of the structure
     structure_displacement: float   # m, largest on the structure
     far_displacement: float         # m, median over the plain track beyond the wedge
-    width: float                    # m, from the edge to REACHED of the way
+    width: float                    # m, from the edge to REACHED of the change
     steepest: float                 # m/m, ground displacement smoothed over one spacing, whole line
-    steepest_x: float               # m, where that is, along the track
-    edge_slope: float               # m/m, of the same within one spacing of the edge
+    steepest_x: float               # m, its x
+    edge_slope: float               # m/m, the same within one spacing of the edge
     stress_structure: float         # Pa, mean over one sleeper spacing before the edge
-    stress_beyond: float            # Pa, and the same behind it
+    stress_beyond: float            # Pa, the same behind the edge
     sleeper_displacement: float     # m, largest of all sleepers
-    sleeper_lasting: float          # m, what is left of it after the passage, largest size
+    sleeper_residual: float         # m, largest magnitude after the passage
 
     @property
     def stress_jump(self):
-        """Pa, from before to behind the edge, without sign."""
+        """Magnitude of the change of stress from before to behind the edge, Pa."""
         return abs(self.stress_structure - self.stress_beyond)
 
     @property
     def stress_level(self):
-        """Pa, around the edge: what a jump is measured by."""
+        """Mean stress around the edge, Pa: the reference of a jump."""
         return (self.stress_structure + self.stress_beyond) / 2
 
 
 def spacing(results):
-    """m between sleepers."""
+    """Spacing of the sleepers, m."""
     return float(np.median(np.diff(results.sleepers_x))) if len(results.sleepers_x) > 1 else 0.6
 
 
@@ -57,7 +57,7 @@ def blocks(results):
 
 
 def edge_of_structure(results):
-    """x of the end of the block named structure that lies inside the ground; None without one."""
+    """x of the end of block `structure` that is inside the ground, m; None without one."""
     ends = blocks(results).get("structure")
     if ends is None or not len(results.ground_x):
         return None
@@ -67,20 +67,21 @@ def edge_of_structure(results):
 
 
 def smoothed(x, values, width):
-    """Mean of the values within +-width/2 of each x: stones press on single nodes."""
+    """Mean of the values within +-width/2 of each x, as stones load single nodes."""
     return np.array([np.mean(values[np.abs(x - place) <= width / 2 + TINY]) for place in x])
 
 
 def _turn(results, edge):
-    """+1 or -1: the way from the structure. The soft side is the longer one, so that a structure
-    may stand at either end."""
-    way = results.ground_x - edge
-    return -1 if -np.min(way) > np.max(way) else 1
+    """+1 or -1: the direction away from the structure. The soft side is the longer one, so that the
+    structure may be at either end."""
+    distance = results.ground_x - edge
+    return -1 if -np.min(distance) > np.max(distance) else 1
 
 
 def wedge_length(results):
-    """m from the edge to the farthest point of any block but the structure; also of blocks that are
-    switched off, so that a run with and one without wedge are measured at the same place."""
+    """Distance from the edge to the farthest point of any block but the structure, m; includes
+    blocks that are not present, so that runs with and without wedge are measured at the same
+    place."""
     edge = edge_of_structure(results)
     if edge is None:
         return 0.0
@@ -92,39 +93,41 @@ def wedge_length(results):
 
 
 def _orderly(results, edge):
-    """m from the edge on into the soft ground, and displacement and compression there."""
-    way = _turn(results, edge) * (results.ground_x - edge)
-    order = np.argsort(way)
+    """Distance from the edge into the soft ground, m, with displacement and compression."""
+    distance = _turn(results, edge) * (results.ground_x - edge)
+    order = np.argsort(distance)
     down = -results.ground_envelope["displacement_min"].values
     compression = -results.ground_envelope["sigma_z_min"].values
-    return way[order], down[order], compression[order]
+    return distance[order], down[order], compression[order]
 
 
-def _width(way, down, start, end):
-    """Where `down` first has come REACHED of the way from start to end; nan if never."""
-    reached = np.flatnonzero((way > TINY) & ((down - start) * np.sign(end - start)
+def _width(distance, down, start, end):
+    """Where `down` first reaches REACHED of the change from start to end; nan if never."""
+    reached = np.flatnonzero((distance > TINY) & ((down - start) * np.sign(end - start)
                                           >= REACHED * abs(end - start)))
-    return float(way[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
+    return float(distance[reached[0]]) if len(reached) and np.isfinite(end) else NOWHERE
 
 
-def _plain(way, down, begin, reach):
+def _plain(distance, down, begin, reach):
     """Median of `down` from `begin` on, if that is at least one sleeper spacing long; else nan."""
-    if way[-1] - begin < reach - TINY:
+    if distance[-1] - begin < reach - TINY:
         return NOWHERE
-    return float(np.median(down[way >= begin - TINY]))
+    return float(np.median(down[distance >= begin - TINY]))
 
 
-def _slopes(way, smooth, reach):
-    """Steepest slope and where, then the steepest within one spacing of the edge. The ends, where
-    the mean over a spacing is cut off, do not count."""
-    slope = np.abs(np.gradient(smooth, way))
-    whole = (way >= way[0] + reach / 2 - TINY) & (way <= way[-1] - reach / 2 + TINY)
+def _slopes(distance, smooth, reach):
+    """Steepest slope and its position, then the steepest within one spacing of the edge. The ends,
+    where the mean over a spacing is truncated, are omitted."""
+    slope = np.abs(np.gradient(smooth, distance))
+    whole = ((distance >= distance[0] + reach / 2 - TINY)
+             & (distance <= distance[-1] - reach / 2 + TINY))
     where = np.flatnonzero(whole)[np.argmax(slope[whole])]
-    return float(slope[where]), float(way[where]), float(np.max(slope[np.abs(way) <= reach + TINY]))
+    at_edge = np.max(slope[np.abs(distance) <= reach + TINY])
+    return float(slope[where]), float(distance[where]), float(at_edge)
 
 
-def lasting_displacement(results):
-    """m downwards per sleeper: what the passage leaves, from its first to its last row."""
+def residual_displacement(results):
+    """Residual downward displacement of each sleeper, m: from first to last row of the passage."""
     if "displacement" not in results.sleeper:
         return np.empty(0)
     height = results.sleeper["displacement"].values[results.passage()]
@@ -132,50 +135,50 @@ def lasting_displacement(results):
 
 
 def why_no_envelope(results):
-    """What a run has not that its passage would have left in the ground; empty: it has it."""
+    """Why a run has no envelope of the ground in its passage; empty if it has one."""
     if not results.has_passage():
-        return f"{results.name} holds no passage" + (
-            ": it was stopped before" if results.asks_for_passage() else ", its deck asks for none")
+        return f"{results.name} contains no passage" + (
+            ": it was stopped before" if results.asks_for_passage() else ", its deck has none")
     return "" if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys() \
         else f"{results.name} has no ground"
 
 
 def why_no_transition(results):
-    """The same of a transition."""
+    """Why a run has no transition; empty if it has one."""
     return why_no_envelope(results) or (
         "" if edge_of_structure(results) is not None else
         f"{results.name} has no structure that ends within the ground")
 
 
 def transition(results, wedge=0.0):
-    """The Transition of a run, or None if there is none (`why_no_transition`). `wedge`: m from the
-    edge, the least distance at which plain track begins (that of another run's wedge)."""
+    """The Transition of a run, or None if there is none (`why_no_transition`). `wedge`: least
+    distance from the edge at which plain track begins, m (that of another run's wedge)."""
     edge = edge_of_structure(results)
     if why_no_transition(results):
         return None
-    way, down, compression = _orderly(results, edge)
+    distance, down, compression = _orderly(results, edge)
     reach = spacing(results)
-    smooth = smoothed(way, down, reach)
-    start = float(np.max(down[way <= TINY]))
-    end = _plain(way, down, max(wedge, wedge_length(results)) + reach, reach)
-    steepest, where, at_edge = _slopes(way, smooth, reach)
-    # As many nodes on both sides: that of the edge belongs to neither.
-    before = (way < -TINY) & (way >= -reach - TINY)
-    behind = (way > TINY) & (way <= reach + TINY)
-    sleeper, lasting = results.sleeper_envelope.get("displacement_min"), \
-        lasting_displacement(results)
+    smooth = smoothed(distance, down, reach)
+    start = float(np.max(down[distance <= TINY]))
+    end = _plain(distance, down, max(wedge, wedge_length(results)) + reach, reach)
+    steepest, where, at_edge = _slopes(distance, smooth, reach)
+    # The same number of nodes on both sides; the node at the edge belongs to neither.
+    before = (distance < -TINY) & (distance >= -reach - TINY)
+    behind = (distance > TINY) & (distance <= reach + TINY)
+    sleeper, residual = results.sleeper_envelope.get("displacement_min"), \
+        residual_displacement(results)
     return Transition(
         edge=edge, structure_displacement=start, far_displacement=end,
-        width=_width(way, smooth, start, end),
+        width=_width(distance, smooth, start, end),
         steepest=steepest, steepest_x=edge + _turn(results, edge) * where, edge_slope=at_edge,
         stress_structure=float(np.mean(compression[before])),
         stress_beyond=float(np.mean(compression[behind])),
         sleeper_displacement=float(np.max(-sleeper.values)) if sleeper else NOWHERE,
-        sleeper_lasting=float(np.max(np.abs(lasting))) if len(lasting) else NOWHERE)
+        sleeper_residual=float(np.max(np.abs(residual))) if len(residual) else NOWHERE)
 
 
 def loading_frequencies(results):
-    """{name: Hz}: v over bogie centres and v over wheelbase, from the deck's [load]."""
+    """{name: Hz}: speed over distance of bogie centres and over wheelbase, from [load]."""
     load = results.deck.get("load", {})
     axles, speed = np.asarray(load.get("axles", [])), load.get("speed", 0.0)
     found = {}
@@ -189,7 +192,7 @@ def loading_frequencies(results):
 ROWS = (  # label, unit, field, factor
     ("ground displacement on the structure", "mm", "structure_displacement", 1e3),
     ("ground displacement, plain track beyond", "mm", "far_displacement", 1e3),
-    (f"width of the transition ({REACHED:.0%} of the way)", "m", "width", 1),
+    (f"width of the transition ({REACHED:.0%} of the change)", "m", "width", 1),
     ("steepest slope of the ground, whole line", "mm/m", "steepest", 1e3),
     ("  which is at x =", "m", "steepest_x", 1),
     ("steepest slope within a spacing of the edge", "mm/m", "edge_slope", 1e3),
@@ -197,14 +200,14 @@ ROWS = (  # label, unit, field, factor
     ("stress behind the edge, mean of one spacing", "kPa", "stress_beyond", 1e-3),
     ("stress jump at the edge, of these means", "kPa", "stress_jump", 1e-3),
     ("largest sleeper displacement in the passage", "mm", "sleeper_displacement", 1e3),
-    ("largest lasting sleeper displacement after it", "mm", "sleeper_lasting", 1e3),
+    ("largest residual sleeper displacement after it", "mm", "sleeper_residual", 1e3),
 )
-PLACES = ("steepest_x",)  # rows whose relative change says nothing
+PLACES = ("steepest_x",)  # rows without a meaningful relative change
 
 
 def table(runs):
-    """Text of the numbers of one or two runs; with two also the change from the second to the
-    first, which is the wedge's effect if the first has one and the second has none."""
+    """Text of the results of one or two runs; with two also the change from the second to the
+    first, which is the effect of the wedge if only the first has one."""
     wedge = max(wedge_length(run) for run in runs)
     found = [transition(run, wedge) for run in runs]
     if any(numbers is None for numbers in found):
@@ -221,24 +224,24 @@ def table(runs):
         if len(values) == 2 and values[1] and np.all(np.isfinite(values)) and field not in PLACES:
             line += f"{values[0] / values[1] - 1:+10.1%}"
         lines.append(line)
-    lines += ["", "stresses: what the passage adds; weight of the bed and static preload are not "
-              "in them"]
+    lines += ["", "stresses: added by the passage; without weight of the bed and static "
+              "preload"]
     if not np.isfinite(found[0].far_displacement):
         lines.append("no plain track beyond the wedge in this model: no width of the transition")
-    given_way = [line for run in runs for line in warnings(run)]
-    lines += given_way
+    moved_stones = [line for run in runs for line in warnings(run)]
+    lines += moved_stones
     if len(found) == 2:
         if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
-            lines.append("warning: the stages of the two decks differ: not only the wedge does")
-        if given_way:
-            lines.append("warning: what follows compares runs in which stones gave way, so it may "
-                         "not be the wedge's doing")
+            lines.append("warning: the stages of the two decks differ, not only the wedge")
+        if moved_stones:
+            lines.append("warning: the comparison below includes runs in which stones moved, so it "
+                         "may not show an effect of the wedge")
         lines += effect(*found)
     return "\n".join(lines) + "\n"
 
 
-def lasting_ground(results):
-    """m downwards below each sleeper: what the passage leaves in the ground's top."""
+def residual_ground(results):
+    """Residual downward displacement of the ground's top below each sleeper, m."""
     if "displacement" not in results.ground or not len(results.ground_x):
         return np.zeros(len(results.sleepers_x))
     height = results.ground["displacement"].values[results.passage()]
@@ -246,57 +249,58 @@ def lasting_ground(results):
 
 
 def warnings(results):
-    """A sentence on ground that the passage has moved for good, and one per sleeper that it has
-    moved against the ground."""
-    kept = lasting_displacement(results)
+    """A message on residual displacement of the ground after the passage, and one per sleeper with
+    residual displacement relative to the ground."""
+    kept = residual_displacement(results)
     if not len(kept):
         return []
-    sunk = lasting_ground(results)
+    sunk = residual_ground(results)
     lines = []
     most = sunk[np.argmax(np.abs(sunk))]
     if abs(most) > LASTING:
         lines.append(
-            f"warning: {results.name}: the ground itself keeps up to {1e3 * abs(most):.2f} mm "
-            f"{'downwards' if most > 0 else 'upwards'}: it had not come to rest at the end, or its "
-            "base carries no load that stays")
+            f"warning: {results.name}: the ground has a residual displacement of "
+            f"{1e3 * abs(most):.2f} mm "
+            f"{'downwards' if most > 0 else 'upwards'}: it was not at rest at the end, or its base "
+            "does not carry a permanent load")
     return lines + [
-        f"warning: {results.name}: the sleeper at x = {x:.2f} m keeps {1e3 * left:.2f} mm of its "
-        f"displacement against the ground (more than {1e3 * LASTING:.0f} mm): single stones gave "
-        "way" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
+        f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
+        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): single stones "
+        "moved" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
 def _verdict(change, wanted):
     """`change`: relative; `wanted`: its sign under a wedge."""
     if abs(change) <= CLEAR:
         return f"no clear effect (within {CLEAR:.0%})"
-    return f"{'as' if change * wanted > 0 else 'NOT as'} a wedge should"
+    return f"{'as' if change * wanted > 0 else 'NOT as'} expected of a wedge"
 
 
 def _change(a, b):
-    """Relative to the second; nan where either is missing or there is nothing to compare with."""
+    """Change relative to the second value; nan if either is missing or the second is zero."""
     return a / b - 1 if b and np.isfinite(a) and np.isfinite(b) else NOWHERE
 
 
 def effect(first, second):
-    """Sentences on what distinguishes the first run, with wedge, from the second, without."""
+    """Messages on the differences between the first run, with wedge, and the second, without."""
     lines = []
     far = _change(first.far_displacement, second.far_displacement)
     differs = np.isfinite(far) and abs(far) > CLEAR
     if np.isfinite(far):
         lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
-            "the same, so the runs compare" if abs(far) <= CLEAR else
-            "NOT the same, though no wedge is there"))
+            "the same, so the runs are comparable" if abs(far) <= CLEAR else
+            "NOT the same, although there is no wedge"))
     for what, field, wanted in (("width of the transition", "width", 1),
                                 ("steepest slope, whole line", "steepest", -1),
                                 ("slope at the edge", "edge_slope", -1)):
         change = _change(getattr(first, field), getattr(second, field))
         if not np.isfinite(change):
             continue
-        # A width is measured towards the plain track: without a common one it tells nothing.
-        blind = differs and field == "width"
+        # The width refers to the plain track and is meaningless if that differs.
+        unclear = differs and field == "width"
         lines.append(f"{what}: {change:+.0%}: " + (
-            "no verdict, since the plain tracks differ" if blind else _verdict(change, wanted)))
-    # A jump may be near zero: what it changes by is measured by the stress itself.
+            "no verdict, since the plain tracks differ" if unclear else _verdict(change, wanted)))
+    # A jump may be near zero, so its change is relative to the stress itself.
     if second.stress_level:
         change = (first.stress_jump - second.stress_jump) / abs(second.stress_level)
         lines.append(f"stress jump: {change:+.0%} of the stress at the edge: "
@@ -304,14 +308,14 @@ def effect(first, second):
     return lines
 
 
-REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("partners of a stone", "-"),
+REGION_ROWS = (("void ratio", "-"), ("bulk density", "kg/m3"), ("coordination number", "-"),
                ("mean contact force", "N"), ("compression xx", "kPa"), ("compression yy", "kPa"),
                ("compression zz", "kPa"), ("fabric zz", "-"))
 
 
 def region_numbers(region, row):
-    """REGION_ROWS of one region at one row of the histories; of several cells the mean, weighted by
-    what each mean counts."""
+    """REGION_ROWS of one region at one row of the histories; mean over its cells, weighted by the
+    number of stones or contacts of each."""
     def weighted(quantity, weight):
         values, counts = region[quantity].values[row], region[weight].values[row]
         total = counts.sum()
@@ -324,7 +328,7 @@ def region_numbers(region, row):
 
 
 def region_table(run):
-    """Text: what the regions of the deck held at the end of each stage; empty without regions."""
+    """Text: quantities in the deck's regions at the end of each stage; empty without regions."""
     if not run.regions:
         return ""
     ends = np.append(np.flatnonzero(np.diff(run.stage)), len(run.stage) - 1)
@@ -340,14 +344,14 @@ def region_table(run):
 
 
 def passing(sieved, openings):
-    """Per cent of the mass of stones (rows of opening and mass) that passes each opening, m."""
+    """Percentage of the mass of stones (rows of opening and mass) passing each opening, m."""
     below = sieved[:, 0, None] <= np.asarray(openings) * (1 + TINY)
     return 100 * sieved[:, 1] @ below / sieved[:, 1].sum()
 
 
 def force_distribution(force, bins=24, largest=8):
-    """Middles of bins of force over mean force up to `largest`, and the probability density."""
-    share = force / force.mean()
-    density, edges = np.histogram(share, bins=bins, range=(0, largest))
+    """Centres of bins of force over mean force up to `largest`, and the probability density."""
+    relative = force / force.mean()
+    density, edges = np.histogram(relative, bins=bins, range=(0, largest))
     width = edges[1] - edges[0]
-    return (edges[1:] + edges[:-1]) / 2, density / (len(share) * width)
+    return (edges[1:] + edges[:-1]) / 2, density / (len(relative) * width)

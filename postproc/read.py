@@ -2,11 +2,11 @@
 
     results = read.results("results/quickstart/wedge")     # folder or results.h5
     results.sleeper["displacement"].values                 # [time, sleeper], m, up positive
-    state = read.checkpoint("results/quickstart/wedge")         # the one `latest` names
+    state = read.checkpoint("results/quickstart/wedge")         # the one named in `latest`
     state["run/clock"].unit
 
-Run as a program it lists a file: `read.py FILE`. A file that cannot be read ends any script with
-one sentence and code 2.
+As a program it lists the datasets of a file: `read.py FILE`. A file that cannot be read ends any
+script with one message and code 2.
 """
 import contextlib
 import dataclasses
@@ -21,7 +21,7 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """An array and what it is. `unit` and `meaning` are the dataset's own attributes."""
+    """An array with the attributes `unit` and `meaning` of its dataset."""
     values: np.ndarray
     unit: str
     meaning: str
@@ -29,14 +29,14 @@ class Quantity:
 
 @dataclasses.dataclass(frozen=True)
 class Chains:
-    """Contact forces at the end of a stage: for each a line (x0, z0, x1, z1) in m and its N."""
+    """Contact forces at the end of a stage: a line (x0, z0, x1, z1) in m and a force in N each."""
     segments: np.ndarray
     force: np.ndarray
 
 
 @dataclasses.dataclass(frozen=True)
 class Stones:
-    """Pieces of stones at the end of a stage: centres (x, z) and radii, m; and of each stone the
+    """Pieces of stones at the end of a stage: centres (x, z) and radii, m; for each stone the
     smallest opening it passes, m, and its mass, kg."""
     centre: np.ndarray
     radius: np.ndarray
@@ -57,22 +57,22 @@ class Results:
     sleeper: dict
     ground: dict
     energy: dict
-    grading: np.ndarray  # per sieve: opening, m; passing as asked, least and most, %
-    walls: dict  # of each wall `force`, N, and `displacement`, m: [time, x y z]
+    grading: np.ndarray  # per sieve: opening, m; passing prescribed, least and most, %
+    walls: dict  # per wall `force`, N, and `displacement`, m: [time, x y z]
     platen: dict  # `z`, m, and `pressure`, Pa: [time]; `force`, N: [time, x y z]
-    regions: dict  # of each its histories; [time, cell], tensors [time, cell, 6]
-    placed: dict  # of each stone that the deck places its histories: [time], [time, x y z]
-    surfaces: dict  # of each plate and box `force`, `impulse`, `peak_force`, `displacement`
-    total: dict  # of all stones that the deck places: momentum, angular momentum, contacts
+    regions: dict  # histories per region; [time, cell], tensors [time, cell, 6]
+    placed: dict  # histories per stone placed by the deck: [time], [time, x y z]
+    surfaces: dict  # per plate and box `force`, `impulse`, `peak_force`, `displacement`
+    total: dict  # all stones placed by the deck: momentum, angular momentum, contacts
     sleeper_envelope: dict
     ground_envelope: dict
     chains: dict
     stones: dict
-    warnings: tuple             # sentences of the run, from summary.json beside
+    warnings: tuple             # messages of the run, from summary.json
     surface: dict               # stage -> rows x, y, z of the bed's top, m; z nan without stones
 
     def _last_passage(self):
-        """Its number among the stages, or -1; earlier ones bed the sleepers in."""
+        """Number of the last passage stage, or -1; earlier passages bed the sleepers in."""
         kinds = [stage.get("kind") for stage in self.deck.get("stage", [])]
         return max((i for i, kind in enumerate(kinds) if kind == "passage"), default=-1)
 
@@ -80,7 +80,7 @@ class Results:
         return self._last_passage() >= 0
 
     def has_passage(self):
-        """Whether there are rows of it: a run may have been stopped before."""
+        """Whether the passage has rows: a run may have been stopped before."""
         return bool(np.any(self.stage == self._last_passage()))
 
     def passage(self):
@@ -92,7 +92,7 @@ class Results:
 
 
 class Unreadable(SystemExit):
-    """Ends the script with code 2, after the sentence on stderr. Python would end with 1 after a
+    """Ends the script with code 2 and the message on stderr. Python would end with 1 after a
     SystemExit that holds a text."""
 
     def __init__(self, sentence):
@@ -103,13 +103,13 @@ class Unreadable(SystemExit):
 
 @contextlib.contextmanager
 def _opened(path):
-    """The file, open. Whatever goes wrong with its contents means the same: it is another's."""
+    """The opened file. Any error in its contents means that it is not a file of trackbed."""
     try:
         with h5py.File(path, "r") as file:
             yield file
-    except (OSError, RuntimeError) as error:  # h5py's reason is in brackets behind words of its own
+    except (OSError, RuntimeError) as error:  # h5py gives the reason in brackets
         reason = str(error).partition("(")[2].removesuffix(")") or error
-        raise Unreadable(f"{path} is no HDF5 file, or a damaged one ({reason})") from None
+        raise Unreadable(f"{path} is not an HDF5 file, or is damaged ({reason})") from None
 
 
 def _text(value):
@@ -126,7 +126,7 @@ def _quantities(file, group):
 
 
 def _of_places(file, group):
-    """Histories as [time, place] also if there is one place only, which the file does not tell."""
+    """Histories as [time, place], also for a single place, which the file stores as [time]."""
     return {name: dataclasses.replace(one, values=one.values.reshape(len(one.values), -1))
             if one.values.ndim == 1 else one for name, one in _quantities(file, group).items()}
 
@@ -144,14 +144,14 @@ def _regions(file):
 
 
 def _warnings(summary):
-    """What the run warned of; nothing while it has not ended."""
+    """Warnings of the run; none before it has ended."""
     if not summary.is_file():
         return ()
     return tuple(json.loads(summary.read_text(encoding="utf-8")).get("warnings", ()))
 
 
 def _named(file, place):
-    """Histories of each of the parts that have names."""
+    """Histories of each named part."""
     return {name: _quantities(file, group.name)
             for name, group in (file[place].items() if place in file else ())}
 
@@ -163,7 +163,7 @@ def _platen(file):
 
 
 def _in_order(names, deck):
-    """Names of stages as the deck orders them; HDF5 lists them by alphabet."""
+    """Names of stages in the order of the deck; HDF5 lists them alphabetically."""
     order = [stage.get("name") for stage in deck.get("stage", [])]
     return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
@@ -176,12 +176,12 @@ def _place(path, name):
     path = pathlib.Path(path)
     found = path / name if path.is_dir() else path
     if not found.is_file():
-        raise Unreadable(f"{found} does not exist; did the run end well?")
+        raise Unreadable(f"{found} does not exist; was the run completed?")
     return found
 
 
 def results(path):
-    """Reads results.h5 (given itself or by its folder); parts a run did not have are empty."""
+    """Reads results.h5 (the file or its folder); parts that a run did not have are empty."""
     file_path = _place(path, "results.h5")
     with _opened(file_path) as file:
         try:
@@ -245,7 +245,7 @@ def datasets(path):
 
 
 def checkpoint(path):
-    """Every dataset of a checkpoint; a folder stands for the file its text file `latest` names."""
+    """Every dataset of a checkpoint; of a folder, the file named in its text file `latest`."""
     path = pathlib.Path(path)
     if path.is_dir():
         names = _place(path, "latest").read_text(encoding="utf-8").splitlines()

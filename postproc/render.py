@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A picture of one field file, drawn by VTK without a screen.
+"""Renders one field file with VTK without a screen.
 
     render.py FILE.vtkhdf -o PICTURE.png [--array NAME]
 
-Looks along y, coloured by NAME (default: the first array that is not the same everywhere; a vector
-by its length). ParaView opens the same file, with more ways to look at it. Ends with 1 if the
-picture is of one colour only, with 2 if there is nothing to draw or no place for the picture, with
-4 if the disk does not take it.
+The view is along y, coloured by NAME (default: the first array that is not constant; a vector by
+its magnitude). ParaView opens the same file and has more options. Ends with 1 if the picture has
+one colour only, with 2 if there is nothing to draw or the path of the picture is invalid, with 4 if
+it cannot be written.
 """
 import argparse
 import os
@@ -21,7 +21,7 @@ SIZE = (1200, 500)  # pixels
 
 
 def with_screen():
-    """Debian's VTK draws through X only: without one this program starts again below xvfb-run."""
+    """Debian's VTK needs X: without a display this program restarts itself under xvfb-run."""
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
@@ -39,12 +39,12 @@ def read_grid(vtk, path):
 
 
 def range_of(array):
-    """(smallest, largest) value; of vectors the length."""
+    """(smallest, largest) value; the magnitude of vectors."""
     return array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0)
 
 
 def find_array(grid, name):
-    """(array, whether it belongs to points): the one named, or the first that varies, or any."""
+    """(array, whether it is point data): the one named, or the first that varies, or any."""
     arrays = [(data.GetArray(k), on_points)
               for data, on_points in ((grid.GetPointData(), True), (grid.GetCellData(), False))
               for k in range(data.GetNumberOfArrays())]
@@ -57,7 +57,7 @@ def find_array(grid, name):
 
 
 def coloured(vtk, grid, name):
-    """Actor of the grid and the bar that explains its colours."""
+    """Actor of the grid and its colour bar."""
     array, on_points = find_array(grid, name)
     mapper = vtk.vtkDataSetMapper()
     mapper.SetInputData(grid)
@@ -83,13 +83,13 @@ def coloured(vtk, grid, name):
 
 
 def draw(vtk, grid, name, path):
-    """Writes the picture; returns how many colours the grid itself shows (background left out).
-    VTK makes it in memory: of a file that cannot be written it only says so on the screen."""
+    """Writes the picture; returns the number of colours of the grid (without background). VTK draws
+    into memory, because it reports a file that cannot be written only on the screen."""
     from vtk.util.numpy_support import vtk_to_numpy
     renderer, window = vtk.vtkRenderer(), vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetSize(*SIZE)
-    window.SetMultiSamples(0)  # no mixed colours at borders: what is counted is in the file
+    window.SetMultiSamples(0)  # no mixed colours at edges, so that the colours can be counted
     window.AddRenderer(renderer)
     renderer.SetBackground(1, 1, 1)
     actor, bar = coloured(vtk, grid, name)
@@ -135,7 +135,8 @@ def main():
     parser.add_argument("--array")
     arguments = parser.parse_args()
     if not arguments.output.endswith(".png"):
-        raise read.Unreadable(f"{arguments.output}: pictures are PNG files, end in .png")
+        raise read.Unreadable(f"{arguments.output}: the picture is a PNG file, the name must end "
+                              "in .png")
     if not os.path.isfile(arguments.file):
         raise read.Unreadable(f"{arguments.file} does not exist or is not a file")
     write.folder(pathlib.Path(arguments.output).parent)

@@ -1,10 +1,10 @@
-"""Filters and spectra. A filter has a name, which every axis of a filtered quantity carries."""
+"""Filters and spectra. The name of a filter is part of the label of every filtered quantity."""
 import dataclasses
 
 import numpy as np
 import scipy.signal
 
-EVEN_STEP = 1e-6  # relative: time steps that differ by less are the same up to rounding
+EVEN_STEP = 1e-6  # relative: smaller differences of time steps are due to rounding
 
 
 def step_of(time):
@@ -17,7 +17,7 @@ def step_of(time):
 
 @dataclasses.dataclass(frozen=True)
 class LowPass:
-    """Butterworth filter run forwards and backwards: no phase shift, twice the order, and an
+    """Butterworth filter applied forwards and backwards: no phase shift, twice the order, and an
     amplitude of 1/2 (not 1/sqrt 2) at the cut-off."""
     cut_off: float = 100.0  # Hz
     order: int = 4
@@ -27,7 +27,7 @@ class LowPass:
         return f"{self.cut_off:g} Hz Butterworth, zero phase"
 
     def applies_to(self, time):
-        """Whether samples come at more than twice the cut-off and are enough to start with."""
+        """Whether the sampling rate exceeds twice the cut-off and there are enough samples."""
         dt = step_of(time)
         return dt is not None and 2 * self.cut_off * dt < 1 and len(time) > 6 * self.order
 
@@ -35,21 +35,21 @@ class LowPass:
         return self.name if self.applies_to(time) else "unfiltered: sampled too coarsely"
 
     def __call__(self, time, values):
-        """Filters along the first axis; returns the values as they are where it cannot."""
+        """Filters along the first axis; returns the values unchanged if it does not apply."""
         if not self.applies_to(time):
             return np.asarray(values)
         sections = scipy.signal.butter(self.order, self.cut_off, fs=1 / step_of(time), output="sos")
-        # Mirrored at the ends: the usual point reflection would turn noise there into a step.
+        # Mirrored at the ends, as the usual point reflection would turn noise there into a step.
         return scipy.signal.sosfiltfilt(sections, values, axis=0, padtype="even")
 
 
 def spectrum(time, values, resolution=0.05):
     """Amplitude spectrum along the first axis: (frequency Hz, |amplitude| in the values' unit).
 
-    The mean is taken off, a Tukey window damps a twentieth of the record at each end, zeros are
-    added until lines lie at most `resolution` Hz apart. A sine of amplitude A that lasts the whole
-    record shows a peak of A. The window is flat in between because a passage is a transient: a
-    bell-shaped one would weigh axles by the time at which they come.
+    The mean is removed, a Tukey window tapers a twentieth of the record at each end, and zeros are
+    appended until lines are at most `resolution` Hz apart. A sine of amplitude A over the whole
+    record has a peak of A. The window is flat in between because a passage is a transient: a
+    bell-shaped window would give axles different weights depending on when they pass.
     """
     dt = step_of(time)
     if dt is None:
@@ -63,7 +63,7 @@ def spectrum(time, values, resolution=0.05):
 
 
 def peak_near(frequency, amplitude, target, reach=0.3):
-    """Frequency of the *inner* maximum nearest to target within `reach` (relative), of those at
+    """Frequency of the *inner* maximum nearest to target within `reach` (relative), among those at
     least half as high as the highest of them; None without any."""
     peaks, _ = scipy.signal.find_peaks(amplitude)
     near = [k for k in peaks if abs(frequency[k] - target) <= reach * target]

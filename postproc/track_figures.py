@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Draws a run of a track alone (model = "track") and prints the table of its numbers. Extremes are
-those of every step where the run has them, else of the rows of its histories. Wheel forces are
-those between the run-ins, where the track is as it is given.
+"""Draws a run of a track alone (model = "track") and prints a table of its results. Extremes are
+those of every step if the run has them, otherwise those of the rows of its histories. Wheel forces
+are those between the run-ins, where the track has its given properties.
 
     track_figures.py RESULT_DIR -o DIR
 
-RESULT_DIR holds results.h5. Writes track.png (wheel forces, rail and sleepers, seat loads, sleeper
-acceleration; what the run has of them), envelope.png (extremes along the track) and track.txt into
-DIR; of a run whose only force is one impact also receptance.png and .csv of each point of the rail.
-What is drawn is explained in docs/track.md.
+RESULT_DIR holds results.h5. Writes into DIR track.png (wheel forces, rail and sleepers, seat loads,
+sleeper acceleration, as far as the run has them), envelope.png (extremes along the track) and
+track.txt; for a run whose only force is one impact also receptance.png and .csv of each point of
+the rail. The figures are explained in docs/track.md.
 """
 import argparse
 import io
@@ -26,7 +26,7 @@ import track_measures  # noqa: E402
 import write  # noqa: E402
 
 FILTER = signals.LowPass()
-SHOWN_AXLES = 4  # those of the first vehicle that rolls
+SHOWN_AXLES = 4  # axles of the first rolling vehicle
 
 
 def history(run, name):
@@ -36,31 +36,32 @@ def history(run, name):
 
 
 def two_rails(run):
-    """Each place of the envelope, or of a program without one of the rail, stands twice."""
+    """Whether each place of the envelope, or without envelope of the rail, is listed twice."""
     x = run["envelope/x" if "envelope/x" in run else "rail/x"].values.ravel()
     return len(x) > 1 and len(x) % 2 == 0 and np.array_equal(x[::2], x[1::2])
 
 
 def places(run, name):
-    """Words for places in x; on two rails each stands twice, left before right."""
+    """Labels of places in x; with two rails each is listed twice, left before right."""
     x = run[name].values.ravel() if name in run else []
     twice = two_rails(run)
     return [f"{at:g} m" + ((", left", ", right")[i % 2] if twice else "") for i, at in enumerate(x)]
 
 
 def loaded(run):
-    """Datasets of a run of a track alone by their path."""
+    """Datasets of a run of a track alone, by path."""
     run = read.datasets(run)
     if "history/energy/kinetic" in run and "history/wheel/force" in run:
         raise read.Unreadable("this is a train over a bed: use train_figures.py")
     if not any(name in run for name in ("history/wheel/force", "history/rail/force",
                                         "envelope/x")):
-        raise read.Unreadable("this is no run of a track alone: it has no wheels; use figures.py")
+        raise read.Unreadable("this is not a run of a track alone, as it has no wheels: "
+                              "use figures.py")
     return run
 
 
 def without_rail(run):
-    """What there is where seats are loaded: the program writes zeros for a rail that is not."""
+    """Datasets of a run with loaded seats, without those of the rail, which are zero."""
     return {name: one for name, one in run.items()
             if not name.startswith(("rail/", "history/rail/", "envelope/rail/", "extreme/rail/"))}
 
@@ -72,27 +73,27 @@ def on_track(run, length):
 
 
 def between_run_ins(run, length, run_in):
-    """Whether each wheel is where the track is as it is given, [time, wheel]."""
+    """Whether each wheel is between the run-ins, [time, wheel]."""
     x = history(run, "wheel/x")
     return (x >= run_in) & (x <= length - run_in)
 
 
 def run_in_of(deck):
-    """m; of a bridge 0."""
+    """Length of the run-in, m; 0 for a bridge."""
     track = deck["track"]
     return 0 if track.get("support") == "none" else track.get("run_in", 0)
 
 
 def rolling(run):
-    """Numbers of the wheels that roll: axles of constant force have no height, the program writes
-    zeros. All of a program without heights."""
+    """Numbers of the rolling wheels: axles of constant force have no height and the program writes
+    zeros. All wheels for older results without heights."""
     if "history/wheel/height" not in run:
         return list(range(history(run, "wheel/x").shape[1]))
     return list(np.flatnonzero(history(run, "wheel/height").any(axis=0)))
 
 
 def extremes_of(folder):
-    """Of every step of the run, from its summary.json; nothing without one."""
+    """Extremes over every step of the run, from its summary.json; empty without one."""
     path = folder / "summary.json" if folder.is_dir() else folder.parent / "summary.json"
     try:
         return json.loads(path.read_text(encoding="utf-8")).get("track", {})
@@ -101,18 +102,18 @@ def extremes_of(folder):
 
 
 def of_sleepers(run, what, end):
-    """The least ("min") or largest ("max") value at each sleeper of the histories."""
+    """Least ("min") or largest ("max") value at each sleeper of the histories."""
     path, at = f"envelope/sleeper/{what}_{end}", run["sleepers/x"].values.ravel()
     if path in run:
         x = run["envelope/x"].values.ravel()
         place = np.searchsorted(x, at)
         place += np.arange(len(at)) % 2 if two_rails(run) else 0
         return run[path].values.ravel()[place]
-    return getattr(history(run, f"sleeper/{what}"), end)(axis=0)  # of an older program
+    return getattr(history(run, f"sleeper/{what}"), end)(axis=0)  # results of an older version
 
 
 def wheel_forces(run, length, run_in, extremes):
-    """Of wheels between the run-ins; nothing if none was there."""
+    """Results of wheels between the run-ins; empty if there were none."""
     force = history(run, "wheel/force")[between_run_ins(run, length, run_in)]
     if not len(force):
         return {}
@@ -139,8 +140,8 @@ def wheel_numbers(run, length, run_in, extremes):
 
 
 def numbers(run, length, extremes=None, run_in=0):
-    """Name -> (value, unit). Of wheels only while they are on the track, their forces between its
-    run-ins. `extremes`: those of the summary."""
+    """Name -> (value, unit). Wheels count only while they are on the track, their forces between
+    its run-ins. `extremes`: those of the summary."""
     extremes, found = extremes or {}, {}
     if "history/wheel/force" in run:
         found = wheel_numbers(run, length, run_in, extremes)
@@ -150,7 +151,7 @@ def numbers(run, length, extremes=None, run_in=0):
         if "extreme/rail/displacement" in run:
             lowest = run["extreme/rail/displacement"].values.ravel()
         for x, down in zip(places(run, "rail/x"), -np.asarray(lowest)):
-            found[f"rail at {x}, down"] = (1e3 * down + 0.0, "mm")  # never minus zero
+            found[f"rail at {x}, down"] = (1e3 * down + 0.0, "mm")  # avoids minus zero
     if "sleepers/x" not in run:
         return found
     acceleration = FILTER(time, history(run, "sleeper/acceleration"))
@@ -166,7 +167,7 @@ def numbers(run, length, extremes=None, run_in=0):
 def draw_wheels(run, length, panel):
     x, force = history(run, "wheel/x"), history(run, "wheel/force")
     shown = np.where(on_track(run, length), force / 1e3, np.nan)
-    twice = two_rails(run)  # an axle's wheels then stand left before right
+    twice = two_rails(run)  # the wheels of an axle are then listed left before right
     for i in (rolling(run) or range(shown.shape[1]))[:SHOWN_AXLES * (1 + twice)]:
         axle = f"axle {i // 2 + 1}, {('left', 'right')[i % 2]}"
         panel.plot(x[:, i], shown[:, i], lw=0.8, label=axle if twice else f"wheel {i + 1}")
@@ -174,8 +175,8 @@ def draw_wheels(run, length, panel):
 
 
 def receptances(run):
-    """(Hz, {name: m/N complex}) of the points under the only force of the run; None: there are
-    wheels, or other forces."""
+    """(Hz, {name: m/N complex}) of the points under the only force of the run; None if there are
+    wheels or other forces."""
     if "history/wheel/force" in run or not {"history/rail/force",
                                             "history/rail/displacement"} <= set(run):
         return None
@@ -204,7 +205,7 @@ def draw_receptances(frequency, found):
 
 
 def table_of(frequency, found):
-    """As CSV."""
+    """Receptances as CSV."""
     head = ["frequency_Hz", *(f"{part} rail at {name} m/N" for name in found
                               for part in ("real", "imaginary"))]
     columns = [frequency, *(part for values in found.values()
@@ -243,7 +244,7 @@ def draw_acceleration(run, _, panel):
 
 
 def draw(run, length):
-    """A panel for each that the run has; None of a run without wheels, forces and points."""
+    """A panel for each quantity of the run; None for a run without wheels, forces and points."""
     drawn = []
     if "history/wheel/force" in run:
         drawn.append(draw_wheels)
@@ -266,13 +267,13 @@ def draw(run, length):
 
 
 def sides(run, name, twice):
-    """Words -> values of the places of each rail, left before right."""
+    """Label -> values of the places of each rail, left before right."""
     values = run[name].values.ravel()
     return {", left": values[::2], ", right": values[1::2]} if twice else {"": values}
 
 
 def draw_envelope(run):
-    """Extremes of all steps along the track; None of a run of a program without them."""
+    """Extremes of all steps along the track; None for results without them."""
     if "envelope/x" not in run:
         return None
     twice = two_rails(run)
@@ -302,7 +303,7 @@ def draw_envelope(run):
 
 
 def deck_of(run):
-    """The effective input in the results."""
+    """The effective input stored in the results."""
     return read.results(run).deck
 
 

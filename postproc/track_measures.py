@@ -1,17 +1,17 @@
-"""Quantities of a track alone that need more than a glance at its histories."""
+"""Quantities of a track alone that are derived from its histories."""
 import numpy as np
 
 import signals
 
 D1 = (3.0, 25.0)  # m, wavelengths, EN 13848-1
-ORDER = 4         # of the Butterworth prototype; each border has 3 dB
+ORDER = 4         # of the Butterworth prototype; -3 dB at both limits
 
 
 def band(values, step, wavelengths=D1):
     """The part of `values`, sampled every `step` m, between two wavelengths. The filter has the
-    magnitude of a Butterworth band pass and no phase:
+    magnitude of a Butterworth band pass and no phase shift:
         |H|^2 = 1/(1 + W^(2n)),  W = (k^2 - k1 k2)/(k (k2 - k1)),  k = 1/wavelength.
-    Straight lines are taken out first; the ends are continued by their mirror image."""
+    The linear trend is removed first; the ends are continued by their mirror image."""
     x = np.arange(len(values)) * step
     even = values - np.polyval(np.polyfit(x, values, 1), x)
     mirrored = np.concatenate([even[::-1], even, even[::-1]])
@@ -25,10 +25,11 @@ def band(values, step, wavelengths=D1):
 
 
 def loaded_rail(x, height, begin, end):
-    """(x, m; D1 part of the path of a wheel, m) between two places: what a loaded measuring axle
-    sees. A wheel's height is that of the loaded rail but for its own approach to it, a few um."""
+    """(x, m; D1 part of the path of a wheel, m) between two places, as measured by a loaded axle.
+    The height of a wheel is that of the loaded rail except for the approach of wheel and rail, a
+    few um."""
     on = (x >= begin) & (x <= end)
-    # Rows are even in time, not in place while the train brakes; where it stands there are several.
+    # Rows are equidistant in time, but not in x while the train brakes; at a stop x is repeated.
     there, first = np.unique(x[on], return_index=True)
     if len(there) < 8:
         return np.array([]), np.array([])
@@ -37,14 +38,14 @@ def loaded_rail(x, height, begin, end):
 
 
 def receptance(time, force, rail, least=0.02):
-    """(Hz, m/N complex) of `rail` (m, downwards) under one impact (N): the ratio of both
-    transforms where the force has more than `least` of its largest. Both begin at rest; a rail that
-    still moves at the end of the histories falsifies low frequencies."""
+    """(Hz, m/N complex) of `rail` (m, downwards) under one impact (N): the ratio of both transforms
+    where the force exceeds `least` of its largest value. Both start at rest; a rail that still
+    moves at the end of the histories falsifies low frequencies."""
     step = signals.step_of(time)
     frequency = np.fft.rfftfreq(len(time), step)
     of_force, of_rail = np.fft.rfft(force), np.fft.rfft(rail)
-    told = (np.abs(of_force) > least * np.abs(of_force).max()) & (frequency > 0)
-    # Beyond the first zero of a half sine there is nothing but rounding of rows.
-    first_gap = np.argmax(~told[1:]) + 1 if not told[1:].all() else len(told)
+    reliable = (np.abs(of_force) > least * np.abs(of_force).max()) & (frequency > 0)
+    # Beyond the first zero of a half sine the transform is only rounding noise of the rows.
+    first_gap = np.argmax(~reliable[1:]) + 1 if not reliable[1:].all() else len(reliable)
     use = np.arange(1, first_gap)
     return frequency[use], of_rail[use] / of_force[use]

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Draws the vehicles of a stage with train = true over a bed and prints the table of their numbers.
+"""Draws the results of a stage with train = true on a bed and prints a table of them.
 
     train_figures.py RESULT_DIR -o DIR
 
-RESULT_DIR holds results.h5. Writes train.png (wheel forces along the track, how far each sleeper
-goes down under each axle, what the axles leave behind) and train.txt into DIR. How each number is
-made: docs/track.md.
+RESULT_DIR holds results.h5. Writes train.png (wheel forces along the track, displacement of each
+sleeper under each axle, settlement by the axles) and train.txt into DIR. Definition of the numbers:
+docs/track.md.
 """
 import argparse
 import io
@@ -20,15 +20,16 @@ import measures  # noqa: E402
 import read  # noqa: E402
 import write  # noqa: E402
 
-SHOWN_WHEELS = 8  # the first ones
+SHOWN_WHEELS = 8  # the first wheels are shown
 
 
 def train_rows(wheel_x):
-    """Rows of the last train: those where wheels have a place, from the last time that the first
-    one jumped back (a stage may send several)."""
+    """Rows of the last train: those with wheels on the track since the last time that the first
+    wheel jumped back (a stage may send several trains)."""
     there = np.flatnonzero(np.isfinite(wheel_x[:, 0]))
     if not len(there):
-        raise read.Unreadable("no train ran in this run: give a stage of kind passage train = true")
+        raise read.Unreadable("no train ran in this run: set train = true in a stage of kind "
+                              "passage")
     back = np.flatnonzero(np.diff(wheel_x[there, 0]) < 0)
     gap = np.flatnonzero(np.diff(there) > 1)
     first = max([0, *(back + 1), *(gap + 1)])
@@ -37,7 +38,7 @@ def train_rows(wheel_x):
 
 def under_axles(wheel_x, sleepers_x, displacement, reach):
     """Lowest displacement of each sleeper while an axle is within `reach` of it, [axle, sleeper],
-    relative to the first row; not a number where the axle never came."""
+    relative to the first row; nan where the axle never came."""
     lowest = np.full((wheel_x.shape[1], len(sleepers_x)), np.nan)
     moved = displacement - displacement[0]
     for axle in range(wheel_x.shape[1]):
@@ -49,8 +50,8 @@ def under_axles(wheel_x, sleepers_x, displacement, reach):
 
 
 class Passing:
-    """The last train of a run: time, s; x, m, of axles; force, N, of their wheels [time, axle,
-    rail], left before right; sleepers' motion, m."""
+    """The last train of a run: time, s; x of axles, m; force of their wheels, N, [time, axle,
+    rail], left before right; motion of the sleepers, m."""
 
     def __init__(self, run, every):
         if "history/wheel/x" not in every or not len(run.sleepers_x):
@@ -78,7 +79,7 @@ class Passing:
         return (self.x >= self.sleepers_x[0]) & (self.x <= self.sleepers_x[-1])
 
     def sunk_since_first(self):
-        """m, [axle, sleeper]: how much lower a sleeper is under an axle than under the first."""
+        """[axle, sleeper], m: how much lower a sleeper is under an axle than under the first."""
         return self.lowest[0] - self.lowest
 
 
@@ -125,12 +126,12 @@ def draw(passing, blocks):
         down.plot(passing.sleepers_x, 1e3 * passing.lowest[axle], "o-", ms=3, lw=0.9, label=words)
         if axle:
             left.plot(passing.sleepers_x, -1e3 * passing.sunk_since_first()[axle], "o-", ms=3,
-                      lw=0.9, color=f"C{axle}", label=f"under {words} against axle 1")
+                      lw=0.9, color=f"C{axle}", label=f"under {words} relative to axle 1")
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
-              label="after the train against before")
+              label="after the train relative to before")
     wheels.set(ylabel="wheel force, kN", title="Train over the bed")
     down.set(ylabel="lowest of each sleeper, mm")
-    left.set(ylabel="level of sleepers, change, mm", xlabel="x, m")
+    left.set(ylabel="change of height of sleepers, mm", xlabel="x, m")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)
     for panel in (wheels, down, left):

@@ -1,5 +1,5 @@
-"""Files that scripts make: whole or not there. What goes wrong ends the script with one sentence,
-code 2 if another place mends it, 4 if the disk does not take the file."""
+"""Writes files completely or not at all. An error ends the script with one message, with code 2 if
+another path helps, with code 4 if the disk cannot take the file."""
 import errno
 import os
 import pathlib
@@ -14,17 +14,18 @@ def reason_of(error):
 
 
 def folder(path):
-    """Makes the folder if it is missing."""
+    """Creates the folder if it is missing."""
     try:
         pathlib.Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         words = "is a file" if pathlib.Path(path).is_file() else reason_of(error)
-        raise read.Unreadable(f"{path} cannot be made as a folder ({words}); choose another (-o)") \
+        raise read.Unreadable(f"{path} cannot be created as a folder ({words}); "
+                              "choose another (-o)") \
             from None
 
 
 def whole(path, content):
-    """Writes bytes under another name first, so that an older file stays if there is no room."""
+    """Writes bytes under another name first, so that an older file is kept if the disk is full."""
     path = pathlib.Path(path)
     part = path.with_name(path.name + ".part")
     try:
@@ -34,7 +35,7 @@ def whole(path, content):
         try:
             part.unlink(missing_ok=True)
         except OSError:
-            pass  # the first reason is the one to tell
+            pass  # the first reason is reported
         ending = read.Unreadable(f"{path} cannot be written ({reason_of(error)})")
         ending.code = 4 if error.errno in DISK else 2
         raise ending from None

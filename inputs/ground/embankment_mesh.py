@@ -23,8 +23,8 @@ def place(i, j, k):
     x = LENGTH * i / CELLS_X
     if k <= CELLS_DOWN:
         return x, ACROSS[j], -HEIGHT - DEPTH + DEPTH * k / CELLS_DOWN
-    share = (k - CELLS_DOWN) / CELLS_UP
-    return x, ACROSS[j] + share * (CREST[j] - ACROSS[j]), -HEIGHT + HEIGHT * share
+    fraction = (k - CELLS_DOWN) / CELLS_UP
+    return x, ACROSS[j] + fraction * (CREST[j] - ACROSS[j]), -HEIGHT + HEIGHT * fraction
 
 
 def tetrahedra():
@@ -77,7 +77,7 @@ def main():
         for face in FACES:
             key = tuple(sorted(nodes[n] for n in face))
             side = side_of([corners[n] for n in face[:3]])
-            # A face that two elements share is inside.
+            # A face of two elements is inside.
             outer[key] = None if key in outer else (side, [nodes[n] for n in face])
     triangles = [face for face in outer.values() if face]
     lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", "7"]

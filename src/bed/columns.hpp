@@ -1,7 +1,8 @@
-// Where stones start: in columns, each stone in a circle or sphere of its own. In a plane a column
-// is as wide as the largest stone and the next stone lies above the last one; in space it is wider
-// and the next stone lies as low as a few tries find room (drop and stick), which keeps the fall
-// short. Ids run along x, then y, then up, so neighbours have close ids.
+// Initial positions of stones: in columns, each stone within its bounding circle or sphere. In a
+// plane a column is as wide as the largest stone and each stone lies above the previous one; in
+// space it is wider and the next stone takes the lowest of a few trial positions (drop and stick),
+// which shortens the fall. Ids increase along x, then y, then upwards, so that neighbours have
+// similar ids.
 #pragma once
 
 #include <utility>
@@ -14,9 +15,9 @@ namespace trackbed::bed {
 // Keeps a reference to `mix`, which must outlive it. Local: every rank holds the same.
 class Columns {
  public:
-  // For stones of this share of their size. Throws InputError if the bed is narrower than a stone.
+  // For stones scaled by `size_factor`. Throws InputError if the bed is narrower than a stone.
   Columns(const BedParameters& parameters, const dem::Domain& domain, const Mix& mix,
-          double share = 1);
+          double size_factor = 1);
 
   std::int64_t stones() const { return stones_; }
   std::int64_t count() const { return along_ * across_; }
@@ -25,23 +26,23 @@ class Columns {
   double build(std::int64_t c, std::vector<dem::NewParticle>& to) const;
 
  private:
-  // Stone i, not yet placed; and where its centre goes, from the foot of its column.
+  // Stone i without a position; and the position of its centre relative to the foot of its column.
   dem::NewParticle make(std::int64_t i) const;
-  Vec3 on_top(std::int64_t i, double room, double top) const;
-  Vec3 lowest(std::int64_t i, double room, const std::vector<geom::Sphere>& balls) const;
+  Vec3 on_top(std::int64_t i, double clearance, double top) const;
+  Vec3 lowest(std::int64_t i, double clearance, const std::vector<geom::Sphere>& balls) const;
 
-  std::pair<double, double> in_circle(std::int64_t i, double room, std::uint64_t seed) const;
+  std::pair<double, double> in_circle(std::int64_t i, double clearance, std::uint64_t seed) const;
 
   const Mix& mix_;
   Dimension dimension_;
   std::uint64_t seed_;
-  double share_;
+  double size_factor_;
   std::int64_t stones_ = 0, along_ = 1, across_ = 1;
   double clear_ = 0;  // m, radius free of the walls of a cylinder; 0: a box
   Vec3 low_ = Vec3::Zero(), size_ = Vec3::Zero();  // m, corner and size of the first column
 };
 
-// A random order of 0 .. count - 1: the place of `i`, found without knowing the others'.
+// A pseudo-random permutation of 0 .. count - 1: the image of `i`, computed without the others.
 std::uint64_t shuffled(std::uint64_t i, std::uint64_t count, std::uint64_t seed);
 
 }  // namespace trackbed::bed

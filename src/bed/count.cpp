@@ -1,4 +1,4 @@
-// Apart from `fill`, so that a check of a deck need not know the particles' code.
+// Separate from `fill`, so that checking a deck does not need the code of the particles.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,9 +7,9 @@
 
 namespace trackbed::bed {
 
-// Each number is drawn once, whatever the order: one look at all of them finds the lightest stone
-// to the bit.
-// Cost: a draw per stone on every rank, and the placing of a share of them.
+// Each size is drawn once, in any order, so the loop over all of them gives the lightest stone
+// exactly.
+// Cost: a draw per stone on every rank, and the placement of a fraction of them.
 Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
                  const dem::Domain& domain) {
   const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
@@ -26,9 +26,9 @@ Stones stones_of(const par::Comm& comm, const BedParameters& parameters,
     stones.largest_bound = std::max(stones.largest_bound, mix.bound(draw));
     stones.longest = std::max(stones.longest, mix.extent(draw));
   }
-  // Placed and thrown away: whether they fit is to be known before anything runs.
+  // Placed and discarded, to check that they fit before the run.
   const auto [begin, count] =
-      io::share(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
+      io::row_range(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
   for (std::size_t c = begin; c < begin + count; ++c) {
     std::vector<dem::NewParticle> placed;
     stones.top = std::max(stones.top, columns.build(static_cast<std::int64_t>(c), placed));

@@ -1,9 +1,10 @@
-// Stones for the particles, each rank its share.
-// Columns need no neighbours to be built, so a rank's cost is that of its own stones and one
-// exchange to their owners; docs/decisions/packing.md has the lattice of cells they replaced.
+// Generates the stones; each rank generates a fraction of them.
+// Columns are generated independently, so the cost of a rank is that of its own stones and one
+// exchange with their owners; docs/decisions/packing.md describes the lattice of cells they
+// replaced.
 //
-// The order of ids, and so every contact's order of summation, follows from the numbers of stones
-// and columns alone: a bed has the same bits on any number of ranks.
+// The order of ids, and so every contact's order of summation, depends only on the numbers of
+// stones and columns: a bed is bitwise identical on any number of ranks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +17,8 @@ namespace trackbed::bed {
 
 namespace {
 
-// A box narrower than this many largest bounds gets no stones: Columns want a little more than 2.
+// A box narrower than this many largest bounds gets no stones: Columns require a little more than
+// 2.
 constexpr double narrowest = 2.1;
 
 // Columns that start at a height and whose stones' ids begin with `first`.
@@ -26,7 +28,8 @@ struct Batch {
   double foot = 0;  // m
 };
 
-// Stones of columns [begin, begin + count) of all batches; raises `top` to what they reach.
+// Stones of columns [begin, begin + count) of all batches; increases `top` to the height they
+// reach.
 // Local.
 std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size_t begin,
                                     std::size_t count, double& top) {
@@ -45,24 +48,25 @@ std::vector<dem::NewParticle> build(const std::vector<Batch>& batches, std::size
   return stones;
 }
 
-// Every rank builds an even share of the columns; the particles then go to their owners. Templates
-// are added anew each time: a run that goes on from a checkpoint may make other stones than before.
-// Collective. The height is checked before anything is added: a bed that does not fit leaves no
-// stones behind.
+// Every rank generates an equal fraction of the columns; the particles are then sent to their
+// owners. Templates are added in each call, since a resumed run may generate other stones than
+// before. Collective. The height is checked before anything is added: a bed that does not fit adds
+// no stones.
 double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, int material,
             const std::vector<Batch>& batches) {
-  // Numbered through all batches: small boxes share the ranks as one large bed does.
+  // Numbered through all batches, so that small boxes are distributed over the ranks like one large
+  // bed.
   std::int64_t columns = 0;
   for (const Batch& batch : batches) columns += batch.columns.count();
   const auto [begin, count] =
-      io::share(static_cast<std::size_t>(columns), comm.rank(), comm.size());
+      io::row_range(static_cast<std::size_t>(columns), comm.rank(), comm.size());
   double top = 0;
   std::vector<dem::NewParticle> mine = build(batches, begin, count, top);
   top = comm.max(top);
   if (top > particles.domain().high.z())
     throw RunError(
-        fmt::format("the loose stones reach up to {:.3g} m, beyond the top of the domain ({:.3g} "
-                    "m): they are poured higher than ten heights of the bed",
+        fmt::format("the loose stones reach a height of {:.3g} m, above the top of the domain "
+                    "({:.3g} m), which is at ten heights of the bed",
                     top, particles.domain().high.z()));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())
@@ -75,17 +79,16 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
   return top;
 }
 
-// Own stones of each rank, then the largest of all: ids are never used twice while their stones
-// live. Collective.
+// Maximum over all ranks: ids are unique among existing stones. Collective.
 Id first_free_id(const dem::Particles& particles, const par::Comm& comm) {
   Id highest = -1;
   for (std::size_t i = 0; i < particles.size(); ++i) highest = std::max(highest, particles[i].id);
   return comm.max(highest) + 1;
 }
 
-// Parameters of a bed that is `box`. The first id makes its stones others than those of the bed.
-// Seed plus first id: cribs filled one after the other get different stones, and the same again in
-// a repeated run.
+// Parameters of a bed that fills `box`. The seed plus the first id makes its stones differ from
+// those of the bed: cribs filled one after the other get different stones, and the same ones in a
+// repeated run.
 BedParameters bed_of(const BedParameters& parameters, const Box& box, Id first) {
   BedParameters bed = parameters;
   bed.container = ContainerKind::box;
@@ -109,10 +112,10 @@ double fill(dem::Particles& particles, const par::Comm& comm, const BedParameter
 
 namespace {
 
-// m, that loose columns of stones of this share of their size reach. Collective.
-double reach_of(const par::Comm& comm, const Columns& columns) {
+// m, height of the loose columns. Collective.
+double height_of(const par::Comm& comm, const Columns& columns) {
   const auto [begin, count] =
-      io::share(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
+      io::row_range(static_cast<std::size_t>(columns.count()), comm.rank(), comm.size());
   double top = 0;
   build({{.columns = columns}}, begin, count, top);
   return comm.max(top);
@@ -120,26 +123,29 @@ double reach_of(const par::Comm& comm, const Columns& columns) {
 
 }  // namespace
 
-// The share by its own law, height ~ share^3 (in a plane ^2), a few times over, as the number of
+// The size factor from height ~ factor^3 (in a plane ^2), by a few iterations, since the number of
 // columns changes with it too.
 double fill_to_grow(dem::Particles& particles, const par::Comm& comm,
-                    const BedParameters& parameters, int material, double foot, double room) {
+                    const BedParameters& parameters, int material, double foot,
+                    double height_ratio) {
   const dem::Domain& domain = particles.domain();
   const Mix mix(parameters, domain.dimension, library_of(comm, parameters));
   const double power = domain.dimension == Dimension::plane ? 2 : 3;
-  constexpr int rounds = 4;
-  double share = 1;
-  for (int round = 0; round < rounds; ++round) {
-    const double top = reach_of(comm, Columns(parameters, domain, mix, share));
-    share = std::min(1.0, share * std::pow(room * parameters.height / top, 1 / power));
+  constexpr int iterations = 4;
+  double size_factor = 1;
+  for (int k = 0; k < iterations; ++k) {
+    const double top = height_of(comm, Columns(parameters, domain, mix, size_factor));
+    size_factor =
+        std::min(1.0, size_factor * std::pow(height_ratio * parameters.height / top, 1 / power));
   }
   const Id first = first_free_id(particles, comm);
-  particles.grow_from(first, share);
-  return pour(particles, comm, mix, material,
-              {{.columns = Columns(parameters, domain, mix, share), .first = first, .foot = foot}});
+  particles.grow_from(first, size_factor);
+  return pour(
+      particles, comm, mix, material,
+      {{.columns = Columns(parameters, domain, mix, size_factor), .first = first, .foot = foot}});
 }
 
-// All ranks go through all boxes, so that ids agree; only the stones are shared out.
+// All ranks go through all boxes, so that ids agree; only the stones are distributed.
 double fill_boxes(dem::Particles& particles, const par::Comm& comm, const BedParameters& parameters,
                   int material, std::span<const Box> boxes, double foot) {
   const dem::Domain& domain = particles.domain();

@@ -1,4 +1,4 @@
-// See grading.hpp for the two distributions; both are tables of cumulative shares per sieve.
+// See grading.hpp for the two distributions; both are tables of cumulative fractions per sieve.
 //
 // Cost: a search in a table of a few sieves per draw.
 #include "grading.hpp"
@@ -12,8 +12,8 @@ namespace trackbed::bed {
 
 namespace {
 
-// Class [k, k + 1] of a rising table that holds `value`; empty classes are passed over, those at
-// the coarse end too: the largest value of all lies at the end of the last class that has stones.
+// Class [k, k + 1] of an increasing table that contains `value`. Empty classes are skipped, also at
+// the coarse end: the largest value lies at the end of the last class that has stones.
 std::size_t class_of(const std::vector<double>& table, double value) {
   const auto found = value < table.back()
                          ? std::upper_bound(table.begin(), table.end(), value)
@@ -50,7 +50,7 @@ const GradingLimits& limits_of(GradingKind kind) {
 Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& passing,
                  int dimension)
     : sieve_(sieve), mass_(passing), stones_(sieve.size(), 0.0), power_(dimension) {
-  for (double& share : mass_) share /= 100;
+  for (double& fraction : mass_) fraction /= 100;
   for (std::size_t k = 0; k + 1 < sieve.size(); ++k) {
     const double a = sieve[k], b = sieve[k + 1];
     const double per_mass =
@@ -59,19 +59,19 @@ Grading::Grading(const std::vector<double>& sieve, const std::vector<double>& pa
   }
 }
 
-//   s = a (b/a)^part, since P rises evenly in log(s).
-double Grading::by_mass(double share) const {
-  const std::size_t k = class_of(mass_, share);
-  // Clamped, since rounding of the shares may lead a little beyond the class.
-  const double part = std::clamp((share - mass_[k]) / (mass_[k + 1] - mass_[k]), 0.0, 1.0);
+//   s = a (b/a)^part, since P is linear in log(s).
+double Grading::by_mass(double fraction) const {
+  const std::size_t k = class_of(mass_, fraction);
+  // Clamped, since rounding of the fractions may lead slightly beyond the class.
+  const double part = std::clamp((fraction - mass_[k]) / (mass_[k + 1] - mass_[k]), 0.0, 1.0);
   return sieve_[k] * std::pow(sieve_[k + 1] / sieve_[k], part);
 }
 
-double Grading::by_number(double share) const {
-  const double wanted = share * stones_.back();
+double Grading::by_number(double fraction) const {
+  const double wanted = fraction * stones_.back();
   const std::size_t k = class_of(stones_, wanted);
   const double part = std::clamp((wanted - stones_[k]) / (stones_[k + 1] - stones_[k]), 0.0, 1.0);
-  // The inverse of the number law within a class: d^-p falls evenly from a^-p to b^-p.
+  // The inverse of the number law within a class: d^-p decreases linearly from a^-p to b^-p.
   const double a = std::pow(sieve_[k], -power_), b = std::pow(sieve_[k + 1], -power_);
   return std::pow(a - part * (a - b), -1 / power_);
 }

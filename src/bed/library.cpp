@@ -1,6 +1,6 @@
-// Shapes come from three places (meshes, parameters, files) and leave as templates with a name.
-// Whatever goes wrong with them is a user's input: geometry throws std::invalid_argument without a
-// name, which is added here.
+// Shapes come from three sources (meshes, parameters, files) and become templates with a name. All
+// their errors are errors of the input: geometry throws std::invalid_argument without a name, which
+// is added here.
 #include "trackbed/bed/library.hpp"
 
 #include <fmt/format.h>
@@ -27,19 +27,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t library_format = 1;
-constexpr double smallest_stone = 1e-3, largest_stone = 1;  // m, of what a track is made of
+constexpr double smallest_stone = 1e-3, largest_stone = 1;  // m, for ballast
 
-// By the ending, whatever its case; the bytes themselves are checked by who reads them.
+// By the file name extension, in any case; the content is checked when it is parsed.
 geom::MeshFormat format_of(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".stl") return geom::MeshFormat::stl;
   if (ending == ".ply") return geom::MeshFormat::ply;
   if (ending == ".obj") return geom::MeshFormat::obj;
-  throw InputError({file + ": meshes end in .stl, .ply or .obj"});
+  throw InputError({file + ": a mesh file must end in .stl, .ply or .obj"});
 }
 
-// Why there is nothing to read in a file, or nothing; its bytes. On one rank.
+// Reads the bytes of a file; returns why it cannot be read, or nothing. On one rank.
 std::string why_no_bytes(const std::string& file, std::ostringstream& bytes) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return "does not exist";
@@ -49,8 +49,8 @@ std::string why_no_bytes(const std::string& file, std::ostringstream& bytes) {
   return bytes << stream.rdbuf() ? "" : "is empty";
 }
 
-// The root reads, all get it.
-// Collective. Every rank makes the same shape from the same bytes, without a further exchange.
+// Rank 0 reads and broadcasts. Collective. Every rank generates the same shape from the same bytes,
+// without further communication.
 std::string bytes_of(const par::Comm& comm, const std::string& file) {
   std::ostringstream bytes;
   const std::string problem = comm.broadcast(comm.root() ? why_no_bytes(file, bytes) : "");
@@ -58,10 +58,10 @@ std::string bytes_of(const par::Comm& comm, const std::string& file) {
   return comm.broadcast(bytes.str());
 }
 
-// m, of the ball of this volume: the size that rounding is relative to, whatever the shape.
+// m, of the sphere of this volume, the reference length of the rounding.
 double diameter(double volume) { return std::cbrt(6 * volume / std::numbers::pi); }
 
-// All pieces with one radius: between them the rounded stone has no steps.
+// All pieces have the same radius, so that the rounded stone has no steps between them.
 std::vector<geom::Piece> rounded_pieces(const geom::Mesh& mesh, const MeshShape& wanted,
                                         double radius, std::vector<std::string>& notes) {
   std::vector<geom::Piece> pieces;
@@ -96,28 +96,28 @@ std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters
   if (parameters.stone != StoneKind::library) return {};
   std::vector<dem::Template> shapes;
   for (NamedShape& named : load_library(comm, parameters.library)) {
-    // Contacts are of rounded stones; libraries of other makers may hold others.
+    // Contacts require rounded stones; libraries of other programs may contain others.
     for (const geom::Piece& piece : named.shape.pieces)
       if (!(piece.radius > 0))
         throw InputError({fmt::format("{}: shape {} has edges without rounding", parameters.library,
                                       named.name)});
     shapes.push_back(std::move(named.shape));
   }
-  if (shapes.empty()) throw InputError({parameters.library + ": holds no shapes"});
+  if (shapes.empty()) throw InputError({parameters.library + ": contains no shapes"});
   return shapes;
 }
 
-// Mass properties are those of the mesh, not of the pieces, which only stand for its surface. The
-// sieve size is that of the pieces: they are what touches.
+// Mass properties are those of the mesh, not of the pieces, which only represent its surface. The
+// sieve size is that of the pieces, on which contacts act.
 NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const MeshShape& wanted) {
   const geom::MeshFormat format = format_of(file);
   const geom::Import import = geom::import_mesh(bytes_of(comm, file), format, wanted.unit, file);
   NamedShape named{fs::path(file).stem().string(), {}, import.repairs};
   const geom::Solid solid = geom::mesh_solid(import.mesh);
-  // The length of most scans is the millimetre, which the file does not say.
+  // Most scans are in millimetres, which the file does not state.
   if (const double size = diameter(solid.volume); size > largest_stone || size < smallest_stone)
     named.notes.push_back(fmt::format(
-        "warning: as large as a ball of {:.3g} m; is --unit right (0.001 for a file in mm)?",
+        "warning: the equivalent diameter is {:.3g} m; is --unit right (0.001 for a file in mm)?",
         size));
   try {
     const double radius = wanted.rounding * diameter(solid.volume);
@@ -132,7 +132,7 @@ NamedShape shape_of_mesh(const par::Comm& comm, const std::string& file, const M
   return named;
 }
 
-// Local: drawn from the seed alone.
+// Local: depends on the seed alone.
 NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std::uint64_t seed) {
   try {
     return {fmt::format("stone_{}", seed),
@@ -143,7 +143,7 @@ NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std:
   }
 }
 
-// Names are letters in a dataset: HDF5 attributes are limited to 64 kB. Rank 0 brings them.
+// Names are stored in a dataset, since HDF5 attributes are limited to 64 kB. Rank 0 writes them.
 void save_library(const par::Comm& comm, const std::string& file,
                   const std::vector<NamedShape>& shapes) {
   std::vector<dem::Template> templates;
@@ -167,8 +167,8 @@ void save_library(const par::Comm& comm, const std::string& file,
 
 namespace {
 
-// Numbers that no body has: a bed of it would be blamed for them, or stop when it is under way.
-// Mass properties are those of the scan, not of its pieces, and may be a little beyond their ball.
+// Rejects values that no body can have, before they cause errors in a run. Mass properties are
+// those of the scan, not of its pieces, and may slightly exceed those of the bounding sphere.
 void require_possible(const NamedShape& named) {
   constexpr double beyond = 1.5;  // of the radius
   const dem::Template& shape = named.shape;
@@ -183,14 +183,13 @@ void require_possible(const NamedShape& named) {
   if (!finite || !possible(shape.volume, volume) || !possible(shape.sieve, 2 * ball) ||
       !possible(shape.gyration.minCoeff(), ball * ball) ||
       !possible(shape.gyration.maxCoeff(), ball * ball))
-    throw RunError(
-        fmt::format("shape {} has a size, volume or inertia that no body has", named.name));
+    throw RunError(fmt::format("shape {} has an impossible size, volume or inertia", named.name));
 }
 
 }  // namespace
 
-// Any failure means the same to a user: the file is none of ours. What the file's reader says
-// begins with rank and file, which stand in the sentence already.
+// Any failure means that the file is not a library. Messages of the file's reader begin with rank
+// and file, which are removed here because the sentence names the file already.
 std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& file) {
   std::vector<NamedShape> shapes;
   try {
@@ -211,13 +210,14 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
     const std::size_t at = words.find(start);
     const std::string why = at == std::string::npos ? words : words.substr(at + start.size());
     throw InputError({fmt::format(
-        "{}: is no library of shapes ({}); `trackbed shapes ... --library FILE` makes them", file,
-        why)});
+        "{}: is no library of shapes ({}); create one with `trackbed shapes ... --library FILE`",
+        file, why)});
   }
   return shapes;
 }
 
-// A name that was mistyped must not cost a file: only a library gives way to a library.
+// Only a library may be replaced by a library, so that a mistyped name does not overwrite another
+// file.
 void require_replaceable(const par::Comm& comm, const std::string& file) {
   std::error_code ignored;
   const bool there = comm.root() && fs::exists(file, ignored);
@@ -226,7 +226,7 @@ void require_replaceable(const par::Comm& comm, const std::string& file) {
     load_library(comm, file);
   } catch (const InputError&) {  // the same on all ranks
     throw InputError(
-        {file + ": exists and is no library of shapes; move it away or choose another name"});
+        {file + ": exists and is no library of shapes; move it or choose another name"});
   }
 }
 

@@ -1,6 +1,5 @@
-// Which stones there are and how often. Round stones and given clumps are one template at any
-// scale, polyhedra several; outlines have a scale each, because their pebbles must not scale with
-// them.
+// The templates and their frequencies. Round stones and given clumps are one template at any scale,
+// polyhedra are several; each outline has its own size, because its pebbles must not be scaled.
 #include "mix.hpp"
 
 #include <algorithm>
@@ -21,7 +20,7 @@ std::vector<double> in_metres(std::vector<double> sieve) {
 
 }  // namespace
 
-// Bounds at unit scale are found once: draws then cost no geometry.
+// Bounds at unit scale are computed once, so that draws need no geometry.
 Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::Template> library)
     : grading_(in_metres(parameters.sieve), parameters.passing,
                dimension == Dimension::plane ? 2 : 3),
@@ -41,23 +40,23 @@ Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::
   }
 }
 
-// Each outline has a size of its own, so that all pebbles have the same radius. It stands for an
-// equal share of the mass, in the middle of its share of the grading.
-// Number shares follow from equal masses: a share of 1/volume each.
+// Each outline has its own size, so that all pebbles have the same radius. It represents an equal
+// fraction of the mass, at the middle of its fraction of the grading. Number fractions follow from
+// equal masses: proportional to 1/volume.
 void Mix::add_outlines(const BedParameters& parameters) {
   const auto seed = static_cast<std::uint64_t>(parameters.seed);
   double stones = 0;
   for (std::int64_t k = 0; k < parameters.shapes; ++k) {
-    const double share = (static_cast<double>(k) + 0.5) / static_cast<double>(parameters.shapes);
-    templates_.push_back(outline_stone(parameters, grading_.by_mass(share),
+    const double fraction = (static_cast<double>(k) + 0.5) / static_cast<double>(parameters.shapes);
+    templates_.push_back(outline_stone(parameters, grading_.by_mass(fraction),
                                        mix(seed ^ mix(static_cast<std::uint64_t>(k)))));
     stones += 1 / templates_.back().volume;
     frequency_.push_back(stones);
   }
-  for (double& share : frequency_) share /= stones;
+  for (double& fraction : frequency_) fraction /= stones;
 }
 
-// Kind and dimension must go together; what cannot is said with what can.
+// Kind and dimension must be compatible; the message lists the compatible kinds.
 void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
   const bool given = parameters.stone == StoneKind::clump && !parameters.clump.empty();
   if (parameters.stone == StoneKind::disk)
@@ -73,9 +72,9 @@ void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
       templates_.push_back(polyhedron_stone(parameters, k));
 }
 
-// Neighbours in size have different shapes, so that each shape comes in all sizes.
-// u = (k + 1/2)/count lies in the middle of the k-th share, so that no draw is at the very ends of
-// the grading.
+// Consecutive sizes have different shapes, so that each shape occurs in all sizes. u = (k +
+// 1/2)/count is the middle of the k-th interval, so that no draw lies at the very ends of the
+// grading.
 Draw Mix::draw(std::uint64_t k, std::uint64_t count) const {
   const double u = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
   if (frequency_.empty()) {
@@ -94,8 +93,8 @@ double Mix::extent(const Draw& draw) const {
   return extents_[static_cast<std::size_t>(draw.shape)] * draw.scale;
 }
 
-// By the largest stone of each shape, not by the largest sieve: long shapes reach further than they
-// sieve.
+// From the largest stone of each shape, not from the largest sieve: the bound of an elongated shape
+// is larger than its sieve size.
 double Mix::largest_bound() const {
   double largest = 0;
   for (std::size_t k = 0; k < templates_.size(); ++k) {
@@ -105,8 +104,8 @@ double Mix::largest_bound() const {
   return largest;
 }
 
-// Scaled shapes: volume at sieve size 1, mean over shapes, times the number mean of s^D. Outlines:
-// equal masses, so the harmonic mean.
+// Scaled shapes: mean volume of the shapes at sieve size 1, times the number mean of s^D. Outlines
+// have equal masses, so the mean is harmonic.
 double Mix::mean_volume() const {
   const auto shapes = static_cast<double>(templates_.size());
   double volume = 0, stones = 0;

@@ -1,4 +1,4 @@
-// The stones a bed is made of: their templates and how often each occurs.
+// The stones of a bed: their templates and the frequency of each.
 #pragma once
 
 #include <vector>
@@ -13,23 +13,23 @@ struct Draw {
   double scale;
 };
 
-// Templates of the file that the bed's stones come from; none for other kinds. Throws InputError if
-// it is no library. Collective.
+// Templates of the file of shapes for stones of kind library; none for other kinds. Throws
+// InputError if it is not a library. Collective.
 std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters& parameters);
 
-// Local and constant once made: a draw depends on its number alone.
+// Local and constant: a draw depends on its number alone.
 class Mix {
  public:
   // `library`: the stones of kind library, else not used. Throws InputError if the stones cannot be
-  // made.
+  // generated.
   Mix(const BedParameters& parameters, Dimension dimension,
       std::vector<dem::Template> library = {});
 
   const std::vector<dem::Template>& templates() const { return templates_; }
-  // The k-th of `count` stones, from small to large: all of them together have the grading.
+  // The k-th of `count` stones, from small to large; together they have the specified grading.
   Draw draw(std::uint64_t k, std::uint64_t count) const;
   double bound(const Draw& draw) const;   // m, radius of the circle or sphere around the stone
-  double extent(const Draw& draw) const;  // m, greatest distance of two of its points
+  double extent(const Draw& draw) const;  // m, largest distance between two of its points
   double largest_bound() const;           // m, of all that can be drawn
   double mean_volume() const;             // m^3 (plane: m^2), number mean
 
@@ -42,7 +42,7 @@ class Mix {
   std::vector<dem::Template> templates_;
   std::vector<double> bounds_;     // m at unit scale
   std::vector<double> extents_;    // likewise
-  std::vector<double> frequency_;  // pebbles: cumulative share by number
+  std::vector<double> frequency_;  // pebbles: cumulative fraction by number
 };
 
 }  // namespace trackbed::bed

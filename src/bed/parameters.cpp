@@ -1,6 +1,6 @@
 // Parameters of the bed and of the platen, each declared once.
 //
-// Bounds are those of the geometry; the rules say which of them go together.
+// Bounds follow from the geometry; rules define valid combinations.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,10 +11,10 @@ namespace trackbed::bed {
 
 namespace {
 
-// mm: a bed whose coarsest stones are finer is sand, or its sieves were given in m.
+// mm: if the largest sieve is smaller, the sieves were probably given in m.
 constexpr double smallest_ballast = 1;
 
-bool rises(const std::vector<double>& values) {
+bool increases(const std::vector<double>& values) {
   return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
 }
 
@@ -22,7 +22,7 @@ bool is_range(const std::vector<double>& values) {
   return values.size() == 2 && values[0] < values[1];
 }
 
-// The middle between the limits, from nothing on the finest sieve to all on the coarsest.
+// The middle between the limits, with 0 on the finest sieve and 100 on the coarsest.
 std::vector<double> middle_of(const GradingLimits& limits) {
   std::vector<double> passing;
   for (std::size_t k = 0; k < limits.sieve.size(); ++k)
@@ -31,11 +31,11 @@ std::vector<double> middle_of(const GradingLimits& limits) {
   return passing;
 }
 
-// A named grading sets what the deck does not; other sieves than its own have no limits.
+// A named grading sets what the deck does not set; sieves of other sizes have no limits.
 void declare_standard(LayerParameters& bed, input::Section& s) {
   s.choice("grading", bed.grading,
            {"custom", "en13450_a", "china_special", "china_first", "as2758_60"},
-           "Limits of a standard: its sieves, and the middle of its limits if `passing` is not "
+           "Standard grading: its sieves, and the middle of its limits if `passing` is not "
            "given; custom: `sieve` and `passing` as they are.");
   const GradingLimits& limits = limits_of(bed.grading);
   if (limits.sieve.empty()) return;
@@ -58,11 +58,11 @@ void declare_limits(const LayerParameters& bed, input::Section& s) {
 // As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(LayerParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0, .usually_to = 300},
-            "Openings of the sieves, rising: square holes in space, slots in a plane.");
+            "Openings of the sieves, increasing: square holes in space, slots in a plane.");
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
-            "Share of the mass that passes each sieve, from 0 to 100.");
-  s.rule("sieve", bed.sieve.size() >= 2 && rises(bed.sieve),
-         "must be at least two, each above the last");
+            "Per cent of the mass that passes each sieve, from 0 to 100.");
+  s.rule("sieve", bed.sieve.size() >= 2 && increases(bed.sieve),
+         "must be at least two, each above the previous one");
   s.rule("sieve", bed.sieve.empty() || bed.sieve.back() >= smallest_ballast,
          fmt::format("looks like metres; give the openings in mm: {:g}, not {:g}",
                      bed.sieve.empty() ? 0 : 1e3 * bed.sieve.back(),
@@ -71,10 +71,10 @@ void declare_grading(LayerParameters& bed, input::Section& s) {
          bed.passing.size() == bed.sieve.size() && !bed.passing.empty() &&
              std::is_sorted(bed.passing.begin(), bed.passing.end()) && bed.passing.front() == 0 &&
              bed.passing.back() == 100,
-         "must be as many as the sieves, never fall, begin with 0 and end with 100");
+         "must be as many as the sieves, never decrease, begin with 0 and end with 100");
 }
 
-// Parameters of all kinds of stones side by side; each says in brackets which kind uses it.
+// Parameters of all kinds of stones; each states in brackets which kind uses it.
 void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("pebble_radius", bed.pebble_radius,
            {.unit = "m", .above = 0, .usually_from = 5e-4, .usually_to = 0.1},
@@ -82,24 +82,24 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("pebble_spacing", bed.pebble_spacing, {.unit = "radii", .at_least = 0.05, .at_most = 3},
            "Largest distance between neighbouring disks along the border of a stone (pebbles).");
   s.integer("shapes", bed.shapes, {.at_least = 1, .at_most = 10000},
-            "Number of different stones. Pebbles: each stands for the same share of the mass; "
-            "in space: each comes in all sizes.");
+            "Number of different shapes. Pebbles: each represents the same fraction of the mass; "
+            "in space: each occurs in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
            "Smallest width over largest extent of an outline (pebbles).");
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
-           "0: corners on an ellipse; 1: far off it (pebbles).");
+           "0: corners on an ellipse; 1: corners far from it (pebbles).");
   s.numbers("clump", bed.clump, {.unit = "m"},
             "x, y, z, radius of each sphere of the stone, at any size (clump); none: polyhedra are "
             "filled with spheres (space).");
   s.file(
       "library", bed.library,
-      "File of shapes made by `trackbed shapes ... --library FILE` (library). A run that goes on "
-      "needs it as long as stones are still to be made.");
+      "File of shapes made by `trackbed shapes ... --library FILE` (library). A resumed run needs "
+      "it as long as stones are still to be generated.");
   s.rule("library", bed.stone != StoneKind::library || !bed.library.empty(),
          "must name a file of shapes, as `trackbed shapes scan.stl --library FILE` makes them",
          {.reads = {"stone", "library"}});
   const bool pebbles = bed.stone == StoneKind::pebbles;
-  // Set in by a radius on both sides, the smallest outline keeps a third of its width.
+  // Offset inwards by a radius on both sides, the smallest outline keeps a third of its width.
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
          "must be at most a third of the smallest sieve");
@@ -117,15 +117,18 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
 void LayerParameters::declare(input::Section& s) {
   s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
            "disk: round stones; pebbles: a ring of disks along an irregular plane outline; clump: "
-           "spheres joined; polyhedra: rounded irregular ones (space); compound: the same cut into "
-           "convex pieces; library: the shapes of a file, each as often (space).");
+           "rigidly joined spheres; polyhedra: rounded irregular ones (space); compound: the same "
+           "cut into "
+           "convex pieces; library: the shapes of a file with equal frequencies (space).");
   s.text("material", material, "Contact material of the stones.");
-  s.number("height", height,
-           {.unit = "m", .above = 0, .at_most = 1e3, .usually_from = 0.02, .usually_to = 5},
-           "Height wanted after compaction: with the porosity it sets the number of stones.");
+  s.number(
+      "height", height,
+      {.unit = "m", .above = 0, .at_most = 1e3, .usually_from = 0.02, .usually_to = 5},
+      "Required height after compaction: with the porosity it determines the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
-           "Share of voids expected after compaction.");
-  s.integer("seed", seed, {.at_least = 0}, "Another seed makes another bed of the same kind.");
+           "Expected porosity (volume fraction of voids) after compaction.");
+  s.integer("seed", seed, {.at_least = 0},
+            "Seed of the random numbers: another seed gives another bed of the same kind.");
   declare_standard(*this, s);
   declare_grading(*this, s);
   declare_limits(*this, s);
@@ -134,43 +137,44 @@ void LayerParameters::declare(input::Section& s) {
 }
 
 void NamedLayer::declare(input::Section& s) {
-  s.text("name", name, "Name by which a stage of kind fill calls the layer.", {}, true);
+  s.text("name", name, "Name by which a stage of kind fill refers to the layer.", {}, true);
   LayerParameters::declare(s);
 }
 
-// The crest's own rules stand here; what the toes of the slopes meet depends on the height that a
-// stage cuts at.
+// Rules of the crest alone are here; where the slopes end depends on the height of a stage's
+// profile.
 void BedParameters::declare(input::Section& s) {
   s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
   s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
-  s.rule("x", is_range(x), "must rise");
-  s.rule("y", is_range(y), "must rise");
+  s.rule("x", is_range(x), "must be two increasing numbers");
+  s.rule("y", is_range(y), "must be two increasing numbers");
   s.numbers("crest", crest, {.unit = "m"},
-            "Begin and end of the level top across the track: where a stage cuts the bed at its "
-            "profile, the sides beyond fall off by `slope`; none: level all over (space).");
+            "Begin and end of the level top across the track: if a stage cuts the bed at its "
+            "profile, the sides beyond have the `slope`; none: level everywhere (space).");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
-           "Run over rise of the sides beyond the crest; steeper than 1 few stones lie still.");
-  s.rule("crest", crest.empty() || is_range(crest), "must be two numbers that rise",
+           "Run over rise of the sides beyond the crest; below 1 few stones are stable.");
+  s.rule("crest", crest.empty() || is_range(crest), "must be two increasing numbers",
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
          "lies beyond the sides of the bed (y)", {.reads = {"crest", "y"}});
   s.file(
       "cell", cell,
       "Checkpoint at the end of a stage of a deck that is periodic in x (a file stage_*.h5, or a "
-      "result folder: the one its `latest` names): the stage fill lays copies of its stones side "
-      "by side along x instead of making new ones.",
-      input::Named::origin);
+      "result folder: the one its `latest` names): the stage fill places copies of its stones side "
+      "by side along x instead of generating new ones.",
+      input::FileRole::origin);
   s.choice("container", container, {"box", "cylinder"},
            "box: flat walls at sides that are not periodic; cylinder: upright, inscribed in x and "
            "y, a wall of 64 facets (space).");
   s.number("split", split, {.unit = "m", .at_least = 0},
-           "Height at which walls are divided into two halves, as of a shear box; 0: not.");
-  s.number("beside", beside, {.unit = "m", .at_least = 0, .usually_to = 5},
-           "Floor around the walls, for stages that move or lift them: stones further out are "
-           "taken away.");
+           "Height at which walls are divided into two halves, as of a shear box; 0: undivided.");
+  s.number(
+      "beside", beside, {.unit = "m", .at_least = 0, .usually_to = 5},
+      "Width of floor around the walls, for stages that move or lift them; stones further out are "
+      "removed.");
   LayerParameters::declare(s);
   s.tables("layer", layers,
-           "Layers below (sub-ballast): a stage of kind fill that names one pours it.");
+           "Layers below (sub-ballast); a stage of kind fill generates the layer that it names.");
 }
 
 // Level between the ends of the crest.
@@ -208,23 +212,25 @@ std::vector<double> LayerParameters::grading_table() const {
 
 void PlatenParameters::declare(input::Section& s) {
   s.number("pressure", pressure, {.unit = "Pa", .above = 0, .usually_from = 1e3, .usually_to = 1e7},
-           "Pressure that is held.");
+           "Target pressure.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_to = 10},
-           "Speed of approach, never exceeded.");
+           "Speed of approach, the largest one.");
   s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
-           "The plate speeds up no faster; it may brake faster.");
+           "Largest acceleration of the plate; braking is not limited.");
   s.number("average", average, {.unit = "s", .above = 0},
            "Time constant of the measured pressure; the servo acts on a tenth of it.");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
-           "The averaged pressure has reached its target within this share of it.");
-  s.number("hold", hold, {.unit = "s", .above = 0},
-           "Compaction is over once the averaged pressure has kept to its target for this time; "
-           "where it is too low for as long, the servo grows quicker.");
-  s.number("vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
-           "Compaction: amplitude of a vertical sine on top of the servo's motion; 0: none. The "
-           "averaged pressure is what counts.");
+           "Relative tolerance of the averaged pressure.");
+  s.number(
+      "hold", hold, {.unit = "s", .above = 0},
+      "Compaction ends when the averaged pressure has been within its tolerance for this time; "
+      "if it is too low for as long, the gain of the servo is doubled.");
+  s.number(
+      "vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
+      "Compaction: amplitude of a vertical sine superposed on the servo's motion; 0: none. The "
+      "averaged pressure is controlled.");
   s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
-           "Of the vibration.");
+           "Frequency of the vibration.");
   s.rule("average", vibration == 0 || average * frequency >= 1,
          fmt::format("must be at least a period of the vibration ({:.3g} s)", 1 / frequency));
 }

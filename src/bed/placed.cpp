@@ -1,7 +1,7 @@
 // Parameters of single stones and of surfaces, each declared once.
 //
-// Bounds and rules here are those of one table; what tables have to do with each other is checked
-// where all of them are known.
+// Bounds and rules here concern one table; relations between tables are checked where all of them
+// are available.
 #include "trackbed/bed/placed.hpp"
 
 #include <fmt/format.h>
@@ -18,12 +18,12 @@ const std::vector<std::string_view> shape_words = {"ball",       "block",    "cl
 
 std::string_view word_of(ShapeKind kind) { return shape_words[static_cast<std::size_t>(kind)]; }
 
-constexpr const char* place_of_turn =
-    "Axis of any length about which it is turned by `angle`, counter-clockwise seen from its tip.";
+constexpr const char* meaning_of_axis =
+    "Axis, of any length, of the rotation by `angle`, counter-clockwise seen from its tip.";
 
 void declare_turn(std::vector<double>& axis, double& angle, input::Section& s) {
-  s.numbers("axis", axis, {.unit = "-"}, place_of_turn, 3);
-  s.number("angle", angle, {.unit = "degrees"}, "Angle of that turn.");
+  s.numbers("axis", axis, {.unit = "-"}, meaning_of_axis, 3);
+  s.number("angle", angle, {.unit = "degrees"}, "Angle of that rotation.");
   s.rule("axis", axis.size() != 3 || vector_of(axis).norm() > 0, "must not be zero");
 }
 
@@ -33,13 +33,13 @@ bool are_spheres(const std::vector<double>& spheres) {
   return radii;
 }
 
-// Kinds that are drawn, and so have no size of their own.
+// Randomly generated kinds, which have no size of their own.
 bool is_drawn(const ShapeParameters& p) {
   return p.shape == ShapeKind::polyhedron || p.shape == ShapeKind::compound ||
          (p.shape == ShapeKind::clump && p.spheres.empty());
 }
 
-// Against the defaults: what a deck leaves out cannot be told from what it repeats.
+// Compared with the defaults: an omitted value and a repeated default are the same.
 void declare_idle_of_shape(const ShapeParameters& p, input::Section& s) {
   using enum ShapeKind;
   const ShapeParameters usual;
@@ -89,77 +89,84 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
          p.shape == ShapeKind::mesh ? "must name a mesh (.stl, .ply or .obj)"
                                     : "must name a library of shapes, as `trackbed shapes "
                                       "scan.stl --library FILE` makes them");
-  s.rule("size", !is_drawn(p) || p.size > 0, "must be above 0 m for a stone that is drawn");
+  s.rule("size", !is_drawn(p) || p.size > 0, "must be above 0 m for a randomly generated stone");
   s.rule("size", p.size == 0 || is_drawn(p) || filed,
-         "is for drawn stones, libraries and meshes: the others have their lengths");
+         "is for generated stones, libraries and meshes; the others are defined by their lengths");
 }
 
 }  // namespace
 
 void ShapeParameters::declare(input::Section& s) {
-  s.choice("shape", shape, shape_words,
-           "ball: sphere, in a plane disk; block: cuboid; clump: spheres joined, in a plane disks; "
-           "hull: convex hull of corners; polyhedron: drawn irregular one; compound: the same cut "
-           "into convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "
-           "pieces. All but ball and clump are for space.");
+  s.choice(
+      "shape", shape, shape_words,
+      "ball: sphere, in a plane disk; block: cuboid; clump: rigidly joined spheres, in a plane "
+      "disks; hull: convex hull of corners; polyhedron: randomly generated irregular one; "
+      "compound: the same cut into convex pieces; library: one of a file of shapes; mesh: a "
+      "closed mesh, in convex pieces. All but ball and clump are for space.");
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-5, .usually_to = 1},
            "Radius (ball).");
   s.numbers("sides", sides, {.unit = "m", .above = 0},
-            "Lengths along x, y, z over all, rounding included (block).");
+            "Overall lengths along x, y, z, rounding included (block).");
   s.numbers("corners", corners, {.unit = "m"}, "x, y, z of each corner before rounding (hull).");
-  s.number("rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
-           "Radius of edges and corners (block: the faces keep their places; hull: the volume is "
-           "kept, see docs/shapes.md).");
+  s.number(
+      "rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
+      "Radius of edges and corners (block: the faces keep their positions; hull: the volume is "
+      "kept, see docs/shapes.md).");
   s.numbers("spheres", spheres, {.unit = "m"},
-            "x, y, z, radius of each sphere (clump); none: a drawn polyhedron filled with spheres. "
-            "In a plane y counts for nothing.");
+            "x, y, z, radius of each sphere (clump); none: a generated polyhedron filled with "
+            "spheres. In a plane y is not used.");
   s.table("polyhedron", polyhedron,
-          "Drawn stones, as of a bed; of a mesh `vertices` of each piece at most, `rounding` and "
-          "`pieces` at most count.");
-  s.integer("seed", seed, {.at_least = 0}, "Another seed draws another stone.");
-  s.file("file", file, "Mesh (.stl, .ply, .obj) or library of shapes.", input::Named::origin);
-  s.text("entry", entry, "Name of the shape in its library; none: the only one there.");
-  s.number("unit", unit, {.unit = "m", .above = 0}, "Length of a unit of the mesh.");
-  s.number("size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
-           "Smallest square hole the stone passes, which scales it (drawn, library, mesh); 0: as "
-           "the file has it.");
+          "Randomly generated stones, as of a bed; for a mesh `vertices` (of each piece, at most), "
+          "`rounding` and `pieces` (at most) are used.");
+  s.integer("seed", seed, {.at_least = 0},
+            "Seed of the random numbers: another seed gives another stone.");
+  s.file("file", file, "Mesh (.stl, .ply, .obj) or library of shapes.", input::FileRole::origin);
+  s.text("entry", entry, "Name of the shape in its library; may be omitted if there is only one.");
+  s.number("unit", unit, {.unit = "m", .above = 0}, "Length unit of the mesh.");
+  s.number(
+      "size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
+      "Smallest square hole the stone passes, which scales it (generated, library, mesh); 0: as "
+      "in the file.");
   declare_rules_of_shape(*this, s);
   declare_idle_of_shape(*this, s);
 }
 
 void StoneParameters::declare(input::Section& s) {
-  s.text("name", name, "Name of the stone in histories, sentences and overrides.", {}, true);
+  s.text("name", name, "Name of the stone in histories, messages and overrides.", {}, true);
   ShapeParameters::declare(s);
-  s.text("material", material, "Contact material, which has the density.");
+  s.text("material", material, "Contact material, which defines the density.");
   s.choice("motion", motion, {"free", "fixed", "driven"},
-           "free: moved by forces; fixed: stays where it is; driven: keeps velocity and spin "
-           "whatever the forces.");
-  s.numbers("position", position, {.unit = "m"}, "Of the centre of mass.", 3);
+           "free: moved by forces; fixed: at rest; driven: constant velocity and spin, independent "
+           "of the forces.");
+  s.numbers("position", position, {.unit = "m"}, "Position of the centre of mass.", 3);
   declare_turn(axis, angle, s);
-  s.numbers("velocity", velocity, {.unit = "m/s"}, "Of the centre of mass, at the begin.", 3);
+  s.numbers("velocity", velocity, {.unit = "m/s"}, "Initial velocity of the centre of mass.", 3);
   s.numbers("spin", spin, {.unit = "rad/s", .usually_from = -1e4, .usually_to = 1e4},
-            "Angular velocity in space axes, at the begin.", 3);
+            "Initial angular velocity in space axes.", 3);
   s.rule(
       "motion",
       motion != MotionKind::fixed || (vector_of(velocity).isZero(0) && vector_of(spin).isZero(0)),
-      "is fixed, but velocity or spin is not zero: take driven",
+      "is fixed, but velocity or spin is not zero; use driven",
       {.reads = {"motion", "velocity", "spin"}});
 }
 
 void PlateParameters::declare(input::Section& s) {
-  s.text("name", name, "Name of the plate in histories, sentences and overrides.", {}, true);
+  s.text("name", name, "Name of the plate in histories, messages and overrides.", {}, true);
   s.text("material", material, "Contact material.");
-  s.numbers("centre", centre, {.unit = "m"}, "Of the rectangle, at time 0.", 3);
-  s.numbers(
-      "normal", normal, {.unit = "-"},
-      "To the side of the stones, of any length: one that reaches it from behind ends the run.", 3);
-  s.numbers("size", size, {.unit = "m", .above = 0},
-            "Lengths of its sides; in a plane the first counts.", 2);
-  s.numbers("edge", edge, {.unit = "-"},
-            "Direction of the first side, as far as it is across the normal; zero: x, or y where "
-            "the normal is along x (space).",
+  s.numbers("centre", centre, {.unit = "m"}, "Centre of the rectangle at time 0.", 3);
+  s.numbers("normal", normal, {.unit = "-"},
+            "Normal towards the stones, of any length; a stone that reaches the plate from behind "
+            "ends the "
+            "run.",
             3);
-  s.numbers("velocity", velocity, {.unit = "m/s"}, "That it keeps whatever presses on it.", 3);
+  s.numbers("size", size, {.unit = "m", .above = 0},
+            "Lengths of its sides; in a plane only the first is used.", 2);
+  s.numbers("edge", edge, {.unit = "-"},
+            "Direction of the first side, of which the component across the normal is used; zero: "
+            "x, or y if the normal is along x (space).",
+            3);
+  s.numbers("velocity", velocity, {.unit = "m/s"},
+            "Velocity, constant and independent of the forces.", 3);
   const Vec3 n = vector_of(normal), e = vector_of(edge);
   s.rule("normal", normal.size() != 3 || n.norm() > 0, "must not be zero");
   constexpr double least = 1e-6;  // sine of the angle between both
@@ -168,15 +175,16 @@ void PlateParameters::declare(input::Section& s) {
 }
 
 void BoxParameters::declare(input::Section& s) {
-  s.text("name", name, "Name of the box in histories, sentences and overrides.", {}, true);
+  s.text("name", name, "Name of the box in histories, messages and overrides.", {}, true);
   s.text("material", material, "Contact material.");
-  s.numbers("low", low, {.unit = "m"}, "Corner of smallest x, y, z, before it is turned.", 3);
-  s.numbers("high", high, {.unit = "m"}, "Corner of largest x, y, z.", 3);
+  s.numbers("low", low, {.unit = "m"}, "Corner of smallest x, y, z, before the rotation.", 3);
+  s.numbers("high", high, {.unit = "m"}, "Corner of largest x, y, z, before the rotation.", 3);
   s.choice("side", side, {"inside", "outside"},
-           "inside: stones are in it; outside: it is a body that stones touch from outside. In a "
+           "inside: a container of stones; outside: a body that stones touch from outside. In a "
            "plane it has no faces across y.");
   declare_turn(axis, angle, s);
-  s.numbers("velocity", velocity, {.unit = "m/s"}, "That it keeps whatever presses on it.", 3);
+  s.numbers("velocity", velocity, {.unit = "m/s"},
+            "Velocity, constant and independent of the forces.", 3);
   s.rule("high",
          low.size() != 3 || high.size() != 3 || (vector_of(high) - vector_of(low)).minCoeff() > 0,
          "must be above `low` in x, y and z", {.reads = {"low", "high"}});

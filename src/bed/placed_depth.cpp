@@ -1,5 +1,6 @@
-// Where stones are in surfaces that contacts do not see. A contact is the closest point of a
-// surface: what is through a plate by more than a radius, or wholly in a body, has none there.
+// Positions of stones within surfaces that contact detection cannot detect. A contact needs the
+// closest point of a surface: a body that is through a plate by more than a radius, or wholly
+// inside a box, has none.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +28,7 @@ Vec3 normal_of(const Polygon& triangle) {
   return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
 }
 
-// What of the polygon is below the plane (Sutherland, Hodgman 1974, doi:10.1145/360767.360802).
+// The part of the polygon below the plane (Sutherland, Hodgman 1974, doi:10.1145/360767.360802).
 Polygon cut_to(const Polygon& polygon, const geom::Face& face) {
   Polygon left;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -45,8 +46,8 @@ bool cuts(const Polygon& triangle, const geom::Convex& core) {
   return !left.empty();
 }
 
-// m, that the piece has to go along the triangle's normal to be in front of it.
-double way_out(const geom::Piece& piece, const Polygon& triangle) {
+// m, displacement along the triangle's normal that brings the piece in front of it.
+double exit_distance(const geom::Piece& piece, const Polygon& triangle) {
   const Vec3 n = normal_of(triangle);
   double deepest = -infinite;
   for (const Vec3& corner : piece.core.vertices)
@@ -54,7 +55,7 @@ double way_out(const geom::Piece& piece, const Polygon& triangle) {
   return deepest + piece.radius;
 }
 
-// Of a plate there is no inside: being behind it does no harm.
+// A plate encloses nothing: a position behind it is allowed.
 bool is_closed(const Surface& surface) { return surface.triangles.size() > 2; }
 
 double depth_of(const geom::Piece& piece, const Surface& surface) {
@@ -62,12 +63,12 @@ double depth_of(const geom::Piece& piece, const Surface& surface) {
   bool enclosed = is_closed(surface);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const Polygon triangle = corners_of(surface, t);
-    const double way = way_out(piece, triangle);
-    if (cuts(triangle, piece.core)) through = std::min(through, way);
+    const double distance = exit_distance(piece, triangle);
+    if (cuts(triangle, piece.core)) through = std::min(through, distance);
     const Vec3 n = normal_of(triangle);
     for (const Vec3& corner : piece.core.vertices)
       enclosed = enclosed && n.dot(corner - triangle[0]) < 0;
-    inside = std::min(inside, way);
+    inside = std::min(inside, distance);
   }
   if (through < infinite) return through;
   return enclosed ? inside : 0;
@@ -75,7 +76,7 @@ double depth_of(const geom::Piece& piece, const Surface& surface) {
 
 }  // namespace
 
-double depth_within(const std::vector<geom::Piece>& pieces, const Surface& surface) {
+double penetration_depth(const std::vector<geom::Piece>& pieces, const Surface& surface) {
   double deepest = 0;
   for (const geom::Piece& piece : pieces) deepest = std::max(deepest, depth_of(piece, surface));
   return deepest;
@@ -91,11 +92,11 @@ std::vector<geom::Piece> pieces_in_space(const PlacedShape& shape, const StonePa
   return pieces;
 }
 
-// The walls of a container are behind each other for nobody: of a body all faces have their inside
-// behind them, of a container any face has what is outside.
+// A point in a container is in front of all its walls, and outside of it behind at least one. A
+// point in a body is behind all its faces.
 bool is_behind(const Vec3& point, const Surface& surface) {
   std::size_t behind = 0;
-  double sum = 0;  // of what the normals point away from; above 0: a body
+  double sum = 0;  // sum of distances along the normals from the middle; above 0: a body
   Vec3 middle = Vec3::Zero();
   for (const Vec3& node : surface.position) middle += node / static_cast<double>(surface.nodes());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -110,8 +111,9 @@ bool is_behind(const Vec3& point, const Surface& surface) {
 
 namespace {
 
-// s, when a point h m above a plane, c m/s away from it and pulled to it by g m/s^2 is in it:
-// the roots of h + c t - g/2 t^2 = 0, the sooner one first if g > 0. Below 0: never.
+// s, times at which a point h m above a plane, with velocity c m/s away from it and acceleration g
+// m/s^2 towards it, reaches the plane: the roots of h + c t - g/2 t^2 = 0, the earlier one first if
+// g > 0. Below 0: never.
 std::array<double, 2> times_in_plane(double h, double c, double g) {
   if (g == 0) return {c != 0 ? -h / c : -1, -1};
   const double square = c * c + 2 * g * h;
@@ -126,7 +128,7 @@ bool is_over(const Polygon& triangle, const Vec3& point) {
   return true;
 }
 
-// m, how far a corner of the piece may be behind a surface and be in contact with it.
+// m, largest depth of a corner behind a surface at which the piece is in contact with it.
 double reach_behind(const geom::Piece& piece) {
   const std::vector<Vec3>& corners = piece.core.vertices;
   Vec3 middle = Vec3::Zero();
@@ -138,11 +140,11 @@ double reach_behind(const geom::Piece& piece) {
 
 }  // namespace
 
-// Each corner along its parabola, with the ball around it; the first triangle counts, whichever
-// side it shows.
-std::optional<Reached> reached_first(const std::vector<geom::Piece>& pieces, const Flight& flight,
-                                     const PlacedSurfaces& placed, double until) {
-  std::optional<Reached> first;
+// Each corner with its sphere follows its parabola; the first triangle it reaches from either side
+// counts.
+std::optional<Impact> first_impact(const std::vector<geom::Piece>& pieces, const Flight& flight,
+                                   const PlacedSurfaces& placed, double until) {
+  std::optional<Impact> first;
   const auto follow = [&](const Vec3& corner, double radius, double behind, std::size_t k,
                           const Polygon& triangle) {
     const Vec3 n = normal_of(triangle), velocity = flight.velocity - placed.velocity(k);
@@ -150,8 +152,8 @@ std::optional<Reached> reached_first(const std::vector<geom::Piece>& pieces, con
     const double g = flight.gravity * n.z();
     for (const bool from_behind : {false, true}) {
       for (const double time : times_in_plane(from_behind ? h + behind : h - radius, c, g)) {
-        const bool rises = c - g * time > 0;
-        if (rises != from_behind || !(time > 0)) continue;
+        const bool along_normal = c - g * time > 0;
+        if (along_normal != from_behind || !(time > 0)) continue;
         if (time > (first ? std::min(until, first->time) : until)) continue;
         const Vec3 fall(0, 0, -flight.gravity * time * time / 2);
         if (is_over(triangle, corner + time * velocity + fall)) first = {k, time, from_behind};

@@ -1,7 +1,7 @@
-// Plates and boxes as triangles, which move as their velocities say.
+// Plates and boxes as triangles that move with constant velocities.
 //
-// Nodes are placed anew from where they began in each window: positions follow from the time alone,
-// so they are no part of a run's state, and rounding cannot bend a plate.
+// Nodes are computed from their initial positions in each window: positions depend on the time
+// alone, so they are not part of the state of a run, and rounding cannot deform a plate.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,8 @@ namespace trackbed::bed {
 
 namespace {
 
-// Where a plane model's surfaces end across it: stones lie in y = 0, beyond their reach.
+// Half the extent of surfaces across a plane model: their edges must be out of reach of the stones
+// in y = 0.
 double half_across(double thickness) { return thickness / 2 + beyond; }
 
 Surface plate_of(const PlateParameters& p, int material, Dimension dimension, double thickness) {
@@ -71,15 +72,15 @@ PlacedSurfaces::PlacedSurfaces(const std::vector<PlateParameters>& plates,
 }
 
 void PlacedSurfaces::add(Surface surface, const std::vector<double>& velocity) {
-  home_.push_back(surface.position);
+  initial_.push_back(surface.position);
   velocity_.push_back(vector_of(velocity));
   surfaces_.push_back(std::move(surface));
 }
 
-void PlacedSurfaces::show(double time, double dt) {
+void PlacedSurfaces::update(double time, double dt) {
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
-    for (std::size_t n = 0; n < home_[k].size(); ++n) {
-      surfaces_[k].position[n] = home_[k][n] + time * velocity_[k];
+    for (std::size_t n = 0; n < initial_[k].size(); ++n) {
+      surfaces_[k].position[n] = initial_[k][n] + time * velocity_[k];
       surfaces_[k].motion[n] = dt * velocity_[k];
     }
 }

@@ -8,7 +8,7 @@
 
 namespace trackbed::bed {
 
-// Corner and two edges; the normal (side of the stones) is first x second.
+// Corner and two edges; the normal (towards the stones) is first x second.
 Surface plate(const std::string& name, int material, const Vec3& corner, const Vec3& first,
               const Vec3& second);
 
@@ -16,13 +16,14 @@ Surface plate(const std::string& name, int material, const Vec3& corner, const V
 struct Footprint {
   Vec3 low, high;  // m, z = 0
   double area() const { return (high.x() - low.x()) * (high.y() - low.y()); }
-  // Larger by `margin` on all sides, so that the edges of plates lie beyond other plates.
+  // Larger by `margin` on all sides, so that the edges of plates are beyond other plates.
   Footprint grown(double margin) const {
     return {low - Vec3(margin, margin, 0), high + Vec3(margin, margin, 0)};
   }
 };
 
-// m: more than a stone may stick out over a periodic side, whose home image alone feels surfaces.
+// m: more than a stone may extend beyond a periodic side, since only its home image is in contact
+// with surfaces.
 inline constexpr double beyond = 0.25;
 
 }  // namespace trackbed::bed

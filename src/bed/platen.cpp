@@ -1,4 +1,5 @@
-// A plate on the bed under a servo (servo.cpp). Level at all times: its state is a height.
+// A plate on the bed controlled by a servo (servo.cpp). It remains horizontal: its state is a
+// height.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,8 +13,8 @@
 
 namespace trackbed::bed {
 
-// Larger than the bed, so that no stone finds its edge; the pressure counts the bed's area alone.
-// The order of the edges makes the normal point down, to the stones.
+// Larger than the bed, so that no stone touches its edge; the pressure refers to the area of the
+// bed. The order of the edges makes the normal point down, towards the stones.
 Platen::Platen(const PlatenParameters& parameters, const Container& container, int material)
     : parameters_(parameters), area_(container.area()) {
   const Footprint outside =
@@ -26,15 +27,15 @@ Surface& Platen::surface() { return surface_; }
 double Platen::pressure() const { return servo_.mean() / area_; }
 double Platen::z() const { return z_; }
 bool Platen::steady() const { return servo_.steady_for() >= parameters_.hold; }
-void Platen::cover(double area) { area_ = area; }
+void Platen::set_area(double area) { area_ = area; }
 
-void Platen::aim(double pressure, bool follows) {
+void Platen::set_target(double pressure, bool integral) {
   parameters_.pressure = pressure;
-  follows_ = follows;
-  servo_.aim();
+  integral_ = integral;
+  servo_.retarget();
 }
 
-// With numbers: whether to wait longer or to change the bed is the user's to judge.
+// With values, from which the user can decide whether to wait longer or to change the bed.
 std::string Platen::shortfall() const {
   if (steady()) return {};
   return fmt::format(
@@ -44,55 +45,57 @@ std::string Platen::shortfall() const {
       servo_.steady_for(), parameters_.hold);
 }
 
-// All nodes alike: the plate stays level.
-void Platen::show(double motion) {
+// All nodes have the same motion: the plate remains horizontal.
+void Platen::set_motion(double motion) {
   for (Vec3& node : surface_.position) node.z() = z_;
   for (Vec3& node : surface_.motion) node = Vec3(0, 0, motion);
 }
 
 void Platen::place(double z) {
-  servo_.rest();
-  z_ = z, shaken_ = 0;
-  show(0);
+  servo_.reset();
+  z_ = z, vibration_time_ = 0;
+  set_motion(0);
 }
 
-// m, upwards, in this window. x = A sin(2 pi f t) min(1, t f): the first period grows, since a jump
-// of speed would be a blow. Where it stops it leaves the plate: the servo goes on from there.
-double Platen::shake(double dt) {
-  if (parameters_.vibration <= 0 || follows_) return 0;
+// m, upwards, in this window. x = A sin(2 pi f t) min(1, t f): the amplitude increases in the first
+// period, since a jump of speed would cause an impact. When it stops, the plate keeps its position,
+// from which the servo continues.
+double Platen::vibration_increment(double dt) {
+  if (parameters_.vibration <= 0 || integral_) return 0;
   const double f = parameters_.frequency;
-  const auto place = [&](double t) {
+  const auto displacement = [&](double t) {
     return parameters_.vibration * std::sin(2 * std::numbers::pi * f * t) * std::min(1.0, t * f);
   };
-  const double before = place(shaken_);
-  shaken_ += dt;
-  return place(shaken_) - before;
+  const double before = displacement(vibration_time_);
+  vibration_time_ += dt;
+  return displacement(vibration_time_) - before;
 }
 
 // Local; every rank has the same force and so the same motion.
 void Platen::advance(double dt, double force_up) {
-  const Servo::Mode mode{.follows = follows_, .vibrates = parameters_.vibration > 0 && !follows_};
-  const double way = servo_.advance(parameters_, dt, force_up, parameters_.pressure * area_, mode);
-  const double motion = -way + shake(dt);
-  show(motion);
+  const Servo::Mode mode{.integral = integral_,
+                         .vibrates = parameters_.vibration > 0 && !integral_};
+  const double down = servo_.advance(parameters_, dt, force_up, parameters_.pressure * area_, mode);
+  const double motion = -down + vibration_increment(dt);
+  set_motion(motion);
   z_ += motion;
 }
 
 void Platen::drive(double dt, double down, double force_up) {
   servo_.drive(parameters_, dt, force_up, down);
-  show(-down);
+  set_motion(-down);
   z_ -= down;
 }
 
-// The state: that of the servo, then z (m) and shaken (s).
+// The state: that of the servo, then z (m) and the time of vibration (s).
 void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
   const Servo::Row servo = servo_.row();
   std::vector<double> row(servo.begin(), servo.end());
-  row.insert(row.end(), {z_, shaken_});
+  row.insert(row.end(), {z_, vibration_time_});
   const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
   file.write<double>(group + "/servo", mine, row.size(),
                      {std::string(Servo::units) + ", m, s",
-                      std::string(Servo::columns) + ", z (m), shaken for (s)"});
+                      std::string(Servo::columns) + ", z (m), time of vibration (s)"});
 }
 
 void Platen::load(const io::File& file, const std::string& group) {
@@ -102,8 +105,8 @@ void Platen::load(const io::File& file, const std::string& group) {
     throw RunError(group + "/servo does not hold the state of a platen");
   std::copy_n(row.begin(), servo.size(), servo.begin());
   servo_.set(servo);
-  z_ = row[servo.size()], shaken_ = row[servo.size() + 1];
-  show(0);
+  z_ = row[servo.size()], vibration_time_ = row[servo.size() + 1];
+  set_motion(0);
 }
 
 }  // namespace trackbed::bed

@@ -1,7 +1,7 @@
 // Irregular stones in space: rounded polyhedra, whole, in convex pieces, or filled with spheres.
 //
-// All three kinds are made of the same polyhedra, so that what the kind of contact does to a bed
-// can be told from what the shape does.
+// All three kinds are generated from the same polyhedra, so that the effect of the contact model on
+// a bed can be distinguished from the effect of the shape.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 constexpr int cells = 192;  // columns across a union of spheres
 
 dem::Template compound(const geom::Piece& whole, int parts) {
-  // Slices of the core, each swept by the ball of the whole: together they are the same stone, so
+  // Slices of the core, each swept by the sphere of the whole: their union is the same stone, so
   // its mass and its sieve size are exact.
   std::vector<geom::Piece> pieces;
   for (const geom::Convex& part : geom::sliced(whole.core, parts))
@@ -28,13 +28,13 @@ dem::Template compound(const geom::Piece& whole, int parts) {
   return geom::template_of(pieces, geom::piece_solid(whole), geom::smallest_hole({whole}));
 }
 
-// Of the rounded surface, as spheres inside the core alone would be too small.
+// Spheres fill the rounded surface; inside the core alone they would be too small.
 dem::Template filled(const geom::Piece& whole, int spheres) {
   const auto made = geom::clump(geom::surface_of(whole), spheres).spheres;
   return geom::template_of(balls(made), geom::union_solid(made, cells), geom::smallest_hole(made));
 }
 
-// Evenly spread over the templates, ends included.
+// Evenly distributed over the templates, ends included.
 int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t shapes) {
   const auto least = static_cast<std::int64_t>(range[0]);
   const auto kinds = static_cast<std::int64_t>(range[1]) - least + 1;
@@ -46,34 +46,39 @@ int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t sh
 void PolyhedronParameters::declare(input::Section& s) {
   s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
             "Corners of a stone; its faces are triangles, twice as many less four.");
-  constexpr double most = 0.995;  // nearer to 1 no stretching of many corners gets
+  constexpr double most = 0.995;  // the largest value that stretching of many corners attains
   s.number(
       "elongation", elongation, {.above = 0, .at_most = most},
-      "Width over length (I/L) of the stone, rounding included, between callipers: thickness S "
-      "is its smallest distance of parallel jaws, width I the smallest at right angles to "
+      "Width over length (I/L) of the stone, rounding included, measured by callipers: thickness S "
+      "is the smallest distance of parallel jaws, width I the smallest one at right angles to "
       "it, length L at right angles to both. Above about 0.95 there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = most},
-           "Thickness over width (S/I), measured likewise.");
+           "Thickness over width (S/I), measured in the same way.");
   s.number(
       "spread", spread, {.at_least = 0, .at_most = 0.5},
-      "Scatter of elongation and flatness over the shapes: each is drawn evenly from the wanted "
-      "value +- this; what is drawn below 0.1 becomes 0.1, what is drawn above 0.95 becomes 0.95 "
-      "(of elongation 0.85 +- 0.23 that is 28 % of the stones). 0: all shapes have just the "
-      "proportions asked for.");
+      "Scatter of elongation and flatness over the shapes: each is uniformly distributed over the "
+      "specified value +- this; values below 0.1 become 0.1, values above 0.95 become 0.95 (with "
+      "elongation 0.85 +- 0.23 for 28 % of the stones). 0: all shapes have exactly the specified "
+      "proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
-           "0: corners evenly spread over an ellipsoid; 1: a worn polyhedron of few main corners.");
-  s.number("rounding", rounding, {.above = 0, .at_most = 0.2},
-           "Radius of edges and corners over the diameter of the ball of the same volume, "
-           "which is kept.");
+           "0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with few main "
+           "corners.");
+  s.number(
+      "rounding", rounding, {.above = 0, .at_most = 0.2},
+      "Radius of edges and corners over the diameter of the sphere of equal volume; the volume "
+      "is kept.");
   s.integer("pieces", pieces, {.at_least = 2, .at_most = 100},
             "Convex pieces of equal volume that a stone is cut into (compound).");
   s.numbers("spheres", spheres, {.at_least = 1, .at_most = 200},
-            "Fewest and most spheres in a stone; spread evenly over the shapes (clump).", 2);
-  s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1], "must not fall");
+            "Smallest and largest number of spheres in a stone, evenly distributed over the shapes "
+            "(clump).",
+            2);
+  s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1],
+         "must be two numbers that do not decrease");
 }
 
-// The seed of template k is a hash of both, so that more shapes leave the polyhedra there are as
-// they were.
+// The seed of template k is a hash of both, so that a larger number of shapes does not change the
+// existing polyhedra.
 dem::Template polyhedron_shape(const BedParameters& parameters, std::int64_t k) {
   const PolyhedronParameters& p = parameters.polyhedron;
   const std::uint64_t seed =
@@ -91,7 +96,7 @@ dem::Template polyhedron_stone(const BedParameters& parameters, std::int64_t k) 
   try {
     return polyhedron_shape(parameters, k);
   } catch (const std::invalid_argument& why) {
-    throw InputError({fmt::format("bed.polyhedron makes no stone: {}", why.what())});
+    throw InputError({fmt::format("bed.polyhedron: no stone can be generated: {}", why.what())});
   }
 }
 

@@ -1,7 +1,7 @@
 // Stones as templates: round ones, rings of disks along outlines, clumps of given spheres.
 //
-// Templates have about unit size; the grading scales them. Outlines are the exception: they are
-// made at their size, since pebbles have one radius in all stones.
+// Templates have about unit size and are scaled by the grading. Outlines are the exception: they
+// are generated at their size, since pebbles have one radius in all stones.
 #include "shapes.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// m, from surface to surface; all pairs, of a few dozen.
+// m, between surfaces; over all pairs of a few dozen spheres.
 double largest_extent(const std::vector<geom::Sphere>& spheres) {
   double largest = 0;
   for (const auto& a : spheres)
@@ -41,11 +41,10 @@ std::vector<geom::Piece> balls(const std::vector<geom::Sphere>& spheres) {
   return pieces;
 }
 
-// Disks touch the outline from within and so cut its corners; the outline is enlarged until the
-// disks, which are what passes a sieve, have the wanted size.
-// Each pass adds the missing width to the outline. The slot of the disks has small jumps, as disks
-// come and go along an edge: what is not met after `passes` is taken as it is, with its true sieve
-// size.
+// Disks touch the outline from inside and so cut off its corners; the outline is enlarged until the
+// disks, which determine the sieve size, have the required size. Each pass adds the missing width
+// to the outline. The slot of the disks has small jumps, as disks appear or vanish along an edge:
+// after `passes` the stone is accepted with its actual sieve size.
 dem::Template outline_stone(const BedParameters& parameters, double size, std::uint64_t seed) {
   constexpr int passes = 30;
   constexpr double close = 1e-6;
@@ -78,7 +77,7 @@ dem::Template round_stone(Dimension dimension) {
   return shape;
 }
 
-// Any unit goes: the stone is scaled to an extent of 1 m. In a plane y is dropped.
+// In any length unit: the stone is scaled to an extent of 1 m. In a plane y is ignored.
 dem::Template clump_stone(const BedParameters& parameters, Dimension dimension) {
   const bool plane = dimension == Dimension::plane;
   std::vector<geom::Sphere> spheres;
@@ -86,7 +85,7 @@ dem::Template clump_stone(const BedParameters& parameters, Dimension dimension) 
     const double* given = &parameters.clump[k];
     spheres.push_back({Vec3(given[0], plane ? 0 : given[1], given[2]), given[3]});
   }
-  if (spheres.empty()) throw InputError({"bed.clump holds no sphere"});
+  if (spheres.empty()) throw InputError({"bed.clump contains no sphere"});
   const double extent = largest_extent(spheres);
   for (auto& s : spheres) s.centre /= extent, s.radius /= extent;
   constexpr int cells = 192;

@@ -1,13 +1,13 @@
-// Tamping as the machines do it: tines vibrate at about 35 Hz (Shi et al. 2020,
-// doi:10.1016/j.compgeo.2020.103574), go in, squeeze, and come out while they open.
+// Tamping as by the machines: tines vibrate at about 35 Hz (Shi et al. 2020,
+// doi:10.1016/j.compgeo.2020.103574), are inserted, squeeze, and are withdrawn while they open.
 //
-// Insertion and squeeze yield to the resistance of stones; the vibration does not, as an eccentric
-// shaft makes it. A tine is a box as long as it needs to stay out of the bed at its upper end;
-// shank and plate are not told apart. With a way that is given whatever resists, pebbles jammed
-// between a tine and a sleeper were pressed into them by as much as the deck allowed.
+// Insertion and squeeze yield to the resistance of stones; the vibration does not, since an
+// eccentric shaft drives it. A tine is a box long enough to keep its upper end out of the bed;
+// shank and plate are not distinguished. Rejected: prescribed displacements, with which pebbles
+// jammed between a tine and a sleeper overlapped them without limit.
 //
 // Cost: 8 nodes and 12 triangles for each tine. All sleepers are tamped at once; one after the
-// other as in the field is left out, since it would take as many times as long.
+// other as in the field would take as many times as long.
 #include "trackbed/bed/tamping.hpp"
 
 #include <fmt/format.h>
@@ -22,15 +22,15 @@ namespace trackbed::bed {
 
 namespace {
 
-// m: of the tips above the highest stone at the begin, and of the other ends when they are deepest.
+// m: of the tips above the highest stone initially, and of the upper ends at the lowest position.
 constexpr double clear = 0.05;
 
-// 0 to 1 without a jump of speed.
-double eased(double share) {
-  return (1 - std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
+// Increases from 0 to 1 without a jump of speed.
+double eased(double fraction) {
+  return (1 - std::cos(std::numbers::pi * std::clamp(fraction, 0.0, 1.0))) / 2;
 }
 
-// Corners as bits: x, y, z. Triangles turn counter-clockwise seen from outside.
+// Corners as bits: x, y, z. Triangles are counter-clockwise seen from outside.
 constexpr std::array<std::array<std::int32_t, 3>, 12> faces = {{{0, 2, 3},
                                                                 {0, 3, 1},
                                                                 {4, 5, 7},
@@ -58,36 +58,36 @@ void add_box(Surface& surface, const Vec3& low, const Vec3& size) {
 }  // namespace
 
 void TampingParameters::declare(input::Section& s) {
-  s.number("lift", lift, {.unit = "m", .at_least = 0, .usually_to = 0.1},
-           "How far the sleepers are lifted while the tines go in for the first time; they are "
-           "held there until the stage ends.");
+  s.number(
+      "lift", lift, {.unit = "m", .at_least = 0, .usually_to = 0.1},
+      "Lift of the sleepers during the first insertion of the tines; they are held there until "
+      "the stage ends.");
   s.number("depth", depth, {.unit = "m", .above = 0, .usually_to = 0.3},
-           "Of the tips below the lower faces of the lifted sleepers.");
+           "Depth of the tips below the lower faces of the lifted sleepers.");
   s.number("gap", gap, {.unit = "m", .above = 0, .usually_to = 0.3},
-           "From a sleeper's face to the open tines beside it.");
+           "Distance from a sleeper's face to the open tines beside it.");
   s.number("closing", closing, {.unit = "m", .at_least = 0, .usually_to = 0.2},
-           "Way of each tine towards the sleeper while it squeezes.");
+           "Displacement of each tine towards the sleeper during squeezing.");
   s.number("thickness", thickness, {.unit = "m", .at_least = 5e-3, .usually_to = 0.1},
-           "Of a tine along the track.");
+           "Thickness of a tine along the track.");
   s.number("width", width, {.unit = "m", .above = 0, .usually_to = 0.3},
-           "Of a tine across the track (space).");
-  s.numbers("y", y, {.unit = "m"}, "Centres of the tines beside a sleeper (space).");
+           "Width of a tine across the track (space).");
+  s.numbers("y", y, {.unit = "m"}, "y of the centres of the tines beside a sleeper (space).");
   s.number("amplitude", amplitude, {.unit = "m", .at_least = 0, .usually_to = 0.02},
-           "Of the vibration along the track.");
+           "Amplitude of the vibration along the track.");
   s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
-           "Of the vibration.");
+           "Frequency of the vibration.");
   s.number("insertion", insertion, {.unit = "s", .above = 0, .usually_to = 5},
-           "Time in which the tines go in.");
+           "Duration of the insertion of the tines.");
   s.number("squeeze", squeeze, {.unit = "s", .above = 0, .usually_to = 5},
-           "Time in which they close.");
+           "Duration of the closing of the tines.");
   s.number("withdrawal", withdrawal, {.unit = "s", .above = 0, .usually_to = 5},
-           "Time in which they come out and open.");
+           "Duration of the withdrawal and opening of the tines.");
   s.number("force", force, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e5},
-           "Resistance of stones to one tine, to going in or to closing, at which it stands; it "
-           "slows down in proportion.");
+           "Resistance of the stones to insertion or closing of one tine at which it stops; its "
+           "speed decreases in proportion to the resistance.");
   s.rule("closing", closing + amplitude <= gap,
-         fmt::format("and amplitude are more than the gap of {:g} m: tines would hit the sleeper",
-                     gap),
+         fmt::format("and amplitude exceed the gap of {:g} m: tines would hit the sleeper", gap),
          {.reads = {"closing", "amplitude", "gap"}});
 }
 
@@ -112,29 +112,30 @@ Tines::Tines(const TampingParameters& parameters, const TampedSleepers& sleepers
       }
     surface.motion.assign(surface.nodes(), Vec3::Zero());
     surface.clear_load();
-    home_[side] = surface.position;
+    initial_[side] = surface.position;
   }
 }
 
-// Upper nodes, at 1 m, go up or down with the length of the tines.
-void Tines::aim(double top, double underside) {
-  told_ = {top, underside};
+// Upper nodes, at 1 m, are moved to the length of the tines.
+void Tines::set_heights(double top, double underside) {
+  heights_ = {top, underside};
   top_ = top + clear, foot_ = underside - parameters_.depth;
   const double length = top_ - foot_ + clear;
-  for (std::vector<Vec3>& nodes : home_)
+  for (std::vector<Vec3>& nodes : initial_)
     for (Vec3& node : nodes)
       if (node.z() > 0) node.z() = length;
   show_at_rest(0);
 }
 
-// m, towards the sleeper: a sine that grows in its first period, so that it begins without a blow.
-double Tines::shaken(double time) const {
+// m, towards the sleeper: a sine whose amplitude increases in its first period, to avoid an impact.
+double Tines::vibration(double time) const {
   const double turns = parameters_.frequency * time;
   return parameters_.amplitude * std::min(1.0, turns) * std::sin(2 * std::numbers::pi * turns);
 }
 
-// Cycles follow each other. Out of the bed the ways shrink to nothing in proportion, wherever they
-// had come to: with s the share of the withdrawal that is over, by (1 - s(t + dt))/(1 - s(t)).
+// Cycles follow each other. During the withdrawal the displacements decrease to zero in proportion
+// from whatever values they reached: with s the completed fraction of the withdrawal, by the factor
+// (1 - s(t + dt))/(1 - s(t)).
 void Tines::move(Frame& frame, double time, double dt,
                  const std::array<Vec3, 2>& resistance) const {
   const TampingParameters& p = parameters_;
@@ -142,34 +143,35 @@ void Tines::move(Frame& frame, double time, double dt,
   const auto grown = [&](double begin, double length) {
     return eased((t + dt - begin) / length) - eased((t - begin) / length);
   };
-  // Also backwards, where more presses than the drive can hold.
+  // Negative speed if the resistance exceeds the capacity of the drive.
   const double most = p.force * static_cast<double>(rows_);
-  const auto yields = [](double share) { return 1 - std::clamp(share, 0.0, 2.0); };
+  const auto speed_factor = [](double ratio) { return 1 - std::clamp(ratio, 0.0, 2.0); };
   frame.down += (top_ - foot_) * grown(0, p.insertion) *
-                yields((resistance[0].z() + resistance[1].z()) / (2 * most));
+                speed_factor((resistance[0].z() + resistance[1].z()) / (2 * most));
   for (std::size_t side = 0; side < 2; ++side) {
     const double outwards = (side == 0 ? -1 : 1) * resistance[side].x();
-    frame.in[side] += p.closing * grown(p.insertion, p.squeeze) * yields(outwards / most);
+    frame.in[side] += p.closing * grown(p.insertion, p.squeeze) * speed_factor(outwards / most);
   }
   const double out = p.insertion + p.squeeze, left = 1 - eased((t - out) / p.withdrawal);
   const double shrunk = left > 0 ? (1 - eased((t + dt - out) / p.withdrawal)) / left : 0;
   frame.down *= shrunk, frame.in[0] *= shrunk, frame.in[1] *= shrunk;
 }
 
-Vec3 Tines::way_of(const Frame& frame, std::size_t side, double shaken) const {
-  const double in = frame.in[side] + shaken;
+Vec3 Tines::displacement_of(const Frame& frame, std::size_t side, double vibration) const {
+  const double in = frame.in[side] + vibration;
   return {side == 0 ? in : -in, 0, top_ - frame.down};
 }
 
-// Of one sleeper, for a window that begins at one frame and vibration and ends at others.
+// Sets the tines of one sleeper for a window between two positions of frame and vibration.
 void Tines::place(std::size_t sleeper, const Frame& begin, const Frame& end,
-                  const std::array<double, 2>& shaken) {
+                  const std::array<double, 2>& vibration) {
   const std::size_t each = corners * rows_;
   for (std::size_t side = 0; side < 2; ++side) {
     Surface& surface = surfaces_[side];
-    const Vec3 from = way_of(begin, side, shaken[0]), to = way_of(end, side, shaken[1]);
+    const Vec3 from = displacement_of(begin, side, vibration[0]),
+               to = displacement_of(end, side, vibration[1]);
     for (std::size_t n = sleeper * each; n < (sleeper + 1) * each; ++n)
-      surface.position[n] = home_[side][n] + from, surface.motion[n] = to - from;
+      surface.position[n] = initial_[side][n] + from, surface.motion[n] = to - from;
   }
 }
 
@@ -181,13 +183,13 @@ void Tines::advance(double time, double dt, const std::array<std::span<const Vec
       for (const Vec3& node : force[side].subspan(s * each, each)) resistance[side] += node;
     const Frame begin = frames_[s];
     move(frames_[s], time, dt, resistance);
-    place(s, begin, frames_[s], {shaken(time), shaken(time + dt)});
+    place(s, begin, frames_[s], {vibration(time), vibration(time + dt)});
   }
 }
 
 void Tines::show_at_rest(double time) {
   for (std::size_t s = 0; s < frames_.size(); ++s)
-    place(s, frames_[s], frames_[s], {shaken(time), shaken(time)});
+    place(s, frames_[s], frames_[s], {vibration(time), vibration(time)});
 }
 
 double Tines::lift(double time) const {
@@ -197,27 +199,29 @@ double Tines::lift(double time) const {
 Vec3 Tines::displacement(const std::string& name) const {
   const std::size_t side = name == names()[0] ? 0 : 1;
   Vec3 sum = Vec3::Zero();
-  for (const Frame& frame : frames_) sum += way_of(frame, side, 0) - Vec3(0, 0, top_);
+  for (const Frame& frame : frames_) sum += displacement_of(frame, side, 0) - Vec3(0, 0, top_);
   return sum / static_cast<double>(frames_.size());
 }
 
-// The state: heights told, then down, in left and in right of each sleeper's frame, m.
+// The state: the two heights, then down, in left and in right of each sleeper's frame, m.
 void Tines::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  std::vector<double> row(told_.begin(), told_.end());
+  std::vector<double> row(heights_.begin(), heights_.end());
   for (const Frame& frame : frames_) row.insert(row.end(), {frame.down, frame.in[0], frame.in[1]});
-  file.write<double>(group + "/state", std::span(row).first(comm.root() ? row.size() : 0), 1,
-                     {"m",
-                      "highest stone when the tines came, lower faces of lifted sleepers; of each "
-                      "sleeper: how far its tines are down, in on the left, in on the right"});
+  file.write<double>(
+      group + "/state", std::span(row).first(comm.root() ? row.size() : 0), 1,
+      {"m",
+       "highest stone before the first insertion, lower faces of lifted sleepers; of "
+       "each sleeper: displacement of its tines down, in on the left, in on the "
+       "right"});
 }
 
 void Tines::load(const io::File& file, const std::string& group) {
   const auto row = file.read_all<double>(group + "/state");
-  if (row.size() != told_.size() + 3 * frames_.size())
+  if (row.size() != heights_.size() + 3 * frames_.size())
     throw RunError(group + "/state does not hold the state of these tines");
-  aim(row[0], row[1]);
+  set_heights(row[0], row[1]);
   for (std::size_t s = 0; s < frames_.size(); ++s) {
-    const double* values = &row[told_.size() + 3 * s];
+    const double* values = &row[heights_.size() + 3 * s];
     frames_[s] = {.down = values[0], .in = {values[1], values[2]}};
   }
 }

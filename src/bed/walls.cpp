@@ -1,10 +1,10 @@
-// Floor and walls of a container as triangles: the coupler and the contacts know triangles only,
-// and a second kind of wall would be a second code for the same contact.
+// Floor and walls of a container as triangles: coupling and contacts use triangles only, and
+// another kind of wall would need a second implementation of the same contact.
 //
-// Every wall is a profile (out of the bed, up) led along a path on the ground: two points for a
-// flat wall, a polygon for a cylinder. So box, cylinder, rims of halves and boards come from one
-// function. Cost: nodes of path times nodes of profile, a few hundred at most. Rejected: a smooth
-// cylinder as an analytic shape, since stones of many corners know distances to triangles alone.
+// Every wall is a profile (outwards, upwards) swept along a horizontal path: two points for a flat
+// wall, a polygon for a cylinder. So one function generates boxes, cylinders, rims of halves and
+// boards. Cost: nodes of path times nodes of profile, a few hundred at most. Rejected: a smooth
+// cylinder as an analytic shape, since the distance of polyhedra is computed to triangles only.
 // Walls of a box that never move are plain rectangles.
 #include <algorithm>
 #include <cmath>
@@ -17,24 +17,24 @@ namespace trackbed::bed {
 
 namespace {
 
-// m: thicker than half a stone's corner may be behind a surface before it is lost.
+// m: exceeds the depth (half a stone) behind a surface at which a contact is lost.
 constexpr double board = 0.05;
-// m: boards end this far below the floor, so that their lower face touches nothing on it.
+// m: boards end this far below the floor, so that their lower face touches no stone on it.
 constexpr double below_floor = 0.01;
 
-// Nodes of a wall on the ground, with the stones to the left of the way; `outward` is the step from
-// a node that takes the wall 1 m away from them.
+// Nodes of a wall at z = 0, with the stones on the left of the path; `outward` is the step at a
+// node that displaces the wall by 1 m away from them.
 struct Path {
   std::vector<Vec3> at, outward;  // m, -
   bool closed = false;
 };
 
-// How far out of the bed and how high, m, along the section of a wall: from the top down on the
-// side of the stones.
+// The section of a wall: distance outwards and height, m, from the top down on the side of the
+// stones.
 using Profile = std::vector<std::array<double, 2>>;
 
-// Two triangles for each piece of path and profile. The way along the path, then down the profile:
-// the normal of the two is to the left of the path, where the stones are.
+// Two triangles for each piece of path and profile. The direction along the path, then down the
+// profile: the normal is to the left of the path, towards the stones.
 Surface wall(const std::string& name, int material, const Path& path, const Profile& profile) {
   Surface surface;
   surface.name = name;
@@ -56,8 +56,8 @@ Surface wall(const std::string& name, int material, const Path& path, const Prof
   return surface;
 }
 
-// Anticlockwise seen from above, so the stones are to the left. At a corner of the polygon the way
-// out is longer, so that faces stay parallel to those inside.
+// Anticlockwise seen from above, so the stones are on the left. At a corner of the polygon the
+// outward step is longer, so that outer faces are parallel to the inner ones.
 Path around(const Container& c) {
   Path path;
   path.closed = true;
@@ -100,8 +100,8 @@ std::vector<NamedPath> sides(const Container& c, double past) {
   return all;
 }
 
-// The rim of a half begins where the halves meet and leads outwards: below the upper half, above
-// the lower one.
+// The rim of a half begins at the division and extends outwards: below the upper half, above the
+// lower one.
 void add_halves(std::vector<Surface>& all, const NamedPath& side, const Container& c, double height,
                 int material, double foot) {
   const double rim = c.beside + beyond;
@@ -113,7 +113,7 @@ void add_halves(std::vector<Surface>& all, const NamedPath& side, const Containe
 
 }  // namespace
 
-// Counter-clockwise seen from the side of the stones, which is where normals point.
+// Counter-clockwise seen from the side of the stones, to which normals point.
 Surface plate(const std::string& name, int material, const Vec3& corner, const Vec3& first,
               const Vec3& second) {
   Surface surface;
@@ -126,7 +126,7 @@ Surface plate(const std::string& name, int material, const Vec3& corner, const V
   return surface;
 }
 
-// A plane model lies around y = 0.
+// A plane model is centred on y = 0.
 Container::Container(const dem::Domain& domain)
     : dimension(domain.dimension),
       periodic{domain.periodic[0], domain.periodic[1]},
@@ -149,7 +149,7 @@ double Container::area() const {
 
 namespace {
 
-// Up to `height` m, foot below the ground; they reach beyond the bed on all sides.
+// Up to `height`, m, with the foot below the ground; they extend beyond the bed on all sides.
 void add_rectangles(std::vector<Surface>& all, const Container& c, double height, int material) {
   const Footprint inside{c.low, c.high}, outside = inside.grown(beyond);
   const Vec3 size = outside.high - outside.low;
@@ -186,8 +186,8 @@ void add_profiles(std::vector<Surface>& all, const Container& c, double height, 
 
 }  // namespace
 
-// Names are found again in checkpoints. Walls go down to where the domain ends: the ground below
-// may settle. Boards stand on the floor, so that they clear it as soon as they are lifted.
+// Names are used in checkpoints. Walls extend down to the end of the domain, since the ground below
+// may settle. Boards end just below the floor, so that they clear it as soon as they are lifted.
 std::vector<Surface> walls(const Container& container, double height, int material, bool floor) {
   std::vector<Surface> all;
   if (floor) {

@@ -1,6 +1,9 @@
-// How trouble becomes text. The line breaks stay in the message, so that whoever prints what()
-// shows one problem per line and need not know that there are several.
+// Formatting of errors. The message contains the line breaks, so that callers that print what()
+// show one problem per line.
 #include "trackbed/core/error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -9,26 +12,21 @@ namespace trackbed {
 
 namespace {
 
-// All problems in one text: a deck is mended in one go, not one problem per run. No line feed at
-// the end; whoever prints adds what follows.
+// All problems in one text, so that a deck can be corrected in one pass. There is no line feed at
+// the end.
 std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) {
-    if (!text.empty()) text += '\n';
-    text += line;
-  }
-  return text;
+  return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 }  // namespace
 
-// The base class comes first: it reads the list before the list is moved away.
+// The base class is initialised first: it reads the list before the list is moved.
 InputError::InputError(std::vector<std::string> problems)
     : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
-// abort, not an exception: the state can no longer be trusted, so nothing may be written from it,
-// and under MPI the launcher ends the other ranks as soon as one dies by a signal. stdio, because
-// nothing here may fail or allocate.
+// abort, not an exception: the state is no longer reliable, so nothing may be written from it, and
+// under MPI the launcher ends the other ranks as soon as one is ended by a signal. stdio is used
+// because nothing may fail or allocate here.
 void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "trackbed: broken invariant: %s\n", what);

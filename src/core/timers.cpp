@@ -1,12 +1,13 @@
-// Names of the verbs in the timer table and in summary.json. A name with a colon is a share of the
-// verb before it, not to be added to it.
+// Names of the phases in the timer table and in summary.json. The time of a name with a colon is
+// included in that of the phase before the colon.
 #include "trackbed/core/timers.hpp"
 
 namespace trackbed {
 
-// The words are those of the loop itself, so that a table of times is read without the source.
+// The names are those used in the time loop, so that a table of times can be read without the
+// source.
 std::string_view name_of(Verb verb) {
-  // No default: the compiler warns about a verb without a name.
+  // No default: the compiler warns about a phase without a name.
   switch (verb) {
     case Verb::track:
       return "track";
@@ -27,7 +28,7 @@ std::string_view name_of(Verb verb) {
     case Verb::count:
       break;
   }
-  // `count` is how many verbs there are, not one of them.
+  // `count` is the number of phases, not one of them.
   return "?";
 }
 

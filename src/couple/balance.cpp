@@ -1,7 +1,7 @@
-// Received against given, see balance.hpp. Costs one small reduction per window.
-// Neither side is derived from the other: the particles sum forces as their contacts act, the nodes
-// sum what shape functions gave them and what the traffic brought. A node that is missed, counted
-// twice or sent to a wrong owner shows as an imbalance of order 1, rounding as 1e-15.
+// Received loads against the action of the particles, see balance.hpp. Cost: one small reduction
+// per window. The two sides are independent: the particles sum the forces of their contacts, the
+// nodes sum the loads from shape functions and from communication. A node that is omitted, counted
+// twice or sent to a wrong owner causes an imbalance of order 1, rounding one of 1e-15.
 #include "balance.hpp"
 
 #include <algorithm>
@@ -16,19 +16,19 @@ Vec3 in_newton(const std::array<std::int64_t, 3>& quanta, double quantum) {
                         static_cast<double>(quanta[2]));
 }
 
-// A NaN is kept as the largest for good instead of being dropped by a comparison.
+// A NaN remains the largest value; a plain comparison would drop it.
 void keep_largest(double& largest, double gap, double scale) {
-  // No contact at all is balanced. A gap with scale 0 cannot be: the scale contains the gap's
-  // terms.
+  // Without contact the balance is exact. A gap with scale 0 is impossible: the scale contains the
+  // terms of the gap.
   const double ratio = scale == 0 ? 0 : gap / scale;
   if (!std::isnan(largest) && !(ratio <= largest)) largest = ratio;
 }
 
 }  // namespace
 
-// Terms of the head of balance.hpp for one node, in N, Nm and J: the arm at sub-step k is position
-// + (k/steps) motion, so its moment summed over k needs S0 and S1 only; the velocity is constant,
-// so the work of F_k over its sub-step is F_k . motion / steps.
+// Terms of balance.hpp for one node, in N, Nm and J: the arm at sub-step k is position + (k/steps)
+// motion, so that its moment summed over k follows from S0 and S1; the velocity is constant, so
+// that the work of F_k over its sub-step is F_k . motion / steps.
 void Received::add(const Surface& surface, std::size_t node, int steps) {
   const NodeLoad& load = surface.load[node];
   const Vec3 sum = in_newton(load.force, surface.load_quantum);
@@ -38,15 +38,15 @@ void Received::add(const Surface& surface, std::size_t node, int steps) {
   force += sum;
   moment += position.cross(sum) + motion.cross(first);
   work += sum.dot(motion) / steps;
-  // Norms of sums, not sums of norms: what one node felt in the window. Nodes pushed to and fro
-  // within a window make the scale smaller and so the test stricter.
+  // Norms of the sums over the window, not sums of norms: loads that alternate within a window
+  // reduce the scale, which makes the test stricter.
   force_scale += sum.norm();
   moment_scale += position.norm() * sum.norm() + motion.norm() * first.norm();
   work_scale += sum.norm() * motion.norm() / steps;
 }
 
-// As plain numbers for one reduction. Doubles: the balance is a check and may change its last bits
-// with the number of ranks; loads never pass through here.
+// As plain numbers for one reduction. Doubles: the balance is only a check, whose last bits may
+// depend on the number of ranks; the loads themselves are not affected.
 std::array<double, Received::numbers> Received::pack() const {
   return {force.x(),  force.y(), force.z(),   moment.x(),   moment.y(),
           moment.z(), work,      force_scale, moment_scale, work_scale};
@@ -61,26 +61,26 @@ void Received::unpack_add(std::span<const double, numbers> values) {
   work_scale += values[9];
 }
 
-// A window in which stones only graze is not compared: of a contact that begins with a few quanta
-// rounding takes a large part, and all of it if each node's part is below half a quantum.
-// `resolved` quanta are 1e-12 of the largest force that the quantum is chosen for; above them the
-// rounding of a contact is 3e-6 of its force at most. A load lost on its way shows as soon as loads
-// grow, and impulses add up in every window.
-void Ledger::book(const Received& received, const Action& action, double quantum, int steps,
-                  double dt) {
+// A window with very small forces is not compared: rounding is a large part of a contact force of a
+// few quanta, and all of it if each node's part is below half a quantum. `resolved` quanta are
+// 1e-12 of the largest force for which the quantum is chosen; above them the rounding of a contact
+// is at most 3e-6 of its force. A lost load is detected as soon as loads grow, and impulses are
+// summed in every window.
+void Ledger::record(const Received& received, const Action& action, double quantum, int steps,
+                    double dt) {
   constexpr double resolved = 1048576;  // 2^20
-  // The particles' own magnitudes join the scales: a load lost on its way must read as 1, not as
-  // a division by zero.
+  // The scales include the particles' magnitudes, so that a lost load gives 1, not a division by
+  // zero.
   const double force_scale = std::max(received.force_scale, action.force.norm());
   const double moment_scale = std::max(received.moment_scale, action.moment.norm());
   const double work_scale = std::max(received.work_scale, std::abs(action.work));
   const double gap = (received.force - action.force).norm();
-  // Force is a sum over `steps` sub-steps, each dt/steps long. Signed gaps accumulate: rounding of
-  // either sign stays small against the scale, a bias grows with it.
+  // Force is a sum over `steps` sub-steps of length dt/steps. Signed gaps accumulate: rounding of
+  // either sign stays small relative to the scale, a bias grows with it.
   impulse_gap_ += (received.force - action.force) * (dt / steps);
   impulse_scale_ += force_scale * (dt / steps);
   lost_ = 0;
-  // Written so that a force that is not a number is compared.
+  // Written so that a force that is not a number is also compared.
   if (force_scale <= resolved * quantum) return;
   lost_ = gap / force_scale;
   keep_largest(balance_.force, gap, force_scale);

@@ -1,7 +1,7 @@
-// Bookkeeping of what surfaces received against what the particles say they did.
+// Balance of the loads received by surfaces against the action that the particles report.
 //
 // Node n moves as X(s) = X0 + s motion, s = k/steps in sub-step k, and carries the sums
-// S0 = sum F_k and S1 = sum (k/steps) F_k. Then, without knowing any single F_k,
+// S0 = sum F_k and S1 = sum (k/steps) F_k. Then, without the single F_k,
 //   force  = sum S0,   moment = sum X0 x S0 + motion x S1,   work = sum S0 . motion / steps
 // are exact for the moving nodes.
 #pragma once
@@ -13,8 +13,8 @@
 
 namespace trackbed::couple {
 
-// Sums over nodes, as numbers that add up over nodes, surfaces and ranks. The scales are sums of
-// magnitudes: N, Nm, J.
+// Sums over nodes, additive over nodes, surfaces and ranks. The scales are sums of magnitudes: N,
+// Nm, J.
 struct Received {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   double work = 0;
@@ -26,19 +26,19 @@ struct Received {
   void unpack_add(std::span<const double, numbers> values);
 };
 
-// Compares window by window and keeps the largest.
+// Compares both sides in each window and keeps the largest imbalance.
 class Ledger {
  public:
-  // `quantum`: N, the largest that loads were rounded to; equal on all ranks.
-  void book(const Received& received, const Action& action, double quantum, int steps, double dt);
+  // `quantum`: N, the largest quantum to which loads were rounded; equal on all ranks.
+  void record(const Received& received, const Action& action, double quantum, int steps, double dt);
   const Balance& balance() const { return balance_; }
-  double lost() const { return lost_; }  // share of the force of the last window
+  double lost() const { return lost_; }  // imbalance of force in the last window, relative
   void set(const Balance& balance) { balance_ = balance; }
 
  private:
   Balance balance_;
   double lost_ = 0;
-  Vec3 impulse_gap_ = Vec3::Zero();  // Ns, received minus given since the start
+  Vec3 impulse_gap_ = Vec3::Zero();  // Ns, received minus applied since the start
   double impulse_scale_ = 0;         // Ns
 };
 

@@ -1,6 +1,6 @@
-// Traffic of surfaces between ranks. Per window and surface with owners one message each way to
-// every rank that shares nodes with this one, and one integer reduction for all other surfaces
-// together: those are small (tens of nodes), and all ranks need their whole load anyway.
+// Communication of surfaces between ranks. Per window and surface with owners there is one message
+// in each direction to every rank that shares nodes with this one, and one integer reduction for
+// all other surfaces together: they are small (tens of nodes), and all ranks need their whole load.
 #include "trackbed/couple/coupler.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace trackbed::couple {
 
 namespace {
 
-// Where a node is at the start of the window and how far it goes: all that a contact needs of it.
+// Position of a node at the start of the window and its displacement in it: all that contacts need.
 using NodeMotion = std::array<double, 6>;  // position, motion in m: trivially copyable for halos
 
 NodeMotion pack(const Surface& surface, std::size_t node) {
@@ -29,7 +29,7 @@ void unpack(const NodeMotion& values, Surface& surface, std::size_t node) {
   surface.motion[node] = Vec3(values[3], values[4], values[5]);
 }
 
-// Integers: see core/exact_sum.hpp. Whoever adds first, the bits are the same.
+// Integers, see core/exact_sum.hpp: the order of summation does not change the result.
 void add_to(NodeLoad& sum, const NodeLoad& term) {
   for (std::size_t k = 0; k < 3; ++k) {
     sum.force[k] += term.force[k];
@@ -45,8 +45,8 @@ std::vector<bool> needed_nodes(const Surface& surface, const Reaches& reaches) {
   for (const auto& triangle : surface.triangles) {
     const Vec3& corner = surface.position[static_cast<std::size_t>(triangle[0])];
     Vec3 low = corner, high = corner;
-    // Nodes move on straight lines, so the box of both ends contains the triangle at any time
-    // between.
+    // Nodes move on straight lines, so that the box of both ends contains the triangle at any time
+    // in between.
     for (const std::int32_t n : triangle) {
       const auto node = static_cast<std::size_t>(n);
       const Vec3 end = surface.position[node] + surface.motion[node];
@@ -66,7 +66,7 @@ std::vector<bool> needed_nodes(const Surface& surface, const Reaches& reaches) {
   return needed;
 }
 
-// A surface with its traffic. Buffers live as long as the connection: no allocation per window.
+// A surface and its communication. Buffers are kept with the connection: no allocation per window.
 struct Link {
   Surface* surface;
   std::vector<int> owner;            // empty: every rank moves all nodes
@@ -77,7 +77,7 @@ struct Link {
   std::vector<NodeMotion> motion_out, motion_in;
   std::vector<NodeLoad> load_out, load_in;
 
-  // Shared surfaces (sleepers, walls, platen) are moved alike on all ranks and send no motion.
+  // Shared surfaces (sleepers, walls, platen) move identically on all ranks and send no motion.
   bool shared() const { return owner.empty(); }
   void refresh(const par::Comm& comm);
   void connect(const par::Comm& comm, const Reaches& reaches);
@@ -85,9 +85,9 @@ struct Link {
   void gather();
 };
 
-// Brings every node to its present place on every rank, so that all can judge what is in reach.
-// Costs all nodes of the surface on every rank, 48 bytes each; done at a rebuild only, not per
-// window. Boxes of owners could be exchanged instead if tops of many millions of nodes came up.
+// Updates the position of every node on every rank, so that each rank can determine the nodes
+// within reach. Cost: all nodes of the surface on every rank, 48 bytes each; only at a rebuild, not
+// per window. For tops of many millions of nodes boxes of the owners could be exchanged instead.
 void Link::refresh(const par::Comm& comm) {
   std::vector<NodeMotion> own;
   for (const std::int32_t n : mine) own.push_back(pack(*surface, static_cast<std::size_t>(n)));
@@ -97,9 +97,9 @@ void Link::refresh(const par::Comm& comm) {
     unpack(values[k], *surface, static_cast<std::size_t>(nodes[k]));
 }
 
-// The ranks in need ask, the owners learn from the exchange what they send: nobody has to know
-// where other ranks' stones are. The order of `ghosts` (by owner, then by node) is the one in which
-// the halo delivers.
+// Each rank requests the nodes it needs, and the owners receive the lists of what to send: no rank
+// needs the positions of other ranks' stones. The order of `ghosts` (by owner, then by node) is
+// that in which the halo delivers.
 void Link::connect(const par::Comm& comm, const Reaches& reaches) {
   refresh(comm);
   const std::vector<bool> needed = needed_nodes(*surface, reaches);
@@ -109,7 +109,7 @@ void Link::connect(const par::Comm& comm, const Reaches& reaches) {
     if (needed[n])
       wanted[static_cast<std::size_t>(owner[n])].push_back(static_cast<std::int32_t>(n));
     else
-      surface->motion[n].setZero();  // nobody here looks at it; a stale motion would carry it off
+      surface->motion[n].setZero();  // not used here; an old motion would displace it further
   }
   ghosts.clear();
   for (const auto& list : wanted) ghosts.insert(ghosts.end(), list.begin(), list.end());
@@ -121,8 +121,8 @@ void Link::connect(const par::Comm& comm, const Reaches& reaches) {
   publish();
 }
 
-// motion_out is as long as the surface, and only the items of the halo are filled: the halo picks
-// by node number, and no second numbering has to be kept.
+// motion_out is as long as the surface, and only the items of the halo are filled: the halo selects
+// by node number, so that no second numbering is needed.
 void Link::publish() {
   for (const std::int32_t n : halo.items())
     motion_out[static_cast<std::size_t>(n)] = pack(*surface, static_cast<std::size_t>(n));
@@ -131,7 +131,7 @@ void Link::publish() {
     unpack(motion_in[k], *surface, static_cast<std::size_t>(ghosts[k]));
 }
 
-// Adds what other ranks' stones put on own nodes. Integers: any order gives the same sum.
+// Adds the loads of other ranks' stones on own nodes. Integers: any order gives the same sum.
 void Link::gather() {
   for (std::size_t k = 0; k < ghosts.size(); ++k)
     load_out[k] = surface->load[static_cast<std::size_t>(ghosts[k])];
@@ -142,10 +142,10 @@ void Link::gather() {
 
 }  // namespace
 
-// Surfaces are not owned here: they belong to track, fem and bed, must stay where they are in
-// memory until `clear`, and keep their number of nodes.
-struct Coupler::Room {
-  explicit Room(const par::Comm& world) : comm(world) {}
+// Surfaces are not owned here: they belong to track, fem and bed. Their addresses must not change
+// until `clear`, and their number of nodes is constant.
+struct Coupler::Impl {
+  explicit Impl(const par::Comm& world) : comm(world) {}
   void sum_shared();
   Received received(int steps) const;
   double largest_load() const;
@@ -157,10 +157,10 @@ struct Coupler::Room {
   double largest = 0;                // N, see `Coupler::largest_load`
 };
 
-// Every rank gets the whole load, because every rank moves the body. One reduction of all of them
-// costs less than one each: they are short, latency counts. Walls that never move are summed too,
-// so that the balance covers them.
-void Coupler::Room::sum_shared() {
+// Every rank receives the whole load, because every rank moves the body. One reduction for all is
+// faster than one for each: they are short, and latency dominates. Fixed walls are included, so
+// that the balance covers them.
+void Coupler::Impl::sum_shared() {
   counts.clear();
   for (const Link& link : links)
     if (link.shared())
@@ -180,8 +180,8 @@ void Coupler::Room::sum_shared() {
       }
 }
 
-// Sums over the nodes after all traffic, so that a load lost on its way is seen.
-Received Coupler::Room::received(int steps) const {
+// Sums over the nodes after all communication, so that a lost load is detected.
+Received Coupler::Impl::received(int steps) const {
   Received owned, total;
   bool any_owned = false;
   for (const Link& link : links) {
@@ -192,16 +192,16 @@ Received Coupler::Room::received(int steps) const {
       for (const std::int32_t n : link.mine)
         owned.add(*link.surface, static_cast<std::size_t>(n), steps);
   }
-  // Owned nodes are summed over ranks; shared surfaces are complete everywhere already and must not
-  // be.
+  // Owned nodes are summed over ranks; shared surfaces are already complete on each rank and must
+  // not be summed.
   auto values = owned.pack();
   if (any_owned) comm.sum(std::span<double>(values));
   total.unpack_add(values);
   return total;
 }
 
-// Exact before the maximum, which no order changes: the same number on any number of ranks.
-double Coupler::Room::largest_load() const {
+// Loads are exact and the maximum does not depend on the order: equal on any number of ranks.
+double Coupler::Impl::largest_load() const {
   double most = 0;
   bool any_owned = false;
   const auto look = [&most](const Surface& surface, std::size_t n) {
@@ -216,12 +216,12 @@ double Coupler::Room::largest_load() const {
   return any_owned ? comm.max(most) : most;
 }
 
-Coupler::Coupler(const par::Comm& comm) : room_(std::make_unique<Room>(comm)) {}
+Coupler::Coupler(const par::Comm& comm) : impl_(std::make_unique<Impl>(comm)) {}
 Coupler::~Coupler() = default;
 Coupler::Coupler(Coupler&&) noexcept = default;
 
-// The mean of a surface that was not pushed yet is zero: the first window after it has no load, as
-// the staggered scheme asks for.
+// The mean of a surface that was just added is zero: the next window has no load, as the staggered
+// scheme requires.
 std::size_t Coupler::add(Surface& surface, std::vector<int> owner) {
   require(owner.empty() || owner.size() == surface.nodes(),
           "a surface has as many owners as nodes");
@@ -237,38 +237,38 @@ std::size_t Coupler::add(Surface& surface, std::vector<int> owner) {
             .load_in = {}};
   link.mean.assign(surface.nodes(), Vec3::Zero());
   for (std::size_t n = 0; n < link.owner.size(); ++n)
-    if (link.owner[n] == room_->comm.rank()) link.mine.push_back(static_cast<std::int32_t>(n));
+    if (link.owner[n] == impl_->comm.rank()) link.mine.push_back(static_cast<std::int32_t>(n));
   surface.clear_load();
-  room_->links.push_back(std::move(link));
-  return room_->links.size() - 1;
+  impl_->links.push_back(std::move(link));
+  return impl_->links.size() - 1;
 }
 
-void Coupler::clear() { room_->links.clear(); }
+void Coupler::clear() { impl_->links.clear(); }
 
 void Coupler::connect(const Reaches& reaches) {
-  for (Link& link : room_->links)
-    if (!link.shared()) link.connect(room_->comm, reaches);
+  for (Link& link : impl_->links)
+    if (!link.shared()) link.connect(impl_->comm, reaches);
 }
 
 void Coupler::publish() {
-  for (Link& link : room_->links)
+  for (Link& link : impl_->links)
     if (!link.shared()) link.publish();
 }
 
 // Serial staggered scheme (Farhat, Lesoinne 2000, doi:10.1016/S0045-7825(99)00206-6): the owners
-// get the mean over this window as the load of their next. A mean keeps the impulse, sum F_k dt/n =
-// mean dt, and with nodes that move linearly also the work. Order: traffic, balance, mean, then
-// clear, so that the balance sees exactly what the owners will use.
+// use the mean over this window as the load of their next window. A mean conserves the impulse, sum
+// F_k dt/n = mean dt, and with nodes that move linearly also the work. Order: communication,
+// balance, mean, clear, so that the balance checks exactly the loads that the owners will use.
 void Coupler::collect(int steps, double dt, const Action& action) {
   require(steps >= 1, "a mean is taken over at least one sub-step");
-  for (Link& link : room_->links)
+  for (Link& link : impl_->links)
     if (!link.shared()) link.gather();
-  room_->sum_shared();
+  impl_->sum_shared();
   double quantum = 0;
-  for (const Link& link : room_->links) quantum = std::max(quantum, link.surface->load_quantum);
-  room_->ledger.book(room_->received(steps), action, quantum, steps, dt);
-  room_->largest = room_->largest_load();
-  for (Link& link : room_->links) {
+  for (const Link& link : impl_->links) quantum = std::max(quantum, link.surface->load_quantum);
+  impl_->ledger.record(impl_->received(steps), action, quantum, steps, dt);
+  impl_->largest = impl_->largest_load();
+  for (Link& link : impl_->links) {
     const double scale = link.surface->load_quantum / steps;
     for (std::size_t n = 0; n < link.mean.size(); ++n) {
       const auto& force = link.surface->load[n].force;
@@ -280,43 +280,44 @@ void Coupler::collect(int steps, double dt, const Action& action) {
 }
 
 std::span<const Vec3> Coupler::mean_force(std::size_t surface) const {
-  return room_->links.at(surface).mean;
+  return impl_->links.at(surface).mean;
 }
 
-double Coupler::largest_load() const { return room_->largest; }
+double Coupler::largest_load() const { return impl_->largest; }
 
-// Rounding is 1e-10 of it where stones graze; sums that went round are off by a part of order 1.
+// Rounding is 1e-10 of the force at very small contact forces; integer overflow causes errors of
+// order 1.
 std::string Coupler::trouble() const {
   constexpr double lost = 1e-3;
-  if (room_->ledger.lost() <= lost) return {};
+  if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
-      "surfaces received other forces than stones gave them, by {:.2g} of their sum: a load has "
-      "grown too much within one window for its exact sum (largest load of a node so far {:.3g} "
-      "N times sub-steps); give shorter windows (time.window, time.substeps)",
-      room_->ledger.lost(), room_->largest);
+      "loads received by surfaces differ from the contact forces of the stones by {:.2g} of their "
+      "sum: a load has grown too fast within one window for its exact sum (largest load of a node "
+      "{:.3g} N times sub-steps); use shorter windows (time.window, time.substeps)",
+      impl_->ledger.lost(), impl_->largest);
 }
 
-const Balance& Coupler::balance() const { return room_->ledger.balance(); }
-void Coupler::set_balance(const Balance& balance) { room_->ledger.set(balance); }
+const Balance& Coupler::balance() const { return impl_->ledger.balance(); }
+void Coupler::set_balance(const Balance& balance) { impl_->ledger.set(balance); }
 
-// Each node's value from one rank alone, so that the writer may add up the ranks' shares.
+// Each node's value is non-zero on one rank only, so that the writer may sum over ranks.
 std::vector<Vec3> Coupler::save_mean(std::size_t surface) const {
-  const Link& link = room_->links.at(surface);
+  const Link& link = impl_->links.at(surface);
   std::vector<Vec3> result(link.mean.size(), Vec3::Zero());
-  if (link.shared() && room_->comm.root()) result = link.mean;
+  if (link.shared() && impl_->comm.root()) result = link.mean;
   for (const std::int32_t n : link.mine)
     result[static_cast<std::size_t>(n)] = link.mean[static_cast<std::size_t>(n)];
   return result;
 }
 
 void Coupler::load_mean(std::size_t surface, std::span<const Vec3> mean) {
-  Link& link = room_->links.at(surface);
+  Link& link = impl_->links.at(surface);
   require(mean.size() == link.mean.size(), "a saved mean force has as many rows as nodes");
   link.mean.assign(mean.begin(), mean.end());
 }
 
 std::size_t Coupler::received(std::size_t surface) const {
-  return room_->links.at(surface).ghosts.size();
+  return impl_->links.at(surface).ghosts.size();
 }
 
 }  // namespace trackbed::couple

@@ -1,18 +1,19 @@
 // Weights are exact: of node n and rectangle R, with shape function N_n in each face T,
 //   w_n = 1/|R| sum_T integral over R and T of N_n p,   p = 1 + tilt (y - middle).
-// On triangles N_n p is of second degree, whose mean over a part of R T is that of the middles of
-// its sides; on zones R T is a rectangle, where N_n is a function of x times one of y. So weights
-// sum to one, and their centre is that of the pressure: no moment gets lost. Of a tilt some are
-// negative.
+// On triangles N_n p is of second degree, whose mean over a triangular part is that at the middles
+// of its sides; on faces of hexahedra the intersection of R and T is a rectangle, on which N_n is a
+// function of x times one of y. So the weights sum to one, and their centre is that of the
+// pressure: the moment is conserved. With a tilt some weights are negative.
 //
-// Faces of zones are whole rectangles with bilinear functions, those of the elements below: an even
-// pressure then gives each node its tributary area. Halves along one diagonal give the nodes at its
-// ends twice what the other two get, and an even pressure bends the top. A zone is two triangles
-// abc and acd in turn that are a rectangle; faces of tetrahedra have none, whose triangles share no
-// such begin, and even loads on them need the triangles (fem/flat_top.hpp).
+// Faces of hexahedra are whole rectangles with the bilinear functions of the elements below: a
+// uniform pressure then gives each node its tributary area. Two triangles along one diagonal would
+// give the nodes at its ends twice the load of the other two, and a uniform pressure would bend the
+// top. A face is a pair of consecutive triangles abc and acd that form a rectangle; triangles of
+// tetrahedra do not start at a common node, and uniform loads on them need the triangles
+// (fem/mesh/flat_top.hpp).
 //
-// Rejected: a share for each node inside, which jumps as a footprint moves across zones and has
-// neither of the two.
+// Rejected: an equal weight for each node inside, which is discontinuous as a footprint moves
+// across elements and conserves neither force nor moment.
 #include "trackbed/couple/footprints.hpp"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ using Polygon = std::vector<Point>;
 
 double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// What of a convex polygon lies where sign (p[axis] - limit) <= 0 (Sutherland, Hodgman 1974).
+// The part of a convex polygon with sign (p[axis] - limit) <= 0 (Sutherland, Hodgman 1974).
 Polygon cut(const Polygon& polygon, int axis, double limit, double sign) {
   Polygon kept;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -45,7 +46,7 @@ Polygon cut(const Polygon& polygon, int axis, double limit, double sign) {
 
 double area_of(const Rectangle& r) { return (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]); }
 
-// Of the mean pressure.
+// Relative to the mean pressure.
 double pressure(const Rectangle& r, double y) { return 1 + r.tilt * (y - r.middle_y()); }
 
 // Shape functions of a triangle's corners at a point.
@@ -57,7 +58,7 @@ std::array<double, 3> shape_at(const std::array<Point, 3>& corner, const Point& 
   return shape;
 }
 
-// Adds the weights a triangle's nodes get from one rectangle.
+// Adds the weights of a triangle's nodes for one rectangle.
 void add_triangle(const Surface& surface, const std::array<std::int32_t, 3>& triangle,
                   const Rectangle& r, std::map<std::int32_t, double>& weights) {
   std::array<Point, 3> corner;
@@ -74,17 +75,17 @@ void add_triangle(const Surface& surface, const std::array<std::int32_t, 3>& tri
     if (area <= 0) continue;
     for (std::size_t side = 0; side < 3; ++side) {
       const Point middle = (part[side] + part[(side + 1) % 3]) / 2;
-      const double share = area / 3 / area_of(r) * pressure(r, middle.y());
+      const double fraction = area / 3 / area_of(r) * pressure(r, middle.y());
       const std::array<double, 3> shape = shape_at(corner, middle);
-      for (std::size_t n = 0; n < 3; ++n) weights[triangle[n]] += share * shape[n];
+      for (std::size_t n = 0; n < 3; ++n) weights[triangle[n]] += fraction * shape[n];
     }
   }
 }
 
-// The same for a whole zone, if this triangle and the next are one. Returns whether they are: not
-// where a ground has moved.
-bool add_zone(const Surface& surface, std::size_t half, const Rectangle& r,
-              std::map<std::int32_t, double>& weights) {
+// The same for a rectangular face, if this triangle and the next form one. Returns whether they do:
+// deformed faces do not.
+bool add_rectangle(const Surface& surface, std::size_t half, const Rectangle& r,
+                   std::map<std::int32_t, double>& weights) {
   if (half + 1 >= surface.triangles.size()) return false;
   const auto [a, b, c] = surface.triangles[half];
   const auto [again, opposite, d] = surface.triangles[half + 1];
@@ -99,22 +100,22 @@ bool add_zone(const Surface& surface, std::size_t half, const Rectangle& r,
     return false;
   const Point from = low.cwiseMax(Point(r.x[0], r.y[0])), to = high.cwiseMin(Point(r.x[1], r.y[1]));
   if (from.x() >= to.x() || from.y() >= to.y()) return true;
-  const double share = (to - from).prod() / area_of(r);
+  const double fraction = (to - from).prod() / area_of(r);
   const Point middle = (from + to) / 2, local = (middle - low).cwiseQuotient(size);
   const double length = to.y() - from.y();
   const double here = pressure(r, middle.y()), rise = r.tilt * length * length / 12 / size.y();
   const double at_low = here * (1 - local.y()) - rise, at_high = here * local.y() + rise;
-  weights[a] += share * (1 - local.x()) * at_low;
-  weights[b] += share * local.x() * at_low;
-  weights[c] += share * local.x() * at_high;
-  weights[d] += share * (1 - local.x()) * at_high;
+  weights[a] += fraction * (1 - local.x()) * at_low;
+  weights[b] += fraction * local.x() * at_low;
+  weights[c] += fraction * local.x() * at_high;
+  weights[d] += fraction * (1 - local.x()) * at_high;
   return true;
 }
 
 std::map<std::int32_t, double> weights_of(const Surface& surface, const Rectangle& r) {
   std::map<std::int32_t, double> weights;
   for (std::size_t t = 0; t < surface.triangles.size();) {
-    const bool whole = add_zone(surface, t, r, weights);
+    const bool whole = add_rectangle(surface, t, r, weights);
     if (!whole) add_triangle(surface, surface.triangles[t], r, weights);
     t += whole ? 2 : 1;
   }
@@ -128,32 +129,32 @@ Footprints::Footprints(const par::Comm& comm, const Surface& surface, std::vecto
     : comm_(comm) {
   for (const Rectangle& r : rectangles) {
     require(r.x[1] > r.x[0] && r.y[1] > r.y[0], "a footprint has a width and a length");
-    std::vector<Share> all, mine;
+    std::vector<NodeWeight> all, mine;
     for (const auto& [node, weight] : weights_of(surface, r)) {
       all.push_back({node, weight});
       const auto at = std::lower_bound(own.begin(), own.end(), node);
       if (at != own.end() && *at == node)
         mine.push_back({static_cast<std::int32_t>(at - own.begin()), weight});
     }
-    shares_.push_back(std::move(all));
-    own_shares_.push_back(std::move(mine));
+    weights_.push_back(std::move(all));
+    own_weights_.push_back(std::move(mine));
   }
 }
 
-void Footprints::press(std::span<const double> forces, std::vector<Vec3>& nodes) const {
+void Footprints::add_forces(std::span<const double> forces, std::vector<Vec3>& nodes) const {
   require(forces.size() == count(), "one force for each footprint");
   for (std::size_t i = 0; i < count(); ++i)
-    for (const Share& share : shares_[i])
-      nodes.at(static_cast<std::size_t>(share.node)).z() -= share.weight * forces[i];
+    for (const NodeWeight& of : weights_[i])
+      nodes.at(static_cast<std::size_t>(of.node)).z() -= of.weight * forces[i];
 }
 
 std::vector<std::vector<double>> Footprints::means(std::span<const Values> quantities) const {
   std::vector<std::int64_t> sums;
   for (const Values& quantity : quantities)
-    for (const std::vector<Share>& shares : own_shares_) {
+    for (const std::vector<NodeWeight>& weights : own_weights_) {
       FineSum sum(quantity.largest);
-      for (const Share& share : shares)
-        sum.add(share.weight * quantity.own.at(static_cast<std::size_t>(share.node)));
+      for (const NodeWeight& of : weights)
+        sum.add(of.weight * quantity.own.at(static_cast<std::size_t>(of.node)));
       sums.insert(sums.end(), sum.counts().begin(), sum.counts().end());
     }
   comm_.sum(std::span(sums));

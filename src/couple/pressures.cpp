@@ -1,9 +1,9 @@
-// What a rectangle presses on follows from the top as it was at rest: displacements are small, and
-// a shape that moved would take the even pressure apart (footprints.cpp). A rectangle that reaches
-// beyond the top presses with what of it lies there.
+// The loaded nodes follow from the undeformed top: displacements are small, and on deformed faces a
+// uniform pressure would not give tributary areas (footprints.cpp). Of a rectangle that extends
+// beyond the top only the part on it acts.
 //
-// Those that move get their weights anew in every window: rectangles times faces, far less than the
-// zones below them cost.
+// The weights of moving rectangles are computed again in every window: cost rectangles times faces,
+// far less than that of the elements below.
 #include "trackbed/couple/pressures.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ double area_of(const Rectangle& r) { return (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]
 
 void PressureParameters::declare(input::Section& s) {
   constexpr double usual = 1e7;  // Pa
-  s.text("name", name, "Name of the pressure, in sentences and overrides.", {}, true);
+  s.text("name", name, "Name of the pressure, in messages and overrides.", {}, true);
   s.numbers("x", x, {.unit = "m"}, "From and to, along the track, at 0 s.", 2);
   s.numbers("y", y, {.unit = "m"},
             "From and to, across the track (space); none: all of the ground's width.");
@@ -36,17 +36,17 @@ void PressureParameters::declare(input::Section& s) {
   s.number("across", across, {.unit = "Pa", .usually_from = -usual, .usually_to = usual},
            "Along y (space).");
   s.choice("course", course, {"dead", "rise", "pulse", "harmonic", "table"},
-           "dead: always, and the ground is at rest below it when it is let go; rise: up as half a "
-           "cosine within the duration, then constant (0: at once); pulse: a haversine of that "
-           "length; harmonic: a sine; table: as the file says.");
+           "dead: constant, included in the static equilibrium at the start; rise: half a cosine "
+           "over the duration, then constant (0: a step); pulse: a haversine of that duration; "
+           "harmonic: a sine; table: from the file.");
   s.number("begin", begin, {.unit = "s", .at_least = 0},
-           "When rise, pulse and harmonic begin. Times count from when the ground is let go.");
+           "Start of rise, pulse and harmonic. Times count from the release of the ground.");
   s.number("duration", duration, {.unit = "s", .at_least = 0}, "Of rise and pulse.");
   s.number("frequency", frequency, {.unit = "Hz", .at_least = 0, .usually_to = 1000},
            "Of harmonic.");
   s.file("file", file,
-         "Of table: CSV with the columns time_s and factor, linear between rows, the first and the "
-         "last row hold before and behind.");
+         "Of table: CSV with the columns time_s and factor, linear between rows, constant before "
+         "the first and after the last row.");
   s.number("speed", speed, {.unit = "m/s", .usually_from = -200, .usually_to = 200},
            "Along x, from 0 s on.");
   const auto range = [&](const char* key, const std::vector<double>& values) {
@@ -56,7 +56,7 @@ void PressureParameters::declare(input::Section& s) {
   range("x", x);
   if (!y.empty()) range("y", y);
   s.rule("pressure", pressure != 0 || along != 0 || across != 0,
-         "nothing presses: give pressure, along or across",
+         "the load is zero: set pressure, along or across",
          {.reads = {"pressure", "along", "across"}});
   s.rule("duration", course != Course::pulse || duration > 0, "must be above 0 s for a pulse",
          {.reads = {"course", "duration"}});
@@ -65,10 +65,10 @@ void PressureParameters::declare(input::Section& s) {
   s.rule("file", course != Course::table || !file.empty(), "must be given for course = \"table\"",
          {.reads = {"course", "file"}});
   s.rule("speed", course != Course::dead || speed == 0,
-         "must be 0 m/s for a dead load, below which the ground is at rest",
+         "must be 0 m/s for a dead load, which is part of the static equilibrium",
          {.reads = {"course", "speed"}});
   const auto idle = [&](const char* key, bool given, bool used) {
-    s.rule(key, used || !given, "has no effect on this course",
+    s.rule(key, used || !given, "has no effect with this course",
            {.weight = input::Weight::warning, .reads = {"course", key}});
   };
   const bool runs = course == Course::rise || course == Course::pulse;
@@ -102,10 +102,10 @@ Pressures::Pressures(const par::Comm& comm, const Surface& top, bool around,
     one.given = given, one.table = given.table();
     one.rectangle = {.x = {given.x.at(0), given.x.at(1)}, .y = {low->y(), high->y()}};
     if (!given.y.empty()) one.rectangle.y = {given.y.at(0), given.y.at(1)};
-    if (given.speed == 0) one.standing = shares(one.rectangle);
-    if (given.speed == 0 && one.standing.empty())
+    if (given.speed == 0) one.fixed = weights(one.rectangle);
+    if (given.speed == 0 && one.fixed.empty())
       throw InputError(
-          {fmt::format("pressure \"{}\" (x = {:g} to {:g} m, y = {:g} to {:g} m) lies beside the "
+          {fmt::format("pressure \"{}\" (x = {:g} to {:g} m, y = {:g} to {:g} m) is outside of the "
                        "top of the ground",
                        given.name, one.rectangle.x[0], one.rectangle.x[1], one.rectangle.y[0],
                        one.rectangle.y[1])});
@@ -113,9 +113,9 @@ Pressures::Pressures(const par::Comm& comm, const Surface& top, bool around,
   }
 }
 
-// Footprints' means need own nodes; here nothing is asked back.
-std::vector<Footprints::Share> Pressures::shares(const Rectangle& rectangle) const {
-  return Footprints(comm_, top_, {}, {rectangle}).shares(0);
+// No own nodes: they are needed for means only.
+std::vector<Footprints::NodeWeight> Pressures::weights(const Rectangle& rectangle) const {
+  return Footprints(comm_, top_, {}, {rectangle}).weights(0);
 }
 
 double Pressures::factor(const One& one, double time) const {
@@ -139,27 +139,28 @@ double Pressures::factor(const One& one, double time) const {
   if (time >= times.back()) return factors.back();
   const auto next =
       static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
-  const double share = (time - times[next - 1]) / (times[next] - times[next - 1]);
-  return factors[next - 1] + share * (factors[next] - factors[next - 1]);
+  const double fraction = (time - times[next - 1]) / (times[next] - times[next - 1]);
+  return factors[next - 1] + fraction * (factors[next] - factors[next - 1]);
 }
 
-// Weights are shares of the rectangle's whole force, also where a part of it lies beside the top.
-void Pressures::press(const One& one, double time, double factor, std::vector<Vec3>& nodes) const {
+// Weights are fractions of the rectangle's whole force, also if a part of it is outside of the top.
+void Pressures::add_force(const One& one, double time, double factor,
+                          std::vector<Vec3>& nodes) const {
   if (factor == 0) return;
   const PressureParameters& p = one.given;
   const Vec3 force = factor * area_of(one.rectangle) * Vec3(p.along, p.across, -p.pressure);  // N
-  const auto add = [&](const std::vector<Footprints::Share>& shares) {
-    for (const Footprints::Share& share : shares)
-      nodes.at(static_cast<std::size_t>(share.node)) += share.weight * force;
+  const auto add = [&](const std::vector<Footprints::NodeWeight>& all) {
+    for (const Footprints::NodeWeight& of : all)
+      nodes.at(static_cast<std::size_t>(of.node)) += of.weight * force;
   };
-  if (p.speed == 0) return add(one.standing);
-  for (const Rectangle& now : after(one.rectangle, p.speed * time)) add(shares(now));
+  if (p.speed == 0) return add(one.fixed);
+  for (const Rectangle& now : moved(one.rectangle, p.speed * time)) add(weights(now));
 }
 
-// Where it is, and its images in the lengths before as far as they reach the top.
-std::vector<Rectangle> Pressures::after(const Rectangle& rectangle, double way) const {
+// The moved rectangle, and on a periodic top its periodic images that overlap the top.
+std::vector<Rectangle> Pressures::moved(const Rectangle& rectangle, double travel) const {
   Rectangle now = rectangle;
-  for (double& x : now.x) x += way;
+  for (double& x : now.x) x += travel;
   if (length_ == 0) return {now};
   const double turns = std::floor((now.x[0] - low_) / length_) * length_;
   for (double& x : now.x) x -= turns;
@@ -170,12 +171,12 @@ std::vector<Rectangle> Pressures::after(const Rectangle& rectangle, double way) 
 }
 
 void Pressures::add(double time, std::vector<Vec3>& nodes) const {
-  for (const One& one : all_) press(one, time, factor(one, time), nodes);
+  for (const One& one : all_) add_force(one, time, factor(one, time), nodes);
 }
 
 void Pressures::add_dead(std::vector<Vec3>& nodes) const {
   for (const One& one : all_)
-    if (one.given.course == Course::dead) press(one, 0, 1, nodes);
+    if (one.given.course == Course::dead) add_force(one, 0, 1, nodes);
 }
 
 }  // namespace trackbed::couple

@@ -1,10 +1,7 @@
-// The text of a deck and the overrides that are put into its tree before anything is read, so that
-// both meet the same checks.
-// Rank 0 reads the file, all parse the same text: every rank finds the same problems and throws
-// alike, without a second agreement.
-//
-// A tree, then overrides, then one visit: order of files and words does not matter any more once
-// the reader sees it. There is no second way in: whatever reaches a parameter has been checked.
+// The text of a deck and its overrides. Overrides are put into the parsed tree before any parameter
+// is read, so that both pass the same checks.
+// Rank 0 reads the file and all ranks parse the same text: every rank has the same problems and
+// throws the same error, without further communication.
 #include "trackbed/input/deck.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +16,7 @@
 
 namespace trackbed::input {
 
-// Behind a pointer, so that the door of the room shows neither tree nor problems.
+// Behind a pointer, so that the public header includes neither the tree nor the problems.
 struct Deck::Text {
   std::string origin;
   Node root;
@@ -29,7 +26,7 @@ struct Deck::Text {
 
 namespace {
 
-// For a message: what a user may have meant, by name where elements have names.
+// For messages: the elements of a list, by name where they have one, else by number.
 std::string elements_in_words(const Node& list) {
   std::string words;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
@@ -40,12 +37,10 @@ std::string elements_in_words(const Node& list) {
   return words.empty() ? "it has none" : fmt::format("it has {}", words);
 }
 
-// Puts one value into the tree, making sections on the way. Returns what is wrong, or nothing.
-// A name that no parameter has is not found here but by the reader, with its suggestion: this only
-// walks. Elements of lists must exist, since an override cannot give a whole new one.
+// Puts one value into the tree and creates missing sections on the path. Returns what is wrong, or
+// nothing. Unknown names are not detected here but by the reader, which suggests the nearest one.
+// Elements of lists must exist, since an override cannot define a new one.
 // Cost: a walk along the path per override.
-// An override of a section that is not in the deck makes it: what it may hold is again the reader's
-// to say.
 std::string put(Node& root, const std::string& path, Node value) {
   Node* node = &root;
   for (const std::string& word : words_of(path)) {
@@ -58,11 +53,11 @@ std::string put(Node& root, const std::string& path, Node value) {
       continue;
     }
     if (!node->is_table())
-      return fmt::format("{}: what comes before {} is a value, not a section", path, word);
+      return fmt::format("{}: the name before {} is a value, not a section", path, word);
     Node* next = node->member(word);
     if (next == nullptr) {
       next = &node->members.emplace_back(word, Node{}).second;
-      next->commanded = true;
+      next->from_override = true;
     }
     node = next;
   }
@@ -70,12 +65,12 @@ std::string put(Node& root, const std::string& path, Node value) {
   return "";
 }
 
-// Its line would be that of the override's own text: worse than none.
-void mark_commanded(Node& node) {
-  node.commanded = true;
+// The line would be that within the override's own text, which would mislead.
+void mark_override(Node& node) {
+  node.from_override = true;
   node.line = 0;
-  for (Node& item : node.items) mark_commanded(item);
-  for (auto& [name, value] : node.members) mark_commanded(value);
+  for (Node& item : node.items) mark_override(item);
+  for (auto& [name, value] : node.members) mark_override(value);
 }
 
 std::string stripped(const std::string& text) {
@@ -84,12 +79,12 @@ std::string stripped(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// Split at the first sign: a value may hold others. Problems are kept, not thrown: they come with
-// those of the deck.
+// Splits at the first '=', since a value may contain others. Problems are collected and reported
+// together with those of the deck.
 void apply(const std::string& override_text, Node& root, Problems& problems) {
   static const Node on_command_line = [] {
     Node node;
-    node.commanded = true;
+    node.from_override = true;
     return node;
   }();
   const std::size_t equals = override_text.find('=');
@@ -97,13 +92,13 @@ void apply(const std::string& override_text, Node& root, Problems& problems) {
     return problems.add(&on_command_line, fmt::format("\"{}\" must read key=value", override_text));
   const std::string words = stripped(override_text.substr(equals + 1));
   Node value = parse_value(words);
-  mark_commanded(value);
+  mark_override(value);
   if (!value.is_list() && value.kind != Node::Kind::text) value.text = words;
   const std::string wrong = put(root, stripped(override_text.substr(0, equals)), std::move(value));
   if (!wrong.empty()) problems.add(&on_command_line, wrong);
 }
 
-// As bytes: line ends are the parser's.
+// Read as bytes: the parser handles line ends.
 std::string text_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
@@ -114,13 +109,14 @@ std::string text_of(const std::string& path) {
 }  // namespace
 
 Deck::Deck(std::unique_ptr<Text> text) : text_(std::move(text)) {}
-// Here, where Text is complete: the header only declares it.
+// Defined here, where Text is complete: the header only declares it.
 Deck::~Deck() = default;
 Deck::Deck(Deck&&) noexcept = default;
 Deck& Deck::operator=(Deck&&) noexcept = default;
 
-// Collective. What rank 0 cannot read is told to all before anyone parses: all throw the same
-// sentence. Other ranks never look at the file, which need not be there for them.
+// Collective. If rank 0 cannot read the file, the reason is broadcast before anyone parses, and all
+// ranks throw the same error. Other ranks do not access the file, which need not exist on their
+// nodes.
 Deck Deck::read(const par::Comm& comm, const std::string& path,
                 const std::vector<std::string>& overrides) {
   std::string problem, text;
@@ -133,13 +129,13 @@ Deck Deck::read(const par::Comm& comm, const std::string& path,
     else
       text = text_of(path);
   }
-  // The text travels whole: a deck has a few kilobytes.
+  // The whole text is broadcast: a deck has a few kilobytes.
   problem = comm.broadcast(problem);
   if (!problem.empty()) throw InputError({problem});
   return parse(comm.broadcast(text), path, overrides);
 }
 
-// Local, but to be called with the same text on all ranks.
+// Local, but must be called with the same text on all ranks.
 Deck Deck::parse(const std::string& text, const std::string& origin,
                  const std::vector<std::string>& overrides) {
   auto deck = std::make_unique<Text>(origin, parse_toml(text, origin), Problems(origin));
@@ -154,28 +150,28 @@ Deck Deck::stored(const std::string& text, const std::string& origin,
   return deck;
 }
 
-// The declaration is visited twice: once by the collector for all names (suggestions), once by the
-// reader. It fills the variables that the declaration names; if it throws, they are half filled and
-// of no use.
+// The declaration is visited twice: by the collector for all names (suggestions), then by the
+// reader, which fills the declared variables. If it throws, they are partly filled and must not be
+// used.
 std::vector<std::string> Deck::fill(const Declaration& declaration) const {
   Problems problems = text_->problems;
-  // Names of files in a deck count from the deck, not from where the program was called.
+  // File names in a deck are relative to the deck's folder, not to the working directory.
   const std::string folder = std::filesystem::path(text_->origin).parent_path().string();
-  // Three acts: values with their problems, what is left over, and all sentences at once.
+  // Three steps: read the values, report unknown names, report all problems at once.
   Reader reader(text_->root, folder, all_parameters(declaration), problems);
-  if (text_->stored) reader.take_origins_as_they_are();
+  if (text_->stored) reader.accept_missing_origins();
   declaration(reader);
   reader.finish();
   problems.throw_if_any();
   return problems.warnings();
 }
 
-// "file:line: key" if the deck gives the key, else the file alone: its default is meant.
+// "file:line: key" if the deck sets the key, else "file: key": the default applies.
 std::string Deck::where(const std::string& key) const {
   const Place place = follow(text_->root, key);
   return text_->problems.start(place.reached ? place.node : nullptr) + key;
 }
 
-bool Deck::gives(const std::string& key) const { return follow(text_->root, key).reached; }
+bool Deck::sets(const std::string& key) const { return follow(text_->root, key).reached; }
 
 }  // namespace trackbed::input

@@ -1,9 +1,9 @@
 // The reference of all parameters: Markdown for docs/input.md, plain lines for a terminal.
-// Both are printed from the declarations, with a copy of the defaults: the page cannot say other
-// than the program does, and a test compares the two.
+// Both are printed from the declarations and their defaults, so that the document agrees with the
+// program; a test compares the two.
 //
-// Two layouts of one tree. A list is shown by an element of it, which the collector makes if the
-// program's own list is empty.
+// A list is described by one element, which the collector creates if the program's own list is
+// empty.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,13 +16,13 @@ namespace trackbed::input {
 
 namespace {
 
-// As the section has to be written in a deck.
+// The section header as written in a deck.
 std::string header_of(const Spec& section, bool in_list) {
   if (section.path.empty()) return "Top of the deck";
   return in_list ? fmt::format("[[{}]]", section.path) : fmt::format("[{}]", section.path);
 }
 
-// What has parts of its own, and so a heading of its own.
+// Whether it has parts, and so a heading of its own.
 bool is_group(const Spec& spec) { return spec.is_section() || spec.is_list(); }
 
 std::string kind_in_words(const Spec& spec) {
@@ -38,15 +38,15 @@ std::string kind_in_words(const Spec& spec) {
   return fmt::format("one of {}", fmt::join(words, ", "));
 }
 
-// As the value would be written in a deck, to be copied from the page.
+// As the value would be written in a deck, so that it can be copied.
 std::string default_in_words(const Spec& spec) {
   return spec.limits.required ? "must be given" : shown(spec.value);
 }
 
-// Limits refuse, `usually` warns: one column for both.
+// Values outside of the limits are rejected, outside of `usually` warned of; one column for both.
 std::string range_of(const Spec& spec) {
   Limits limits = spec.limits;
-  limits.unit = "-";  // has its own column
+  limits.unit = "-";  // the unit has its own column
   const std::string range = range_in_words(limits), often = usual_in_words(limits);
   if (often.empty()) return range;
   return fmt::format("{}{}usually {}", range, range.empty() ? "" : "; ", often);
@@ -68,7 +68,7 @@ void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list,
       std::any_of(parts.begin(), parts.end(), [](const Spec& part) { return !is_group(part); });
   if (!section.path.empty() || has_scalars)
     out += fmt::format("\n## `{}`\n\n{}\n", header_of(section, in_list), section.meaning);
-  // Values before the sections within, as they have to stand in a deck.
+  // Values before inner sections, as required in a deck.
   if (has_scalars)
     out += "\n| parameter | kind | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
   for (const Spec& part : parts)
@@ -81,7 +81,7 @@ void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list,
       markdown(part, part.is_list() ? part.element() : part.parts, part.is_list(), out);
 }
 
-// The same facts, one parameter per paragraph: a terminal has no tables.
+// The same content, one parameter per paragraph: a terminal has no tables.
 void plain(const Spec& section, const std::vector<Spec>& parts, bool in_list, std::string& out) {
   out += fmt::format("{}\n  {}\n", header_of(section, in_list), section.meaning);
   for (const Spec& part : parts) {
@@ -98,14 +98,13 @@ void plain(const Spec& section, const std::vector<Spec>& parts, bool in_list, st
     }
 }
 
-// `layer[].x` and `layer.x` name the same.
+// `layer[].x` and `layer.x` name the same parameter.
 std::string without_brackets(std::string path) {
   for (std::size_t at; (at = path.find("[]")) != std::string::npos;) path.erase(at, 2);
   return path;
 }
 
-// Collects all names on its way, for the suggestion if there is none.
-// First match in the order of declaration; paths are unique, so there is no other.
+// Collects all names along its search, for the suggestion if nothing is found. Paths are unique.
 const Spec* find(const Spec& spec, const std::string& path, std::vector<std::string>& known) {
   for (const Spec& part : spec.is_list() ? spec.element() : spec.parts) {
     known.push_back(without_brackets(part.path));
@@ -118,7 +117,7 @@ const Spec* find(const Spec& spec, const std::string& path, std::vector<std::str
 
 }  // namespace
 
-// A whole page, a section or a single parameter, by the same path that overrides use.
+// All sections, one section or a single parameter, by the same path that overrides use.
 std::string describe(const Declaration& declaration, const std::string& section) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   std::string out;
@@ -129,7 +128,7 @@ std::string describe(const Declaration& declaration, const std::string& section)
   std::vector<std::string> known;
   const Spec* found = find(root, without_brackets(section), known);
   if (found == nullptr) {
-    // Known paths rather than words: the user typed a path.
+    // Compared with whole paths, since the user typed a path.
     const std::string near = nearest(section, known);
     throw InputError({fmt::format("{} is not a section or parameter{}", section,
                                   near.empty() ? "" : fmt::format("; did you mean {}?", near))});

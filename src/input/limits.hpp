@@ -1,4 +1,4 @@
-// Limits in words, said the same way in messages and in the reference. Private to the room.
+// Limits in words, with the same wording in messages and in the reference. Private to the module.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,13 +10,13 @@
 
 namespace trackbed::input {
 
-// False for NaN too: it compares with nothing.
+// False for NaN, whose comparisons are all false.
 inline bool within(const Limits& limits, double value) {
   return value > limits.above && value >= limits.at_least && value <= limits.at_most;
 }
 
-// Zero is left alone: it mostly means "none" or "chosen".
-// Both ends belong to what is usual.
+// Zero is always accepted: it mostly means "none" or "automatic". Both ends of the usual range are
+// included.
 inline bool usual(const Limits& limits, double value) {
   return value == 0 || (value >= limits.usually_from && value <= limits.usually_to);
 }
@@ -29,17 +29,16 @@ inline std::string usual_in_words(const Limits& limits) {
   return to ? fmt::format("at most {:g}", limits.usually_to) : "";
 }
 
-// "above 0 and at most 1 m", or nothing.
-// `unit` "-" is a number without unit.
-// All bounds in one sentence, joined by "and"; the unit once, at the end.
+// "above 0 and at most 1 m", or nothing. `unit` "-": a number without unit.
+// All bounds in one sentence, joined by "and", with the unit once at the end.
 inline std::string range_in_words(const Limits& limits) {
   std::string words;
-  const auto say = [&](const char* relation, double bound) {
+  const auto add = [&](const char* relation, double bound) {
     words += fmt::format("{}{} {}", words.empty() ? "" : " and ", relation, shown(bound));
   };
-  if (limits.above != -unbounded) say("above", limits.above);
-  if (limits.at_least != -unbounded) say("at least", limits.at_least);
-  if (limits.at_most != unbounded) say("at most", limits.at_most);
+  if (limits.above != -unbounded) add("above", limits.above);
+  if (limits.at_least != -unbounded) add("at least", limits.at_least);
+  if (limits.at_most != unbounded) add("at most", limits.at_most);
   if (!words.empty() && limits.unit != "-") words += fmt::format(" {}", limits.unit);
   return words;
 }

@@ -1,10 +1,10 @@
-// Magnitudes that a model can be computed with. Private to the room.
+// Magnitudes that can be used in computations. Private to the module.
 //
-// A number of 16 digits beside others of the same kind: a stiffness of 1e25 N/m in a sum with the
-// 1e8 N/m of its neighbours leaves none of their digits, and squares of 1e300 are infinite. So each
-// unit has a range, far wider than anything built, in which products of a few quantities stay
-// numbers and sums with usual values keep digits. Zero is outside of this: limits of the parameter
-// say whether it may be. Ratios of parts that meet in one matrix are checked where it is made.
+// Double precision has 16 digits: a stiffness of 1e25 N/m in a sum with the 1e8 N/m of its
+// neighbours leaves none of their digits, and squares of 1e300 are infinite. So each unit has a
+// range, far wider than any real structure, in which products of a few quantities remain finite and
+// sums with usual values keep their digits. Zero is not covered: the limits of the parameter decide
+// on it. Ratios of values that enter one matrix are checked where it is assembled.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct Magnitudes {
   double least, most;
 };
 
-// Of a unit that is not listed: as of a plain number.
+// A unit that is not listed is treated as a plain number.
 inline Magnitudes magnitudes_of(std::string_view unit) {
   constexpr std::array<Magnitudes, 26> known{
       {{"-", 1e-15, 1e15},   {"m", 1e-25, 1e6},     {"mm", 1e-6, 1e6},       {"m2", 1e-12, 1e6},

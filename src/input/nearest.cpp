@@ -1,7 +1,6 @@
-// "Did you mean": the declared name with the fewest typing errors in between.
-// O(letters^2) per known name; asked only when something is wrong.
-//
-// Case counts for nothing: names of parameters are lower case, and who writes Young means young.
+// "Did you mean": the declared name with the smallest number of typing errors.
+// O(letters^2) per known name; called only when something is wrong. Case is ignored: names of
+// parameters are lower case.
 #include <algorithm>
 #include <cctype>
 #include <numeric>
@@ -22,7 +21,7 @@ std::string lower(std::string text) {
 // (Damerau 1964, doi:10.1145/363958.363994; restricted form, no letter is edited twice):
 //   d(i,j) = min(d(i-1,j) + 1, d(i,j-1) + 1, d(i-1,j-1) + [a_i != b_j], d(i-2,j-2) + 1 at a swap).
 std::size_t distance(const std::string& a, const std::string& b) {
-  // Three rows of the table of distances are enough: a swap looks back two letters.
+  // Three rows of the table of distances are enough: a swap refers to two letters before.
   std::vector<std::size_t> before, last(b.size() + 1), now(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -40,16 +39,16 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-// The first of equals: the order of declaration decides. None is better than one that nobody meant,
-// hence the bound.
+// The first of equal distances, in the order of declaration. The bound avoids suggestions that
+// nobody meant.
 std::string nearest(const std::string& wrong, const std::vector<std::string>& known) {
-  // A third of the letters may be wrong, and always one.
-  // Long names hold more slips; short ones are all alike.
+  // A third of the letters may be wrong, and always one: long names allow more errors; short names
+  // are all similar.
   std::size_t best = std::max<std::size_t>(1, wrong.size() / 3) + 1;
   std::string found;
   for (const std::string& word : known) {
     const std::size_t steps = distance(lower(wrong), lower(word));
-    // One letter away from a word of one letter is any word.
+    // Any word of one letter is one edit away from another one.
     if (steps < best && steps < std::max(wrong.size(), word.size())) best = steps, found = word;
   }
   return found;

@@ -1,6 +1,6 @@
-// Names of parameters as ways through the tree: overrides, rules and messages go them alike.
-// A list is entered by the name of an element (stage.passage.duration), since numbers change when
-// one is put in between; numbers are what messages show.
+// Names of parameters as paths through the tree, for overrides, rules and messages alike.
+// An element of a list is addressed by its name (stage.passage.duration), since numbers change when
+// an element is inserted; messages show the number.
 #include <charconv>
 #include <utility>
 
@@ -8,7 +8,7 @@
 
 namespace trackbed::input {
 
-// Points and brackets separate alike. Empty words are kept: `put` refuses them.
+// Points and brackets are equivalent separators. Empty words are kept: `put` rejects them.
 // "ground.layer[1].young" and "ground.layer.1.young" give the same words.
 std::vector<std::string> words_of(std::string_view path) {
   std::vector<std::string> words(1);
@@ -22,7 +22,7 @@ std::vector<std::string> words_of(std::string_view path) {
   return words;
 }
 
-// By name first: a name that is a number wins over the place it counts.
+// By name first: a name that is a number takes precedence over an index.
 const Node* element(const Node& list, const std::string& word) {
   for (const Node& item : list.items) {
     const Node* name = item.is_table() ? item.member("name") : nullptr;
@@ -30,7 +30,7 @@ const Node* element(const Node& list, const std::string& word) {
   }
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
-  // All letters must be digits: "2x" is a name.
+  // All characters must be digits: "2x" is a name.
   const bool number = error == std::errc() && end == word.data() + word.size();
   return number && index < list.items.size() ? &list.items[index] : nullptr;
 }
@@ -40,7 +40,8 @@ Node* element(Node& list, const std::string& word) {
   return const_cast<Node*>(element(std::as_const(list), word));
 }
 
-// How far the way goes: a rule about a parameter that is not in the deck points at its section.
+// Follows the path as far as it exists: a rule about a parameter that is not in the deck refers to
+// its section.
 Place follow(const Node& root, std::string_view path) {
   const Node* node = &root;
   for (const std::string& word : words_of(path)) {

@@ -1,5 +1,6 @@
-// Sentences are sorted by line, because declarations are visited in another order than people read.
-// Stable, so that sentences about one line stay in the order of the declaration.
+// Messages are sorted by line, because declarations are visited in another order than the deck is
+// written in. The sort is stable, so that messages about one line keep the order of the
+// declaration.
 #include "input/problems.hpp"
 
 #include <fmt/format.h>
@@ -11,18 +12,18 @@
 
 namespace trackbed::input {
 
-// Editors and terminals jump to "file:line:".
+// Editors and terminals can open "file:line:".
 std::string Problems::start(const Node* place) const {
-  if (place != nullptr && place->commanded) return "command line: ";
+  if (place != nullptr && place->from_override) return "command line: ";
   if (place != nullptr && place->line > 0) return fmt::format("{}:{}: ", origin_, place->line);
   return fmt::format("{}: ", origin_);
 }
 
 Problems::Problem Problems::located(const Node* place, const std::string& sentence) const {
-  // What is missing has no line: it comes after the file and before the command line.
+  // A missing parameter has no line: it is sorted after the file and before the command line.
   int order = INT_MAX - 1;
   if (place != nullptr && place->line > 0) order = place->line;
-  if (place != nullptr && place->commanded) order = INT_MAX;
+  if (place != nullptr && place->from_override) order = INT_MAX;
   return {order, start(place) + sentence};
 }
 
@@ -30,7 +31,7 @@ void Problems::add(const Node* place, const std::string& sentence) {
   list_.push_back(located(place, sentence));
 }
 
-// Warnings have places and order like problems, and stop nothing.
+// Warnings have locations and order like problems, but do not stop the run.
 void Problems::warn(const Node* place, const std::string& sentence) {
   warnings_.push_back(located(place, sentence));
 }
@@ -43,7 +44,7 @@ std::vector<std::string> Problems::sorted(std::vector<Problem> list) {
   return sentences;
 }
 
-// One exception with all sentences: a user mends a deck once.
+// One exception for all messages, so that a user corrects a deck once.
 void Problems::throw_if_any() const {
   if (!list_.empty()) throw InputError(sorted(list_));
 }

@@ -1,4 +1,4 @@
-// Problems of a deck, gathered while it is read and thrown all at once. Private to the room.
+// Problems of a deck, collected while it is read and reported all at once. Private to the module.
 #pragma once
 
 #include <string>
@@ -8,26 +8,27 @@
 
 namespace trackbed::input {
 
-// The end of a sentence about a wrong word; nothing if no name is near.
+// The end of a message about an unknown word; empty if no name is near.
 inline std::string did_you_mean(const std::string& word) {
   return word.empty() ? "" : "; did you mean " + word + "?";
 }
 
-// Copied with the deck's own problems for each reading, so that a deck can be read twice.
+// Copied with the deck's own problems for each reading, so that a deck can be read repeatedly.
 class Problems {
  public:
   explicit Problems(std::string origin) : origin_(std::move(origin)) {}
 
-  // `origin:line: ` or `command line: `; `place` may be null (nothing in the text to point at).
+  // `origin:line: ` or `command line: `; `place` may be null (no location in the text).
   std::string start(const Node* place) const;
   void add(const Node* place, const std::string& sentence);
-  // Adds to the sentence that was the `number`-th, counted from 0.
+  // Appends to sentence `number`, counted from 0.
   void append(std::size_t number, const std::string& words) { list_.at(number).sentence += words; }
   void warn(const Node* place, const std::string& sentence);
   // In the order of `throw_if_any`.
   std::vector<std::string> warnings() const { return sorted(warnings_); }
   std::size_t count() const { return list_.size(); }
-  // In the order of the file, then what has no line, then the command line. Throws InputError.
+  // In the order of the file, then those without a line, then those of the command line. Throws
+  // InputError.
   void throw_if_any() const;
 
  private:

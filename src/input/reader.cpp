@@ -1,8 +1,8 @@
-// Reading never stops at a problem: a refused value keeps its default and the visit goes on. All
-// sentences have one form, "place: path = value must be ...", so that a user can search for them.
+// Reading does not stop at a problem: a rejected value keeps its default and the visit continues.
+// All messages have one form, "place: path = value must be ...".
 //
-// The order of checks on a value is type, finiteness, limits: each sentence is about the first
-// thing that is wrong. A warning is given only for a value that is taken.
+// A value is checked for type, finiteness and limits, in this order; the message is about the first
+// of them that fails. A warning is given only for an accepted value.
 #include "input/reader.hpp"
 
 #include <fmt/format.h>
@@ -21,26 +21,27 @@ namespace {
 
 using Kind = Node::Kind;
 
-// Quotes of a command line are taken off by the shell: 60E1 is a number to TOML, a name to us.
+// The shell removes quotes of the command line: 60E1 is a number for TOML, but may be meant as a
+// name.
 bool is_text(const Node& node) {
-  return node.kind == Kind::text || (node.commanded && !node.text.empty());
+  return node.kind == Kind::text || (node.from_override && !node.text.empty());
 }
 
-// "5 mm": somebody wrote the unit beside the number.
+// "5 mm": the unit was written beside the number.
 bool starts_like_a_number(const std::string& text) {
   const std::size_t at = text.find_first_not_of(" +-.");
   return at != std::string::npos && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
 }
 
-// The commonest slip after a wrong name: a unit in the value, or quotes around it.
-// The sentence then says the unit, which is what the user wanted to be sure of.
+// The most frequent error after a wrong name is a unit in the value, or quotes around it. The
+// message then states the unit.
 std::string number_hint(const Node& node, const Limits& limits) {
   if (node.kind != Kind::text || !starts_like_a_number(node.text)) return "";
   return limits.unit == "-" ? "; give a number without quotes"
                             : fmt::format("; give a number in {}", limits.unit);
 }
 
-// "a, b or c", as people write lists; a word that is empty as a deck has it.
+// "a, b or c"; an empty word as written in a deck.
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -50,8 +51,8 @@ std::string listed(const std::vector<std::string_view>& words) {
   return text;
 }
 
-// Whether `below` is the value or section `path` or lies in it.
-// The next letter must end the word, or "load" would cover "load_case".
+// Whether `below` is the value or section `path` or is contained in it. The next character must end
+// the word, or "load" would cover "load_case".
 bool covers(std::string_view path, std::string_view below) {
   return below.starts_with(path) &&
          (below.size() == path.size() || below[path.size()] == '.' || below[path.size()] == '[');
@@ -66,7 +67,7 @@ Reader::Reader(const Node& root, std::string folder, std::vector<ParameterInfo> 
   open({"", &root, {}, 0});
 }
 
-// An absent value leaves the variable as it is: its default is whatever the struct was made with.
+// An absent value leaves the variable unchanged: its default is the initial value of the struct.
 void Reader::number(std::string_view name, double& value, const Limits& limits, std::string_view) {
   if (const Node* node = find(name))
     take_number(*node, path_of(name), limits, value);
@@ -74,8 +75,8 @@ void Reader::number(std::string_view name, double& value, const Limits& limits, 
     missing(name, std::string(limits.unit));
 }
 
-// TOML tells 5 from 5.0; people do not. A number without a fraction counts as whole as long as a
-// double holds it exactly.
+// TOML distinguishes 5 from 5.0. A number without a fraction is accepted as an integer if a double
+// represents it exactly.
 void Reader::integer(std::string_view name, std::int64_t& value, const Limits& limits,
                      std::string_view) {
   const Node* node = find(name);
@@ -83,27 +84,27 @@ void Reader::integer(std::string_view name, std::int64_t& value, const Limits& l
     if (limits.required) missing(name, std::string(limits.unit));
     return;
   }
-  constexpr double exact_to = 9007199254740992.0;  // 2^53: 1e6 is welcome as a whole number
+  constexpr double exact_to = 9007199254740992.0;  // 2^53: 1e6 is accepted as an integer
   std::int64_t whole = node->integer;
   if (node->kind == Kind::number && std::abs(node->number) <= exact_to &&
       node->number == std::floor(node->number))
     whole = static_cast<std::int64_t>(node->number);
   else if (node->kind != Kind::integer)
-    return refuse(*node, path_of(name), "must be a whole number" + number_hint(*node, limits));
-  // Limits are numbers: bounds of integers in use are far below 2^53.
+    return reject(*node, path_of(name), "must be a whole number" + number_hint(*node, limits));
+  // Limits are doubles: bounds of the integers in use are far below 2^53.
   if (!within(limits, static_cast<double>(whole)))
-    return refuse(*node, path_of(name), "must be " + range_in_words(limits));
+    return reject(*node, path_of(name), "must be " + range_in_words(limits));
   value = whole;
 }
 
 void Reader::flag(std::string_view name, bool& value, std::string_view) {
   const Node* node = find(name);
   if (node == nullptr) return;
-  if (node->kind != Kind::flag) return refuse(*node, path_of(name), "must be true or false");
+  if (node->kind != Kind::flag) return reject(*node, path_of(name), "must be true or false");
   value = node->flag;
 }
 
-// With choices the sentence lists them all, also to who gave a number.
+// With choices the message lists them all, also if a number was given.
 void Reader::text(std::string_view name, std::string& value, std::string_view,
                   const std::vector<std::string_view>& choices, bool required) {
   const Node* node = find(name);
@@ -113,45 +114,45 @@ void Reader::text(std::string_view name, std::string& value, std::string_view,
   }
   if (!choices.empty() &&
       (!is_text(*node) || std::find(choices.begin(), choices.end(), node->text) == choices.end()))
-    return refuse(*node, path_of(name),
+    return reject(*node, path_of(name),
                   fmt::format("must be {}{}", listed(choices),
                               did_you_mean(nearest(node->text, {choices.begin(), choices.end()}))));
-  if (!is_text(*node)) return refuse(*node, path_of(name), "must be text (in quotes)");
+  if (!is_text(*node)) return reject(*node, path_of(name), "must be text (in quotes)");
   value = node->text;
 }
 
-// That a file is there is checked now, at the deck's line, and not minutes later by who opens it.
-// The default goes the same way: it may name a file too.
-void Reader::file(std::string_view name, std::string& value, std::string_view, Named named) {
+// The existence of a file is checked here, where the line in the deck is known. The default is
+// checked likewise, since it may name a file too.
+void Reader::file(std::string_view name, std::string& value, std::string_view, FileRole role) {
   namespace fs = std::filesystem;
   const Node* node = find(name);
   if (node != nullptr && !is_text(*node))
-    return refuse(*node, path_of(name), "must be the name of a file (in quotes)");
-  // An empty name means none: so a deck can take a default file away.
+    return reject(*node, path_of(name), "must be the name of a file (in quotes)");
+  // An empty name means none, so that a deck can disable a default file.
   const std::string given = node != nullptr ? node->text : value;
   if (given.empty()) {
     value = given;
     return;
   }
-  // Whole paths, so that the effective input means the same file wherever it is read.
-  // On the command line names are meant from where one stands, in a deck from where it lies.
-  const bool commanded = node != nullptr && node->commanded;
-  // Joined, not made absolute: the folder of a deck named without one is empty, which is no path.
-  const fs::path from = commanded ? fs::current_path() : fs::current_path() / folder_;
+  // Absolute paths, so that the effective input names the same file wherever it is read. Names on
+  // the command line are relative to the working directory, in a deck to its folder.
+  const bool from_override = node != nullptr && node->from_override;
+  // Joined, not fs::absolute: the folder of a deck named without one is empty, which is not a path.
+  const fs::path from = from_override ? fs::current_path() : fs::current_path() / folder_;
   const fs::path path = (from / given).lexically_normal();
   std::error_code error;
-  if (origins_as_they_are_ && named == Named::origin && !commanded)
+  if (accepts_missing_origins_ && role == FileRole::origin && !from_override)
     value = given;
   else if (!fs::exists(path, error))
     problem(node, path_of(name), fmt::format(" \"{}\" does not exist", given));
   else if (!fs::is_regular_file(path, error) &&
-           !(named == Named::origin && fs::is_directory(path, error)))
+           !(role == FileRole::origin && fs::is_directory(path, error)))
     problem(node, path_of(name), fmt::format(" \"{}\" is not a file", given));
   else
     value = path.string();
 }
 
-// Each item is checked and named by its place, so that a list may give several sentences.
+// Each item is checked and named by its index, so that a list may cause several messages.
 void Reader::numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
                      std::string_view, std::size_t length) {
   const Node* node = find(name);
@@ -161,11 +162,11 @@ void Reader::numbers(std::string_view name, std::vector<double>& values, const L
   }
   const std::string what =
       length == 0 ? "a list of numbers" : fmt::format("a list of {} numbers", length);
-  if (!node->is_list()) return refuse(*node, path_of(name), fmt::format("must be {}", what));
+  if (!node->is_list()) return reject(*node, path_of(name), fmt::format("must be {}", what));
   if (length != 0 && node->items.size() != length)
-    return refuse(*node, path_of(name),
+    return reject(*node, path_of(name),
                   fmt::format("must be {}, not of {}", what, node->items.size()));
-  // All or nothing: half a list would be a value nobody wrote.
+  // The list is taken as a whole or not at all.
   std::vector<double> found(node->items.size());
   bool ok = true;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -181,60 +182,60 @@ void Reader::texts(std::string_view name, std::vector<std::string>& values, std:
     for (const Node& item : node->items)
       if (item.kind == Kind::text) found.push_back(item.text);
   if (!node->is_list() || found.size() != node->items.size())
-    return refuse(*node, path_of(name), "must be a list of texts (each in quotes)");
+    return reject(*node, path_of(name), "must be a list of texts (each in quotes)");
   values = std::move(found);
 }
 
-// Left out while in doubt: one slip, one sentence.
+// Skipped if a value that it uses was rejected, so that one error causes one message.
 void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
                   const About& about) {
-  if (holds || in_doubt(about)) return;
-  // A rule points at the value it is about where the file has one, else at the section.
+  if (holds || has_rejected(about)) return;
+  // A rule refers to its value if the file has one, else to the section.
   const Node* section = open_.back().node;
   const Place place = section != nullptr ? follow(*section, name) : Place{nullptr, false};
   const std::string rest = fmt::format(
       "{}: {}", place.reached && place.node->is_value() ? " = " + shown(*place.node) : "",
       sentence);
   if (about.weight == Weight::warning) return problems_.warn(place.node, path_of(name) + rest);
-  // What is wrong with it is said: rules that read it too would say it again in other words.
+  // The parameter counts as rejected, so that other rules that use it do not report the same
+  // problem.
   problem(place.node, path_of(name), rest);
 }
 
-// A value that was refused keeps its default: rules that read it would only confuse.
-// A path covers all below it, read or refused: "ground" stands for ground.x and for
-// ground.layer[0].young.
-bool Reader::in_doubt(const About& about) const {
+// A rejected value keeps its default: rules that use it would mislead. A path covers everything
+// below it: "ground" covers ground.x and ground.layer[0].young.
+bool Reader::has_rejected(const About& about) const {
   if (about.reads.empty()) return problems_.count() > open_.back().problems_before;
   return std::any_of(about.reads.begin(), about.reads.end(), [&](const std::string& read) {
     const std::string path = path_of(read);
-    return std::any_of(refused_.begin(), refused_.end(), [&](const std::string& wrong) {
+    return std::any_of(rejected_.begin(), rejected_.end(), [&](const std::string& wrong) {
       return covers(path, wrong) || covers(wrong, path);
     });
   });
 }
 
-// Whole numbers are taken for numbers, as everybody writes 5 for 5.0.
+// Integers are accepted as numbers: 5 for 5.0.
 bool Reader::take_number(const Node& node, const std::string& path, const Limits& limits,
                          double& value) {
   if (node.kind != Kind::number && node.kind != Kind::integer) {
-    refuse(node, path, "must be a number" + number_hint(node, limits));
+    reject(node, path, "must be a number" + number_hint(node, limits));
     return false;
   }
   const double found = node.kind == Kind::number ? node.number : static_cast<double>(node.integer);
   if (!std::isfinite(found)) {
-    refuse(node, path, "must be a finite number");
+    reject(node, path, "must be a finite number");
     return false;
   }
   if (!within(limits, found)) {
-    // As people write it: -5 also where the file has -5.0.
+    // In short form: -5 also if the file has -5.0.
     problem(&node, path, fmt::format(" = {} must be {}", shown(found), range_in_words(limits)));
     return false;
   }
   if (const Magnitudes range = magnitudes_of(limits.unit); !computable(range, found)) {
     const bool large = std::abs(found) > range.most;
     problem(&node, path,
-            fmt::format(" = {} is too {} to be computed with beside other values of 16 digits; "
-                        "{} {:g}{}{} in size{}",
+            fmt::format(" = {} is too {} for computations in double precision (16 digits); its "
+                        "magnitude must be {} {:g}{}{}{}",
                         shown(found), large ? "large" : "small", large ? "at most" : "at least",
                         large ? range.most : range.least, limits.unit == "-" ? "" : " ",
                         limits.unit == "-" ? "" : limits.unit,

@@ -1,9 +1,8 @@
-// The walk of the reader through the sections of a deck: which one is open, what it was asked for
-// and what nobody asked for. A name is unknown only once its section is left: what a section may
-// hold is nowhere listed but in the visit itself.
+// The reader's path through the sections of a deck: which one is open, which names were looked up,
+// and which remain unknown. A name is unknown only once its section is left, because the visit
+// alone defines what a section may hold.
 //
-// Cost: names known and members of a section are compared one by one; sections have some twenty
-// names.
+// Cost: linear comparison of names with the members of a section, some twenty names.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,21 +19,20 @@ std::string last_word(const std::string& path) {
 
 }  // namespace
 
-// A section that is not in the deck is visited all the same: its rules are judged, and parameters
-// that must be given are missed.
+// A section that is not in the deck is visited all the same: its rules are evaluated, and missing
+// required parameters are reported.
 bool Reader::enter(std::string_view name, std::string_view) {
   const Node* node = find(name);
   const std::string path = path_of(name);
   if (node != nullptr && !node->is_table()) {
-    refuse(*node, path, fmt::format("must be a section, [{}]", path));
+    reject(*node, path, fmt::format("must be a section, [{}]", path));
     return false;
   }
   open({path, node, {}, problems_.count()});
   return true;
 }
 
-// The deck's list replaces the program's as a whole; mixing elements of both would make lists that
-// nobody wrote.
+// The deck's list replaces the program's as a whole; elements of both are not mixed.
 std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string_view,
                                               std::size_t) {
   const Node* node = find(name);
@@ -43,7 +41,7 @@ std::optional<std::size_t> Reader::enter_list(std::string_view name, std::string
   const bool ok = node->is_list() && std::all_of(node->items.begin(), node->items.end(),
                                                  [](const Node& n) { return n.is_table(); });
   if (!ok) {
-    refuse(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
+    reject(*node, path, fmt::format("must be a list of sections, each starting with [[{}]]", path));
     return std::nullopt;
   }
   open({path, node, {}, problems_.count()});
@@ -58,54 +56,54 @@ void Reader::enter_element(std::size_t index) {
         problems_.count()});
 }
 
-// The last chance of a section's names to be known.
+// Names of the section that are still unknown are reported.
 void Reader::leave() {
   const Frame frame = std::move(open_.back());
   open_.pop_back();
-  // A list has no names of its own: its elements are frames that come here by themselves.
+  // A list has no names of its own: each of its elements is a frame that is left by itself.
   if (frame.node != nullptr && frame.node->is_table()) report_unknown(frame);
 }
 
 void Reader::open(Frame frame) { open_.push_back(std::move(frame)); }
 
-// Also of a section that is not in the file: what is asked for is known all the same.
-// Every reading call comes through here once: that is how a name becomes known.
+// The name is also registered for a section that is not in the file. Every reading call registers
+// its name here.
 const Node* Reader::find(std::string_view name) {
   Frame& frame = open_.back();
   frame.known.emplace_back(name);
   return frame.node != nullptr ? frame.node->member(name) : nullptr;
 }
 
-// As messages show it and as overrides are written.
+// The path as shown in messages and written in overrides.
 std::string Reader::path_of(std::string_view name) const {
   const std::string& section = open_.back().path;
   return section.empty() ? std::string(name) : fmt::format("{}.{}", section, name);
 }
 
-// Of a value that cannot be taken.
-// The variable keeps its default, and the path is remembered for `in_doubt`.
+// Adds a problem about a rejected value. The variable keeps its default, and the path is stored for
+// `has_rejected`.
 void Reader::problem(const Node* place, const std::string& path, const std::string& rest) {
   problems_.add(place, path + rest);
-  refused_.push_back(path);
+  rejected_.push_back(path);
 }
 
-void Reader::refuse(const Node& node, const std::string& path, const std::string& must) {
+void Reader::reject(const Node& node, const std::string& path, const std::string& must) {
   problem(&node, path, fmt::format(" = {} {}", shown(node), must));
 }
 
-// There is no value to show, so the sentence points at the section and says the unit.
+// There is no value to show, so the message refers to the section and states the unit.
 void Reader::missing(std::string_view name, const std::string& unit) {
   problem(open_.back().node, path_of(name),
           " must be given" + (unit == "-" ? "" : fmt::format(" (in {})", unit)));
 }
 
-// An unknown name is a problem and no warning: what was meant by it would keep its default in
-// silence.
+// An unknown name is a problem, not a warning: the parameter that was meant would keep its default
+// unnoticed.
 void Reader::report_unknown(const Frame& frame) {
   for (const auto& [name, value] : frame.node->members) {
     if (std::find(frame.known.begin(), frame.known.end(), name) != frame.known.end()) continue;
     unknown_.push_back({&value, frame.path, name, frame.known, problems_.count()});
-    problem(&value, unknown_.back().path(), "");  // `finish` knows the rest
+    problem(&value, unknown_.back().path(), "");  // `finish` appends the rest
   }
 }
 
@@ -113,11 +111,11 @@ void Reader::finish() {
   sections_ = open_.back().known;
   leave();
   for (const Unknown& unknown : unknown_)
-    problems_.append(unknown.problem, what_it_is_not(unknown));
+    problems_.append(unknown.problem, describe_unknown(unknown));
 }
 
-// Another model's section, or a slip.
-std::string Reader::what_it_is_not(const Unknown& unknown) const {
+// A name of another model's deck, or a typing error.
+std::string Reader::describe_unknown(const Unknown& unknown) const {
   const bool elsewhere =
       unknown.section.empty() && std::any_of(paths_.begin(), paths_.end(), [&](const auto& known) {
         return known.path == unknown.name || known.path.starts_with(unknown.name + ".") ||
@@ -128,9 +126,8 @@ std::string Reader::what_it_is_not(const Unknown& unknown) const {
   return fmt::format(" is not a {}{}", kind, did_you_mean(suggestion(unknown)));
 }
 
-// The nearest name of the same section, else the nearest one anywhere that this deck may hold.
-// A parameter may just stand in the wrong section: its full path says where it belongs, and the
-// user need not search.
+// The nearest name of the same section, else the nearest one in any section of this model. A
+// parameter may be in the wrong section: its full path then shows where it belongs.
 std::string Reader::suggestion(const Unknown& unknown) const {
   if (const std::string near = nearest(unknown.name, unknown.known); !near.empty())
     return unknown.section.empty() ? near : fmt::format("{}.{}", unknown.section, near);
@@ -144,7 +141,7 @@ std::string Reader::suggestion(const Unknown& unknown) const {
   const std::string near = nearest(unknown.name, words);
   for (const ParameterInfo* parameter : possible) {
     if (near.empty() || last_word(parameter->path) != near) continue;
-    // "stage[0].start ...; did you mean start?" would seem to suggest what is there.
+    // "stage[0].start ...; did you mean start?" would seem to suggest the same name.
     const bool top = parameter->path == near && !unknown.section.empty();
     return parameter->path + (top ? " at the top of the deck" : "");
   }

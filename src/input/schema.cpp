@@ -1,9 +1,9 @@
-// JSON schema (draft 2020-12): editors complete and check a deck while it is typed.
-// Rules that tie parameters together are not in it: JSON schema has no sums and products. The
-// program checks them all the same.
+// JSON schema (draft 2020-12): editors use it to complete and check a deck.
+// Rules that relate several parameters are not in it, since JSON schema has no arithmetic; the
+// program checks them.
 //
-// Written by the same visit as everything else; tests compare the file in docs/ with what the
-// program prints.
+// Written by the same visit as the other outputs; tests compare the file in docs/ with the
+// program's output.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Defaults, in JSON's own kinds.
+// Defaults as JSON values.
 Json value_of(const Node& node) {
   switch (node.kind) {
     case Node::Kind::number:
@@ -35,17 +35,17 @@ Json value_of(const Node& node) {
   }
 }
 
-// `usually` is left out: JSON schema knows no warnings.
+// `usually` is left out: JSON schema has no warnings.
 void add_limits(Json& json, const Limits& limits) {
   if (limits.above != -unbounded) json["exclusiveMinimum"] = limits.above;
   if (limits.at_least != -unbounded) json["minimum"] = limits.at_least;
   if (limits.at_most != unbounded) json["maximum"] = limits.at_most;
 }
 
-// The unit stands in the description, the only text that editors show.
+// The unit is part of the description, the only text that editors show.
 Json scalar_schema(const Spec& spec) {
   Json json;
-  // An integer like 1e6 is a whole number for JSON schema too.
+  // JSON schema too accepts 1e6 as an integer.
   if (spec.kind == "number" || spec.kind == "integer") {
     json["type"] = spec.kind;
     add_limits(json, spec.limits);
@@ -63,7 +63,7 @@ Json scalar_schema(const Spec& spec) {
     json["type"] = "string";
     if (!spec.choices.empty()) json["enum"] = spec.choices;
   }
-  // A unit "-" says nothing and is left out.
+  // The unit "-" is left out.
   json["description"] =
       spec.unit == "-" ? spec.meaning : fmt::format("{} ({})", spec.meaning, spec.unit);
   if (!spec.limits.required) json["default"] = value_of(spec.value);
@@ -89,7 +89,7 @@ Json schema_of(const Spec& spec) {
 Json object_schema(const std::vector<Spec>& parts) {
   Json json;
   json["type"] = "object";
-  // As strict as the reader: an unknown key is underlined while it is typed.
+  // As strict as the reader: editors mark an unknown key.
   json["additionalProperties"] = false;
   json["properties"] = Json::object();
   for (const Spec& part : parts) {
@@ -101,7 +101,7 @@ Json object_schema(const std::vector<Spec>& parts) {
 
 }  // namespace
 
-// The order of keys is that of the declarations: the file's history then shows only what changed.
+// Keys have the order of the declarations, so that differences between versions stay small.
 std::string schema(const Declaration& declaration) {
   const Spec root = collect(declaration, Lists::at_least_one_element);
   Json json;

@@ -1,7 +1,6 @@
-// Collects a declaration into a tree without changing any variable, and prints from it what a deck
-// could say: the names, and the present values as effective input.
-// One visit feeds the page, the schema, the effective deck and the suggestions, so none of them can
-// know a parameter that the others do not.
+// Collects a declaration into a tree without changing any variable, and prints from it the names
+// and the current values (effective input). The reference, the schema, the effective deck and the
+// suggestions all use this one tree and therefore have the same parameters.
 #include "input/spec.hpp"
 
 #include <fmt/format.h>
@@ -10,8 +9,7 @@ namespace trackbed::input {
 
 namespace {
 
-// Visits a declaration without changing a variable.
-// References of variables are only read: the same declaration that fills a model can describe it.
+// Only reads the variables: the same declaration that fills a model can describe it.
 class Collector : public Section {
  public:
   Collector(Spec& root, Lists lists) : lists_(lists) { open_.push_back(&root); }
@@ -33,7 +31,8 @@ class Collector : public Section {
     spec.choices.assign(choices.begin(), choices.end());
     spec.value = make_text(value);
   }
-  void file(std::string_view name, std::string& value, std::string_view meaning, Named) override {
+  void file(std::string_view name, std::string& value, std::string_view meaning,
+            FileRole) override {
     add(name, "file", {}, meaning).value = make_text(value);
   }
   void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
@@ -49,11 +48,11 @@ class Collector : public Section {
     spec.value = make_list({});
     for (const std::string& value : values) spec.value.items.push_back(make_text(value));
   }
-  // Rules are for the reader to judge: here nobody gave a value.
+  // Rules are evaluated by the reader only.
   void rule(std::string_view, bool, std::string_view, const About&) override {}
 
  protected:
-  // A list without elements still has to show what one may hold: the visit is given one.
+  // An empty list is given one element, to describe what an element may hold.
   bool describes() const override { return lists_ == Lists::at_least_one_element; }
   bool enter(std::string_view name, std::string_view meaning) override {
     open_.push_back(&add(name, "section", {}, meaning));
@@ -73,7 +72,7 @@ class Collector : public Section {
   void leave() override { open_.pop_back(); }
 
  private:
-  // Parts of an open section move only while no part of it is open: pointers stay good.
+  // Parts of an open section are moved only while none of them is open, so pointers remain valid.
   Spec& add(std::string_view name, std::string_view kind, const Limits& limits,
             std::string_view meaning) {
     const Spec& parent = *open_.back();
@@ -88,7 +87,7 @@ class Collector : public Section {
   std::vector<Spec*> open_;
 };
 
-// Leaves of the tree, with paths as the reference names them.
+// Leaves of the tree, with paths as in the reference.
 void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
   if (spec.is_section())
     for (const Spec& part : spec.parts) list_scalars(part, found);
@@ -98,15 +97,15 @@ void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
     found.push_back({spec.path, spec.kind, spec.unit, spec.meaning});
 }
 
-// The effective deck: every value the program went by, defaults included.
-// In the order of the declarations, so that equal models give equal texts whatever their decks.
+// The effective deck: every value used, including defaults, in the order of the declarations, so
+// that equal models give equal texts.
 Node values_of(const Spec& spec) {
   if (spec.is_list()) {
     Node list = make_list({});
     for (const Spec& element : spec.parts) list.items.push_back(values_of(element));
     return list;
   }
-  // Leaves have their value already.
+  // Leaves hold their value.
   if (!spec.is_section()) return spec.value;
   Node table;
   for (const Spec& part : spec.parts) table.members.emplace_back(part.name, values_of(part));
@@ -115,7 +114,7 @@ Node values_of(const Spec& spec) {
 
 }  // namespace
 
-// A `const` visit in all but type: a declaration takes the model by reference.
+// Does not change the model, although a declaration takes it by non-const reference.
 Spec collect(const Declaration& declaration, Lists lists) {
   Spec root;
   Collector collector(root, lists);
@@ -123,14 +122,14 @@ Spec collect(const Declaration& declaration, Lists lists) {
   return root;
 }
 
-// For suggestions: a name in the wrong section is found by its last word.
+// Used for suggestions: a name in the wrong section is identified by its last word.
 std::vector<ParameterInfo> all_parameters(const Declaration& declaration) {
   std::vector<ParameterInfo> found;
   list_scalars(collect(declaration, Lists::at_least_one_element), found);
   return found;
 }
 
-// Of the variables as they are now: called after reading, it shows overrides and defaults alike.
+// The current values of the variables: after reading, these include overrides and defaults.
 std::string effective(const Declaration& declaration) {
   return deck_text(values_of(collect(declaration, Lists::as_they_are)));
 }

@@ -1,8 +1,8 @@
-// A small CSV reader: numbers only, so cells hold no commas and need no escaping. A bad row is
-// noted and reading goes on, so that a user repairs a table once.
+// A small CSV reader: numbers only, so cells contain no commas and need no escaping. A bad row is
+// recorded and reading continues, so that a user corrects a table once.
 //
-// A library for CSV would bring quoting, dialects and types that no table of ours has. Cost: one
-// pass over the text.
+// Rejected: a CSV library, whose quoting, dialects and types are not needed. Cost: one pass over
+// the text.
 #include "trackbed/input/table.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +20,8 @@ namespace trackbed::input {
 
 namespace {
 
-// Spreadsheets put it in front of a text in UTF-8 (U+FEFF); it would become part of the first name.
+// Spreadsheets write it at the start of UTF-8 text (U+FEFF); it would become part of the first
+// name.
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 std::string_view stripped(std::string_view text) {
@@ -31,8 +32,8 @@ std::string_view stripped(std::string_view text) {
   return text;
 }
 
-// An empty last cell counts: a row that ends with a comma has one column more. Views of the line: a
-// profile of some kilometres has millions of cells.
+// An empty last cell counts: a row that ends with a comma has one more column. Cells are views of
+// the line: a profile of some kilometres has millions of them.
 void split(std::string_view line, std::vector<std::string_view>& cells) {
   cells.clear();
   for (std::size_t begin = 0; begin <= line.size();) {
@@ -42,9 +43,8 @@ void split(std::string_view line, std::vector<std::string_view>& cells) {
   }
 }
 
-// from_chars, not strtod: the decimal point must not hang on the user's locale. It refuses a
-// leading plus, which spreadsheets write.
-// NaN and infinity, which from_chars takes, are no numbers of a table.
+// from_chars, not strtod: the decimal point must not depend on the user's locale. It rejects a
+// leading plus, which spreadsheets write. NaN and infinity, which from_chars accepts, are rejected.
 bool is_number(std::string_view cell, double& value) {
   const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
   const char* end = cell.data() + cell.size();
@@ -52,11 +52,11 @@ bool is_number(std::string_view cell, double& value) {
   return error == std::errc() && stop == end && std::isfinite(value);
 }
 
-// Columns are found by name: tables of others have columns in their own order, and more of them.
+// Columns are found by name, since tables may have additional columns in any order.
 struct Table {
   std::string path;
-  std::vector<std::string> names;  // of the columns asked for
-  std::string rising;              // of the one whose values must rise; empty: none
+  std::vector<std::string> names;  // of the required columns
+  std::string rising;              // column whose values must increase; empty: none
   std::vector<std::size_t> places{};
   std::size_t width = 0;  // columns of the file
   std::vector<std::vector<double>> columns{};
@@ -64,26 +64,27 @@ struct Table {
   std::vector<std::string> problems{};
   std::vector<std::string_view> cells{};  // of the present line
 
-  // Spreadsheets of languages whose decimal sign is a comma put semicolons between columns. Said
-  // once, of the first line: every row would be wrong in the same way. Whether it is so.
+  // Spreadsheets in languages whose decimal sign is a comma put semicolons between columns.
+  // Reported once, for the first line, since every row has the same problem. Returns whether it
+  // has.
   bool has_other_separators(int line, std::string_view text) {
     const std::size_t at = text.find_first_of(";\t");
     if (at == text.npos || text.find(',') != text.npos) return false;
     problems.push_back(
-        fmt::format("{}:{}: has {} between columns; commas are wanted there, and "
+        fmt::format("{}:{}: has {} between columns; use commas between columns and "
                     "points as decimal signs",
                     path, line, text[at] == ';' ? "semicolons" : "tabs"));
     return true;
   }
 
-  // Names are compared letter by letter; a near one is suggested.
+  // Names must match exactly; the nearest one is suggested otherwise.
   void header(int line, std::string_view text) {
     split(text, cells);
     const std::vector<std::string> found(cells.begin(), cells.end());
     width = found.size();
     for (const std::string& name : names) {
       const auto at = std::find(found.begin(), found.end(), name);
-      // Of a missing column: one past the last, by which `row` knows it.
+      // A missing column has the index one past the last, which `row` skips.
       places.push_back(static_cast<std::size_t>(at - found.begin()));
       if (at != found.end()) continue;
       const std::string near = nearest(name, found);
@@ -92,10 +93,10 @@ struct Table {
     }
   }
 
-  // After a problem columns may differ in length: they are then thrown away with the exception.
+  // After a problem columns may differ in length; they are then discarded by the exception.
   void row(int line, std::string_view text) {
     split(text, cells);
-    // A cell too few would shift all that follow it: the row is not read at all.
+    // A missing cell would shift all that follow it, so the row is not read.
     if (cells.size() != width) {
       problems.push_back(fmt::format("{}:{}: has {} columns, the first line has {}", path, line,
                                      cells.size(), width));
@@ -117,15 +118,16 @@ struct Table {
 
   void compare(int line, const std::vector<double>& column, double value) {
     if (!column.empty() && value <= column.back())
-      problems.push_back(fmt::format("{}:{}: {} must rise from row to row, but {:g} follows {:g}",
-                                     path, line, rising, value, column.back()));
+      problems.push_back(
+          fmt::format("{}:{}: {} must increase from row to row, but {:g} follows {:g}", path, line,
+                      rising, value, column.back()));
   }
 };
 
 }  // namespace
 
-// Local: each rank reads the file. Empty lines and lines that begin with '#' are passed over; the
-// first other line names the columns.
+// Local: each rank reads the file. Empty lines and lines that begin with '#' are skipped; the first
+// other line names the columns.
 std::vector<std::vector<double>> read_table(const std::string& path,
                                             const std::vector<std::string>& columns,
                                             const std::string& rising, std::vector<int>* lines) {

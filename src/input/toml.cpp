@@ -1,8 +1,8 @@
-// The only place that sees toml++ (https://marzer.github.io/tomlplusplus): a large header, compiled
-// once.
+// The only file that includes toml++ (https://marzer.github.io/tomlplusplus), a large header that
+// is so compiled once.
 //
-// The parser's tree is converted as a whole and dropped: nodes of ours outlive it, can be changed
-// by overrides and know whether they came from the command line.
+// The parser's tree is converted as a whole and then freed: our nodes outlive it, can be changed by
+// overrides and record whether they came from the command line.
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -22,13 +22,13 @@ Node converted_table(const toml::table& source) {
   Node node;
   for (const auto& [key, value] : source)
     node.members.emplace_back(std::string(key.str()), converted(value));
-  // toml++ sorts by name; people read by line.
+  // toml++ sorts by name; the order of the file is restored.
   std::stable_sort(node.members.begin(), node.members.end(),
                    [](const auto& a, const auto& b) { return a.second.line < b.second.line; });
   return node;
 }
 
-// Items may be of any kind each; what a parameter takes is the reader's to say.
+// Items may be of any kind; the reader checks them.
 Node converted_list(const toml::array& source) {
   Node node;
   node.kind = Node::Kind::list;
@@ -42,7 +42,7 @@ Node converted_scalar(const toml::node& source) {
   if (const auto* value = source.as_integer()) return make_integer(value->get());
   if (const auto* value = source.as_boolean()) return make_flag(value->get());
   if (const auto* value = source.as_string()) return make_text(value->get());
-  Node date;  // a date or time, which no parameter takes
+  Node date;  // a date or time, which no parameter accepts
   date.kind = Node::Kind::other;
   std::ostringstream words;
   source.visit([&](const auto& value) {
@@ -53,7 +53,7 @@ Node converted_scalar(const toml::node& source) {
   return date;
 }
 
-// Lines come along, since every sentence about a value begins with its line.
+// Line numbers are kept, since every message about a value begins with its line.
 Node converted(const toml::node& source) {
   Node node;
   if (const auto* table = source.as_table())
@@ -63,7 +63,7 @@ Node converted(const toml::node& source) {
   else
     node = converted_scalar(source);
   node.line = static_cast<int>(source.source().begin.line);
-  // A section that exists only through its sub-sections has no line: take the first one's.
+  // A section that is defined only by its sub-sections has no line: use that of the first one.
   if (node.line == 0 && node.is_table() && !node.members.empty())
     node.line = node.members.front().second.line;
   if (node.line == 0 && node.is_list() && !node.items.empty()) node.line = node.items.front().line;
@@ -72,7 +72,7 @@ Node converted(const toml::node& source) {
 
 }  // namespace
 
-// The parser stops at the first error: of a text that is not TOML there is just one sentence.
+// The parser stops at the first error, so invalid TOML causes one message only.
 Node parse_toml(const std::string& text, const std::string& origin) {
   try {
     return converted_table(toml::parse(std::string_view(text)));
@@ -82,12 +82,12 @@ Node parse_toml(const std::string& text, const std::string& origin) {
   }
 }
 
-// A shell takes quotes away: base=quiet must mean the text as base = "quiet" does in a deck. So
-// what is not TOML is text, and a wrong type is found where types are known.
+// A shell removes quotes: base=viscous must mean the text as base = "viscous" does in a deck. So a
+// value that is not TOML is text; a wrong type is detected by the reader.
 Node parse_value(const std::string& text) {
   try {
     const toml::table table = toml::parse("value = " + text);
-    // More than one key: the words held a line break; they are not one value.
+    // More than one key: the text contained a line break and is not one value.
     if (table.size() == 1 && table.contains("value")) return converted(*table.get("value"));
   } catch (const toml::parse_error&) {
   }

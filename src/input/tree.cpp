@@ -1,4 +1,4 @@
-// Writes values as TOML. Everything written here reads back to the same bits.
+// Writes values as TOML. Every value reads back bitwise identical.
 // A checkpoint stores its deck in this form, and compatible.cpp compares decks by it: equal values
 // must have equal texts.
 #include "input/tree.hpp"
@@ -11,8 +11,7 @@ namespace trackbed::input {
 
 namespace {
 
-// TOML basic strings: what may not stand in them is escaped.
-// Other bytes, UTF-8 among them, stand as they are.
+// TOML basic strings: characters that are not allowed are escaped, other bytes (UTF-8) are kept.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -31,8 +30,8 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-// Shortest digits that read back to the same bits; a point keeps -0.0 from reading as integer 0.
-// Of a number like 1e30 the digits have an exponent already, and no point is needed.
+// Shortest digits that read back to the identical double; a point keeps -0.0 from reading as
+// integer 0. A number such as 1e30 has an exponent already and needs no point.
 std::string exact(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -47,9 +46,9 @@ std::string shown_list(const Node& node) {
   return out + "]";
 }
 
-// Values before sections: in TOML a value after a header would belong to that section.
-// Lists of sections repeat their header before each element. A list without elements is printed as
-// a value, `[]`, or it would be gone when read back.
+// Values before sections: in TOML a value after a header would belong to that section. Lists of
+// sections repeat their header before each element. A list without elements is printed as a value,
+// `[]`, or it would be lost when read back.
 void print_table(const Node& table, const std::string& path, std::string& out) {
   for (const auto& [name, value] : table.members)
     if (value.is_value()) out += fmt::format("{} = {}\n", name, shown(value));
@@ -69,7 +68,7 @@ void print_table(const Node& table, const std::string& path, std::string& out) {
 
 }  // namespace
 
-// One search for both: casting const away is sound, since *this is not const here.
+// One search for both: the const_cast is safe, since *this is not const here.
 const Node* Node::member(std::string_view name) const {
   for (const auto& [key, value] : members)
     if (key == name) return &value;
@@ -79,10 +78,10 @@ Node* Node::member(std::string_view name) {
   return const_cast<Node*>(static_cast<const Node*>(this)->member(name));
 }
 
-// Not exact in kind: 5.0 is shown as 5.
+// The type is not kept: 5.0 is shown as 5.
 std::string shown(double value) { return fmt::format("{}", value); }
 
-// One line, whatever the node: for messages and for values of the effective deck.
+// One line for any node: for messages and for values of the effective deck.
 std::string shown(const Node& node) {
   switch (node.kind) {
     case Node::Kind::number:
@@ -95,7 +94,7 @@ std::string shown(const Node& node) {
       return quoted(node.text);
     case Node::Kind::list:
       return shown_list(node);
-    // Nobody wants to read a whole section in a message.
+    // A whole section is too long for a message.
     case Node::Kind::table:
       return "{...}";
     case Node::Kind::other:
@@ -104,14 +103,14 @@ std::string shown(const Node& node) {
   return node.text;
 }
 
-// Local and pure: equal trees give equal texts.
+// Local, a pure function: equal trees give equal texts.
 std::string deck_text(const Node& root) {
   std::string out;
   print_table(root, "", out);
   return out;
 }
 
-// Made by the program and not read: without a line.
+// Created by the program, not read from a file: without a line.
 Node make_number(double value) {
   Node node;
   node.kind = Node::Kind::number, node.number = value;

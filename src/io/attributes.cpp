@@ -1,7 +1,6 @@
-// Small facts attached to datasets and groups.
-// Collective throughout: all ranks bring the same value, as parallel HDF5 asks of changes to
-// metadata. Scalars, short lists and text of fixed length only; anything else a file may hold is
-// refused when it is read.
+// Attributes of datasets and groups. All calls are collective: all ranks pass the same value, as
+// parallel HDF5 requires for changes to metadata. Only scalars, short lists and text of fixed
+// length; anything else in a file is refused when it is read.
 #include "io/handle.hpp"
 
 namespace trackbed::io {
@@ -12,8 +11,8 @@ std::string subject_of(const std::string& path, const std::string& name) {
   return "attribute " + name + " of " + path;
 }
 
-// The object named by `path`; a missing group is made when the file is open for writing.
-// Datasets and groups alike: HDF5 hangs attributes on either.
+// The object named by `path`, a dataset or a group; a missing group is created if the file is open
+// for writing.
 Hid open_object(const File& file, const std::string& path) {
   const hid_t id = file.handle().file.get();
   if (file.handle().mode == Mode::read || file.has(path))
@@ -23,12 +22,12 @@ Hid open_object(const File& file, const std::string& path) {
   return Hid(H5Gcreate2(id, path.c_str(), links.get(), H5P_DEFAULT, H5P_DEFAULT));
 }
 
-// Never left out on a rank: changes to metadata are collective in HDF5.
+// Called on every rank: changes to metadata are collective in HDF5.
 void write_attribute(const File& file, const std::string& path, const std::string& name,
                      const Hid& type, const Hid& space, const void* value) {
   const Hid object = open_object(file, path);
   bool ok = bool(object);
-  // HDF5 has no overwriting: an attribute of the same name may be of another type or length.
+  // HDF5 cannot overwrite: an attribute of the same name may be of another type or length.
   if (ok && H5Aexists(object.get(), name.c_str()) > 0)
     ok = H5Adelete(object.get(), name.c_str()) >= 0;
   if (ok) {
@@ -39,14 +38,14 @@ void write_attribute(const File& file, const std::string& path, const std::strin
   file.handle().agree(ok, subject_of(path, name), "cannot be written");
 }
 
-// Two agreements: whether it is there, then whether it is of the kind asked for.
+// Two agreements: whether the attribute exists, then whether it is of the expected type.
 Hid open_attribute(const File& file, const std::string& path, const std::string& name,
                    H5T_class_t expected) {
   const Hid object(H5Oopen(file.handle().file.get(), path.c_str(), H5P_DEFAULT));
   Hid attribute(object ? H5Aopen(object.get(), name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID);
   file.handle().agree(bool(attribute), subject_of(path, name), "cannot be opened");
   const Hid type(H5Aget_type(attribute.get())), space(H5Aget_space(attribute.get()));
-  // A foreign or damaged file must end in a sentence, not in a read beyond `value`.
+  // A foreign or damaged file must result in a message, not in a read beyond `value`.
   const bool ok = H5Tget_class(type.get()) == expected &&
                   H5Sget_simple_extent_npoints(space.get()) == 1 &&
                   H5Tis_variable_str(type.get()) <= 0;
@@ -64,7 +63,7 @@ T read_scalar(const File& file, const std::string& path, const std::string& name
   return value;
 }
 
-// Text beyond ASCII is marked as UTF-8, so that h5py and h5dump show it as it was written.
+// Text beyond ASCII is marked as UTF-8, so that h5py and h5dump show it as written.
 bool is_ascii(const std::string& text) {
   for (const char c : text)
     if (static_cast<unsigned char>(c) > 127) return false;
@@ -77,7 +76,7 @@ bool is_ascii(const std::string& text) {
 // the file.
 void File::attribute(const std::string& path, const std::string& name, const std::string& value) {
   const Hid type(H5Tcopy(H5T_C_S1)), space(H5Screate(H5S_SCALAR));
-  // The closing zero is stored as well, so that empty text has a size HDF5 accepts.
+  // The terminating zero is stored as well, so that empty text has a size that HDF5 accepts.
   H5Tset_size(type.get(), value.size() + 1);
   H5Tset_cset(type.get(), is_ascii(value) ? H5T_CSET_ASCII : H5T_CSET_UTF8);
   write_attribute(*this, path, name, type, space, value.c_str());
@@ -104,14 +103,14 @@ bool File::has_attribute(const std::string& path, const std::string& name) const
   return H5Aexists_by_name(handle_->file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
-// Of fixed length; text of other writers may be padded or closed with zeros, which both end here.
+// Of fixed length; text of other writers may be padded or terminated with zeros, which are removed.
 std::string File::text_attribute(const std::string& path, const std::string& name) const {
   const Hid attribute = open_attribute(*this, path, name, H5T_STRING);
   const Hid type(H5Aget_type(attribute.get()));
   std::string text(H5Tget_size(type.get()), '\0');
   const bool ok = H5Aread(attribute.get(), type.get(), text.data()) >= 0;
   handle_->agree(ok, subject_of(path, name), "cannot be read");
-  return text.c_str();  // up to the closing zero
+  return text.c_str();  // up to the terminating zero
 }
 
 double File::number_attribute(const std::string& path, const std::string& name) const {

@@ -1,9 +1,9 @@
-// How a checkpoint stays whole:
+// How a checkpoint stays consistent:
 //   write `name.part`, each dataset with a checksum, and seal its structure (seal.hpp) -> close ->
-//   open again, compare -> fsync -> rename -> fsync the folder -> the same way for the text file
-//   `latest`, which names the newest in its first line.
-// So a reader meets either the old file or the new one (replace.cpp). Cost: the file is read back
-// once, from the system's cache.
+//   open again, compare -> fsync -> rename -> fsync the folder -> the same for the text file
+//   `latest`, whose first line names the newest.
+// A reader therefore sees either the old file or the new one (replace.cpp). Cost: the file is read
+// back once, from the cache of the system.
 #include "trackbed/io/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ constexpr const char* kind = "trackbed checkpoint";
 
 [[noreturn]] void refuse(const std::string& sentence) { throw InputError({sentence}); }
 
-// The checkpoints that the text file `latest` names, the newest first.
+// The checkpoints that the text file `latest` names, newest first.
 std::vector<std::string> listed_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::ifstream in(folder / "latest");
@@ -36,8 +36,8 @@ std::vector<std::string> listed_in(const fs::path& folder) {
   return names;
 }
 
-// Last of all: `latest` never names first a file that is not whole. The ones before follow, as
-// their order cannot be told from the files: copies have other dates. On rank 0.
+// The last step, so that the first entry of `latest` is always a complete file. Earlier checkpoints
+// follow, as their order cannot be derived from the files: copies have other dates. On rank 0.
 std::string write_latest(const fs::path& folder, const std::string& name) {
   const fs::path part = folder / "latest.part";
   std::ofstream out(part);
@@ -50,10 +50,10 @@ std::string write_latest(const fs::path& folder, const std::string& name) {
   return put_in_place(part, folder / "latest");
 }
 
-// Throws the sentence about a damaged or foreign file on all ranks.
-// Collective. Cost: each rank reads its share of the file once.
+// Throws the message about a damaged or foreign file on all ranks. Collective. Cost: each rank
+// reads its fraction of the file once.
 void verify(const File& file, const std::string& path) {
-  // Ranks must take the same way through collective calls: whether there is a kind is agreed first.
+  // All ranks must make the same collective calls: whether there is a kind is agreed on first.
   if (file.handle().comm.max(std::int64_t{file.has_attribute("/", "kind") ? 0 : 1}) != 0 ||
       file.text_attribute("/", "kind") != kind)
     refuse(path + ": is not a trackbed checkpoint");
@@ -62,7 +62,7 @@ void verify(const File& file, const std::string& path) {
     refuse(fmt::format("{}: was written by {} trackbed (checkpoint format {}; this one reads {})",
                        path, format > checkpoint_format ? "a newer" : "an older", format,
                        checkpoint_format));
-  // Every byte of numbers is read, each rank its share, before anything is made from it.
+  // All numbers are read and checked, each rank its fraction, before they are used.
   for (const std::string& dataset : datasets_of(file))
     if (!file.has_attribute(dataset, checksum_name) ||
         stored_hash(file.handle(), dataset) !=
@@ -70,28 +70,27 @@ void verify(const File& file, const std::string& path) {
       refuse(path + ": is damaged: dataset " + dataset + " does not match its checksum");
 }
 
-// Why there is no whole file `path`, or nothing.
-// Without HDF5, see seal.hpp. On rank 0.
-std::string why_not_there(const std::string& path) {
+// Why `path` is not a complete file, or nothing. Without HDF5, see seal.hpp. On rank 0.
+std::string absence_or_defect(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return path + ": does not exist";
   if (!fs::is_regular_file(path, ignored)) return path + ": is not a file";
-  const std::string damage = why_not_whole(path);
+  const std::string damage = defect_of(path);
   return damage.empty() ? "" : path + ": " + damage;
 }
 
-// Files of others may lie beside: what has neither a name that runs give nor the seal of a
-// checkpoint is none of ours, and not worth a word.
+// The folder may contain other files: a file that has neither a name given by runs nor the seal of
+// a checkpoint is ignored without a message.
 bool is_ours(const fs::path& file) {
   const std::string name = file.filename().string();
   if (file.extension() != ".h5" || name == "results.h5") return false;
   return name.starts_with("checkpoint_") || name.starts_with("stage_") ||
-         why_not_whole(file.string()).empty();
+         defect_of(file.string()).empty();
 }
 
 // All checkpoints of the folder, the newest first: those that `latest` names in its order, then
-// others by time of writing, which copies change. Equal times (coarse file systems) fall back on
-// names, so that the choice is always the same.
+// others by time of writing, which copies change. Equal times (coarse file systems) are ordered by
+// name, so that the choice is always the same.
 std::vector<std::string> newest_first(const fs::path& folder) {
   struct Found {
     std::ptrdiff_t place;
@@ -116,8 +115,8 @@ std::vector<std::string> newest_first(const fs::path& folder) {
   return names;
 }
 
-// What `path` may mean, best first; on rank 0. Paths, one per line.
-// The one `latest` names first comes first, even if it is not there: then that is said.
+// Checkpoints that `path` may refer to, best first, one path per line; on rank 0. The first one in
+// `latest` comes first even if it does not exist: this is then reported.
 std::string candidates(const std::string& path, IfDamaged if_damaged) {
   std::error_code ignored;
   // The text file `latest` stands for the folder whose newest checkpoint it names.
@@ -133,8 +132,8 @@ std::string candidates(const std::string& path, IfDamaged if_damaged) {
   return lines;
 }
 
-// `fill` may have failed half way: the file is closed by its destructor before it is removed.
-// Collective. The seal is written by rank 0 once HDF5 has let go of the file.
+// `fill` may have failed before the end: the file is closed by its destructor before it is removed.
+// Collective. The seal is written by rank 0 after HDF5 has closed the file.
 void write_part(const par::Comm& comm, const std::string& part,
                 const std::function<void(File&)>& fill) {
   File file(comm, part, Mode::create);
@@ -147,22 +146,21 @@ void write_part(const par::Comm& comm, const std::string& part,
   comm.agree(comm.root() ? seal(part, extents) : "");
 }
 
-// A write that reported success is not taken for the data. Wrong bits are found before the old
-// checkpoint is given up.
-// Collective.
+// A write that reported success does not prove that the data are correct. Errors are detected
+// before the old checkpoint is given up. Collective.
 void read_back(const par::Comm& comm, const std::string& part) {
-  const std::string damage = comm.root() ? why_not_whole(part) : "";
+  const std::string damage = comm.root() ? defect_of(part) : "";
   comm.agree(damage.empty() ? "" : part + ": " + damage + " right after it was written");
   try {
     verify(File(comm, part, Mode::read), part);
-  } catch (const InputError& error) {  // equal on all ranks: found in collective reads
+  } catch (const InputError& error) {  // the same on all ranks: detected in collective reads
     throw RunError(std::string(error.what()) + " right after it was written");
   }
 }
 
 }  // namespace
 
-// Until the rename nothing that was there before is touched.
+// Before the rename no existing file is changed.
 void write_checkpoint(const par::Comm& comm, const std::string& folder, const std::string& name,
                       const std::function<void(File&)>& fill) {
   std::error_code error;
@@ -173,7 +171,7 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
   try {
     write_part(comm, part, fill);
     read_back(comm, part);
-    // Nothing but `.part` was touched: the last checkpoint and `latest` are as they were.
+    // Only `.part` was written: the last checkpoint and `latest` are unchanged.
   } catch (const RunError&) {
     if (comm.root()) fs::remove(part, error);
     comm.barrier();
@@ -187,15 +185,15 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
   comm.agree(problem);
 }
 
-// RunError becomes InputError here: a file that cannot be read is what the user named.
+// RunError becomes InputError here: an unreadable file was named by the user.
 File open_checkpoint(const par::Comm& comm, const std::string& file_name) {
-  const std::string problem = comm.broadcast(comm.root() ? why_not_there(file_name) : "");
+  const std::string problem = comm.broadcast(comm.root() ? absence_or_defect(file_name) : "");
   if (!problem.empty()) refuse(problem);
   try {
     File file(comm, file_name, Mode::read);
     verify(file, file_name);
     return file;
-  } catch (const RunError& error) {  // "rank 0: <file>: ...": the rank says nothing here
+  } catch (const RunError& error) {  // "rank 0: <file>: ...": the rank is omitted
     const std::string text = error.what();
     const std::size_t start = text.find(file_name);
     refuse(file_name + ": is damaged" +
@@ -203,15 +201,17 @@ File open_checkpoint(const par::Comm& comm, const std::string& file_name) {
   }
 }
 
-// Collective: rank 0 lists, all open each in turn, so that they pass over the same ones.
-Chosen choose_checkpoint(const par::Comm& comm, const std::string& path, IfDamaged if_damaged) {
-  Chosen chosen;
+// Collective: rank 0 makes the list and all ranks open each file in turn, so that all choose the
+// same one.
+CheckpointChoice choose_checkpoint(const par::Comm& comm, const std::string& path,
+                                   IfDamaged if_damaged) {
+  CheckpointChoice chosen;
   const std::string lines = comm.broadcast(comm.root() ? candidates(path, if_damaged) : "");
   if (lines.empty())
     refuse(path + ": holds no checkpoint; name the result folder of a run, or a file .h5 in it");
   std::istringstream paths(lines);
   while (std::getline(paths, chosen.file)) {
-    if (if_damaged == IfDamaged::refuse) return chosen;  // whoever opens it hears what is wrong
+    if (if_damaged == IfDamaged::refuse) return chosen;  // open_checkpoint reports the defect
     try {
       open_checkpoint(comm, chosen.file);
       return chosen;

@@ -1,8 +1,8 @@
-// Rows of numbers in and out. A rank's place among the rows is the scan over lower ranks; transfers
-// are collective: ranks without rows take part.
+// Reading and writing of rows of numbers. The first row of a rank is the scan over lower ranks;
+// transfers are collective: ranks without rows take part.
 //
 // Cost of a write: a scan, a reduction, one request per rank and a hash of the bytes. Values are
-// stored in the machine's own byte order, which HDF5 notes in the file and turns round for other
+// stored in the byte order of the machine, which HDF5 records in the file and converts for other
 // readers.
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -20,12 +20,12 @@ namespace trackbed::io {
 
 namespace {
 
-// Large enough that a chunk's entry in the index is small beside it, small enough that a short
-// history wastes little.
+// Large enough that a chunk's entry in the index is small compared with it, small enough that a
+// short history wastes little.
 constexpr std::size_t chunk_bytes = 32768;  // of growing datasets: 4096 doubles
 
 // Rows [begin, begin + count) of a table, all columns.
-Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
+Hid selected(std::size_t all_rows, std::size_t columns, bool flat, RowRange rows) {
   const hsize_t extent[2] = {all_rows, columns};
   Hid space(H5Screate_simple(flat ? 1 : 2, extent, nullptr));
   const hsize_t start[2] = {rows.begin, 0}, count[2] = {rows.count, columns};
@@ -37,9 +37,9 @@ Hid selected(std::size_t all_rows, std::size_t columns, bool flat, Share rows) {
   return space;
 }
 
-// Collective towards HDF5, one request per rank towards MPI-IO: a rank's rows are contiguous in the
-// file, so merging would gain little, and Open MPI 4.1 on three ranks and more swallows failures of
-// merged writes (a full disk went unnoticed in file_failure_test).
+// Collective for HDF5, one request per rank for MPI-IO: a rank's rows are contiguous in the file,
+// so merging would gain little, and Open MPI 4.1 on three ranks and more does not report failures
+// of merged writes (a full disk was not detected in file_failure_test).
 Hid transfer_by_each_rank() {
   Hid transfer(H5Pcreate(H5P_DATASET_XFER));
   H5Pset_dxpl_mpio(transfer.get(), H5FD_MPIO_COLLECTIVE);
@@ -47,17 +47,17 @@ Hid transfer_by_each_rank() {
   return transfer;
 }
 
-// Memory holds this rank's rows one after another.
-// One row at least, also where nothing is selected.
+// The memory holds this rank's rows one after another. It has at least one row, also if nothing is
+// selected.
 Hid memory_space(std::size_t rows, std::size_t columns) {
   return selected(std::max<std::size_t>(rows, 1), columns, false, {0, rows});
 }
 
-// Reserves disk space before HDF5 is asked to write: a full disk found here is one clean sentence,
-// found in the middle of a collective transfer it would leave the library's own tables unwritten.
-// On rank 0: the file is one for all. File systems without fallocate answer with another error,
-// which is no reason to refuse.
-std::string why_no_space(const std::string& path, std::size_t bytes) {
+// Reserves disk space before HDF5 writes: a full disk detected here gives one clear message; in the
+// middle of a collective transfer it would leave the library's own tables unwritten. On rank 0: all
+// ranks write the same file. File systems without fallocate return another error, which is not a
+// reason to refuse.
+std::string space_problem(const std::string& path, std::size_t bytes) {
   constexpr std::size_t headers = 1 << 16;
   const int descriptor = ::open(path.c_str(), O_RDWR);
   if (descriptor < 0) return std::strerror(errno);
@@ -74,23 +74,23 @@ std::string why_no_space(const std::string& path, std::size_t bytes) {
 
 // Collective.
 void reserve(const File::Handle& file, const std::string& path, std::size_t bytes) {
-  const std::string reason = file.comm.root() && bytes > 0 ? why_no_space(file.path, bytes) : "";
+  const std::string reason = file.comm.root() && bytes > 0 ? space_problem(file.path, bytes) : "";
   file.comm.agree(reason.empty()
                       ? ""
                       : file.path + ": dataset " + path + " cannot be written (" + reason + ")");
 }
 
-// Collective. One column makes a dataset of one dimension, which readers know as a plain list.
+// Collective. One column gives a dataset of one dimension, which readers treat as a list.
 Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t type,
                        std::size_t rows, std::size_t columns, bool grows) {
   const Hid links(H5Pcreate(H5P_LINK_CREATE)), creation(H5Pcreate(H5P_DATASET_CREATE));
   H5Pset_create_intermediate_group(links.get(), 1);
-  // Every row is written right after; zeros first would write the file twice.
+  // Every row is written immediately afterwards; writing zeros first would write the file twice.
   H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER);
   const hsize_t extent[2] = {rows, columns}, limit[2] = {H5S_UNLIMITED, columns};
   const int rank = columns == 1 ? 1 : 2;
-  // Chunks for growing datasets only: HDF5 asks for them there. Others are contiguous, which
-  // extents_of relies on, and reads in one piece.
+  // Chunks for growing datasets only: HDF5 requires them there. Others are contiguous, which
+  // extents_of relies on and which reads fast.
   if (grows) {
     const hsize_t chunk[2] = {std::max<std::size_t>(1, chunk_bytes / (columns * H5Tget_size(type))),
                               columns};
@@ -106,18 +106,18 @@ Dataset create_dataset(const File::Handle& file, const std::string& path, hid_t 
 
 // Collective; `source` holds this rank's rows only.
 void write_rows(const File::Handle& file, const std::string& path, const Dataset& dataset,
-                Share rows, const void* source) {
+                RowRange rows, const void* source) {
   if (dataset.rows == 0) return;
   const Hid memory = memory_space(rows.count, dataset.columns);
   const Hid stored = selected(dataset.rows, dataset.columns, dataset.flat, rows);
   const Hid transfer = transfer_by_each_rank();
-  const char none = 0;  // HDF5 wants an address also from a rank without rows
+  const char none = 0;  // HDF5 requires an address also from a rank without rows
   const bool ok = H5Dwrite(dataset.id.get(), dataset.type.get(), memory.get(), stored.get(),
                            transfer.get(), rows.count == 0 ? &none : source) >= 0;
   file.agree(ok, "dataset " + path, "cannot be written");
 }
 
-// HDF5 would convert in silence, and so lose digits in silence.
+// HDF5 would convert without notice and lose digits.
 void expect_type(const File::Handle& file, const std::string& path, const Dataset& dataset,
                  hid_t type) {
   file.agree(H5Tequal(dataset.type.get(), type) > 0, "dataset " + path,
@@ -126,21 +126,21 @@ void expect_type(const File::Handle& file, const std::string& path, const Datase
 
 template <class T>
 std::vector<T> read_typed(const File::Handle& file, const std::string& path, const Dataset& dataset,
-                          Share rows) {
+                          RowRange rows) {
   expect_type(file, path, dataset, native_type<T>());
   std::vector<T> values(rows.count * dataset.columns);
   read_rows_into(file, path, dataset, rows, values.data());
   return values;
 }
 
-// A mistake of the program, not of a file: it ends the run.
+// An error of the program, not of a file: it ends the run.
 std::size_t rows_of(std::size_t values, std::size_t columns) {
   require(columns > 0 && values % columns == 0, "a dataset's values do not fill whole rows");
   return values / columns;
 }
 
 // First row of this rank and, in `total`, the rows of all ranks. Collective.
-Share place_of(const par::Comm& comm, std::size_t rows, std::size_t& total) {
+RowRange place_of(const par::Comm& comm, std::size_t rows, std::size_t& total) {
   const auto mine = static_cast<std::int64_t>(rows);
   total = static_cast<std::size_t>(comm.sum(mine));
   return {static_cast<std::size_t>(comm.exclusive_scan(mine)), rows};
@@ -164,11 +164,11 @@ Dataset open_dataset(const File::Handle& file, const std::string& path) {
 }
 
 void read_rows_into(const File::Handle& file, const std::string& path, const Dataset& dataset,
-                    Share rows, void* target) {
+                    RowRange rows, void* target) {
   const bool inside = rows.begin <= dataset.rows && rows.count <= dataset.rows - rows.begin;
   H5Eclear2(H5E_DEFAULT);
   file.agree(inside, "dataset " + path,
-             "has " + std::to_string(dataset.rows) + " rows, asked for " +
+             "has " + std::to_string(dataset.rows) + " rows; requested: " +
                  std::to_string(rows.count) + " from row " + std::to_string(rows.begin));
   if (dataset.rows == 0) return;
   const Hid memory = memory_space(rows.count, dataset.columns);
@@ -180,20 +180,20 @@ void read_rows_into(const File::Handle& file, const std::string& path, const Dat
   file.agree(ok, "dataset " + path, "cannot be read");
 }
 
-// The row's number is part of it, so that rows that changed places do not go unseen.
+// The number of the row is included, so that exchanged rows are detected.
 std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t row_bytes,
                         std::size_t first) {
-  // Wraps around on overflow, as unsigned integers do: addition modulo 2^64 is still free of order.
+  // Unsigned overflow wraps around: addition modulo 2^64 does not depend on the order.
   std::uint64_t sum = 0;
   for (std::size_t row = 0; row < rows; ++row)
     sum += mix(hash_bytes(bytes + row * row_bytes, row_bytes) + first + row);
   return sum;
 }
 
-// Sums wrap around alike on all ranks, so the split does not matter.
+// The sums wrap around in the same way on all ranks, so the split does not matter.
 std::uint64_t stored_hash(const File::Handle& file, const std::string& path) {
   const Dataset dataset = open_dataset(file, path);
-  const Share mine = share(dataset.rows, file.comm.rank(), file.comm.size());
+  const RowRange mine = row_range(dataset.rows, file.comm.rank(), file.comm.size());
   std::vector<std::byte> bytes(mine.count * dataset.row_bytes());
   read_rows_into(file, path, dataset, mine, bytes.data());
   const std::uint64_t hash = hash_rows(bytes.data(), mine.count, dataset.row_bytes(), mine.begin);
@@ -204,9 +204,9 @@ template <class T>
 void File::write(const std::string& path, std::span<const T> mine, std::size_t columns,
                  const Label& label) {
   std::size_t total = 0;
-  const Share place = place_of(handle_->comm, rows_of(mine.size(), columns), total);
-  // Space first, then the dataset, numbers, label, checksum: nothing is announced that cannot
-  // follow.
+  const RowRange place = place_of(handle_->comm, rows_of(mine.size(), columns), total);
+  // Space first, then the dataset, numbers, label, checksum: no object is created whose data cannot
+  // be written.
   const std::size_t row_bytes = columns * sizeof(T);
   reserve(*handle_, path, total * row_bytes);
   const Dataset dataset = create_dataset(*handle_, path, native_type<T>(), total, columns, false);
@@ -218,10 +218,10 @@ void File::write(const std::string& path, std::span<const T> mine, std::size_t c
 }
 
 template <class T>
-std::vector<T> File::read_share(const std::string& path) const {
+std::vector<T> File::read_own_rows(const std::string& path) const {
   const Dataset dataset = open_dataset(*handle_, path);
   const par::Comm& comm = handle_->comm;
-  return read_typed<T>(*handle_, path, dataset, share(dataset.rows, comm.rank(), comm.size()));
+  return read_typed<T>(*handle_, path, dataset, row_range(dataset.rows, comm.rank(), comm.size()));
 }
 
 template <class T>
@@ -235,21 +235,21 @@ std::vector<T> File::read_rows(const std::string& path, std::size_t begin,
                                std::size_t count) const {
   const Dataset dataset = open_dataset(*handle_, path);
   const bool inside = begin <= dataset.rows && count <= dataset.rows - begin;
-  // Before memory for a nonsensical count is asked for; read_rows_into words the refusal.
+  // Before memory for an invalid count is allocated; read_rows_into gives the message.
   const bool all_inside = handle_->comm.max(std::int64_t{inside ? 0 : 1}) == 0;
   if (!all_inside) read_rows_into(*handle_, path, dataset, {begin, count}, nullptr);
   return read_typed<T>(*handle_, path, dataset, {begin, count});
 }
 
 template <class T>
-// Columns of a history grow together, one dataset each: a reader may meet them of different lengths
-// after a kill, so results are appended to a copy (see observe).
+// Columns of a history grow together, one dataset each: after a kill they may have different
+// lengths, so results are appended to a copy (see observe).
 void File::append(const std::string& path, std::span<const T> mine, std::size_t columns,
                   const Label& label) {
   std::size_t added = 0;
-  Share place = place_of(handle_->comm, rows_of(mine.size(), columns), added);
+  RowRange place = place_of(handle_->comm, rows_of(mine.size(), columns), added);
   reserve(*handle_, path, added * columns * sizeof(T));
-  // The same on all ranks: metadata of a parallel file is.
+  // The same on all ranks, because metadata of a parallel file is.
   const bool fresh = !has(path);
   Dataset dataset = fresh ? create_dataset(*handle_, path, native_type<T>(), 0, columns, true)
                           : open_dataset(*handle_, path);
@@ -266,11 +266,11 @@ void File::append(const std::string& path, std::span<const T> mine, std::size_t 
     attribute(path, "unit", label.unit);
     attribute(path, "meaning", label.meaning);
   }
-  // A run killed later leaves the file readable up to here.
+  // If the run is killed later, the file remains readable up to here.
   handle_->agree(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written");
 }
 
-// The space behind is lost to the file until it is written anew.
+// The space after the new end is lost to the file until it is written again.
 void File::truncate(const std::string& path, std::size_t rows) {
   const Dataset dataset = open_dataset(*handle_, path);
   const hsize_t extent[2] = {rows, dataset.columns};
@@ -284,7 +284,7 @@ void File::truncate(const std::string& path, std::size_t rows) {
   template void File::write<T>(const std::string&, std::span<const T>, std::size_t, const Label&); \
   template void File::append<T>(const std::string&, std::span<const T>, std::size_t,               \
                                 const Label&);                                                     \
-  template std::vector<T> File::read_share<T>(const std::string&) const;                           \
+  template std::vector<T> File::read_own_rows<T>(const std::string&) const;                        \
   template std::vector<T> File::read_all<T>(const std::string&) const;                             \
   template std::vector<T> File::read_rows<T>(const std::string&, std::size_t, std::size_t) const;
 

@@ -1,8 +1,8 @@
 // VTKHDF 1.0, UnstructuredGrid: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
-// Each rank is one piece; a piece's cells count its own points from 0, so no number needs to be
-// translated. Alternatives: VTU with appended data writes one file per rank and an index beside
+// Each rank is one piece; the cells of a piece number its own points from 0, so no number needs to
+// be translated. Alternatives: VTU with appended data writes one file per rank and an index beside
 // them; XDMF needs a text file beside the data.
-// Datasets go through File::write, so that a full disk is one sentence here too.
+// Datasets go through File::write, so that a full disk gives one clear message here too.
 #include "trackbed/io/fields.hpp"
 
 #include <numeric>
@@ -14,12 +14,12 @@ namespace trackbed::io {
 
 namespace {
 
-// Name and place are the format's.
+// Name and place are prescribed by the format.
 constexpr const char* root = "/VTKHDF";
 
 std::string at(const std::string& name) { return std::string(root) + "/" + name; }
 
-// Of VTK's cells; the enumerators are VTK's own cell numbers.
+// Number of nodes of VTK's cells; the enumerators are VTK's own cell numbers.
 std::size_t nodes_per_cell(CellKind kind) {
   switch (kind) {
     case CellKind::vertex:
@@ -38,8 +38,7 @@ std::size_t nodes_per_cell(CellKind kind) {
   return 0;
 }
 
-// One number per rank.
-// Rank r's number is row r, since rows follow ranks.
+// One number per rank: that of rank r is row r, since rows follow ranks.
 void write_count(File& file, const std::string& name, std::size_t count, const char* meaning) {
   const auto value = static_cast<std::int64_t>(count);
   file.write<std::int64_t>(at(name), std::span(&value, 1), 1, {"-", meaning});
@@ -64,8 +63,8 @@ void write_data(File& file, const std::string& group, const std::vector<FieldDat
   }
 }
 
-// VTKHDF wants all pieces' rows one after the other, counts per piece beside them: just what
-// File::write does with the ranks' shares.
+// VTKHDF requires the rows of all pieces one after the other and the counts per piece beside them,
+// which is what File::write does with the rows of the ranks.
 void write_cells(File& file, const Grid& grid, std::size_t cells) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
   std::vector<std::int64_t> offsets(cells + 1);  // each piece has one more than cells
@@ -79,11 +78,11 @@ void write_cells(File& file, const Grid& grid, std::size_t cells) {
 
 }  // namespace
 
-// Collective. Rejoining points at rank borders is the reader's: each piece has its own.
+// Collective. Points at rank borders are not merged: each piece has its own.
 void write_fields(const par::Comm& comm, const std::string& path, const Grid& grid) {
   const std::size_t nodes = nodes_per_cell(grid.kind);
-  // Rows of a piece are found by the counts of the pieces before it: a cell that is cut would shift
-  // all that follow.
+  // The rows of a piece follow from the counts of the pieces before it: an incomplete cell would
+  // shift all that follow.
   require(nodes > 0 && grid.cells.size() % nodes == 0, "a grid's cells are not whole");
   const std::size_t cells = grid.cells.size() / nodes;
   File file(comm, path, Mode::create);

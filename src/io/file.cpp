@@ -1,10 +1,10 @@
-// Opening, closing and looking around in a file. Datasets are in dataset.cpp, attributes in
+// Opening, closing and listing of a file. Datasets are in dataset.cpp, attributes in
 // attributes.cpp.
 //
 // Every rank opens the file through MPI-IO, also a single one, so that there is one code path.
 // Format: HDF5 1.8 (superblock 2, object headers 2). Its metadata blocks carry checksums, so that
-// damage is noticed by the library, and unlike the 1.10 format a file whose writer was killed is
-// not marked as open for ever.
+// the library detects damage, and unlike in the 1.10 format a file whose writer was killed is not
+// marked as open for ever.
 #include "trackbed/io/file.hpp"
 
 #include <fcntl.h>
@@ -25,9 +25,10 @@ namespace trackbed::io {
 
 namespace {
 
-// Asks the operating system first: its reasons ("Permission denied") are better than MPI's.
-// Creates the file if that is wanted, so that the later open by all ranks finds it. On rank 0.
-std::string why_not_open(const std::string& path, Mode mode) {
+// Opens the file by the operating system first: its error messages ("Permission denied") are better
+// than those of MPI. Creates the file if required, so that the later open by all ranks succeeds. On
+// rank 0.
+std::string open_problem(const std::string& path, Mode mode) {
   const int flags = mode == Mode::read     ? O_RDONLY
                     : mode == Mode::create ? O_RDWR | O_CREAT
                                            : O_RDWR;
@@ -43,22 +44,22 @@ std::string why_not_open(const std::string& path, Mode mode) {
 Hid open_file(const par::Comm& comm, const std::string& path, Mode mode) {
   const Hid access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_fapl_mpio(access.get(), par::mpi(comm), MPI_INFO_NULL);
-  // Both bounds: a newer library would otherwise choose newer structures as it sees fit.
+  // Both bounds are set: a newer library would otherwise choose newer structures.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
-  // Results grow by append, which opens what is there; create begins from nothing.
+  // Results grow by append, which opens an existing file; create begins with an empty one.
   if (mode == Mode::create)
     return Hid(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));
   const unsigned flags = mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
   return Hid(H5Fopen(path.c_str(), flags, access.get()));
 }
 
-// Gives back disk space reserved beyond the file's end (see reserve in dataset.cpp).
-// On rank 0, once the file is closed.
+// Releases disk space reserved beyond the end of the file (see reserve in dataset.cpp). On rank 0,
+// after the file is closed.
 void trim(const File::Handle& file) {
   if (!file.comm.root() || file.mode == Mode::read) return;
   struct stat status {};
   if (::stat(file.path.c_str(), &status) == 0 && ::truncate(file.path.c_str(), status.st_size) != 0)
-    return;  // some blocks stay reserved: no harm
+    return;  // some blocks stay reserved, which is harmless
 }
 
 herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
@@ -68,9 +69,9 @@ herr_t collect_name(hid_t, const char* name, const H5L_info_t*, void* names) {
 
 }  // namespace
 
-// Every collective call of the room ends here: one rank's failure is an exception on all, at the
-// same place, so that nobody waits in the next call. A write that failed unnoticed by HDF5
-// (write_failures.hpp) comes up here as well, and its reason is the truer one.
+// Every collective call of this module ends here: a failure of one rank is an exception on all, at
+// the same place, so that no rank waits in the next call. A write failure that HDF5 did not notice
+// (write_failures.hpp) is reported here as well, and its reason takes precedence.
 void File::Handle::agree(bool ok, const std::string& subject, std::string_view what) const {
   const std::string reason = ok ? "" : hdf5_reason();
   const std::string unwritten = take_write_failure();
@@ -85,13 +86,13 @@ File::File(const par::Comm& comm, const std::string& path, Mode mode)
     : handle_(std::make_unique<Handle>(comm, path, mode)) {
   silence_hdf5();
   const std::string verb = mode == Mode::create ? "cannot be created" : "cannot be opened";
-  const std::string reason = comm.root() ? why_not_open(path, mode) : "";
+  const std::string reason = comm.root() ? open_problem(path, mode) : "";
   comm.agree(reason.empty() ? "" : path + ": " + verb + " (" + reason + ")");
   handle_->file = open_file(comm, path, mode);
   handle_->agree(bool(handle_->file), "", verb);
 }
 
-// Reached with an open file while an exception passes, too: it must not throw and not agree, but
+// Also called with an open file while an exception propagates: it must not throw and not agree, but
 // has to close on every rank, since H5Fclose of a parallel file is collective.
 File::~File() {
   if (handle_ && handle_->file) {
@@ -99,27 +100,26 @@ File::~File() {
     if (handle_->mode != Mode::read) H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
     file.close();
     trim(*handle_);
-    take_write_failure();  // nobody is left to tell: see close()
+    take_write_failure();  // cannot be reported here: see close()
   }
 }
 File::File(File&&) noexcept = default;
 File& File::operator=(File&&) noexcept = default;
 
-// Collective; throws where the destructor may not. Whoever wants to know that data are on the disk
-// calls it.
+// Collective; throws where the destructor may not. To be called where data must be on the disk.
 void File::close() {
   if (!handle_->file) return;
   Hid file = std::move(handle_->file);
-  // The flush also asks the operating system to put the data on the disk (MPI_File_sync).
+  // The flush also requests that the operating system writes the data to the disk (MPI_File_sync).
   const bool flushed = handle_->mode == Mode::read || H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
   const bool closed = file.close();
   trim(*handle_);
   handle_->agree(flushed && closed, "", "cannot be completed");
 }
 
-// Local answer, the same on all ranks, as metadata is.
+// A local call with the same result on all ranks, as for metadata.
 bool File::has(const std::string& path) const {
-  // HDF5 wants every group on the way checked before the last name.
+  // HDF5 requires every parent group to be checked before the last name.
   for (std::size_t end = 0; end != std::string::npos;) {
     end = path.find('/', end + 1);
     const std::string part = path.substr(0, end);
@@ -129,13 +129,13 @@ bool File::has(const std::string& path) const {
   return true;
 }
 
-// Rows and columns; one column also for a plain list. Collective.
+// Rows and columns; a list has one column. Collective.
 std::vector<std::size_t> File::extent(const std::string& path) const {
   const Dataset dataset = open_dataset(*handle_, path);
   return {dataset.rows, dataset.columns};
 }
 
-// Sorted, so that what follows from the order does not hang on HDF5. Collective.
+// Sorted, so that the order does not depend on HDF5. Collective.
 std::vector<std::string> File::names(const std::string& group) const {
   const Hid opened(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT));
   std::vector<std::string> found;
@@ -147,7 +147,7 @@ std::vector<std::string> File::names(const std::string& group) const {
 }
 
 // Contiguous blocks that differ by one row at most; the first rows % n ranks have one more.
-Share share(std::size_t rows, int rank, int size) {
+RowRange row_range(std::size_t rows, int rank, int size) {
   const auto r = static_cast<std::size_t>(rank), n = static_cast<std::size_t>(size);
   const std::size_t begin = rows / n * r + std::min(r, rows % n);
   return {begin, rows / n + (r < rows % n ? 1 : 0)};

@@ -1,4 +1,4 @@
-// The open file behind io::File and the few acts all parts of the room share. Private to the room.
+// The open file of io::File and operations that several sources of this module use. Private to it.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace trackbed::io {
 
-// Owned by the File, which may move: the handle stays where it is.
+// Owned by the File, which may be moved: the address of the handle does not change.
 struct File::Handle {
   par::Comm comm;
   std::string path;
@@ -31,21 +31,21 @@ struct Dataset {
   std::size_t row_bytes() const { return columns * H5Tget_size(type.get()); }
 };
 
-// Collective: agreed on all ranks.
-// Throws RunError on all if the dataset is not there or no table of numbers.
+// Collective. Throws RunError on all ranks if the dataset is missing or not a table of numbers.
 Dataset open_dataset(const File::Handle& file, const std::string& path);
 // Rows [begin, begin + count) of this rank into `target`; `type` describes the memory.
 void read_rows_into(const File::Handle& file, const std::string& path, const Dataset& dataset,
-                    Share rows, void* target);
+                    RowRange rows, void* target);
 
-// Order-free hash of rows: sum over rows of mix(hash(row) + row number), so that any split over
-// ranks gives the same. `first` is the number of the first row of `bytes`.
+// Hash of rows that does not depend on their order: the sum over rows of mix(hash(row) + row
+// number), so that any split over ranks gives the same. `first` is the number of the first row of
+// `bytes`.
 std::uint64_t hash_rows(const std::byte* bytes, std::size_t rows, std::size_t row_bytes,
                         std::size_t first);
 // The same for a stored dataset, read by all ranks together.
 std::uint64_t stored_hash(const File::Handle& file, const std::string& path);
 
-// An attribute of every dataset that `write` makes.
+// An attribute of every dataset written by `write`.
 inline constexpr const char* checksum_name = "checksum";
 
 }  // namespace trackbed::io

@@ -1,6 +1,5 @@
-// Words for what HDF5 reports and for what it stores.
-// The element types are functions because H5T_NATIVE_... are variables filled when the library
-// starts.
+// Error texts and type names of HDF5. The element types are functions because H5T_NATIVE_... are
+// variables that are set when the library starts.
 #include "io/hdf5.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +8,8 @@ namespace trackbed::io {
 
 namespace {
 
-// The first entry of an upward walk is the innermost call: where the operating system or MPI spoke.
+// The first entry of an upward walk is the innermost call, which has the message of the operating
+// system or of MPI.
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
   if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
   return 0;
@@ -17,7 +17,7 @@ herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
 
 }  // namespace
 
-// For good; the errors themselves stay on HDF5's stack, for `hdf5_reason`.
+// Permanently; the errors themselves stay on HDF5's stack, for `hdf5_reason`.
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 std::string hdf5_reason() {
@@ -36,14 +36,14 @@ template <> hid_t native_type<std::int8_t>() { return H5T_NATIVE_INT8; }
 template <> hid_t native_type<std::uint8_t>() { return H5T_NATIVE_UINT8; }
 // clang-format on
 
-// For sentences: what a file holds against what was asked for.
+// For messages about the actual and the expected type.
 std::string type_name(hid_t type) {
   const std::string bits = std::to_string(8 * H5Tget_size(type)) + "-bit ";
   switch (H5Tget_class(type)) {
     case H5T_FLOAT:
       return bits + "real numbers";
     case H5T_INTEGER:
-      return bits + (H5Tget_sign(type) == H5T_SGN_NONE ? "natural numbers" : "integers");
+      return bits + (H5Tget_sign(type) == H5T_SGN_NONE ? "unsigned integers" : "integers");
     case H5T_STRING:
       return "text";
     default:

@@ -1,5 +1,5 @@
-// What the io room knows of HDF5: handles that close themselves, the library's own printing of
-// errors switched off, and the element types. Private to the room.
+// HDF5 helpers of the io module: handles that close themselves, suppression of the library's own
+// error output, and the element types. Private to the module.
 #pragma once
 
 #include <hdf5.h>
@@ -10,8 +10,8 @@
 
 namespace trackbed::io {
 
-// Owns one HDF5 identifier of any kind; the reference count decides, so one function closes all.
-// Moved, never copied: two owners would close it twice.
+// Owns one HDF5 identifier of any kind; since identifiers are reference-counted, one function
+// closes all kinds. Moved, never copied: two owners would close it twice.
 class Hid {
  public:
   Hid() = default;
@@ -25,7 +25,7 @@ class Hid {
 
   hid_t get() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
-  // False if the library reports trouble; the handle is given up either way.
+  // False if the library reports an error; the handle is released in either case.
   bool close() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || H5Idec_ref(id) >= 0;
@@ -35,9 +35,10 @@ class Hid {
   hid_t id_ = H5I_INVALID_HID;
 };
 
-// HDF5 prints every failure to stderr unless told not to; we put failures into sentences.
+// HDF5 prints every failure to stderr by default; this program reports failures in its own
+// messages.
 void silence_hdf5();
-// What the library says about its last failure: the innermost message, in brackets, or nothing.
+// The reason of the library's last failure: the innermost message, in brackets, or nothing.
 std::string hdf5_reason();
 
 // The native element type of T; owned by the library, never closed.

@@ -1,4 +1,4 @@
-// A rename within a folder replaces the old name at one instant (POSIX).
+// A rename within a folder replaces the old name atomically (POSIX).
 #include "trackbed/io/replace.hpp"
 
 #include <fcntl.h>
@@ -13,11 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Puts a file or folder onto the disk. Returns what went wrong, or nothing.
+// Flushes a file or folder to the disk. Returns the error, or nothing.
 std::string synced(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY);
   if (descriptor < 0) return path.string() + ": " + std::strerror(errno);
-  // Some file systems cannot sync a folder; they say EINVAL.
+  // Some file systems cannot sync a folder and return EINVAL.
   const bool ok = ::fsync(descriptor) == 0 || errno == EINVAL;
   const std::string problem = ok ? "" : path.string() + ": " + std::strerror(errno);
   ::close(descriptor);
@@ -26,8 +26,8 @@ std::string synced(const fs::path& path) {
 
 }  // namespace
 
-// fsync before the rename: without it a crash of the machine may leave the new name on an empty
-// file. The folder after it: the name itself is data of the folder.
+// fsync before the rename: without it the new name may refer to an empty file after a crash of the
+// machine. The folder after it: the name itself is data of the folder.
 std::string put_in_place(const fs::path& from, const fs::path& to) {
   if (std::string problem = synced(from); !problem.empty()) return problem;
   std::error_code error;
@@ -36,7 +36,7 @@ std::string put_in_place(const fs::path& from, const fs::path& to) {
   return synced(to.has_parent_path() ? to.parent_path() : fs::path("."));
 }
 
-// What fills a disk must not stay there: the part goes, whatever went wrong.
+// After any failure the part is removed, since it may have filled the disk.
 void replace_file(const par::Comm& comm, const std::string& path,
                   const std::function<void(const std::string& part)>& write) {
   const std::string part = path + ".part";

@@ -1,8 +1,7 @@
-// Layout behind the end of the HDF5 file: the extents (offset, bytes) in ascending order, then the
-// foot. Nothing read from a file is believed before it is checked: a damaged count must not ask
-// for memory, a damaged extent must not hide bytes.
-// The seal is stored as it stands in memory: on a machine of the other byte order a file is refused
-// as damaged.
+// Layout after the end of the HDF5 file: the extents (offset, bytes) in ascending order, then the
+// footer. Nothing read from a file is used before it is checked: a damaged count must not cause an
+// allocation, a damaged extent must not exclude bytes from the hash. The seal is stored in the byte
+// order of the machine: on a machine of the other byte order a file is refused as damaged.
 #include "io/seal.hpp"
 
 #include <fmt/format.h>
@@ -18,9 +17,9 @@ namespace trackbed::io {
 
 namespace {
 
-// Written after the list of extents, as it stands in memory.
-// The magic is last in the file, where a reader looks first.
-struct Foot {
+// Footer, written after the list of extents as it is in memory. The magic number is last in the
+// file, where a reader looks first.
+struct Footer {
   std::uint64_t extents = 0;     // how many
   std::uint64_t file_bytes = 0;  // before the seal
   std::uint64_t hash = 0;
@@ -33,12 +32,12 @@ herr_t collect_dataset(hid_t, const char* name, const H5O_info_t* info, void* pa
   return 0;
 }
 
-// Hash of all bytes outside of the extents, and of the extents themselves.
-// Cost: one pass over the structure; the numbers are jumped over.
+// Hash of all bytes outside of the extents, and of the extents themselves. Cost: one pass over the
+// structure; the numbers are skipped.
 std::uint64_t structure_hash(std::ifstream& in, std::uint64_t file_bytes,
                              std::vector<Extent> extents) {
   std::uint64_t hash = hash_bytes(extents.data(), extents.size() * sizeof(Extent));
-  // An empty extent at the end: the loop hashes the gap in front of each.
+  // An empty extent at the end: the loop hashes the gap before each extent.
   extents.push_back({file_bytes, 0});
   std::vector<char> buffer;
   std::uint64_t at = 0;
@@ -52,7 +51,7 @@ std::uint64_t structure_hash(std::ifstream& in, std::uint64_t file_bytes,
   return hash;
 }
 
-// Ascending, apart from each other and inside the file: only then may they be used.
+// Extents are used only if they are ascending, disjoint and inside the file.
 bool plausible(const std::vector<Extent>& extents, std::uint64_t file_bytes) {
   std::uint64_t at = 0;
   for (const Extent& extent : extents) {
@@ -63,8 +62,8 @@ bool plausible(const std::vector<Extent>& extents, std::uint64_t file_bytes) {
   return true;
 }
 
-// HDF5 File Format Specification 3.0, section II.A, superblock 2: where its own part of the file
-// should end; the seal lies behind it.
+// HDF5 File Format Specification 3.0, section II.A, superblock 2: the expected end of the HDF5 part
+// of the file; the seal follows it.
 std::string cut_or_foreign(std::ifstream& in, std::uint64_t present) {
   constexpr std::streamoff end_of_file_at = 28;
   std::uint64_t expected = 0;
@@ -87,7 +86,7 @@ std::vector<std::string> datasets_of(const File& file) {
   return paths;
 }
 
-// Needs contiguous datasets; see create_dataset.
+// Requires contiguous datasets; see create_dataset.
 std::vector<Extent> extents_of(const File& file) {
   std::vector<Extent> extents;
   for (const std::string& path : datasets_of(file)) {
@@ -102,30 +101,30 @@ std::vector<Extent> extents_of(const File& file) {
   return extents;
 }
 
-// Appended bytes lie behind the end that the superblock states: HDF5 never looks there.
+// The appended bytes are beyond the end stated in the superblock, which HDF5 does not read.
 std::string seal(const std::string& path, const std::vector<Extent>& extents) {
-  Foot foot;
+  Footer footer;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   const std::string unreadable = path + ": cannot be read back";
-  // Lengths are only computed from a file that is there and holds all that was written: others may
-  // have removed or cut it since.
+  // Lengths are computed only if the file exists and is complete: another process may have removed
+  // or truncated it since.
   if (!in) return fmt::format("{} ({})", unreadable, std::strerror(errno));
-  foot.file_bytes = static_cast<std::uint64_t>(in.tellg());
-  if (!plausible(extents, foot.file_bytes)) return unreadable + " (it is shorter than its data)";
-  foot.extents = extents.size();
-  foot.hash = structure_hash(in, foot.file_bytes, extents);
+  footer.file_bytes = static_cast<std::uint64_t>(in.tellg());
+  if (!plausible(extents, footer.file_bytes)) return unreadable + " (it is shorter than its data)";
+  footer.extents = extents.size();
+  footer.hash = structure_hash(in, footer.file_bytes, extents);
   if (!in) return unreadable;
   std::ofstream out(path, std::ios::binary | std::ios::app);
   out.write(reinterpret_cast<const char*>(extents.data()),
             static_cast<std::streamsize>(extents.size() * sizeof(Extent)));
-  out.write(reinterpret_cast<const char*>(&foot), sizeof foot);
+  out.write(reinterpret_cast<const char*>(&footer), sizeof footer);
   out.close();
   return out ? "" : path + ": cannot be completed (" + std::strerror(errno) + ")";
 }
 
-// From the outside in: is there a file, is it HDF5, is there a foot, do foot and length agree, do
-// the extents, does the hash. The first "no" is the sentence.
-std::string why_not_whole(const std::string& path) {
+// Checks in this order: the file exists, is HDF5, has a footer, footer and length agree, the
+// extents are valid, the hash agrees. The first failed check gives the message.
+std::string defect_of(const std::string& path) {
   constexpr char hdf5_magic[] = "\211HDF\r\n\032\n";
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) return "cannot be read";
@@ -136,25 +135,25 @@ std::string why_not_whole(const std::string& path) {
   in.seekg(0);
   in.read(head, static_cast<std::streamsize>(compared));
   if (std::memcmp(head, hdf5_magic, compared) != 0) return "is not a trackbed checkpoint";
-  Foot foot;
-  if (present < sizeof foot) return "is cut short";
-  in.seekg(static_cast<std::streamoff>(present - sizeof foot));
-  in.read(reinterpret_cast<char*>(&foot), sizeof foot);
-  if (std::memcmp(foot.magic, Foot{}.magic, sizeof foot.magic) != 0)
+  Footer footer;
+  if (present < sizeof footer) return "is cut short";
+  in.seekg(static_cast<std::streamoff>(present - sizeof footer));
+  in.read(reinterpret_cast<char*>(&footer), sizeof footer);
+  if (std::memcmp(footer.magic, Footer{}.magic, sizeof footer.magic) != 0)
     return cut_or_foreign(in, present);
-  const std::uint64_t room = present - sizeof foot;
+  const std::uint64_t available = present - sizeof footer;
   constexpr const char* damaged = "is damaged: its structure does not match its seal";
-  // By division: a product of a damaged count could wrap around and look right.
-  if (foot.extents > room / sizeof(Extent) ||
-      foot.file_bytes != room - foot.extents * sizeof(Extent))
+  // By division: the product with a damaged count could overflow and appear correct.
+  if (footer.extents > available / sizeof(Extent) ||
+      footer.file_bytes != available - footer.extents * sizeof(Extent))
     return damaged;
-  std::vector<Extent> extents(foot.extents);
-  in.seekg(static_cast<std::streamoff>(foot.file_bytes));
+  std::vector<Extent> extents(footer.extents);
+  in.seekg(static_cast<std::streamoff>(footer.file_bytes));
   in.read(reinterpret_cast<char*>(extents.data()),
           static_cast<std::streamsize>(extents.size() * sizeof(Extent)));
-  if (!plausible(extents, foot.file_bytes)) return damaged;
-  const std::uint64_t hash = structure_hash(in, foot.file_bytes, extents);
-  return in && hash == foot.hash ? "" : damaged;
+  if (!plausible(extents, footer.file_bytes)) return damaged;
+  const std::uint64_t hash = structure_hash(in, footer.file_bytes, extents);
+  return in && hash == footer.hash ? "" : damaged;
 }
 
 }  // namespace trackbed::io

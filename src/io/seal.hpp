@@ -1,9 +1,10 @@
-// A seal: the last bytes of a checkpoint, outside of what HDF5 knows. It lists where the datasets'
-// numbers lie and holds a hash of all other bytes, which are the file's structure. It is compared
-// before HDF5 sees the file, because the library may crash on damaged structure; the numbers have
-// their own checksums, so that the damaged dataset can be named. Private to the room.
+// A seal: the last bytes of a checkpoint, outside of the HDF5 part. It lists where the numbers of
+// the datasets are and holds a hash of all other bytes, which are the structure of the file. It is
+// compared before HDF5 opens the file, because the library may crash on damaged structure; the
+// numbers have their own checksums, so that the damaged dataset can be named. Private to the
+// module.
 //
-// The structure is small whatever the model's size: rank 0 alone can hash it.
+// The structure is small whatever the size of the model: rank 0 alone can hash it.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +15,19 @@
 
 namespace trackbed::io {
 
-// On disk as it stands here: two numbers of 64 bits.
+// Stored on disk as declared here: two numbers of 64 bits.
 struct Extent {
   std::uint64_t offset, bytes;  // in the file
 };
 
-std::vector<std::string> datasets_of(
-    const File& file);  // Where the numbers of all datasets lie, by offset. Collective.
+// Paths of all datasets, sorted. Collective.
+std::vector<std::string> datasets_of(const File& file);
+// Places of the numbers of all datasets in the file, by offset. Collective.
 std::vector<Extent> extents_of(const File& file);
 
-// Appends the seal to a closed file. Not collective. Returns what went wrong, or nothing.
+// Appends the seal to a closed file. Not collective. Returns the error, or nothing.
 std::string seal(const std::string& path, const std::vector<Extent>& extents);
-// What is wrong with a file ("is cut short (9 of more than 10 bytes)"), or nothing. Not collective.
-std::string why_not_whole(const std::string& path);
+// The defect of a file ("is cut short (9 of more than 10 bytes)"), or nothing. Not collective.
+std::string defect_of(const std::string& path);
 
 }  // namespace trackbed::io

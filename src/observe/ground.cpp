@@ -1,8 +1,8 @@
-// Histories of the ground's top, at the line of nodes that is watched: motion in all directions
-// that the model has, from the state of rest, and vertical stress.
+// Histories of the ground's top at the monitored line of nodes: motion in all directions of the
+// model, relative to static equilibrium, and vertical stress.
 #include <array>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
@@ -15,15 +15,16 @@ struct Motion {
   Vec3 TopState::*of;
 };
 constexpr std::array motions = {
-    Motion{"displacement", "m", "from the state when it was let go", &TopState::displacement},
+    Motion{"displacement", "m", "from the state when it was released", &TopState::displacement},
     Motion{"velocity", "m/s", "of its last window", &TopState::velocity},
     Motion{"acceleration", "m/s2", "of its last window, no filter", &TopState::acceleration}};
 
 }  // namespace
 
-// The vertical has the plain name, as of sleepers.
-void Results::Room::watch_ground(const std::vector<std::int32_t>& watched, Dimension dimension) {
-  nodes = watched;
+// The vertical component has no suffix, as for sleepers.
+void Results::Impl::set_ground_nodes(const std::vector<std::int32_t>& monitored,
+                                     Dimension dimension) {
+  nodes = monitored;
   axes = dimension == Dimension::plane ? std::vector{2, 0} : std::vector{2, 0, 1};
   constexpr std::array ends = {"_x", "_y", ""};
   constexpr std::array words = {"along x, ", "along y, ", "vertical, "};
@@ -32,12 +33,12 @@ void Results::Room::watch_ground(const std::vector<std::int32_t>& watched, Dimen
       ground.push_back(
           {std::string("history/ground/") + motion.name + ends.at(static_cast<std::size_t>(axis)),
            {motion.unit, words.at(static_cast<std::size_t>(axis)) + std::string(motion.words)}});
-  ground.push_back(
-      {"history/ground/sigma_z", {"Pa", "vertical stress, tension positive, since it was let go"}});
+  ground.push_back({"history/ground/sigma_z",
+                    {"Pa", "vertical stress, tension positive, since it was released"}});
 }
 
-// A node's state is known to its owner alone, the others add zero: the sum is exact.
-void Results::Room::sample_ground(const fem::Ground& solid) {
+// Only the owner of a node has its state, the other ranks add zero, so the sum is exact.
+void Results::Impl::sample_ground(const fem::Ground& solid) {
   const auto& owner = solid.top_owner();
   std::vector<double> values(ground.size() * nodes.size(), 0.0);
   for (std::size_t k = 0; k < nodes.size(); ++k) {

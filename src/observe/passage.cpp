@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
 
@@ -13,7 +13,7 @@ namespace trackbed::observe {
 namespace {
 
 // Order of `columns_`.
-enum Which : std::size_t {
+enum ColumnIndex : std::size_t {
   wheel_force,
   wheel_x,
   rail_displacement,
@@ -32,7 +32,8 @@ enum Which : std::size_t {
 
 }  // namespace
 
-// Columns stand in the order of `Which`. Points may share their nearest sleeper: it is kept once.
+// Columns have the order of `ColumnIndex`. Points may have the same nearest sleeper, which is kept
+// once.
 PassageHistories::PassageHistories(const track::Line& line, const track::Train& train,
                                    std::vector<double> points, std::size_t forces)
     : line_(line), train_(train), points_(std::move(points)), forces_(forces), envelope_(line) {
@@ -47,7 +48,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
   lowest_.assign(points_each, std::numeric_limits<double>::infinity());
   columns_ = {
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, wheels, {}},
-      {"history/wheel/x", {"m", "where it is"}, wheels, {}},
+      {"history/wheel/x", {"m", "position along the track"}, wheels, {}},
       {"history/rail/displacement", {"m", "vertical, up positive"}, points_each, {}},
       {"history/sleeper/displacement", {"m", "vertical, up positive"}, sleepers_each, {}},
       {"history/sleeper/acceleration", {"m/s2", "vertical, no filter"}, sleepers_each, {}},
@@ -56,14 +57,15 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        sleepers_each,
        {}},
       {"history/body/displacement",
-       {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
+       {"m", "vertical, up positive, from unloaded springs; constant forces: 0"},
        bodies,
        {}},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, bodies, {}},
       {"history/rail/force", {"N", "of [[force]], down positive"}, forces_, {}},
       {"history/body/roll", {"rad", "left side up positive"}, sides > 1 ? bodies : 0, {}},
       {"history/wheel/height",
-       {"m", "of a wheel, up positive, at rest on an even rigid rail: minus its approach"},
+       {"m",
+        "of a wheel, up positive; in static contact with an even rigid rail: minus its approach"},
        wheels,
        {}},
       {"history/ground/displacement",
@@ -87,7 +89,7 @@ PassageHistories::PassageHistories(const track::Line& line, const track::Train& 
        {}}};
 }
 
-// All at one time level, the end of a step. Left before right.
+// All values at the end of the step. Left before right.
 void PassageHistories::sample(const track::Passage& passage) {
   times_.push_back(passage.time());
   for (std::size_t i = 0; i < train_.wheels().size(); ++i) {
@@ -129,15 +131,15 @@ void PassageHistories::sample(const track::Passage& passage) {
   for (std::size_t i = 0; i < forces_; ++i) put(rail_force, passage.rail_force(i));
 }
 
-void PassageHistories::see(const track::Passage& passage) {
+void PassageHistories::update_extremes(const track::Passage& passage) {
   for (std::size_t i = 0; i < lowest_.size(); ++i) {
     const double down = passage.rail_displacement(points_[i / line_.sides()], i % line_.sides());
     lowest_[i] = std::min(lowest_[i], down);
   }
-  envelope_.see(passage);
+  envelope_.update(passage);
 }
 
-// As in results.h5: a checkpoint holds its own rows, so that no other file is needed to go on.
+// As in results.h5: a checkpoint contains its rows, so that no other file is needed for a restart.
 void PassageHistories::save(io::File& file, const par::Comm& comm) const {
   const auto own = [&](const std::vector<double>& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
@@ -145,7 +147,7 @@ void PassageHistories::save(io::File& file, const par::Comm& comm) const {
   file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
   if (!lowest_.empty())
     file.write<double>("extreme/rail/displacement", own(lowest_), 1,
-                       {"m", "lowest of all steps so far, also of those without a row"});
+                       {"m", "lowest of all steps up to now, also of those without a row"});
   envelope_.save(file, comm);
   for (const Column& column : columns_)
     if (column.width > 0)
@@ -157,8 +159,8 @@ void PassageHistories::load(const io::File& file) {
   if (!lowest_.empty()) {
     if (!file.has("extreme/rail/displacement"))
       throw RunError(
-          "this checkpoint has no extremes of steps, which an older program did not "
-          "write: run the deck again");
+          "this checkpoint has no extremes of steps, because an older version of the program "
+          "wrote it; run the deck again");
     const std::size_t width = lowest_.size();
     lowest_ = file.read_all<double>("extreme/rail/displacement");
     if (lowest_.size() != width)
@@ -173,13 +175,14 @@ void PassageHistories::load(const io::File& file) {
   }
 }
 
-// Under another name first: a reader meets the old file or the whole new one.
+// Written under another name first, so that a reader opens either the old file or the complete new
+// one.
 void PassageHistories::write(const par::Comm& comm, const std::string& path,
                              const About& about) const {
   const auto own = [&](const std::vector<double>& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
-  // On two rails each place stands twice, left before right.
+  // On two rails each place is listed twice, left before right.
   std::vector<double> sleeper_x, rail_x;
   for (const std::size_t i : sleepers_)
     sleeper_x.insert(sleeper_x.end(), line_.sides(), line_.sleeper_x(i));
@@ -190,9 +193,9 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path,
     file.attribute("/", "version", about.version);
     file.attribute("/", "deck", about.deck);
     file.attribute("/", "ranks", static_cast<std::int64_t>(comm.size()));
-    file.write<double>("rail/x", own(rail_x), 1, {"m", "points of the rail that are watched"});
+    file.write<double>("rail/x", own(rail_x), 1, {"m", "monitored points of the rail"});
     if (!sleeper_x.empty())
-      file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "sleepers that are watched"});
+      file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "monitored sleepers"});
     save(file, comm);
     file.close();
   });

@@ -12,8 +12,8 @@ namespace trackbed::observe {
 
 namespace {
 
-// m, of all sleepers, or where there are none of whole metres.
-std::vector<double> watched(const track::Line& line) {
+// m, of all sleepers, or of whole metres if there are none.
+std::vector<double> monitored(const track::Line& line) {
   std::vector<double> x(line.sleepers());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = line.sleeper_x(i);
   if (x.empty())
@@ -24,8 +24,8 @@ std::vector<double> watched(const track::Line& line) {
 std::vector<double> read(const io::File& file, const std::string& path, std::size_t width) {
   if (!file.has(path))
     throw RunError(
-        "this checkpoint has no extremes along the track, which an older program did not write: "
-        "run the deck again");
+        "this checkpoint has no extremes along the track, because an older version of the program "
+        "wrote it; run the deck again");
   std::vector<double> values = file.read_all<double>(path);
   if (values.size() != width) throw RunError(path + " belongs to another track");
   return values;
@@ -42,7 +42,7 @@ PassageEnvelope::PassageEnvelope(const track::Line& line)
             "force of the pad, compression positive, or the seat load",
             {},
             {}} {
-  for (const double x : watched(line))
+  for (const double x : monitored(line))
     for (std::size_t side = 0; side < line.sides(); ++side) {
       x_.push_back(x);
       rail_points_.push_back(line.at(x, side));
@@ -56,18 +56,18 @@ PassageEnvelope::PassageEnvelope(const track::Line& line)
   }
 }
 
-void PassageEnvelope::Range::see(std::size_t place, double value) {
+void PassageEnvelope::Range::update(std::size_t place, double value) {
   least[place] = std::min(least[place], value);
   most[place] = std::max(most[place], value);
 }
 
-void PassageEnvelope::see(const track::Passage& passage) {
+void PassageEnvelope::update(const track::Passage& passage) {
   const track::Vector& u = passage.line_motion().displacement;
-  for (std::size_t k = 0; k < x_.size(); ++k) rail_.see(k, rail_points_[k].deflection(u));
+  for (std::size_t k = 0; k < x_.size(); ++k) rail_.update(k, rail_points_[k].deflection(u));
   for (std::size_t k = 0; k < seat_.least.size(); ++k) {
     const std::size_t sleeper = k / line_.sides(), side = k % line_.sides();
-    sleeper_.see(k, u[line_.sleeper_unknown(sleeper, side)]);
-    seat_.see(k, passage.on_sleeper(sleeper, side));
+    sleeper_.update(k, u[line_.sleeper_unknown(sleeper, side)]);
+    seat_.update(k, passage.on_sleeper(sleeper, side));
   }
 }
 
@@ -79,7 +79,7 @@ void PassageEnvelope::save(io::File& file, const par::Comm& comm) const {
   for (const Range* range : {&rail_, &sleeper_, &seat_}) {
     if (range->least.empty()) continue;
     file.write<double>(range->path + "_min", own(range->least), 1,
-                       {range->unit, "least of all steps: " + range->meaning});
+                       {range->unit, "smallest of all steps: " + range->meaning});
     file.write<double>(range->path + "_max", own(range->most), 1,
                        {range->unit, "largest of all steps: " + range->meaning});
   }

@@ -1,18 +1,19 @@
-// Histories of stones and surfaces that a deck places by name: what a row adds to the columns.
-#include "observe/room.hpp"
+// Histories of stones and surfaces that a deck places by name: the values that a row adds to the
+// columns.
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
-// Columns are made at the first row and filled in the same order at each.
-class Filler {
+// Columns are created at the first row and filled in the same order at each row.
+class ColumnWriter {
  public:
-  explicit Filler(std::vector<Column>& columns)
-      : columns_(columns), makes_(columns.empty()), next_(0) {}
+  explicit ColumnWriter(std::vector<Column>& columns)
+      : columns_(columns), creates_(columns.empty()), next_(0) {}
 
   void put(const std::string& path, const io::Label& label, std::span<const double> numbers) {
-    if (makes_) columns_.push_back({path, label, numbers.size()});
+    if (creates_) columns_.push_back({path, label, numbers.size()});
     Column& column = columns_[next_++];
     column.values.insert(column.values.end(), numbers.begin(), numbers.end());
   }
@@ -25,15 +26,15 @@ class Filler {
 
  private:
   std::vector<Column>& columns_;
-  bool makes_;
+  bool creates_;
   std::size_t next_;
 };
 
-void put(Filler& to, const StoneInstant& stone) {
+void put(ColumnWriter& to, const StoneInstant& stone) {
   const std::string group = "history/stone/" + stone.name + "/";
   to.put(group + "position", {"m", "x y z of the centre of mass"}, stone.position);
   to.put(group + "attitude",
-         {"-", "quaternion x y z w from the axes of its shape, as the deck has them, to space"},
+         {"-", "quaternion x y z w from the axes of its shape in the deck to space"},
          std::span<const double>(stone.attitude.coeffs().data(), 4));
   to.put(group + "velocity", {"m/s", "x y z, of the centre of mass"}, stone.velocity);
   to.put(group + "spin", {"rad/s", "angular velocity, x y z"}, stone.spin);
@@ -43,41 +44,41 @@ void put(Filler& to, const StoneInstant& stone) {
   to.put(group + "force", {"N", "of all contacts on it, x y z, without gravity"}, stone.force);
   to.put(group + "torque", {"Nm", "of all contacts on it about the centre of mass, x y z"},
          stone.torque);
-  to.put(group + "impulse", {"N s", "of that force since the begin of the run, x y z"},
+  to.put(group + "impulse", {"N s", "of that force since the start of the run, x y z"},
          stone.impulse);
-  to.put(group + "peak_force", {"N", "largest size of that force since the begin of the run"},
+  to.put(group + "peak_force", {"N", "largest magnitude of that force since the start of the run"},
          stone.peak_force);
   to.put(group + "contacts", {"-", "of its pieces"}, static_cast<double>(stone.contacts));
 }
 
-void put(Filler& to, const SurfaceInstant& surface) {
+void put(ColumnWriter& to, const SurfaceInstant& surface) {
   const std::string group = "history/surface/" + surface.name + "/";
-  to.put(group + "force", {"N", "from stones, x y z, mean of the last window"}, surface.force);
-  to.put(group + "displacement", {"m", "x y z, from where it was at time 0"}, surface.displacement);
-  to.put(group + "impulse", {"N s", "of that force since the begin of the run, x y z"},
+  to.put(group + "force", {"N", "of the stones, x y z, mean of the last window"}, surface.force);
+  to.put(group + "displacement", {"m", "x y z, since time 0"}, surface.displacement);
+  to.put(group + "impulse", {"N s", "of that force since the start of the run, x y z"},
          surface.impulse);
-  to.put(group + "peak_force", {"N", "largest size of that force since the begin of the run"},
+  to.put(group + "peak_force", {"N", "largest magnitude of that force since the start of the run"},
          surface.peak_force);
 }
 
 }  // namespace
 
-void Results::Room::sample_placed(const PlacedInstant& instant) {
-  Filler to(placed);
+void Results::Impl::sample_placed(const PlacedInstant& instant) {
+  ColumnWriter to(placed);
   to.put("history/energy/translational", {"J", "kinetic, of the stones' centres of mass"},
          instant.translational);
   to.put("history/energy/rotational", {"J", "kinetic, about the stones' centres of mass"},
          instant.rotational);
   to.put("history/energy/supplied",
-         {"J", "work of driven surfaces and stones on the others since the begin of the run"},
+         {"J", "work of driven surfaces and stones on the others since the start of the run"},
          instant.supplied);
   to.put("history/energy/dissipated",
-         {"J", "energy at the begin and supplied since, less what there is: friction, dampers"},
+         {"J", "initial plus supplied minus present energy: friction, dampers"},
          instant.dissipated);
   to.put("history/total/momentum", {"kg m/s", "of all stones, x y z"}, instant.momentum);
   to.put("history/total/angular_momentum", {"kg m2/s", "of all stones about the origin, x y z"},
          instant.angular_momentum);
-  to.put("history/total/contacts", {"-", "of pieces of stones, with surfaces too"},
+  to.put("history/total/contacts", {"-", "of pieces of stones with each other and with surfaces"},
          static_cast<double>(instant.contacts));
   for (const StoneInstant& stone : instant.stones) put(to, stone);
   for (const SurfaceInstant& surface : instant.surfaces) put(to, surface);

@@ -1,22 +1,22 @@
-// A results file as it was at a checkpoint: histories cut to its rows, pictures of later stages
-// left out, since the resumed run writes them again.
-// It is a copy in any case: the old file may lie in another folder, and stays whole if the new run
-// is killed at once. HDF5 could cut datasets in place, but their space would be lost and a kill in
-// between would leave columns of different lengths.
+// Restores a results file to its state at a checkpoint: histories are cut to its rows, snapshots of
+// later stages are omitted, since the resumed run writes them again.
+// A copy is made in any case: the old file may be in another folder, and remains complete if the
+// new run is killed at once. Rejected: cutting datasets in place, which would not free their space
+// and could leave columns of different lengths if interrupted.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 #include "trackbed/core/error.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
-// With one level of names below; those of `named_histories` have two.
+// Groups with one level of names below; those of `named_histories` have two.
 constexpr std::array plain_histories = {
     "history/energy", "history/sleeper", "history/ground", "history/platen", "history/wheel",
     "history/rail",   "history/body",    "history/seat",   "history/solid",  "history/total"};
@@ -24,29 +24,28 @@ constexpr std::array plain_histories = {
 constexpr std::array named_histories = {"history/region", "history/wall", "history/stone",
                                         "history/surface"};
 
-// Unit and meaning go along: the copy is as readable as the file.
+// Unit and meaning are copied with the data.
 io::Label label_of(const io::File& file, const std::string& path) {
   return {file.text_attribute(path, "unit"), file.text_attribute(path, "meaning")};
 }
 
-// A dataset's share of this rank, out of the first `rows` rows.
-// Collective; the copy grows by one append, of any number of ranks.
+// Copies this rank's fraction of the first `rows` rows of a dataset. Collective; one append on any
+// number of ranks.
 template <class T>
 void copy_history(const par::Comm& comm, const io::File& from, io::File& to,
                   const std::string& path, std::size_t rows) {
-  const auto [begin, count] = io::share(rows, comm.rank(), comm.size());
+  const auto [begin, count] = io::row_range(rows, comm.rank(), comm.size());
   const std::size_t columns = from.extent(path).at(1);
   to.append<T>(path, from.read_rows<T>(path, begin, count), columns, label_of(from, path));
 }
 
-// Tables have no end to cut: they belong to a place or a finished stage as a whole.
+// Tables are not cut: they belong to a place or a finished stage as a whole.
 void copy_table(const io::File& from, io::File& to, const std::string& path) {
   const std::size_t columns = from.extent(path).at(1);
-  to.write<double>(path, from.read_share<double>(path), columns, label_of(from, path));
+  to.write<double>(path, from.read_own_rows<double>(path), columns, label_of(from, path));
 }
 
-// Names are asked, not known: a file of another version may hold columns that this one does not
-// make, and keeps them.
+// Names are read from the file, so that columns of other versions of the program are kept.
 std::vector<std::string> members(const io::File& file, const std::string& group) {
   std::vector<std::string> paths;
   if (file.has(group))
@@ -67,7 +66,7 @@ void copy_histories(const par::Comm& comm, const io::File& from, io::File& to, s
         copy_history<double>(comm, from, to, path, rows);
 }
 
-// By names of stages, not by time: a stage under way at the checkpoint has no snapshot yet.
+// By names of stages, not by time: a stage that was incomplete at the checkpoint has no snapshot.
 void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::string>& stages) {
   for (const char* place : {"sleepers/x", "ground/x"})
     if (from.has(place)) copy_table(from, to, place);
@@ -76,32 +75,34 @@ void copy_snapshots(const io::File& from, io::File& to, const std::vector<std::s
       for (const std::string& path : members(from, group + stage)) copy_table(from, to, path);
 }
 
-// Every number, each rank its share: damage is met before anything is made or removed.
+// Reads every number, each rank a fraction, so that damage is detected before any file is created
+// or removed.
 void read_through(const io::File& file) {
   for (const char* group : plain_histories)
-    for (const std::string& path : members(file, group)) file.read_share<double>(path);
+    for (const std::string& path : members(file, group)) file.read_own_rows<double>(path);
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
-    for (const std::string& path : members(file, group)) file.read_share<double>(path);
+    for (const std::string& path : members(file, group)) file.read_own_rows<double>(path);
   for (const char* place : {"history/time", "sleepers/x", "ground/x", "bed/grading"})
-    if (file.has(place)) file.read_share<double>(place);
-  if (file.has("history/stage")) file.read_share<std::int64_t>("history/stage");
+    if (file.has(place)) file.read_own_rows<double>(place);
+  if (file.has("history/stage")) file.read_own_rows<std::int64_t>("history/stage");
   const auto read_all_of = [&](const char* list) {
     for (const std::string& one : members(file, list))
-      for (const std::string& path : members(file, one)) file.read_share<double>(path);
+      for (const std::string& path : members(file, one)) file.read_own_rows<double>(path);
   };
   for (const char* list : {"chains", "stones", "surface"}) read_all_of(list);
   for (const char* list : named_histories) read_all_of(list);
 }
 
-// A resumed run replaces the file, so it must not be guessed that it may go.
-[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+// A resumed run replaces the file, so the user has to decide what becomes of it.
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw InputError({fmt::format(
-      "{}: {}; put back a copy of it, or move it away and resume again: the run then goes on, but "
-      "its histories begin at the checkpoint and those before it are lost",
+      "{}: {}; restore a copy of it, or move it away and resume again: the run then continues, but "
+      "its histories begin at the checkpoint and earlier ones are lost",
       path, why)});
 }
 
-// `act` reads `path` alone. What the reader says begins with rank and file: they are said already.
+// `act` reads `path`. Messages of the reader begin with rank and file, which are removed here
+// because the message names the file already.
 template <class F>
 auto reading(const std::string& path, F&& act) {
   try {
@@ -109,12 +110,12 @@ auto reading(const std::string& path, F&& act) {
   } catch (const RunError& error) {  // equal on all ranks
     const std::string words = error.what(), start = path + ": ";
     const std::size_t at = words.find(start);
-    refuse(path, fmt::format("is damaged or no file of results ({})",
+    reject(path, fmt::format("is damaged or not a file of results ({})",
                              at == std::string::npos ? words : words.substr(at + start.size())));
   }
 }
 
-// As it is: which rows it knows is compared by who calls.
+// Copied unchanged: the caller compares the rows that it covers.
 void copy_envelope(const io::File& from, io::File& to) {
   for (const char* group : {"envelope/sleeper", "envelope/ground"})
     for (const std::string& path : members(from, group)) copy_table(from, to, path);
@@ -131,8 +132,8 @@ io::File open_results(const par::Comm& comm, const std::string& path) {
   });
 }
 
-// Rank 0 decides for all whether there is a file, because other ranks may see another state of a
-// network file system.
+// Rank 0 decides for all whether there is a file, because a network file system may differ between
+// ranks.
 bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t rows) {
   std::error_code ignored;
   const bool there = comm.root() && std::filesystem::exists(path, ignored);
@@ -144,27 +145,28 @@ bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t 
                                                               : 0);
   });
   if (present < rows)
-    refuse(path, fmt::format("holds {} of the {} history rows before the checkpoint, so it is "
-                             "that of another run",
+    reject(path, fmt::format("has {} of the {} history rows before the checkpoint, so it belongs "
+                             "to another run",
                              present, rows));
   return true;
 }
 
-// A checkpoint alone is enough to go on: without the file histories begin anew. Collective.
+// A checkpoint alone is sufficient for a restart: without the file the histories start again.
+// Collective.
 void Results::resume(const std::string& old_path, std::int64_t rows,
                      const std::vector<std::string>& finished) {
-  Room& room = *room_;
+  Impl& impl = *impl_;
   const auto wanted = static_cast<std::size_t>(rows);
   std::error_code ignored;
-  const bool there = room.comm.root() && std::filesystem::exists(old_path, ignored);
-  if (room.comm.broadcast(there ? "there" : "").empty()) return;
-  // Under another name until it is whole.
-  const std::string part = room.path + ".part";
+  const bool there = impl.comm.root() && std::filesystem::exists(old_path, ignored);
+  if (impl.comm.broadcast(there ? "there" : "").empty()) return;
+  // Under another name until it is complete.
+  const std::string part = impl.path + ".part";
   {
-    const io::File old = open_results(room.comm, old_path);
-    io::File file(room.comm, part, io::Mode::create);
-    room.put_head(file);
-    copy_histories(room.comm, old, file, wanted);
+    const io::File old = open_results(impl.comm, old_path);
+    io::File file(impl.comm, part, io::Mode::create);
+    impl.put_head(file);
+    copy_histories(impl.comm, old, file, wanted);
     copy_snapshots(old, file, finished);
     const bool with_envelope =
         old.has("envelope") && old.integer_attribute("envelope", "rows") <= rows;
@@ -173,9 +175,9 @@ void Results::resume(const std::string& old_path, std::int64_t rows,
       file.attribute("envelope", "rows", old.integer_attribute("envelope", "rows"));
     file.close();
   }
-  room.take_name(part);
-  room.goes_on = true;
-  room.rows = rows;
+  impl.take_name(part);
+  impl.resumed = true;
+  impl.rows = rows;
 }
 
 }  // namespace trackbed::observe

@@ -1,6 +1,6 @@
-// Sums over stones and contacts in cells, with bits that do not depend on the split over ranks:
-// terms are kept, their range is agreed, then they are added as integers (par/exact_totals.hpp).
-// Cost: one pass over stones and contacts; points are asked only of stones that a border cuts.
+// Sums over stones and contacts in cells, bitwise identical for any distribution over ranks: terms
+// are kept, their range is agreed on, then they are added as integers (par/exact_totals.hpp).
+// Cost: one pass over stones and contacts; points are used only for stones that a border cuts.
 #include "trackbed/observe/regions.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace trackbed::observe {
 
 namespace {
 
-// What is summed up in a cell; a tensor has six in a row.
+// Sums of a cell; a tensor has six consecutive ones.
 enum Quantity : std::size_t {
   solid,
   mass,
@@ -39,7 +39,7 @@ Tensor symmetric(const Vec3& a, const Vec3& b) {
           (a.y() * b.z() + a.z() * b.y()) / 2};
 }
 
-// Terms of this rank, then sums over all.
+// Terms of this rank, then sums over all ranks.
 class Sums {
  public:
   void add(std::size_t cell, std::size_t quantity, double term) {
@@ -58,10 +58,10 @@ class Sums {
   std::vector<par::ExactTerm> terms_;
 };
 
-// The share [first, second] of a segment that lies in a part of space; first > second: none.
-using Share = std::pair<double, double>;
+// The interval [first, second] of a segment (0 to 1) within a part of space; first > second: none.
+using Interval = std::pair<double, double>;
 
-// The region's cells: which holds a point, how much of a segment lies in each.
+// The region's cells: the cell of a point, and the fraction of a segment in each cell.
 class Cells {
  public:
   Cells(const Region& region, const dem::Domain& domain) : region_(region) {
@@ -101,7 +101,7 @@ class Cells {
     if ((p.array() < low_.array()).any() || (p.array() >= high_.array()).any()) return {};
     return number({index(p, 0), index(p, 1), index(p, 2)});
   }
-  // The one cell that holds the ball as a whole.
+  // The cell that contains the whole sphere, if any.
   std::optional<std::size_t> around(const Vec3& p, double r) const {
     const auto cell = at(p);
     if (!cell) return {};
@@ -113,11 +113,11 @@ class Cells {
     }
     return cell;
   }
-  // see(cell, share of the segment from a to b within it).
-  void along(const Vec3& a, const Vec3& b, const auto& see) const {
+  // Calls visit(cell, fraction of the segment from a to b within it).
+  void along(const Vec3& a, const Vec3& b, const auto& visit) const {
     if (region_.kind == RegionKind::sphere) {
       const auto [first, second] = in_sphere(a, b);
-      if (first < second) see(std::size_t{0}, second - first);
+      if (first < second) visit(std::size_t{0}, second - first);
       return;
     }
     std::array<std::int64_t, 3> from{}, to{};
@@ -129,7 +129,7 @@ class Cells {
       for (std::int64_t j = from[1]; j <= to[1]; ++j)
         for (std::int64_t k = from[2]; k <= to[2]; ++k) {
           const auto [first, second] = in_cell(a, b, {i, j, k});
-          if (first < second) see(number({i, j, k}), second - first);
+          if (first < second) visit(number({i, j, k}), second - first);
         }
   }
 
@@ -144,24 +144,24 @@ class Cells {
     return static_cast<std::size_t>((c[2] * number_[1] + c[1]) * number_[0] + c[0]);
   }
   // A segment along a border counts for the cell above it, as points do.
-  Share in_cell(const Vec3& a, const Vec3& b, const std::array<std::int64_t, 3>& c) const {
-    Share share{0, 1};
+  Interval in_cell(const Vec3& a, const Vec3& b, const std::array<std::int64_t, 3>& c) const {
+    Interval interval{0, 1};
     for (int k = 0; k < 3; ++k) {
       const double from = low_[k] + static_cast<double>(c[static_cast<std::size_t>(k)]) * size_[k];
-      const double way = b[k] - a[k], in = from - a[k], out = from + size_[k] - a[k];
-      if (way == 0) {
+      const double length = b[k] - a[k], in = from - a[k], out = from + size_[k] - a[k];
+      if (length == 0) {
         if (in > 0 || out <= 0) return {1, 0};
         continue;
       }
-      share.first = std::max(share.first, std::min(in / way, out / way));
-      share.second = std::min(share.second, std::max(in / way, out / way));
+      interval.first = std::max(interval.first, std::min(in / length, out / length));
+      interval.second = std::min(interval.second, std::max(in / length, out / length));
     }
-    return share;
+    return interval;
   }
   // |a + s (b - a) - centre|^2 = r^2.
-  Share in_sphere(const Vec3& a, const Vec3& b) const {
-    const Vec3 way = b - a, from = a - centre_;
-    const double square = way.squaredNorm(), middle = way.dot(from);
+  Interval in_sphere(const Vec3& a, const Vec3& b) const {
+    const Vec3 segment = b - a, from = a - centre_;
+    const double square = segment.squaredNorm(), middle = segment.dot(from);
     const double root =
         middle * middle - square * (from.squaredNorm() - region_.radius * region_.radius);
     if (root <= 0 || square == 0) return {1, 0};
@@ -176,9 +176,9 @@ class Cells {
   double volume_ = 0;
 };
 
-// see(shift) for each image across periodic sides of the box [low, high] that meets the cells.
+// Calls visit(shift) for each periodic image of the box [low, high] that intersects the cells.
 void images(const dem::Domain& domain, const Cells& cells, const Vec3& low, const Vec3& high,
-            const auto& see) {
+            const auto& visit) {
   std::array<std::int64_t, 3> from{}, to{};
   Vec3 period = Vec3::Zero();
   for (int a = 0; a < 3; ++a) {
@@ -194,11 +194,11 @@ void images(const dem::Domain& domain, const Cells& cells, const Vec3& low, cons
   for (std::int64_t i = from[0]; i <= to[0]; ++i)
     for (std::int64_t j = from[1]; j <= to[1]; ++j)
       for (std::int64_t k = from[2]; k <= to[2]; ++k)
-        see(Vec3(static_cast<double>(i) * period.x(), static_cast<double>(j) * period.y(),
-                 static_cast<double>(k) * period.z()));
+        visit(Vec3(static_cast<double>(i) * period.x(), static_cast<double>(j) * period.y(),
+                   static_cast<double>(k) * period.z()));
 }
 
-// Points of a stone in a cell.
+// Number of points of a stone in a cell.
 using Points = std::pair<std::size_t, int>;
 
 void count_in(std::size_t cell, std::vector<Points>& within) {
@@ -211,7 +211,7 @@ void count_in(std::size_t cell, std::vector<Points>& within) {
 }
 
 void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums) {
-  constexpr double share = 1.0 / dem::Particles::points_of_particle;
+  constexpr double fraction = 1.0 / dem::Particles::points_of_particle;
   std::vector<Points> within;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const dem::ParticleView stone = particles[i];
@@ -233,15 +233,15 @@ void add_stones(const dem::Particles& particles, const Cells& cells, Sums& sums)
                if (const auto cell = cells.at(point + shift)) count_in(*cell, within);
              });
              for (const auto& [cell, points] : within) {
-               sums.add(cell, solid, share * points * stone.volume);
-               sums.add(cell, mass, share * points * stone.mass);
+               sums.add(cell, solid, fraction * points * stone.volume);
+               sums.add(cell, mass, fraction * points * stone.mass);
              }
            });
   }
 }
 
-// Two stones may touch with many pieces: they are partners once. All contacts of a pair are seen on
-// one rank, the one that counts them.
+// Two stones may touch with several pieces: they count once as partners. All contacts of a pair are
+// counted on one rank.
 void add_contacts(const dem::Particles& particles, const Cells& cells, Sums& sums) {
   struct Partner {
     Id one, other;
@@ -259,8 +259,8 @@ void add_contacts(const dem::Particles& particles, const Cells& cells, Sums& sum
     partner(c.first, c.second, a);
     if (c.second >= 0) partner(c.second, c.first, b);
     images(particles.domain(), cells, a.cwiseMin(b), a.cwiseMax(b), [&](const Vec3& shift) {
-      cells.along(a + shift, b + shift, [&](std::size_t cell, double share) {
-        sums.add(cell, stress, symmetric(share * c.force, b - a));
+      cells.along(a + shift, b + shift, [&](std::size_t cell, double fraction) {
+        sums.add(cell, stress, symmetric(fraction * c.force, b - a));
       });
       const auto cell = cells.at(middle + shift);
       if (!cell) return;
@@ -273,9 +273,9 @@ void add_contacts(const dem::Particles& particles, const Cells& cells, Sums& sum
   for (const Partner& p : found) sums.add(p.cell, partners, 1);
 }
 
-Measured measured_of(const double* sum, double volume) {
+Measurement measured_of(const double* sum, double volume) {
   const auto mean = [](double total, double count) { return count > 0 ? total / count : 0; };
-  Measured m;
+  Measurement m;
   m.porosity = 1 - sum[solid] / volume;
   m.bulk_density = sum[mass] / volume;
   m.stones = sum[stones];
@@ -295,15 +295,16 @@ void Region::declare(input::Section& s) {
   s.text("name", name, "Name of the region in the results.", {}, true);
   s.choice("kind", kind, {"box", "sphere"}, "Form of the region.");
   s.numbers("x", x, {.unit = "m"}, "Ends along the track (box).", 2);
-  s.numbers("y", y, {.unit = "m"}, "Sides (box); a plane model is measured as a whole.", 2);
+  s.numbers("y", y, {.unit = "m"},
+            "Sides (box); a plane model is measured over its whole thickness.", 2);
   s.numbers("z", z, {.unit = "m"}, "Lower and upper end (box).", 2);
   s.numbers("cells", cells, {.at_least = 1, .at_most = 1000},
-            "Equal cells along x, y and z that are measured each for itself (box).", 3);
+            "Number of equal cells along x, y and z, each with its own values (box).", 3);
   s.numbers("centre", centre, {.unit = "m"}, "x, y, z of the centre (sphere).", 3);
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-3, .usually_to = 10},
            "Radius (sphere).");
   for (const auto& [key, ends] : {std::pair{"x", &x}, {"y", &y}, {"z", &z}})
-    s.rule(key, ends->size() != 2 || (*ends)[0] < (*ends)[1], "must rise");
+    s.rule(key, ends->size() != 2 || (*ends)[0] < (*ends)[1], "must be two increasing numbers");
   const bool whole =
       std::all_of(cells.begin(), cells.end(), [](double n) { return n == std::floor(n); });
   s.rule("cells", whole, "must be whole numbers");
@@ -313,14 +314,14 @@ void Region::declare(input::Section& s) {
          fmt::format("must be at most {:g} in all", most));
 }
 
-std::vector<Measured> measure(const par::Comm& comm, const dem::Particles& particles,
-                              const Region& region) {
+std::vector<Measurement> measure(const par::Comm& comm, const dem::Particles& particles,
+                                 const Region& region) {
   const Cells cells(region, particles.domain());
   Sums sums;
   add_stones(particles, cells, sums);
   add_contacts(particles, cells, sums);
   const std::vector<double> all = sums.over_ranks(comm, cells.count());
-  std::vector<Measured> measured;
+  std::vector<Measurement> measured;
   for (std::size_t cell = 0; cell < cells.count(); ++cell)
     measured.push_back(measured_of(&all[cell * quantities], cells.volume()));
   return measured;

@@ -1,23 +1,22 @@
-// The contact network and the stones at one instant, as flat tables for figures, and the same as
-// pictures for ParaView.
-// Every rank writes its own stones and contacts; a reader has to take rows as a set, since their
-// order depends on the ranks.
+// The contact network and the stones at one instant, as tables for plots and as field files for
+// ParaView.
+// Every rank writes its own stones and contacts, so the order of rows depends on the ranks.
 #include <filesystem>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 #include "trackbed/io/fields.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
-// Figures are drawn in the plane of the track, x and z; a bed in space is seen from the side. In
-// the pictures all three coordinates are kept.
+// Plots are in the plane of the track, x and z, also for a bed in space. Field files contain all
+// three coordinates.
 struct Network {
   std::vector<double> segments, force;  // x0 z0 x1 z1 of the two centres; |F|
 };
 
-// N and m, on this rank. Each contact once: a contact between two ranks is shown by one of them.
+// N and m, on this rank. A contact between two ranks is included on one of them only.
 Network network_of(const dem::Particles& particles) {
   Network network;
   particles.contacts([&](const dem::ContactView& contact) {
@@ -28,7 +27,7 @@ Network network_of(const dem::Particles& particles) {
   return network;
 }
 
-// Pebbles, not stones: what a figure draws is disks, m. Of polyhedra the balls around their pieces.
+// Pebbles, m, since plots show disks; for polyhedra the bounding spheres of their pieces.
 struct Stones {
   std::vector<double> centre, radius;
 };
@@ -43,8 +42,8 @@ Stones stones_of(const dem::Particles& particles) {
   return stones;
 }
 
-// Points with a radius, which a viewer turns into balls: of polyhedra the balls around their
-// pieces.
+// Points with a radius, which a viewer shows as spheres: for polyhedra the bounding spheres of
+// their pieces.
 io::Grid stone_points(const dem::Particles& particles) {
   io::Grid grid;
   io::FieldData radius{"radius (m)", 1, {}}, velocity{"velocity (m/s)", 3, {}}, id{"stone", 1, {}};
@@ -63,7 +62,7 @@ io::Grid stone_points(const dem::Particles& particles) {
 }
 
 // One line per contact between the centres of the two pieces, which are not those of mass; the
-// force is a vector on it, its size the width of a tube.
+// force is a vector on it, and its magnitude can be the width of a tube.
 io::Grid contact_lines(const dem::Particles& particles) {
   io::Grid grid;
   grid.kind = io::CellKind::line;
@@ -92,16 +91,16 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
     const dem::ParticleView stone = scene.particles[i];
     sieved.insert(sieved.end(), {stone.size, stone.mass});
   }
-  // The same on all ranks; one writes it.
+  // The same on all ranks; rank 0 writes it.
   const std::vector<double> surface =
-      cell > 0 ? surface_of(room_->comm, scene.particles, cell) : std::vector<double>{};
-  const std::span<const double> own(surface.data(), room_->comm.root() ? surface.size() : 0);
-  room_->replace([&](io::File& file) {
-    // One group per stage: a deck has no two stages of one name.
+      cell > 0 ? surface_of(impl_->comm, scene.particles, cell) : std::vector<double>{};
+  const std::span<const double> own(surface.data(), impl_->comm.root() ? surface.size() : 0);
+  impl_->replace([&](io::File& file) {
+    // One group per stage: names of stages are unique.
     const std::string chains = "chains/" + stage, pebbles = "stones/" + stage;
     file.write<double>(chains + "/segments", network.segments, 4,
                        {"m", "x and z of the centres of the two pieces of each contact"});
-    file.write<double>(chains + "/force", network.force, 1, {"N", "size of its force"});
+    file.write<double>(chains + "/force", network.force, 1, {"N", "magnitude of its force"});
     file.write<double>(pebbles + "/centre", stones.centre, 2, {"m", "x and z of each pebble"});
     file.write<double>(pebbles + "/sieved", sieved, 2,
                        {"m, kg", "of each stone: smallest opening it passes, and mass"});
@@ -112,12 +111,13 @@ void Results::snapshot(const std::string& stage, const Scene& scene, double cell
   });
 }
 
-// Collective. Files are written one by one under their own names: a kill may leave one cut off.
+// Collective. Files are written one by one under their final names: an interruption may leave one
+// incomplete.
 void write_pictures(const par::Comm& comm, const std::string& folder, const std::string& name,
                     const Scene& scene) {
   std::error_code error;
   if (comm.root()) std::filesystem::create_directories(folder, error);
-  comm.agree(error ? "cannot make " + folder + ": " + error.message() : "");
+  comm.agree(error ? "cannot create " + folder + ": " + error.message() : "");
   const std::string start = folder + "/" + name;
   if (scene.stones) {
     io::write_fields(comm, start + "_stones.vtkhdf", stone_points(scene.particles));

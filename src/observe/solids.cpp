@@ -1,16 +1,16 @@
-// Histories of sleepers and rails that are solids.
-#include "observe/room.hpp"
+// Histories of solid sleepers and rails.
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
-void Results::Room::sample_solids(const SolidState& state) {
+void Results::Impl::sample_solids(const SolidState& state) {
   if (solid.empty())
     solid = {{"history/solid/seat_displacement",
-              {"m", "vertical, of each rail seat, from where it was placed"}},
+              {"m", "vertical, of each rail seat, since it was placed"}},
              {"history/solid/bending_stress",
               {"Pa", "along each sleeper at its lower face: below its seats, then in its middle"}},
              {"history/solid/rail_displacement",
-              {"m", "vertical, of the rail above each seat, from where it was placed"}}};
+              {"m", "vertical, of the rail above each seat, since it was placed"}}};
   const auto put = [](Column& column, const std::vector<double>& values) {
     column.width = values.size();
     column.values.insert(column.values.end(), values.begin(), values.end());

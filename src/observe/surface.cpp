@@ -1,20 +1,21 @@
-// The height of the bed over a lattice of cells: what a level or a laser sees from above.
+// The height of the bed over a lattice of cells, as measured from above by levelling or laser
+// scanning.
 //
 // Cost, at the end of a stage: a sort of the stones by height, and the points of those that are not
-// below what higher ones have reached in all cells beneath them: a layer of stones, not the bed.
-// Rejected: rays against hulls, exact but a search per ray; the points within a stone lie an eighth
-// of its size apart, its corners at its very ends.
+// entirely below higher stones in all cells beneath them: a layer of stones, not the whole bed.
+// Rejected: rays against hulls, exact but with a search per ray; the points within a stone are an
+// eighth of its size apart, its corners are exact.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
-// Cells of about equal size from side to side; a plane model has one row.
+// Cells of equal size between the sides; a plane model has one row.
 struct Lattice {
   Vec3 low = Vec3::Zero();
   std::array<std::size_t, 2> count{1, 1};
@@ -29,8 +30,8 @@ struct Lattice {
       size[k] = length / static_cast<double>(count[k]);
     }
   }
-  // Of a point; those that stick out over a side belong to the cell they come in again, if that
-  // side is periodic, else to none.
+  // The cell of a point. A point beyond a periodic side belongs to the cell of its image, a point
+  // beyond another side to none.
   std::size_t cell(const Vec3& point, const dem::Domain& domain) const {
     return cell(place(point, 0, domain), place(point, 1, domain), domain);
   }
@@ -45,26 +46,27 @@ struct Lattice {
     }
     return at[1] * count[0] + at[0];
   }
-  // In cells from the low side; not brought into the domain.
+  // In cells from the low side, without periodic mapping.
   double place(const Vec3& point, int axis, const dem::Domain& domain) const {
     if (axis == 1 && domain.dimension == Dimension::plane) return 0;
     return std::floor((point[axis] - low[axis]) / size[static_cast<std::size_t>(axis)]);
   }
-  // Whether see(cell) holds for all cells below a ball.
-  template <class See>
-  bool all_below(const Vec3& centre, double radius, const dem::Domain& domain, See&& see) const {
+  // Whether `holds` is true for all cells below a sphere.
+  template <class Holds>
+  bool all_below(const Vec3& centre, double radius, const dem::Domain& domain,
+                 Holds&& holds) const {
     const Vec3 first = centre.array() - radius, last = centre.array() + radius;
     for (double across = place(first, 1, domain); across <= place(last, 1, domain); ++across)
       for (double along = place(first, 0, domain); along <= place(last, 0, domain); ++along) {
         const std::size_t at = cell(along, across, domain);
-        if (at < cells() && !see(at)) return false;
+        if (at < cells() && !holds(at)) return false;
       }
     return true;
   }
   std::size_t cells() const { return count[0] * count[1]; }
 };
 
-// Particles, the one that reaches highest first.
+// Particles in descending order of their highest points.
 std::vector<std::size_t> by_height(const dem::Particles& particles) {
   std::vector<std::pair<double, std::size_t>> tops;
   for (std::size_t i = 0; i < particles.size(); ++i)
@@ -77,13 +79,13 @@ std::vector<std::size_t> by_height(const dem::Particles& particles) {
 
 }  // namespace
 
-// The maximum over ranks is that of all stones, whatever their number and order.
+// The maximum over ranks is that of all stones, independent of their distribution and order.
 std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& particles,
                                double cell) {
   const dem::Domain& domain = particles.domain();
   const Lattice lattice(domain, cell);
   std::vector<double> top(lattice.cells(), -std::numeric_limits<double>::infinity());
-  const auto see = [&](const Vec3& point) {
+  const auto update = [&](const Vec3& point) {
     const std::size_t at = lattice.cell(point, domain);
     if (at < top.size()) top[at] = std::max(top[at], point.z());
   };
@@ -92,8 +94,8 @@ std::vector<double> surface_of(const par::Comm& comm, const dem::Particles& part
     const double highest = stone.position.z() + stone.radius;
     const auto is_covered = [&](std::size_t at) { return top[at] >= highest; };
     if (lattice.all_below(stone.position, stone.radius, domain, is_covered)) continue;
-    particles.points(i, see);
-    particles.corners(i, [&](const Vec3& centre, double r) { see(centre + Vec3(0, 0, r)); });
+    particles.points(i, update);
+    particles.corners(i, [&](const Vec3& centre, double r) { update(centre + Vec3(0, 0, r)); });
   }
   comm.max(std::span(top));
   std::vector<double> rows;

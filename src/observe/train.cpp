@@ -1,15 +1,15 @@
-// Wheels, rail and vehicles of a train over a bed, in the histories under the names of a track
+// Histories of wheels, rail and vehicles of a train over a bed, with the names used for a track
 // alone.
 #include <limits>
 
-#include "observe/room.hpp"
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
 namespace {
 
 // Order of the columns below.
-enum Which : std::size_t {
+enum ColumnIndex : std::size_t {
   wheel_force,
   wheel_x,
   rail_displacement,
@@ -20,17 +20,17 @@ enum Which : std::size_t {
   seat_force
 };
 
-// The last ones of two rails alone.
+// The last ones for two rails only.
 std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleepers) {
   const std::size_t seats = sleepers * train.rails;
   std::vector<Column> columns{
       {"history/wheel/force", {"N", "of one wheel on the rail, down positive"}, train.wheels},
-      {"history/wheel/x", {"m", "where it is, in the frame of the bed"}, train.wheels},
+      {"history/wheel/x", {"m", "position in the frame of the bed"}, train.wheels},
       {"history/rail/displacement",
        {"m", "vertical, above each seat of the bed, since the rail was laid"},
        seats},
       {"history/body/displacement",
-       {"m", "vertical, up positive, from where its springs carry nothing; constant forces: 0"},
+       {"m", "vertical, up positive, from unloaded springs; constant forces: 0"},
        train.bodies},
       {"history/body/acceleration", {"m/s2", "vertical, no filter"}, train.bodies}};
   if (train.rails == 1) return columns;
@@ -44,7 +44,7 @@ std::vector<Column> train_columns(const TrainInstant& train, std::size_t sleeper
   return columns;
 }
 
-// Left before right of each sleeper; without `running` there is nothing to tell.
+// Left before right of each sleeper; requires `running`.
 void add_seats(const TrainInstant& instant, std::size_t sleepers, std::vector<Column>& to) {
   const track::TrainOnBed& on_bed = *instant.running;
   for (std::size_t i = 0; i < sleepers; ++i)
@@ -58,8 +58,8 @@ void add_seats(const TrainInstant& instant, std::size_t sleepers, std::vector<Co
 
 }  // namespace
 
-// Not a number while there is no train: a zero would be a place and a force.
-void Results::Room::sample_train(const TrainInstant& instant, std::size_t sleepers) {
+// NaN while there is no train, since zero would be a valid position and force.
+void Results::Impl::sample_train(const TrainInstant& instant, std::size_t sleepers) {
   if (train.empty()) train = train_columns(instant, sleepers);
   if (!instant.running) {
     for (Column& column : train)

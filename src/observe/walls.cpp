@@ -1,6 +1,6 @@
-// Histories of what holds the bed. Their columns are known from the first row on, which has all
-// walls the run ever has.
-#include "observe/room.hpp"
+// Histories of walls and platen. Their columns are defined by the first row, which has all walls of
+// the run.
+#include "observe/impl.hpp"
 
 namespace trackbed::observe {
 
@@ -13,12 +13,12 @@ void put(Column& column, const Vec3& value) {
 
 }  // namespace
 
-void Results::Room::sample_walls(std::span<const WallState> walls) {
+void Results::Impl::sample_walls(std::span<const WallState> walls) {
   if (wall.empty())
     for (const WallState& one : walls) {
       const std::string group = "history/wall/" + one.name + "/";
-      wall.push_back({group + "force", {"N", "from stones, x y z, mean of the last window"}});
-      wall.push_back({group + "displacement", {"m", "x y z, from where it was built"}});
+      wall.push_back({group + "force", {"N", "of the stones, x y z, mean of the last window"}});
+      wall.push_back({group + "displacement", {"m", "x y z, since it was built"}});
     }
   for (std::size_t k = 0; k < walls.size(); ++k) {
     put(wall[2 * k], walls[k].force);
@@ -26,13 +26,13 @@ void Results::Room::sample_walls(std::span<const WallState> walls) {
   }
 }
 
-// Forces up positive, as in the rest of the file; a pressure pushes.
-void Results::Room::sample_platen(const PlatenState& state) {
+// Forces are positive upwards, as in the rest of the file; pressure is positive in compression.
+void Results::Impl::sample_platen(const PlatenState& state) {
   if (platen.empty())
     platen = {
         {"history/platen/z", {"m", "height of its lower face; 0 while there is none"}},
         {"history/platen/pressure", {"Pa", "vertical force over area, averaged by the servo"}},
-        {"history/platen/force", {"N", "from stones, x y z, mean of the last window"}}};
+        {"history/platen/force", {"N", "of the stones, x y z, mean of the last window"}}};
   platen[0].width = platen[1].width = 1;
   platen[0].values.push_back(state.z);
   platen[1].values.push_back(state.pressure);

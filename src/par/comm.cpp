@@ -1,7 +1,7 @@
-// MPI behind Comm; messages of every sub-step are in halo.cpp. Return codes are not looked at:
-// MPI's own handler ends the job on any error, which is all a program that lost a rank could do.
-// Cost: a reduction is O(log ranks) messages, all_gather and exchange O(ranks) per rank. Those two
-// are for building, rebalancing and files; what every sub-step needs goes through Halo.
+// Comm by MPI; messages of every sub-step are in halo.cpp. Return codes are not examined: MPI's own
+// error handler ends the job on any error, and a program that has lost a rank could do nothing
+// else. Cost: a reduction is O(log ranks) messages, all_gather and exchange O(ranks) per rank.
+// Those two are for setup, rebalancing and files; data of every sub-step go through Halo.
 #include "trackbed/par/comm.hpp"
 
 #include <mpi.h>
@@ -16,8 +16,8 @@ namespace trackbed::par {
 
 namespace {
 
-// MPI counts are int. More in one message is a model split over too few ranks, or a loop that went
-// wild; either way wrapping around silently would send garbage.
+// MPI counts are int. A larger message results from too few ranks for the model or from an error in
+// the program; an overflow of the count must not go unnoticed.
 int checked_int(std::size_t count) {
   require(count <= INT_MAX, "an MPI message is larger than 2 GB");
   return static_cast<int>(count);
@@ -39,31 +39,32 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
 
 }  // namespace
 
-// No threads are asked for: each rank is one thread.
-// Files go through Open MPI's ROMIO unless the environment says otherwise. Its OMPIO (4.1) opens a
-// named semaphore per file name on the node: a run killed just then leaves it locked, and the next
-// run that opens a file of that name, in whatever folder, waits for ever.
+// No thread support is requested: each rank is one thread.
+// Files go through Open MPI's ROMIO unless the environment selects otherwise. Its OMPIO (4.1) opens
+// a named semaphore per file name on the node: a run killed at that moment leaves it locked, and
+// the next run that opens a file of that name, in any folder, waits for ever.
 Environment::Environment(int& argc, char**& argv) {
   setenv("OMPI_MCA_io", "romio321", 0);
   MPI_Init(&argc, &argv);
 }
 Environment::~Environment() { MPI_Finalize(); }
 
-// Rank and size are asked once: they never change.
+// Rank and size are read once: they never change.
 Comm::Comm(std::shared_ptr<void> handle) : handle_(std::move(handle)) {
   MPI_Comm_rank(mpi(*this), &rank_);
   MPI_Comm_size(mpi(*this), &size_);
 }
 
-// Plain handles, never duplicated: all traffic is ours, tags keep exchange and halo apart, and
-// libraries (PETSc, HDF5) duplicate what they are given. So nothing needs freeing before
-// MPI_Finalize.
+// Plain handles, never duplicated: all messages are ours, tags separate exchange from halo, and
+// libraries (PETSc, HDF5) duplicate the communicators they are given. So nothing needs freeing
+// before MPI_Finalize.
 Comm Comm::world() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_WORLD)); }
 Comm Comm::self() { return Comm(std::make_shared<MPI_Comm>(MPI_COMM_SELF)); }
 
 void Comm::barrier() const { MPI_Barrier(mpi(*this)); }
-// Order of a sum of doubles is MPI's and may change with the number of ranks: for figures, or where
-// all ranks but one add zero; what feeds back into the motion takes exact sums.
+// The order of a sum of doubles is chosen by MPI and may change with the number of ranks: for
+// reported values, or where all ranks but one add zero; quantities that affect the motion use exact
+// sums.
 double Comm::sum(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_SUM); }
 double Comm::max(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MAX); }
 double Comm::min(double value) const { return reduced(*this, value, MPI_DOUBLE, MPI_MIN); }
@@ -91,8 +92,7 @@ std::int64_t Comm::exclusive_scan(std::int64_t value) const {
   return root() ? 0 : before;  // MPI leaves rank 0's result undefined
 }
 
-// Lengths first: ranks bring different amounts, and a receiver must know them to lay its buffer
-// out.
+// Lengths first: ranks send different amounts, and a receiver must know them to arrange its buffer.
 std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) const {
   const int count = checked_int(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_));
@@ -104,20 +104,20 @@ std::vector<std::byte> Comm::all_gather_bytes(std::span<const std::byte> mine) c
   return all;
 }
 
-// Any rank may send to any. In the order of ranks on arrival, whatever came first.
+// Any rank may send to any. The result is in the order of ranks, whatever the order of arrival.
 std::vector<std::vector<std::byte>> Comm::exchange_bytes(
     const std::vector<std::span<const std::byte>>& out) const {
   const auto ranks = static_cast<std::size_t>(size_);
   require(out.size() == ranks, "exchange needs one list per rank");
   std::vector<int> send_counts(ranks), receive_counts(ranks);
   for (std::size_t r = 0; r < ranks; ++r) send_counts[r] = checked_int(out[r].size());
-  // Only the counts go to everybody; then ranks that have nothing for each other stay silent. With
-  // neighbours in space that is a handful of messages instead of ranks^2, which an MPI_Alltoallv
-  // would walk through.
+  // Only the counts go to every rank; after that only ranks with data for each other exchange
+  // messages. With neighbours in space these are a handful of messages instead of ranks^2, over
+  // which an MPI_Alltoallv would loop.
   MPI_Alltoall(send_counts.data(), 1, MPI_INT, receive_counts.data(), 1, MPI_INT, mpi(*this));
   std::vector<std::vector<std::byte>> in(ranks);
   std::vector<MPI_Request> requests;
-  // Halo uses another: its messages may be under way at the same time.
+  // Halo uses another tag: its messages may be in transit at the same time.
   constexpr int tag = 71;
   // Receives are posted before any send, so that no message has to wait in a buffer of MPI.
   for (std::size_t r = 0; r < ranks; ++r) {
@@ -134,7 +134,7 @@ std::vector<std::vector<std::byte>> Comm::exchange_bytes(
   return in;
 }
 
-// Length first, as only rank 0 knows it.
+// Length first, as it is known on rank 0 only.
 std::string Comm::broadcast(const std::string& text) const {
   std::int64_t length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, 0, mpi(*this));
@@ -143,9 +143,9 @@ std::string Comm::broadcast(const std::string& text) const {
   return result;
 }
 
-// One integer reduction when all is well, which is nearly always; text travels only in trouble. max
-// over size - rank finds the lowest rank with a problem and is 0 if there is none. The lowest
-// speaks so that the message does not depend on timing.
+// A single integer reduction if there is no problem, which is nearly always the case; text is sent
+// only otherwise. The maximum of size - rank identifies the lowest rank with a problem and is 0 if
+// there is none. The lowest rank is chosen so that the message does not depend on timing.
 std::string Comm::first_problem(const std::string& problem) const {
   const std::int64_t first = max(problem.empty() ? std::int64_t{0} : std::int64_t{size_ - rank_});
   if (first == 0) return "";

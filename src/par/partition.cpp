@@ -1,10 +1,10 @@
-// Three ways to split work over ranks. Points by coordinates: recursive bisection across the
+// Three ways to partition work over ranks. Points by coordinates: recursive bisection across the
 // longest side (Berger, Bokhari 1987, doi:10.1109/TC.1987.1676942), a sort per halving, compact
-// boxes, no neighbours needed. Graphs and meshes by METIS (Karypis, Kumar 1998,
-// doi:10.1137/S1064827595287997), which cuts fewer neighbours but needs to know them.
+// boxes, no adjacency needed. Graphs and meshes by METIS (Karypis, Kumar 1998,
+// doi:10.1137/S1064827595287997), which cuts fewer edges but needs the adjacency.
 //
-// All are local: ranks that run them on the same input find the same split, without a message. That
-// makes ties and seeds part of the result.
+// All are local: ranks that run them on the same input compute the same partition without a
+// message. The treatment of ties and the seeds are therefore part of the result.
 #include "trackbed/par/partition.hpp"
 
 #include <metis.h>
@@ -19,8 +19,9 @@ namespace trackbed::par {
 
 namespace {
 
-// Gives `parts` consecutive part numbers from `first` to the points named in `names`.
-// Sorted by coordinate, equal ones by name, so that the split is the same wherever it is computed.
+// Assigns `parts` consecutive part numbers from `first` to the points listed in `names`. Points are
+// sorted by coordinate, equal ones by number, so that the partition is the same wherever it is
+// computed.
 void bisect_range(std::span<const Vec3> points, std::span<const double> weights,
                   std::span<std::int32_t> names, int first, int parts, std::vector<int>& part_of) {
   if (parts == 1 || names.empty()) {
@@ -41,8 +42,8 @@ void bisect_range(std::span<const Vec3> points, std::span<const double> weights,
     const double xb = points[static_cast<std::size_t>(b)][axis];
     return xa != xb ? xa < xb : a < b;
   });
-  // Odd numbers of parts: the lower side gets its share of the weight, not half of it. A point goes
-  // to the side where most of its weight falls.
+  // Odd numbers of parts: the lower side gets the corresponding fraction of the weight, not half of
+  // it. A point goes to the side that contains most of its weight.
   const int lower_parts = parts / 2;
   const double wanted = total * lower_parts / parts;
   std::size_t cut = 0;
@@ -69,8 +70,8 @@ std::vector<int> bisect(std::span<const Vec3> points, std::span<const double> we
 
 namespace {
 
-// METIS counts in 32 bits: a share of the sum that leaves room for its own sums.
-// At least 1: METIS leaves vertices of no weight anywhere.
+// METIS counts in 32 bits: the weights are scaled so that its own sums do not overflow. They are at
+// least 1, because METIS may put vertices of no weight into any part.
 std::vector<idx_t> whole(std::span<const double> weights) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double unit = sum > 0 ? (1 << 28) / sum : 0;
@@ -82,8 +83,8 @@ std::vector<idx_t> whole(std::span<const double> weights) {
 
 }  // namespace
 
-// Empty if it cannot be split: fewer vertices than parts, or METIS failed; the caller then keeps
-// its bisection.
+// Empty if a partition is not possible: fewer vertices than parts, or METIS failed; the caller then
+// keeps its bisection.
 std::vector<int> partition_graph(const Graph& graph, int parts) {
   std::vector<int> part_of(graph.size(), 0);
   if (graph.size() < static_cast<std::size_t>(parts)) return {};
@@ -98,7 +99,7 @@ std::vector<int> partition_graph(const Graph& graph, int parts) {
   METIS_SetDefaultOptions(options.data());
   // METIS begins from random vertices.
   options[METIS_OPTION_SEED] = 1;  // the same split on every rank and in every run
-  // Recursive bisection balances few parts better, k-way is quicker for many.
+  // Recursive bisection balances few parts better, k-way is faster for many.
   const auto split = parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
   std::vector<idx_t> found(graph.size());
   const int status =
@@ -109,8 +110,8 @@ std::vector<int> partition_graph(const Graph& graph, int parts) {
   return part_of;
 }
 
-// Cost of a part: its own weights and, for each edge that is cut, its weight on both sides, as both
-// ranks compute what lies between them. Largest over mean of the weights: 1 is ideal.
+// Cost of a part: its own weights and, for each cut edge, its weight on both sides, since both
+// ranks compute the contacts along it. Largest over mean of the weights: 1 is ideal.
 double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
   std::vector<double> cost(static_cast<std::size_t>(parts), 0);
   double sum = 0;
@@ -125,8 +126,8 @@ double worst_part(const Graph& graph, std::span<const int> part_of, int parts) {
   return sum > 0 ? *std::max_element(cost.begin(), cost.end()) * parts / sum : 1;
 }
 
-// By the dual graph: elements are neighbours if they share `common` nodes. Fewer elements than
-// parts: all on part 0.
+// By the dual graph: elements are neighbours if they have `common` nodes in common. If there are
+// fewer elements than parts, all are on part 0.
 std::vector<int> partition_mesh(std::span<const std::int32_t> element_nodes, int nodes_per_element,
                                 int common, std::span<const double> weights, int parts) {
   // Offsets of equal length: all elements have the same number of nodes.

@@ -1,4 +1,4 @@
-"""Parameters of a track on a ground -> (change of tests/knobs/on_ground.toml, surroundings)."""
+"""Parameters of a track on a ground -> (change of tests/knobs/on_ground.toml, context)."""
 KNOBS = {
     "footing.before": ("footing.before=6", []),
     "footing.count": ("footing.count=5", []),

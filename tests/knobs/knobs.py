@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""No dead knobs: every parameter of the program, changed, changes something a user can see.
+"""Every parameter of the program has an effect: a change of it changes an observable result.
 
     knobs.py PROGRAM DECK FOLDER
 
-What can be seen: stones, histories and snapshots, figures of the summary, files, the report on
-screen without times, the exit code and the sentence of a refusal. The deck stored in the results is
-left out, as it would differ for any knob. The list of parameters comes from the program's own
+Observable are stones, histories and snapshots, values of the summary, files, the report on screen
+without times, the exit code and the message of a refusal. The deck stored in the results is
+excluded, as it differs for any parameter. The list of parameters comes from the program's own
 schema, so that a new parameter without an entry in KNOBS fails the test.
 """
 import concurrent.futures
@@ -26,7 +26,7 @@ import track_knobs  # noqa: E402
 from program import Program  # noqa: E402
 from results import data  # noqa: E402
 
-# Surroundings in which some parameters count: overrides that hold before and after the change.
+# Contexts in which some parameters have an effect: overrides before and after the change.
 SPACE = ["dimension=space", "bed.stone=disk", "sleepers.length=0.3"]
 CLUMP = [*SPACE[:1], SPACE[2], "bed.stone=clump", "bed.clump=[-0.5,0,0,0.5, 0.5,0,0,0.4]"]
 SOLID = [*SPACE[:1], SPACE[2], "bed.stone=polyhedra", "bed.height=0.06",
@@ -49,14 +49,14 @@ BALL = ["region.0.kind=sphere"]
 CUT = [*SPACE, "stage.sleepers.profile=0.1", "bed.crest=[-0.05, 0.05]"]
 REPEATED = ['periodic=["x"]', "bed.x=[0.0, 0.6]", "ground.x=[0.0, 0.6]"]
 ON_BED = ["stage.passage.train=true", "train.start=0", "seat.before=10"]
-# Tines press stones into each other further than other stages do.
+# Tines cause larger overlaps of stones than other stages.
 TAMPED = ["stage.passage.kind=tamp", "stage.passage.duration=0", "dem.largest_overlap=1",
           *(f"tamping.{name}={value}" for name, value in
             {"gap": 0.07, "closing": 0.03, "thickness": 0.02, "depth": 0.06, "insertion": 0.01,
              "squeeze": 0.01, "withdrawal": 0.01}.items())]
 PRESSED = ["platen.speed=1", "stage.compact.duration=0.2"]
 
-# Parameter of the schema -> (change, surroundings). List elements are called by name or number.
+# Parameter of the schema -> (change, context). List elements are given by name or number.
 KNOBS = {
     "title": ("title=Other", []),
     "dimension": ("dimension=space", SPACE[1:]),
@@ -123,14 +123,14 @@ KNOBS = {
     "ground.present": ("ground.present=false", []),
     "ground.x": ("ground.x=[-0.1, 0.6]", []),
     "ground.y": ("ground.y=[-0.2, 0.2]", SPACE),
-    "ground.zones_x": ("ground.zones_x=7", []),
-    "ground.zones_y": ("ground.zones_y=3", SPACE),
-    "ground.zones_z": ("ground.zones_z=5", []),
+    "ground.elements_x": ("ground.elements_x=7", []),
+    "ground.elements_y": ("ground.elements_y=3", SPACE),
+    "ground.elements_z": ("ground.elements_z=5", []),
     "ground.ratio_x": ("ground.ratio_x=1.1", []),
     "ground.fine_x": ("ground.fine_x=0.3", ["ground.ratio_x=1.1"]),
-    "ground.ratio_y": ("ground.ratio_y=1.2", [*SPACE, "ground.zones_y=3"]),
-    "ground.fine_y": ("ground.fine_y=0.1", [*SPACE, "ground.zones_y=3", "ground.ratio_y=1.2"]),
-    "ground.layer.[].zones": ("ground.layer.0.zones=3", []),
+    "ground.ratio_y": ("ground.ratio_y=1.2", [*SPACE, "ground.elements_y=3"]),
+    "ground.fine_y": ("ground.fine_y=0.1", [*SPACE, "ground.elements_y=3", "ground.ratio_y=1.2"]),
+    "ground.layer.[].elements": ("ground.layer.0.elements=3", []),
     "ground.layer.[].name": ("ground.layer.0.name=clay", ["ground.block.0.present=false"]),
     "ground.layer.[].thickness": ("ground.layer.0.thickness=0.5", []),
     "ground.layer.[].young": ("ground.layer.0.young=60e6", []),
@@ -139,16 +139,16 @@ KNOBS = {
     "ground.block.[].name": ("ground.block.0.name=bridge", []),
     "ground.block.[].present": ("ground.block.0.present=false", []),
     "ground.block.[].outline": ("ground.block.0.outline=[0,0, 0.4,0, 0.4,-0.2, 0,-0.2]", []),
-    "ground.block.[].y": ("ground.block.0.y=[-0.2, 0]", [*SPACE, "ground.zones_y=2"]),
+    "ground.block.[].y": ("ground.block.0.y=[-0.2, 0]", [*SPACE, "ground.elements_y=2"]),
     "ground.block.[].young": ("ground.block.0.young=200e6", []),
     "ground.block.[].poisson": ("ground.block.0.poisson=0.3", []),
     "ground.block.[].density": ("ground.block.0.density=2000", []),
     "ground.plane": ("ground.plane=strain", []),
     "ground.base": ("ground.base=fixed", []),
     "ground.base_stiffness": ("ground.base_stiffness=50e6", []),
-    "ground.sides": ("ground.sides=quiet", []),
+    "ground.sides": ("ground.sides=viscous", []),
     "ground.side_x_low": ("ground.side_x_low=fixed", []),
-    "ground.side_x_high": ("ground.side_x_high=quiet", []),
+    "ground.side_x_high": ("ground.side_x_high=viscous", []),
     "ground.side_y_low": ("ground.side_y_low=free", SPACE),
     "ground.side_y_high": ("ground.side_y_high=fixed", SPACE),
     "ground.rayleigh_mass": ("ground.rayleigh_mass=10", []),
@@ -176,7 +176,7 @@ KNOBS = {
     "ground.alpha": ("ground.alpha=-0.3", ["ground.integrator=hht"]),
     "ground.rho_inf": ("ground.rho_inf=0.5", ["ground.integrator=generalized_alpha"]),
     "ground.tolerance": ("ground.tolerance=1e-3", NEWMARK),
-    "ground.rest_rounds": ("ground.rest_rounds=1",
+    "ground.static_iterations": ("ground.static_iterations=1",
                            [*YIELDS["layer"], "ground.layer.0.cohesion=100"]),
     "sleepers.count": ("sleepers.count=2", ["sleepers.width=0.15", "sleepers.spacing=0.2"]),
     "sleepers.first": ("sleepers.first=0.2", []),
@@ -212,8 +212,8 @@ KNOBS = {
        {"lift": 0.01, "depth": 0.05, "gap": 0.05, "closing": 0.02, "amplitude": 3e-3,
         "frequency": 60, "insertion": 0.012, "squeeze": 0.012, "withdrawal": 0.012,
         "force": 2e3}.items()},
-    # Deep in a bed twice as high and closing by a stone's width; of 0.03 m three beds of five felt
-    # nothing, of 0.05 m none.
+    # Deep in a bed twice as high and closing by a stone's width; 0.03 m had no effect on three
+    # of five beds, 0.05 m had an effect on all.
     "tamping.thickness": ("tamping.thickness=0.05",
                           [*TAMPED, "tamping.gap=0.065", "tamping.depth=0.15",
                            "tamping.insertion=0.03", "tamping.squeeze=0.03",
@@ -236,15 +236,15 @@ KNOBS = {
     "region.[].cells": ("region.0.cells=[2, 1, 1]", []),
     "region.[].centre": ("region.0.centre=[0.2, 0, 0.05]", BALL),
     "region.[].radius": ("region.0.radius=0.05", BALL),
-    "stage.[].name": ("stage.load.name=press", []),
+    "stage.[].name": ("stage.load.name=vertical", []),
     "stage.[].kind": ("stage.load.kind=run", []),
     "stage.[].layer": ("stage.fill.layer=lower", ["bed.layer.0.porosity=0.4"]),
     "stage.[].duration": ("stage.fill.duration=0.14", []),
     "stage.[].friction": ("stage.load.friction=0.1", []),
     "stage.[].growth": ("stage.fill.growth=0.05", []),
-    "stage.[].growth_room": ("stage.fill.growth_room=1.3", ["stage.fill.growth=0.05"]),
+    "stage.[].growth_height": ("stage.fill.growth_height=1.3", ["stage.fill.growth=0.05"]),
     "stage.[].local_damping": ("stage.load.local_damping=0.5", []),
-    # Stones lie on the floor by then, so that there are contact forces on any bed.
+    # Stones are on the floor by then, so that any bed has contact forces.
     "stage.[].until_ratio": ("stage.release.until_ratio=1e3", []),
     "stage.[].ground_moves": ("stage.load.ground_moves=false", []),
     "stage.[].lift": ("stage.release.lift=0.02", []),
@@ -264,7 +264,7 @@ KNOBS = {
     "time.substeps": ("time.substeps=2", []),
 }
 
-# A layer has all parameters of the bed but its place; the bed of these runs is the layer.
+# A layer has all parameters of the bed except its place; the bed of these runs is the layer.
 OF_THE_BED = {"x", "y", "crest", "slope", "cell", "layer", "container", "split", "beside"}
 KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
           (change.replace("bed.", "bed.layer.0.", 1),
@@ -274,16 +274,16 @@ KNOBS |= {name.replace("bed.", "bed.layer.[].", 1):
           for name, (change, around) in KNOBS.items()
           if name.startswith("bed.") and name.split(".")[1] not in OF_THE_BED}
 
-# Parameters that must change nothing here, each with the reason.
+# Parameters that must not change anything here, with the reason.
 EXCEPTIONS = {
     "dem.skin": "speed only, a change of results would be an error; skin_test counts rebuilds",
     "dem.rebalance": "speed only, as dem.skin; balance_test counts new splits",
     **dict.fromkeys((f"handover.{name}" for name in ("after", "rounds", "trains", "each", "load")),
-                    "jobs/handover.py reads it; the test of on_bed.toml shows that it acts"),
+                    "jobs/handover.py reads it; the test of on_bed.toml verifies its effect"),
 }
 SPEED_ONLY = {"dem.skin": "dem.skin=0.01", "dem.rebalance": "dem.rebalance=0"}
 
-# Figures that differ from run to run.
+# Values that differ from run to run.
 TIMES = re.compile(r"wall|dem_time|cpu_time|seconds|per_core|memory|share|imbalance|deck")
 
 
@@ -297,7 +297,7 @@ def figures(value, name=""):
 
 
 def report(text):
-    """What the screen says of model and stages; memory and wall time aside."""
+    """Report on screen on model and stages, without memory and wall time."""
     lines = [line for line in text.splitlines()
              if re.match(r"trackbed:|  (ground|sleepers):|stage ", line)]
     return [re.sub(r"; [\d.e+-]+ MB per rank", "", line) for line in lines]
@@ -308,7 +308,7 @@ class Bench:
         self.program, self.deck, self.folder, self.known = program, deck, folder, {}
 
     def seen(self, name, overrides):
-        """Everything observable of one run."""
+        """All observables of one run."""
         place = self.folder / re.sub(r"\W+", "_", name)
         overrides = [o.replace("{folder}", str(self.folder)) for o in overrides]
         ran = self.program(1, "run", self.deck, *overrides, "-o", place)
@@ -327,12 +327,12 @@ class Bench:
         return found
 
     def verdict(self, parameter):
-        """Empty if the knob does something."""
+        """Empty if the parameter has an effect."""
         change, around = KNOBS[parameter]
         before, after = self.known[tuple(around)], self.seen(parameter, [*around, change])
         words = [word for word in parameter.split(".") if word != "[]"]
         if after["code"] == 2 and not any(word in after["refused"] for word in words):
-            return f"{parameter}: refused, but the sentence does not name it: {after['refused']}"
+            return f"{parameter}: refused, but the message does not name it: {after['refused']}"
         return f"{parameter}: {change} changes nothing" if after == before else ""
 
 
@@ -369,15 +369,15 @@ def main():
     bench = Bench(program, sys.argv[2], folder)
     program.done(1, "run", sys.argv[2], "-o", folder / "started_from")
     program.done(1, "run", sys.argv[2], *REPEATED, "-o", folder / "cell")
-    surroundings = sorted({tuple(around) for _, around in KNOBS.values()})
+    contexts = sorted({tuple(around) for _, around in KNOBS.values()})
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        bases = pool.map(lambda k: bench.seen(f"base_{k}", surroundings[k]),
-                         range(len(surroundings)))
-        bench.known = dict(zip(surroundings, bases))
+        bases = pool.map(lambda k: bench.seen(f"base_{k}", contexts[k]),
+                         range(len(contexts)))
+        bench.known = dict(zip(contexts, bases))
         problems += [f"{list(around)}: the base does not run: {found}"
                      for around, found in bench.known.items() if found["code"] != 0]
         if bench.seen("again", []) != bench.known[()]:
-            problems.append("the same run twice differs: this test would prove nothing")
+            problems.append("two equal runs differ: this test would be meaningless")
         for name, change in SPEED_ONLY.items():
             if bench.seen(name, [change]) != bench.known[()]:
                 problems.append(f"{name} changes results: {EXCEPTIONS[name]}")

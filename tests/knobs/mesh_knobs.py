@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""As knobs.py, for the parameters of a ground from a mesh file, in place of layers: with
-a short form of inputs/ground/embankment.toml. And the refusals of such decks.
+"""As knobs.py, for the parameters of a ground from a mesh file instead of layers, with a short form
+of inputs/ground/embankment.toml, and for the refusals of such decks.
 
     mesh_knobs.py PROGRAM DECK FOLDER
 """
@@ -16,7 +16,7 @@ from results import data  # noqa: E402
 SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
          "stage.compact.duration=0.01", "output.fields=false"]
 YIELDS = "ground.solid.0.yield=mohr_coulomb ground.solid.0.cohesion=1e3"
-# Parameter of the schema -> change of the deck, or that and its surroundings.
+# Parameter of the schema -> change of the deck, or (change, context).
 KNOBS = {
     "ground.mesh": "ground.mesh={folder}/other.msh",
     "ground.mesh_top": "ground.mesh_top=crest",
@@ -35,46 +35,47 @@ KNOBS = {
     "ground.border.[].holds": "ground.border.0.holds=fixed",
     "ground.base_motion": "ground.base_motion={folder}/wave.csv",
 }
-# Change of the deck -> words of the refusal.
+# Change of the deck -> part of the refusal.
 REFUSED = {
     "ground.mesh=no_such_file.msh": "does not exist",
     "ground.mesh={deck}": "is this a mesh file of Gmsh?",
-    "ground.mesh={folder}/cut.msh": "is it whole?",
+    "ground.mesh={folder}/cut.msh": "is it complete?",
     "ground.mesh_top=crest": "has no physical surface \"crest\", which the deck names",
     "ground.solid.0.name=embankement": "did you mean",
     "ground.solid.1.name=embankment": "is the name of an earlier one",
     "ground.border.1.name=top": "is the name of an earlier one",
     "ground.border.3.holds=roller": "is not normal to x, y or z",
     "ground.border.0.holds=free ground.border.1.holds=free":
-        "do not hold the ground at rest: it can move along y, move along z, turn about x",
-    # Quiet sides hold y and ends x; nothing holds z.
-    "ground.border.0.holds=free": "at rest: it can move along z; let a border be",
+        "do not hold the ground in static equilibrium: it can move along y, move along z, "
+        "turn about x",
+    # Viscous sides hold y and ends x; nothing holds z.
+    "ground.border.0.holds=free": "static equilibrium: it can move along z; let a border be",
     "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
-        "no quiet border looks down",
+        "no viscous border faces down",
     "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",
     "ground.border.2.holds=fixed ground.base_motion={folder}/along.csv":
         "the border \"ends\" holds the ground along x",
     "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
-    "ground.sides=quiet": "its surfaces are [[ground.border]]",
-    "ground.zones_x=3": "the file has the shape",
+    "ground.sides=viscous": "its surfaces are [[ground.border]]",
+    "ground.elements_x=3": "the file defines the shape",
     "dimension=plane": "needs dimension = \"space\"",
     "time.window=0": "must be given with ground.mesh",
-    "ground.mesh={folder}/hole.msh": "only: stones would fall through (bed.x, bed.y",
+    "ground.mesh={folder}/hole.msh": "m^2 of the bed: stones would fall through (bed.x, bed.y",
     "bed.y=[-0.9, 0.9]": "reaches beyond the top of the mesh (-0.8 to 0.8 m)",
 }
 
 
-# Change of the deck -> words that `check` prints, or (after "-") does not.
-TOLD = {
+# Change of the deck -> texts that `check` prints, or (after "-") must not print.
+REPORTED = {
     "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
     "ground.border.0.holds=roller": ["-on springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
     "ground.base_motion={folder}/wave.csv":
-        ["\"sides\" holds back the wave of ground.base_motion", "-\"ends\"", "-\"slopes\""],
+        ["\"sides\" impedes the wave of ground.base_motion", "-\"ends\"", "-\"slopes\""],
     "ground.border.2.holds=fixed ground.base_motion={folder}/wave.csv":
-        ["\"ends\" holds back the wave of ground.base_motion"],
+        ["\"ends\" impedes the wave of ground.base_motion"],
     "ground.border.2.holds=free ground.base_motion={folder}/along.csv":
-        ["\"ends\" is free and ends the mesh", "-\"slopes\""],
+        ["\"ends\" is free and at an end of the mesh", "-\"slopes\""],
     "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
     "ground.mesh={folder}/thin.msh time.window=1e-5": ["are nearly flat (mean ratio below 0.05"],
@@ -86,13 +87,13 @@ def seen(program, deck, folder, changes):
     place = folder / "run"
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
-        return {"code": ran.returncode, "said": ran.stderr}
+        return {"code": ran.returncode, "refusal": ran.stderr}
     return {"code": 0, "data": data(place / "results.h5"),
             "ground": summary(place)["ground"]["elements"]}
 
 
 def scaled(text, sizes):
-    """The mesh file with its coordinates times these."""
+    """The mesh file with scaled coordinates."""
     rows, inside = text.splitlines(), False
     for k, row in enumerate(rows):
         inside = (inside or row == "$Nodes") and row != "$EndNodes"
@@ -114,10 +115,10 @@ def without(text, surface, first, count):
     return "\n".join(rows[:block + 1 + first] + rows[block + 1 + first + count:]) + "\n"
 
 
-def untold(program, deck, place):
-    """What `check` should say of changes and does not."""
+def missing_reports(program, deck, place):
+    """Problems of reports of `check` on changes."""
     problems = []
-    for changes, words in TOLD.items():
+    for changes, words in REPORTED.items():
         ran = program(1, "check", deck, *split(changes.format(**place)))
         for word in words:
             if ran.returncode != 0 or (word.lstrip("-") in ran.stdout) == word.startswith("-"):
@@ -127,7 +128,7 @@ def untold(program, deck, place):
 
 
 def split(changes):
-    """At blanks before a key; lists have blanks too."""
+    """Splits at blanks before a key, as lists also have blanks."""
     return re.split(r" (?=[a-z]+\.)", changes)
 
 
@@ -137,7 +138,7 @@ def main():
     folder.mkdir(parents=True)
     text = (pathlib.Path(deck).parent / "embankment.msh").read_text(encoding="utf-8")
     (folder / "cut.msh").write_text(text[:len(text) // 2], encoding="utf-8")
-    # The deepest nodes lower.
+    # The lowest nodes are moved down.
     (folder / "other.msh").write_text(text.replace(" -1.8\n", " -2\n"), encoding="utf-8")
     for name, sizes in {"squashed": (1, 1, 1e-4), "mm": (1e3, 1e3, 1e3),
                         "thin": (1, 1, 3e-3)}.items():
@@ -150,9 +151,9 @@ def main():
     before = seen(program, deck, folder, [])
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
-        problems.append("the same run twice differs: this test would prove nothing")
+        problems.append("two equal runs differ: this test would be meaningless")
     within = seen(program, deck, folder, split(YIELDS))
-    problems += [] if within["code"] == 0 else [f"what yields does not run: {within}"]
+    problems += [] if within["code"] == 0 else [f"the yielding ground does not run: {within}"]
     for name, change in KNOBS.items():
         change, around = (change, "") if isinstance(change, str) else change
         after = seen(program, deck, folder,
@@ -165,7 +166,7 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
-    problems += untold(program, deck, place)
+    problems += missing_reports(program, deck, place)
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
     print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""No dead knobs among the parameters of stones, plates and boxes that a deck places, and what is
-refused or warned of.
+"""As knobs.py, for the parameters of placed stones, plates and boxes, and for refusals and
+warnings of such decks.
 
     placed_knobs.py PROGRAM DECK FOLDER
 """
@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, expect  # noqa: E402
 from results import data  # noqa: E402
 
-OTHER = "stone.odd.sides=[]"  # of a stone that is no block any more
+OTHER = "stone.odd.sides=[]"  # for a stone that is no longer a block
 DRAWN = [OTHER, "stone.odd.shape=polyhedron", "stone.odd.size=0.012", "stone.odd.rounding=1e-3"]
 HULL = [OTHER, "stone.odd.shape=hull",
         "stone.odd.corners=[0,0,0, 0.03,0,0, 0,0.02,0, 0,0,0.01]"]
@@ -26,7 +26,7 @@ TURNED = ["stone.odd.angle=30"]
 SMALL = ["plate.floor.size=[0.2,0.02]", "plate.floor.edge=[1,0,0]"]
 TILTED = ["box.walls.angle=10"]
 DOMAIN = ["domain.low=[-1,-1,-1]", "domain.high=[1,1,1]"]
-# Parameter of the schema -> (change, surroundings).
+# Parameter of the schema -> (change, context).
 KNOBS = {
     "domain.low": ("domain.low=[-1,-1,0.009]", DOMAIN),
     "domain.high": ("domain.high=[0.025,1,1]", DOMAIN),
@@ -72,9 +72,9 @@ KNOBS = {
     "box.[].angle": ("box.walls.angle=10", []),
     "box.[].velocity": ("box.walls.velocity=[-0.2,0,0]", []),
 }
-# A stone that leaves the domain ends the run; one that begins within a box is refused.
+# A stone that leaves the domain ends the run; one that starts within a box is refused.
 ENDS = {"domain.low": 4, "domain.high": 4, "box.[].side": 2}
-# Change of the deck -> words of the refusal.
+# Change of the deck -> part of the refusal.
 REFUSED = {
     "stone.ball.shape=bal": "did you mean ball?",
     "stone.ball.radius=-1": "must be above 0 m",
@@ -83,25 +83,26 @@ REFUSED = {
     "stone.ball.nam=x": "did you mean stone[0].name?",
     "stone.odd.name=ball": "stones need different names",
     "stone.odd.name='a b'": "must be a word",
-    "box.walls.name=floor": "is the name of a [[plate]]",
+    "box.walls.name=floor": "is also the name of a [[plate]]",
     "stone.odd.sides=[0.03,0.02,0.001]": "must each be above 2 rounding = 0.002 m",
     "stone.odd.shape=hull": "must hold x, y, z of at least four corners",
     f"{OTHER} stone.odd.shape=hull stone.odd.corners=[0,0,0,1,0,0,0,1,0,1,1,0]":
         "stone[1].corners: lie in one plane",
     "stone.odd.shape=clump stone.odd.spheres=[0,0,0,0]": "a radius above 0",
-    "stone.odd.shape=polyhedron": "must be above 0 m for a stone that is drawn",
-    "stone.odd.size=1": "is for drawn stones, libraries and meshes",
+    "stone.odd.shape=polyhedron": "must be above 0 m for a randomly generated stone",
+    "stone.odd.size=1": "is for generated stones, libraries and meshes",
     "stone.odd.shape=mesh": "must name a mesh",
     "stone.odd.shape=mesh stone.odd.file={folder}/none.obj": "does not exist",
     f"{OTHER} stone.odd.shape=library stone.odd.file={{folder}}/one.obj": "is no library of shapes",
     f"{' '.join(LIBRARY)} stone.odd.entry=stone_11": "did you mean stone_1?",
-    "stone.odd.motion=fixed": "velocity or spin is not zero: take driven",
+    "stone.odd.motion=fixed": "velocity or spin is not zero; use driven",
     "stone.odd.axis=[0,0,0]": "must not be zero",
     "stone.odd.position=[0,0,0.02]":
-        "placed.toml:44: stone[0].position: stone \"ball\" begins 0.003789 m within stone \"odd\"",
+        "placed.toml:44: stone[0].position: stone \"ball\" initially overlaps stone \"odd\" by "
+        "0.003789 m",
     "stone.odd.position=[0.02,0,0.012]": "of the smaller radius",
-    "stone.odd.position=[-0.03,0,0]": "within surface \"floor\"",
-    "domain.low=[0,0,0] domain.high=[1,1,1]": "lies outside of the domain ([0, 0, 0] to [1, 1, 1]",
+    "stone.odd.position=[-0.03,0,0]": "initially overlaps surface \"floor\" by",
+    "domain.low=[0,0,0] domain.high=[1,1,1]": "is outside of the domain ([0, 0, 0] to [1, 1, 1]",
     "domain.low=[0,0,0]": "must be three numbers, and so must `high`",
     "domain.low=[1,1,1] domain.high=[0,0,0]": "must be above `low`",
     "plate.floor.normal=[0,0,0]": "must not be zero",
@@ -114,11 +115,11 @@ REFUSED = {
     "time.step=1": "is above the stable sub-step",
     "dimension=plane": "makes stones in space: a plane model takes ball and clump",
     "bed.height=0.3": "bed",
-    "model=bed": "is for model = \"stones\" alone",
+    "model=bed": "is only for model = \"stones\"",
 }
-# Change of the deck -> words of the warning.
+# Change of the deck -> part of the warning.
 WARNED = {
-    "stone.ball.position=[0.02,0,9.5e-3]": "begins 0.0005 m within surface \"floor\"",
+    "stone.ball.position=[0.02,0,9.5e-3]": "initially overlaps surface \"floor\" by 0.0005 m",
     "stage.fall.lift=0.5": "has no effect: it is for release",
 }
 
@@ -147,9 +148,9 @@ class Bench:
 
     def knob(self, name, before):
         change, around = KNOBS[name]
-        after, said = self.seen([*around, change], f"after_{name.replace('[]', '')}")
+        after, stderr = self.seen([*around, change], f"after_{name.replace('[]', '')}")
         if after[0] != ENDS.get(name, 0):
-            return f"{name}: ends with {after[0]}: {said}"
+            return f"{name}: ends with {after[0]}: {stderr}"
         return f"{name}: {change} changes nothing" if before[tuple(around)] == after else None
 
     def refused(self, changes):
@@ -180,13 +181,13 @@ def main():
         bases = list(pool.map(lambda k: bench.seen(surroundings[k], f"base_{k}"),
                               range(len(surroundings))))
         before = {around: found for around, (found, _) in zip(surroundings, bases)}
-        problems = [f"{around}: the base ends with {found[0]}: {said}" for around, (found, said)
+        problems = [f"{around}: the base ends with {found[0]}: {stderr}" for around, (found, stderr)
                     in zip(surroundings, bases) if found[0] != 0]
         for judge, cases in ((lambda name: bench.knob(name, before), KNOBS),
                              (bench.refused, REFUSED), (bench.warned, WARNED)):
             problems += filter(None, pool.map(judge, cases))
     ran = program.done(1, "check", deck)
-    expect("warning" not in ran.stdout, "a sound deck is warned of", ran)
+    expect("warning" not in ran.stdout, "a valid deck has a warning", ran)
     if problems:
         raise SystemExit("\n".join(problems))
 

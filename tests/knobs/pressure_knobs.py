@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""As knobs.py, for the pressures on a ground alone. And refusals of such decks.
+"""As knobs.py, for the pressures on a ground alone, and for refusals of such decks.
 
     pressure_knobs.py PROGRAM DECK FOLDER
 """
@@ -34,18 +34,18 @@ AROUND = {
 }
 HALF = ("ground.block=[{name='half',outline=[1,0,3,0,3,-1,1,-1],young=1e7,poisson=0.3,"
         "density=1700,y=[-1,0]}]")
-# Change of the deck -> words of the refusal.
+# Change of the deck -> part of the refusal.
 REFUSED = {
     f"{HALF} ground.block.half.y=[0]": "must be two numbers, from and to",
-    f"{HALF} ground.block.half.y=[0.01,0.02]": "holds the centre of no zone of the ground: y from",
+    f"{HALF} ground.block.half.y=[0.01,0.02]": "the centre of no element of the ground: y from",
     f"{HALF} dimension=plane": "ground.block[0].y = [-1, 0]: must not be given in a plane model",
     f"{HALF} ground.sides=free_field": "cannot be given with free-field sides",
     "pressure.plate.x=[2,1]": "must be two numbers, from and to",
     "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
     "pressure.plate.y=[0,3]": "beyond the top of the ground (-1 to 1 m)",
     "pressure.plate.y=[0]": "must be two numbers",
-    "pressure.plate.speed=-100 pressure.plate.x=[-3,-2]": "never over the ground",
-    "pressure.plate.pressure=0": "nothing presses",
+    "pressure.plate.speed=-100 pressure.plate.x=[-3,-2]": "is never on the ground",
+    "pressure.plate.pressure=0": "the load is zero",
     "pressure.plate.duration=0": "must be above 0 s for a pulse",
     "pressure.plate.course=harmonic": "must be above 0 Hz",
     "pressure.plate.course=table": "must be given for course",
@@ -55,18 +55,18 @@ REFUSED = {
     "pressure.surcharge.name=plate": "pressures need different names",
     "pressure.surcharge.name='a b'": "must be a word",
     "pressure.plate.thickness=1": "did you mean thickness at the top of the deck?",
-    "stage.blow.kind=settle": "must be run: a ground alone has nothing else to do",
+    "stage.blow.kind=settle": "must be run: a ground alone has no other kind of stage",
     "stage.blow.ground_moves=false": "must be true: nothing else moves",
-    "ground.present=false": "must be true: there is nothing else",
+    "ground.present=false": "must be true for model = \"ground\"",
     "ground.integrator=newmark": "must be given for implicit steps",
     "dimension=plane": "has no effect in a plane model",
     "bed.height=0.3": "bed",
 }
-# Change of the deck -> words of the warning.
+# Change of the deck -> part of the warning.
 WARNED = {
-    f"{HALF} ground.block.half.y=[-3,0]": "is cut where it reaches beyond the ground: y from -1",
-    "pressure.surcharge.duration=1": "has no effect on this course",
-    "pressure.plate.begin=1": "lies behind the end of the last stage, 0.04 s",
+    f"{HALF} ground.block.half.y=[-3,0]": "is cut off where it extends beyond the ground: y",
+    "pressure.surcharge.duration=1": "has no effect with this course",
+    "pressure.plate.begin=1": "is after the end of the last stage at 0.04 s",
     "time.substeps=2": "has no effect without stones",
     "stage.blow.lift=0.5": "has no effect: it is for release",
     "stage.blow.friction=0.5": "has no effect without stones",
@@ -75,11 +75,11 @@ WARNED = {
     "time.window=0.001 output.history_interval=0.0001": "is less than a time window",
     "pressure.plate.course=dead pressure.plate.duration=0 pressure.plate.begin=0":
         "nothing moves the ground",
-    "ground.integrator=newmark time.window=0.01": "windows of 0.01 s see too little",
+    "ground.integrator=newmark time.window=0.01": "windows of 0.01 s do not resolve",
     "ground.integrator=newmark time.window=0.01 pressure.plate.course=harmonic"
-    " pressure.plate.frequency=50": "makes cycles of 0.02 s",
+    " pressure.plate.frequency=50": "gives cycles of 0.02 s",
     "ground.integrator=newmark time.window=0.005 pressure.plate.speed=-210":
-        "takes it on by 1.05 m in a window",
+        "moves it by 1.05 m in a window",
 }
 
 
@@ -108,7 +108,7 @@ def main():
     problems = []
     for name, change in KNOBS.items():
         if name.endswith(".name"):
-            continue  # a name is seen in sentences alone, below
+            continue  # a name appears only in messages, below
         around = with_folder(AROUND.get(name, []))
         before, ran = seen(program, deck, around, folder / "before")
         after, _ = seen(program, deck, [*around, *with_folder([change])], folder / "after")
@@ -125,7 +125,7 @@ def main():
         if ran.returncode != 0 or words not in ran.stdout:
             problems.append(f"{changes}: no warning \"{words}\": {ran.stdout}{ran.stderr}")
     ran = program.done(1, "check", deck)
-    expect("warning" not in ran.stdout, "a sound deck is warned of", ran)
+    expect("warning" not in ran.stdout, "a valid deck has a warning", ran)
     expect("windows of" in ran.stdout and "of wall time" in ran.stdout, "no estimate", ran)
     if problems:
         raise SystemExit("\n".join(problems))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""As knobs.py, for the sections of an embankment, with a short form of inputs/ground/sections.toml.
-And refusals and reports of such decks.
+"""As knobs.py, for the sections of an embankment, with a short form of inputs/ground/sections.toml,
+and for refusals and reports of such decks.
 
     section_knobs.py PROGRAM DECK FOLDER
 """
@@ -12,7 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from results import data  # noqa: E402
 
-SHORT = ["ground.zones_x=9", "ground.layer.1.zones=1", "ground.layer.2.zones=1",
+SHORT = ["ground.elements_x=9", "ground.layer.1.elements=1", "ground.layer.2.elements=1",
          "passage.duration=0.05"]
 # Parameter of the schema -> change of the deck.
 KNOBS = {
@@ -21,71 +21,71 @@ KNOBS = {
     "ground.section.[].crest": "ground.section.1.crest=3",
     "ground.section.[].height": "ground.section.0.height=3.5",
     "ground.section.[].slope": "ground.section.1.slope=2",
-    # Of all grounds: a wave comes in below sections too.
-    "ground.base_motion": "ground.base=quiet ground.base_motion={folder}/wave.csv",
+    # Of all grounds: a wave also enters below sections.
+    "ground.base_motion": "ground.base=viscous ground.base_motion={folder}/wave.csv",
 }
-# Change of the deck -> words of the refusal.
+# Change of the deck -> part of the refusal.
 REFUSED = {
-    "ground.section.1.x=-1": "must be beyond that of the section before (0 m)",
-    "ground.section.1.x=0": "must be beyond that of the section before",
+    "ground.section.1.x=-1": "must be beyond that of the previous section (0 m)",
+    "ground.section.1.x=0": "must be beyond that of the previous section",
     "ground.section.1.crest=-1": "crest",
-    "ground.y=[0,9]": "its foot reaches 9.5 m from the axis",
-    "ground.y=[-9,16]": "ends before the embankment does",
+    "ground.y=[0,9]": "its foot is 9.5 m from the axis",
+    "ground.y=[-9,16]": "ends within the embankment",
     "ground.y=[0,9.5] ground.section.2.height=2.5":
         "ends at the foot of some sections and beyond that of others",
-    "ground.y=[0,16] ground.zones_y=1": "must be at least 2",
+    "ground.y=[0,16] ground.elements_y=1": "must be at least 2",
     "ground.section.2.height=0.6": "leaves 0 m to layer[1] (\"fill\")",
     "ground.section.2.height=9.5": "to layer[2] (\"soil\")",
     "ground.embankment_layers=0": "must be 1 to 2",
     "ground.embankment_layers=3": "must be 1 to 2",
-    "ground.layer.1.zones=0": "need `zones` each",
-    "ground.zones_x=100000": "at most 2e+06",
-    "ground.zones_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
-    "ground.sides=free_field": "the ground beside is not level",
-    "ground.side_x_low=periodic ground.side_x_high=periodic": "nor alike at both ends",
-    "ground.side_y_low=quiet": "the axis of the embankment is a plane of symmetry",
+    "ground.layer.1.elements=0": "need `elements` each",
+    "ground.elements_x=100000": "at most 2e+06",
+    "ground.elements_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
+    "ground.sides=free_field": "the ground beside is neither level",
+    "ground.side_x_low=periodic ground.side_x_high=periodic": "nor the same at both ends",
+    "ground.side_y_low=viscous": "the axis of the embankment is a plane of symmetry",
     "ground.plane=strain": "an embankment is for models in space",
     "ground.layer.1.yield=mohr_coulomb": "must not yield below a track without stones",
     "dimension=plane": "must be space on a ground of tetrahedra",
     "footing.length=8 footing.y=4": "beyond the crest of ground.section (3.5 m on either side)",
-    "ground.base=quiet ground.base_motion={folder}/along.csv":
+    "ground.base=viscous ground.base_motion={folder}/along.csv":
         "ground.sides = \"roller\": holds the ends of the ground, which base_motion moves along",
-    # Of level rows it would hold the middle of one, and of those that slope it does not.
+    # It would contain the centre of a cell of level rows, but not of inclined rows.
     "ground.block.0.outline=[17.1,-1.8,18,-1.8,18,-1.95,17.1,-1.95]":
-        "its outline holds the middle of no cell of the embankment",
-    "ground.mesh={mesh}": "has no effect with ground.mesh; the file has the shape",
+        "its outline contains the centre of no cell of the embankment",
+    "ground.mesh={mesh}": "has no effect with ground.mesh; the file defines the shape",
 }
-# Half an embankment without slopes, which ends where y does.
+# Half an embankment without slopes, which ends with y.
 UPRIGHT = ("ground.section.0.slope=0 ground.section.1.slope=0 ground.section.2.slope=0 "
            "ground.section.2.crest=3.5")
-# Change of the deck -> words that `check` prints, or (after "-") does not.
-TOLD = {
+# Change of the deck -> texts that `check` prints, or (after "-") must not print.
+REPORTED = {
     "title=same": ["x = 0 to 18, y = 0 to 16, z = -9 to 0 m, {volume:.6g} m^3", "-warning"],
-    "ground.section.1.x=8.7": ["section[1].x", "lies within a row of zones"],
-    "ground.section.2.x=17.7": ["section[2].x", "lies within a row of zones", "-section[1]"],
+    "ground.section.1.x=8.7": ["section[1].x", "is within a row of elements"],
+    "ground.section.2.x=17.7": ["section[2].x", "is within a row of elements", "-section[1]"],
     "ground.section.0.x=0.3 ground.section.0.crest=3.6":
-        ["section[0].x", "lies within a row of zones", "-section[1]", "-section[2]"],
+        ["section[0].x", "is within a row of elements", "-section[1]", "-section[2]"],
     # Nothing bends at these: all is as at the second, or changes evenly, or is beyond the ground.
     "ground.section.0.x=0.3": ["-warning"],
     "ground.section.1.x=4.5 ground.section.1.crest=3.875 ground.section.1.height=3.75":
         ["-warning"],
     "ground.section.2.x=18.3": ["-warning"],
-    "ground.base=quiet ground.base_motion={folder}/wave.csv": ["-warning"],
-    "ground.base=quiet ground.side_x_low=quiet ground.base_motion={folder}/wave.csv":
-        ["side_x_low", "holds back the wave of base_motion", "-take free_field"],
+    "ground.base=viscous ground.base_motion={folder}/wave.csv": ["-warning"],
+    "ground.base=viscous ground.side_x_low=viscous ground.base_motion={folder}/wave.csv":
+        ["side_x_low", "impedes the wave of base_motion", "-use free_field"],
     # The reverse.
     "ground.block.0.outline=[17.1,-1.45,18,-1.45,18,-1.58,17.1,-1.58]": ["-warning"],
     "ground.y=[0,9.5]": ["y = 0 to 9.5, z", "-warning"],  # ends at the foot of all
-    UPRIGHT + " ground.y=[0,3.5]": ["upright outside", "(x = 0 to 18 m)"],
+    UPRIGHT + " ground.y=[0,3.5]": ["vertical outside", "(x = 0 to 18 m)"],
     UPRIGHT + " ground.y=[0,3.5] ground.side_y_high=free": ["-warning"],
     UPRIGHT: ["-warning"],
-    # Slopes begin in a row of zones, and there they are free.
+    # Slopes begin in a row of elements, and there they are free.
     "ground.section.0.slope=0 ground.section.1.slope=0 ground.section.0.crest=9.5 "
-    "ground.section.1.crest=9.5 ground.y=[0,9.5]": ["upright outside", "(x = 0 to 9 m)"],
+    "ground.section.1.crest=9.5 ground.y=[0,9.5]": ["vertical outside", "(x = 0 to 9 m)"],
 }
 
 
-# m^3 of half the deck's embankment: level to x = 9 m, then lower and wider.
+# Volume of half the deck's embankment, m^3: level to x = 9 m, then lower and wider.
 def volume():
     def area(crest, height):
         return height * (crest + 0.75 * height) + 16 * (9 - height)
@@ -93,24 +93,24 @@ def volume():
     return 9 * level + 9 / 6 * (level + 4 * middle + end)
 
 
-# Stones on an embankment of sections whose fill may yield, in place of the mesh of a deck.
+# Stones on an embankment of sections with a yielding fill, in place of the mesh of a deck.
 GROUND = """[ground]
 x = [0, 1.8]
 y = [-2, 2]
-zones_x = 3
-zones_y = 8
+elements_x = 3
+elements_y = 8
 embankment_layers = 1
 base_stiffness = 40e6
 [[ground.layer]]
 name = "fill"
 thickness = 0.6
-zones = 2
+elements = 2
 young = 20e6
 density = 1900
 [[ground.layer]]
 name = "soil"
 thickness = 1.2
-zones = 2
+elements = 2
 young = 30e6
 [[ground.section]]
 crest = 0.8
@@ -126,7 +126,7 @@ BED_REFUSED = {"bed.y=[-0.9,0.9]": "reaches beyond the crest of ground.section (
 
 
 def stones(program, deck, folder):
-    """What stones on an embankment do and should not, or not do and should."""
+    """Problems of runs of stones on an embankment."""
     text = pathlib.Path(deck).with_name("embankment.toml").read_text(encoding="utf-8")
     begin, end = text.index("[ground]"), text.index("[time]")
     own = folder / "stones.toml"
@@ -138,10 +138,10 @@ def stones(program, deck, folder):
             return [f"stones {changes}: code {ran.returncode}, {ran.stderr}"]
         found.append(summary(folder / "stones"))
     if [run["ground"]["elements"] for run in found] != [found[0]["ground"]["elements"]] * 3:
-        problems.append("another ground if it yields")
+        problems.append("the mesh depends on yielding")
     lost = [run["ground"]["plastic_j"] for run in found]
     if lost[0] != 0 or min(lost[1:]) <= 0:
-        problems.append(f"plastic_j, elastic and twice yielding: {lost}")
+        problems.append(f"plastic_j of one elastic and two yielding grounds: {lost}")
     for change, words in BED_REFUSED.items():
         ran = program(1, "check", own, change)
         if ran.returncode != 2 or words not in ran.stderr:
@@ -150,7 +150,7 @@ def stones(program, deck, folder):
 
 
 def split(changes):
-    """At blanks before a key."""
+    """Splits at blanks before a key."""
     return changes.split(" ")
 
 
@@ -159,19 +159,19 @@ def seen(program, deck, folder, changes):
     place = folder / "run"
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
-        return {"code": ran.returncode, "said": ran.stderr}
+        return {"code": ran.returncode, "refusal": ran.stderr}
     return {"code": 0, "data": data(place / "results.h5"),
             "ground": summary(place)["ground"]["elements"]}
 
 
-def untold(program, deck, place):
-    """What `check` should say of changes and does not."""
+def missing_reports(program, deck, place):
+    """Problems of reports of `check` on changes."""
     problems = []
-    for changes, words in TOLD.items():
+    for changes, words in REPORTED.items():
         ran = program(1, "check", deck, *split(changes.format(**place)))
         lines = [line for line in ran.stdout.splitlines() if line.startswith("warning")]
         if len(set(lines)) < len(lines):
-            problems.append(f"check {changes}: warns twice of the same: {lines}")
+            problems.append(f"check {changes}: the same warning twice: {lines}")
         for word in words:
             word = word.format(volume=volume())
             if ran.returncode != 0 or (word.lstrip("-") in ran.stdout) == word.startswith("-"):
@@ -190,7 +190,7 @@ def main():
     before = seen(program, deck, folder, [])
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
-        problems.append("the same run twice differs: this test would prove nothing")
+        problems.append("two equal runs differ: this test would be meaningless")
     for name, change in KNOBS.items():
         after = seen(program, deck, folder, split(change.format(**place)))
         if after["code"] != 0 or after == before:
@@ -201,7 +201,7 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
-    problems += untold(program, deck, place) + stones(program, deck, folder)
+    problems += missing_reports(program, deck, place) + stones(program, deck, folder)
     if (folder / "none").exists():
         problems.append("a refused run must leave nothing behind")
     print(f"{len(KNOBS)} parameters, {len(REFUSED)} refusals")

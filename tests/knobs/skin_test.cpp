@@ -1,5 +1,5 @@
-// The one parameter that no result shows: a wider skin of the neighbour lists saves rebuilds and
-// changes nothing else.
+// The only parameter without effect on results: a wider skin of the neighbour lists reduces the
+// number of rebuilds and changes nothing else.
 #include <gtest/gtest.h>
 
 #include "support/scene.hpp"
@@ -12,7 +12,7 @@ struct Result {
   std::uint64_t state;
 };
 
-// Spheres that fly about in a box with a floor.
+// Spheres in free motion in a box with a floor.
 Result run_with(double skin) {
   dem::Parameters parameters;
   parameters.skin = skin;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""As knobs.py, for sleepers and rails as solids: with a short form of
-tests/restart/tiny_solids.toml. And the refusals and warnings of such decks.
+"""As knobs.py, for sleepers and rails as solids, with a short form of
+tests/restart/tiny_solids.toml, and for refusals and warnings of such decks.
 
     solid_knobs.py PROGRAM DECK FOLDER
 """
@@ -29,7 +29,7 @@ KNOBS = {
     "solid.rails": "solid.rails=false",
     "solid.pad_shear": "solid.pad_shear=0.5",
 }
-# Of the beam in other decks, and here of solid rails.
+# Parameters of the beam in other decks, here of solid rails.
 ALSO = ["rail.section=CHN60", "rail.young=190e9", "rail.poisson=0.2", "rail.mass=50",
         "rail.area=0.006", "rail.inertia=2e-5", "pad.stiffness=70e6", "pad.damping=10e3",
         "load.axles=[0]"]
@@ -39,19 +39,19 @@ REFUSED = {
     "dimension=plane bed.stone=pebbles": "solid needs dimension = \"space\"",
     "stage.passage.kind=tamp stage.passage.duration=0": "must be rigid for stages of kind tamp",
     "stage.passage.train=true train.start=0": "must be false below a train (train = true)",
-    f"{TRAIN} pad.knee=1e-4 pad.beyond=300e6": "must be 0 on solid sleepers",
+    f"{TRAIN} pad.bilinear_at=1e-4 pad.bilinear_stiffness=300e6": "must be 0 on solid sleepers",
     "sleepers.bevel=0.02": "must be 0 for solid sleepers",
     "solid.seats=[0.3]": "puts a seat at 0.3 m, beyond the end of the sleeper",
-    "solid.seats=[]": "must hold at least one",
-    "solid.seat_size=[0.1]": "must hold two lengths above 0",
+    "solid.seats=[]": "must contain at least one seat",
+    "solid.seat_size=[0.1]": "must be two lengths above 0",
     "solid.seat_size=[0.25, 0.1]": "is wider along x than the sleeper (0.2 m)",
     "solid.alpha=-0.5": "at least -0.33",
-    "solid.element=0.01 sleepers.count=2 sleepers.length=2": "unknowns; every rank solves all",
+    "solid.element=0.01 sleepers.count=2 sleepers.length=2": "unknowns, which every rank solves",
     "load.kind=power": "must be winkler with solid rails",
-    "pad.knee=1e-3 pad.beyond=300e6": "must be 0 below solid rails",
-    "time.window=2e-3": "the mass of what the stones touch allow 6.64e-05 s",
+    "pad.bilinear_at=1e-3 pad.bilinear_stiffness=300e6": "must be 0 below solid rails",
+    "time.window=2e-3": "bodies in contact with stones allow 6.64e-05 s",
 }
-# Of a run that starts where solids lie already: change -> words of the refusal.
+# For a run that starts with placed solids: change -> part of the refusal.
 PLACED = {
     "sleepers.model=rigid": 'sleepers.model = "rigid": the checkpoint',
     "solid.young=30e9": "was made with 37000000000.0",
@@ -59,13 +59,13 @@ PLACED = {
     "rail.section=CHN60": 'was made with "60E1"',
     "pad.stiffness=70e6": "was made with 120000000.0",
 }
-# What `check` says: no pads are too stiff for a window.
-SAID = {
+# Reports of `check`: pads of any stiffness are possible in a window.
+REPORTED = {
     f"{TRAIN} passage.step=2e-5": "(limit: coupling: passage.step)",
     f"{TRAIN} pad.stiffness=1e12 passage.step=1e-3": "load 271, passage 677\n",
 }
 WARNED = {
-    "sleepers.model=rigid": "have no effect: sleepers.model is rigid",
+    "sleepers.model=rigid": "[pad] for it: sleepers.model is rigid",
     'sleepers.free=["z"]': "has no effect on solid sleepers",
 }
 
@@ -75,13 +75,13 @@ def seen(program, deck, folder, changes):
     place = folder / "run"
     ran = program(1, "run", deck, *SHORT, *changes, "--force", "-o", place)
     if ran.returncode != 0:
-        return {"code": ran.returncode, "said": ran.stderr}
+        return {"code": ran.returncode, "refusal": ran.stderr}
     return {"code": 0, "data": data(place / "results.h5"),
             "elements": summary(place).get("solids", {}).get("elements")}
 
 
 def split(changes):
-    """At blanks before a key; lists have blanks too."""
+    """Splits at blanks before a key, as lists also have blanks."""
     parts = []
     for part in changes.split(" "):
         if "=" in part:
@@ -98,7 +98,7 @@ def main():
     before = seen(program, deck, folder, [])
     problems = [] if before["code"] == 0 else [f"the base does not run: {before}"]
     if before != seen(program, deck, folder, []):
-        problems.append("the same run twice differs: this test would prove nothing")
+        problems.append("two equal runs differ: this test would be meaningless")
     for change, words in PLACED.items():
         ran = program(1, "run", deck, *SHORT, change, f"start={folder / 'run/stage_sleepers.h5'}",
                       "-o", folder / "none")
@@ -107,7 +107,7 @@ def main():
     for change in [*KNOBS.values(), *ALSO]:
         after = seen(program, deck, folder, [change])
         if after["code"] != 0:
-            problems.append(f"{change}: {after['said']}")
+            problems.append(f"{change}: {after['refusal']}")
         if after == before:
             problems.append(f"{change} changes nothing")
     for changes, words in REFUSED.items():
@@ -116,7 +116,7 @@ def main():
                           *(["-o", folder / "none"] if command == "run" else []))
             if ran.returncode != 2 or words not in ran.stderr:
                 problems.append(f"{command} {changes}: code {ran.returncode}, {ran.stderr}")
-    for changes, words in SAID.items():
+    for changes, words in REPORTED.items():
         ran = program(1, "check", deck, *SHORT, *split(changes))
         if ran.returncode != 0 or words not in ran.stdout:
             problems.append(f"check {changes}: code {ran.returncode}, {ran.stdout}{ran.stderr}")

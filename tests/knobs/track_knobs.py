@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""As knobs.py, for the parameters of a track alone (model = "track"), which have a deck of their
-own.
+"""As knobs.py, for the parameters of a track alone (model = "track"), with a separate deck.
 
     track_knobs.py PROGRAM DECK FOLDER
 """
@@ -15,7 +14,7 @@ import h5py
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
-# Surroundings in which some parameters count.
+# Contexts in which some parameters have an effect.
 EVEN = ["track.support=continuous"]
 MASS = ["ballast.mass=500"]
 UNDER = ["under_sleeper_pad.stiffness=80e6"]
@@ -31,7 +30,7 @@ WAVES = ["irregularity.kind=waves"]
 RANDOM = ["irregularity.kind=spectrum"]
 FILE = ["irregularity.kind=file", "irregularity.file={folder}/one.csv"]
 
-# Parameter of the schema -> (change, surroundings).
+# Parameter of the schema -> (change, context).
 KNOBS = {
     "model": ("model=bed", []),
     "rail.section": ("rail.section=CHN60", []),
@@ -44,8 +43,9 @@ KNOBS = {
     "rail.mass": ("rail.mass=55", []),
     "pad.stiffness": ("pad.stiffness=60e6", []),
     "pad.damping": ("pad.damping=10e3", []),
-    "pad.knee": ("pad.knee=2e-4", ["pad.beyond=500e6"]),
-    "pad.beyond": ("pad.beyond=300e6", ["pad.beyond=500e6", "pad.knee=1e-4"]),
+    "pad.bilinear_at": ("pad.bilinear_at=2e-4", ["pad.bilinear_stiffness=500e6"]),
+    "pad.bilinear_stiffness": ("pad.bilinear_stiffness=300e6",
+                               ["pad.bilinear_stiffness=500e6", "pad.bilinear_at=1e-4"]),
     "pad.uplift": ("pad.uplift=true", []),
     "pad.preload": ("pad.preload=50", ["pad.uplift=true"]),
     "ballast.stiffness": ("ballast.stiffness=30e6", []),
@@ -134,7 +134,7 @@ KNOBS = {
     "force.[].length": ("force.0.length=5e-3", ["force.0.kind=impact"]),
 }
 
-# With two rails; the force of the deck is on the left one, so that all of it rolls.
+# With two rails; the force of the deck acts on the left one, so that the track rolls.
 SPACE = ["track.dimension=space"]
 KNOBS |= {
     "track.dimension": (SPACE[0], []),
@@ -169,7 +169,7 @@ def to_the_right(words):
 
 KNOBS |= {to_the_right(name): (to_the_right(change), [*SPACE, *map(to_the_right, around)])
           for name, (change, around) in KNOBS.items() if name.startswith("irregularity.")}
-# The deck's own dip has a place, a depth and a length; that of the right rail has none yet.
+# The deck's dip has a place, a depth and a length; the right rail has none by default.
 for _name in ("at", "depth", "length", "kind", "waves"):
     KNOBS[f"irregularity_right.{_name}"][1].extend(
         word for word in ("irregularity_right.at=8.5", "irregularity_right.length=1.2",
@@ -181,7 +181,7 @@ class Bench:
         self.program, self.deck, self.folder, self.known = program, deck, folder, {}
 
     def seen(self, overrides):
-        """State after the run and what is written of it."""
+        """State after the run and its output."""
         place = self.folder / (re.sub(r"\W+", "_", "".join(overrides)) or "base")
         overrides = [o.replace("{folder}", str(self.folder)) for o in overrides]
         ran = self.program(1, "run", self.deck, *overrides, "--force", "-o", place)
@@ -195,7 +195,7 @@ class Bench:
 
 
 def verdict(bench, parameter):
-    """Empty if the knob does something."""
+    """Empty if the parameter has an effect."""
     change, around = KNOBS[parameter]
     before = bench.known[tuple(around)]
     if before["code"] != 0:
@@ -215,7 +215,7 @@ def main():
     bench = Bench(program, sys.argv[2], folder)
     again = bench.seen([])
     if again != bench.seen([]):
-        raise SystemExit("the same run twice differs: this test would prove nothing")
+        raise SystemExit("two equal runs differ: this test would be meaningless")
     surroundings = sorted({tuple(around) for _, around in KNOBS.values()})
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         bench.known = dict(zip(surroundings, pool.map(bench.seen, surroundings)))

@@ -1,4 +1,4 @@
-"""results.h5 of a run that never was: known functions in the program's layout."""
+"""A synthetic results.h5: known functions in the layout of the program."""
 import h5py
 import numpy as np
 
@@ -38,18 +38,18 @@ kind = "passage"
 
 
 def ground_displacement(x, wedge):
-    """m: 0.02 mm on the structure, then exponentially to 2 mm within 3 m (wedge) or 0.5 m."""
+    """Downwards, m: 0.02 mm on the structure, exponentially to 2 mm in 3 m (wedge) or 0.5 m."""
     way = np.maximum(x - EDGE, 0)
     return -(0.02e-3 + 1.98e-3 * (1 - np.exp(-way / (1.0 if wedge else 0.2))))
 
 
 def ground_stress(x, wedge):
-    """Pa: 100 kPa on the structure, less beyond."""
+    """Stress, Pa: 100 kPa on the structure, less beyond."""
     return np.where(x <= EDGE, -100e3, -80e3 if wedge else -30e3)
 
 
 def histories(time, x):
-    """What sleepers do: `displacement` 1 mm at 2 Hz, `acceleration` 3 m/s^2 at 10 Hz plus 50 at
+    """Motion of sleepers: `displacement` 1 mm at 2 Hz, `acceleration` 3 m/s^2 at 10 Hz plus 50 at
     300 Hz, `seat_force` a pulse of -50 kN per axle, passing at SPEED."""
     t = time[:, None]
     ones = np.ones((1, len(x)))
@@ -72,7 +72,7 @@ REGION = {"porosity": (0.4, 0.5), "bulk_density": (1500.0, 1300.0), "stones": (3
 
 
 SIEVED = np.array([[0.03, 1.0], [0.04, 3.0]])
-# Two places along, three across; none in the last.
+# Two places along, three across; no stones in the last.
 SURFACE = [[0.5, -1.0, 0.1], [1.5, -1.0, 0.3], [0.5, 0.0, 0.5], [1.5, 0.0, 0.5],
            [0.5, 1.0, float("nan")], [1.5, 1.0, float("nan")]]
 GRADING = np.array([[0.0224, 0, 0, 3], [0.035, 20, 10, 30], [0.063, 100, 100, 100]])

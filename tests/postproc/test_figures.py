@@ -1,4 +1,4 @@
-"""Figures of results made of known functions: what is drawn, and what is said of it."""
+"""Figures of results made of known functions: what is drawn, and its titles and labels."""
 import dataclasses
 import subprocess
 import sys
@@ -24,18 +24,18 @@ def test_figures_of_two_runs_are_drawn(runs, tmp_path):
     assert "displacement on the structure" in (tmp_path / "table.txt").read_text()
 
 
-def test_titles_say_the_numbers(runs):
+def test_titles_contain_the_results(runs):
     title = figures.envelope(runs).axes[0].get_title()
     assert "wedge: 2." in title or "wedge: 1.9" in title
     assert "jump 20 kPa" in figures.stress(runs).axes[0].get_title()
-    assert "static preload not in it" in figures.stress(runs).axes[0].get_title()
+    assert "without weight of the bed and static" in figures.stress(runs).axes[0].get_title()
     assert figures.FILTER.name in figures.sleepers(runs).axes[3].get_ylabel()
     assert "thickest line 0.9 kN" in figures.force_chains(runs).axes[0].get_title()
     figures.plt.close("all")
 
 
 def with_passage_chains(run, load):
-    """The run with force chains at the passage's end too, and `load` N on seats at that of load."""
+    """The run with force chains also at the end of the passage, and `load` N on seats at load."""
     seat = run.sleeper["seat_force"].values.copy()
     seat[run.stage == 3] = -load
     seat[-1] = -5e3
@@ -50,12 +50,12 @@ def test_overview_shows_the_stage_under_load_and_names_it(runs, load, stage):
     assert figures.under_load(run) == stage
     title = figures.overview([run]).axes[0].get_title()
     assert f"end of stage {stage}, seat load {max(load, 5e3) / 1e3:.1f} kN" in title
-    assert figures.under_load(runs[0]) == "load"  # the only one there is
+    assert figures.under_load(runs[0]) == "load"  # the only stage with force chains
     figures.plt.close("all")
 
 
 def test_energy_has_one_zero_for_the_potential(runs):
-    later = slice(50, None)  # a variant that began at a later stage
+    later = slice(50, None)  # a variant that started at a later stage
     variant = dataclasses.replace(
         runs[1], time=runs[1].time[later], stage=runs[1].stage[later],
         energy={name: dataclasses.replace(item, values=item.values[later])
@@ -69,14 +69,14 @@ def test_energy_has_one_zero_for_the_potential(runs):
     figures.plt.close("all")
 
 
-def test_cells_of_a_region_count_by_what_they_hold(runs):
+def test_cells_of_a_region_are_weighted_by_their_stones_and_contacts(runs):
     run = runs[0]
     assert run.regions["slab"]["stress"].values.shape == (len(run.time), 2, 6)
     numbers = dict(zip((label for label, _ in measures.REGION_ROWS),
                        measures.region_numbers(run.regions["slab"], -1)))
     assert numbers["void ratio"] == pytest.approx(0.45 / 0.55)
     assert numbers["bulk density"] == pytest.approx(1400)
-    assert numbers["partners of a stone"] == pytest.approx((30 * 6 + 10 * 4) / 40)
+    assert numbers["coordination number"] == pytest.approx((30 * 6 + 10 * 4) / 40)
     assert numbers["mean contact force"] == pytest.approx((90 * 100 + 20 * 45) / 110)
     assert numbers["compression zz"] == pytest.approx(8)
     assert numbers["fabric zz"] == pytest.approx((90 * 0.4 + 20 * 0.6) / 110)
@@ -106,7 +106,7 @@ def test_section_is_across_the_track(runs):
     figures.plt.close("all")
 
 
-def test_outline_falls_off_beside_the_crest(runs):
+def test_outline_slopes_down_beside_the_crest(runs):
     deck = {"bed": {"crest": [-0.5, 0.5], "slope": 2.0}, "stage": [{"profile": 0.4}, {}]}
     run = dataclasses.replace(runs[0], deck=deck)
     asked = figures.bed_figures.outline(run, np.array([-0.7, 0.0, 0.9]))
@@ -129,13 +129,13 @@ def test_structure_and_wedge_have_different_shades(runs):
     figures.plt.close("all")
 
 
-def test_chains_are_as_thick_as_their_force(runs):
+def test_thickness_of_chains_is_proportional_to_their_force(runs):
     lines = figures.force_chains(runs[:1]).axes[0].collections[-1]
     assert lines.get_linewidths() == pytest.approx(np.array([1, 9]) / 9 * figures.CHAIN_WIDTH)
     figures.plt.close("all")
 
 
-def test_a_run_without_ground_still_draws_the_rest(tmp_path, capsys):
+def test_a_run_without_ground_draws_the_other_figures(tmp_path, capsys):
     run = read.results(made.write(tmp_path / "bed", ground=False))
     paths = figures.draw_all([run], tmp_path)
     assert {path.stem for path in paths} == {"sleepers", "spectrum", "energy", "force_chains",
@@ -151,4 +151,4 @@ def test_command_line(tmp_path):
     assert "stress.png" in run.stdout and "stress jump" in run.stdout
     failed = subprocess.run([sys.executable, conftest.ROOT / "postproc/figures.py", tmp_path],
                             capture_output=True, text=True, check=False)
-    assert failed.returncode == 2 and "did the run end well?" in failed.stderr
+    assert failed.returncode == 2 and "was the run completed?" in failed.stderr

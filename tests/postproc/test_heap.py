@@ -1,4 +1,4 @@
-"""Tests of heap.py on stones whose shapes and on heaps whose angles are known."""
+"""Tests of heap.py on stones of known shape and heaps of known angle."""
 import types
 
 import heap
@@ -14,15 +14,15 @@ def dice(centre, rng):
     """A rounded cube at a random attitude."""
     attitude = rng.normal(size=4)
     turned = heap.rotation(attitude / np.linalg.norm(attitude))
-    half = 0.8 * SIZE / 2 - ROUND  # about as wide as its name says: a cube at random is wider
+    half = 0.8 * SIZE / 2 - ROUND  # a cube at random attitude is wider than its side
     normals = np.concatenate([np.eye(3), -np.eye(3)])
     return centre, half * BOX @ turned.T, np.c_[normals @ turned.T, np.full(6, half)], ROUND
 
 
 def made_heap(angle, height, level, seed):
-    """Cubes about the places of a face-centred lattice at a random attitude, jittered by a fifth of
-    their size, below a cone with a level top of radius `level`; each is cut a quarter of a stone
-    too high or too low at most, so that the flank is as rough as one of stones."""
+    """Cubes about the places of a face-centred lattice at random attitudes, jittered by a fifth of
+    their size, below a cone with a level top of radius `level`; the cut is up to a quarter of a
+    stone too high or too low, so that the flank is as rough as one of stones."""
     rng = np.random.default_rng(seed)
     far = level + height / np.tan(np.radians(angle)) + 3 * SIZE
     apart = np.sqrt(2) * 1.12 * SIZE
@@ -43,7 +43,7 @@ def made_heap(angle, height, level, seed):
 @pytest.mark.parametrize("angle", [22.0, 30.0, 38.0])
 @pytest.mark.parametrize("height, level", [(0.22, 0.0), (0.17, 0.10)])
 def test_the_flank_of_a_rough_heap_has_its_angle(angle, height, level):
-    """Four to six stones high, pointed or with a level top, as lifted cylinders leave them."""
+    """Four to six stones high, pointed or with a level top, as after lifting a cylinder."""
     found = [heap.flank(made_heap(angle, height, level, seed), SIZE)[0] for seed in range(3)]
     assert np.mean(found) == pytest.approx(angle, abs=2.5)
 
@@ -81,10 +81,10 @@ def saved_stones():
             for name, values in made.items()}
 
 
-def test_a_checkpoint_gives_pieces_as_they_lie():
+def test_pieces_of_a_checkpoint_have_their_pose():
     cube, upper, beside = heap.placed(saved_stones())
     top = heap.tops(*cube[1:], np.array([0.0, 0.0]), np.array([0.0, 0.2]))
-    # On its edge: the core reaches up by sqrt(2) of 0.1 m, the rounding of 0.02 m adds itself.
+    # On its edge: the core reaches up by sqrt(2) of 0.1 m, plus the rounding of 0.02 m.
     assert top[0] == pytest.approx(0.1 * np.sqrt(2) + 0.02)
     assert top[1] == -np.inf
     assert cube[0] == pytest.approx([1, 2, 3])

@@ -1,4 +1,4 @@
-"""Tests of laboratory.py on heaps and curves whose numbers are known."""
+"""Tests of laboratory.py on heaps and curves with known results."""
 import types
 
 import laboratory
@@ -12,7 +12,7 @@ def quantity(values):
 
 
 def test_dilation_angle_of_plane_and_axial_strains():
-    """With s = sin psi a bed widens by (1 + s)/(1 - s) of what it loses in height."""
+    """With s = sin psi a bed expands laterally by (1 + s)/(1 - s) of its axial strain."""
     axial = np.linspace(0, 0.05, 11)
     s = np.sin(np.radians(18.0))
     volumetric = axial * (1 - (1 + s) / (1 - s))
@@ -27,7 +27,7 @@ def test_area_of_box_and_cylinder():
     assert laboratory.area(types.SimpleNamespace(deck=deck)) == pytest.approx(circle, rel=0.002)
 
 
-def test_shear_takes_both_halves_and_the_weight_below():
+def test_shear_includes_both_halves_and_the_weight_below():
     way = np.linspace(0, 0.01, 21)
     ones = np.ones((21, 1))
     force = {"floor": ones * [-600, 0, -1100], "wall.left.lower": ones * [-200, 0, 0],
@@ -59,7 +59,7 @@ def test_modulus_between_stages():
     assert dict(laboratory.moduli(steps)) == {"b": pytest.approx(50e6), "c": pytest.approx(-20e6)}
 
 
-def test_triaxial_counts_the_sides_as_they_are():
+def test_triaxial_uses_the_current_sides():
     down = np.linspace(0, 0.06, 31)
     height, in_x, in_y = 0.6 - down, -down / 10, -down / 20
     ones = np.ones(31)
@@ -76,7 +76,7 @@ def test_triaxial_counts_the_sides_as_they_are():
                       "displacement": quantity(np.c_[ways[name][0] * in_x, ways[name][1] * in_y,
                                                      0 * ones])} for name in forces},
         platen={"force": quantity(np.c_[0 * ones, 0 * ones, 9e3 * ones]), "z": quantity(height)})
-    # Half of what the floor carries more, weight less friction of the walls, is above the middle.
+    # Half of the excess force on the floor, weight less friction of the walls, is above the middle.
     run.walls["floor"]["force"].values[:, 2] = -10e3
     got = laboratory.triaxial(run)
     long, wide = 0.3 + 0.2 * down, 0.4 + 0.1 * down

@@ -1,4 +1,4 @@
-"""postproc on results made of known functions: what was put in is what comes out."""
+"""postproc on results made of known functions: the known values are recovered."""
 import dataclasses
 import resource
 import subprocess
@@ -14,8 +14,8 @@ import pytest
 import read
 import signals
 
-LOW_PASS_RIPPLE = 1e-3    # what a 10 Hz sine may lose below 100 Hz: (10/100)^8 is far less
-LOW_PASS_LEAK = 1e-3      # what may be left of 300 Hz: 1/(1 + 3^8) = 1.5e-4, ends are cut off
+LOW_PASS_RIPPLE = 1e-3    # allowed loss of a 10 Hz sine below 100 Hz: (10/100)^8 is far less
+LOW_PASS_LEAK = 1e-3      # allowed remainder of 300 Hz: 1/(1 + 3^8) = 1.5e-4, without ends
 LINE = 0.05               # Hz between the lines of a spectrum, its default
 SCALLOP = 0.05            # relative, height of a peak of a 2 s record: lobe of the negative
                           # frequency 3.4 % at 2 Hz, lines 0.05 Hz apart 1.6 %
@@ -40,13 +40,13 @@ def test_read_gives_arrays_units_and_deck(runs):
     assert len(run.time[dataclasses.replace(run, deck={"stage": first}).passage()]) == 100
 
 
-def test_read_says_what_is_missing(tmp_path):
+def test_read_reports_what_is_missing(tmp_path):
     with pytest.raises(SystemExit, match="results.h5 does not exist"):
         read.results(tmp_path)
 
 
 def foreign_files(folder):
-    """What somebody may point at by mistake, and a word of the sentence about it."""
+    """Files and folders given by mistake, and a part of the message on each."""
     (folder / "empty").mkdir()
     (folder / "text.h5").write_text("time displacement\n0 0\n")
     with h5py.File(folder / "foreign.h5", "w") as file:
@@ -58,16 +58,17 @@ def foreign_files(folder):
     no_rows = made.write(folder / "no_rows") / "results.h5"
     with h5py.File(no_rows, "r+") as file:
         del file["history"]
-    return {"empty": "does not exist", "nowhere": "does not exist", "text.h5": "is no HDF5 file",
-            "cut": "damaged", "foreign.h5": "is not a results.h5 of trackbed",
-            "checkpoint.h5": "but a trackbed checkpoint", "no_rows": "holds no row"}
+    return {"empty": "does not exist", "nowhere": "does not exist",
+            "text.h5": "is not an HDF5 file", "cut": "damaged",
+            "foreign.h5": "is not a results.h5 of trackbed",
+            "checkpoint.h5": "but a trackbed checkpoint", "no_rows": "contains no row"}
 
 
-def test_scripts_refuse_foreign_files_in_one_sentence(tmp_path):
+def test_scripts_refuse_foreign_files_with_one_message(tmp_path):
     for name, words in foreign_files(tmp_path).items():
         for script in ("figures.py", "read.py"):
             if script == "read.py" and name in ("foreign.h5", "checkpoint.h5", "no_rows"):
-                continue  # it lists any HDF5 file
+                continue  # read.py lists any HDF5 file
             ran = subprocess.run([sys.executable, conftest.ROOT / "postproc" / script,
                                   tmp_path / name], cwd=tmp_path, capture_output=True, text=True,
                                  check=False)
@@ -81,20 +82,20 @@ def drawn(folder, place, **how):
                            place], capture_output=True, text=True, check=False, **how)
 
 
-def test_figures_that_cannot_be_written_end_in_one_sentence(tmp_path):
+def test_figures_that_cannot_be_written_end_with_one_message(tmp_path):
     run, text = made.write(tmp_path / "run"), tmp_path / "text"
     text.write_text("kept")
-    for place, words in ((text, "is a file"), ("/proc/figures", "cannot be made")):
+    for place, words in ((text, "is a file"), ("/proc/figures", "cannot be created")):
         ran = drawn(run, place)
         assert ran.returncode == 2 and words in ran.stderr, ran.stderr
         assert len(ran.stderr.splitlines()) == 1, ran.stderr
-    # A file that may not grow stands for a full disk.
+    # A limited file size simulates a full disk.
     ran = drawn(run, tmp_path / "full",
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
     assert ran.returncode == 4, ran.stderr
     assert ran.stderr.splitlines()[-1].endswith("cannot be written (File too large)")
     assert "Traceback" not in ran.stderr and not list((tmp_path / "full").iterdir())
-    # An older file stays.
+    # An older file is kept.
     words = "import resource, write; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); " \
         f"write.whole({str(text)!r}, 2000 * b'x')"
     ran = subprocess.run([sys.executable, "-c", words], cwd=conftest.ROOT / "postproc",
@@ -103,29 +104,29 @@ def test_figures_that_cannot_be_written_end_in_one_sentence(tmp_path):
     assert text.read_text() == "kept" and not list(tmp_path.glob("*.part"))
 
 
-def test_run_stopped_before_its_passage_is_said_to_be(tmp_path):
+def test_run_stopped_before_its_passage_is_reported(tmp_path):
     folder = made.write(tmp_path / "stopped")
     with h5py.File(folder / "results.h5", "r+") as file:
         file["history/stage"][...] = 3  # the stage load, before the passage
         del file["envelope"]
     ran = drawn(folder, tmp_path / "figures")
     assert ran.returncode == 0, ran.stderr
-    said = "stopped holds no passage: it was stopped before"
+    reason = "stopped contains no passage: it was stopped before"
     for name in ("overview", "envelope", "stress"):
-        assert f"{name}.png is left out: {said}\n" in ran.stdout, ran.stdout
-    assert f"no transition to measure: {said}" in ran.stdout
+        assert f"{name}.png is skipped: {reason}\n" in ran.stdout, ran.stdout
+    assert f"no transition to measure: {reason}" in ran.stdout
     assert "Sleepers during the last stage" in figures.sleepers(
         [read.results(folder)]).axes[0].get_title()
     figures.plt.close("all")
 
 
-def test_model_without_ground_or_structure_is_said_to_be(runs, tmp_path):
+def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
     bare = read.results(made.write(tmp_path / "bare", ground=False))
     assert "no transition to measure: bare has no ground" in measures.table([bare])
     plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
     assert "wedge has no structure that ends" in measures.table([plain])
     idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
-    assert "holds no passage, its deck asks for none" in measures.table([idle])
+    assert "contains no passage, its deck has none" in measures.table([idle])
 
 
 def test_read_checkpoint_through_latest(tmp_path):
@@ -137,7 +138,7 @@ def test_read_checkpoint_through_latest(tmp_path):
     assert mass.unit == "kg" and np.array_equal(mass.values, [0, 1, 2])
 
 
-def test_low_pass_keeps_10_hz_and_takes_300_hz():
+def test_low_pass_keeps_10_hz_and_removes_300_hz():
     time = np.arange(0, 2, 1e-3)
     low, high = np.sin(2 * np.pi * 10 * time), np.sin(2 * np.pi * 300 * time)
     inner = slice(200, -200)
@@ -149,7 +150,7 @@ def test_low_pass_keeps_10_hz_and_takes_300_hz():
     assert np.sqrt(2 * np.mean(cut[inner]**2)) == pytest.approx(0.5, rel=1e-3)
 
 
-def test_low_pass_says_when_it_cannot():
+def test_low_pass_reports_when_it_does_not_apply():
     coarse, uneven = np.arange(0, 2, 0.01), np.cumsum(np.r_[np.full(50, 1e-3), np.full(50, 2e-3)])
     for time in (coarse, uneven):
         assert "unfiltered" in signals.LowPass().name_for(time)
@@ -175,8 +176,8 @@ def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
     hertz, amplitude = signals.spectrum(runs[0].time[rows],
                                         runs[0].sleeper["seat_force"].values[rows])
     mean = np.sqrt(np.mean(amplitude**2, axis=1))
-    # Two bogies of two pulses: |S| |cos(pi f L_c/v) cos(pi f L_w/v)|. The slope of one cosine moves
-    # the maximum of the other, so the peaks lie near v/L_c and v/L_w, not on them.
+    # Two bogies of two pulses: |S| |cos(pi f L_c/v) cos(pi f L_w/v)|. The slope of one cosine
+    # shifts the maximum of the other, so the peaks are near v/L_c and v/L_w, not exactly there.
     length = {name: made.SPEED / target for name, target in marks.items()}
     pulse = np.exp(-(np.pi * hertz * 0.5 / made.SPEED)**2)
     exact = pulse * np.abs(np.prod([np.cos(np.pi * hertz * each / made.SPEED)
@@ -187,14 +188,14 @@ def test_seat_load_spectrum_shows_bogies_and_wheels(runs):
         assert peak == pytest.approx(target, rel=0.2)
 
 
-def test_transition_measures_what_was_made(runs):
+def test_transition_recovers_the_known_values(runs):
     wedge, none = (measures.transition(run) for run in runs)
     assert wedge.edge == made.EDGE
     for found in (wedge, none):
         assert found.structure_displacement == pytest.approx(0.02e-3)
         assert found.far_displacement == pytest.approx(2e-3, rel=0.01)
     # 90 % of an exponential of length L is reached at 2.303 L; smoothing over 0.6 m and the median
-    # of the far quarter move it by less than two nodes.
+    # of the far quarter shift it by less than two nodes.
     assert wedge.width == pytest.approx(2.303, abs=0.2)
     assert none.width == pytest.approx(0.2 * 2.303, abs=0.2)
     assert wedge.stress_jump == pytest.approx(20e3) and none.stress_jump == pytest.approx(70e3)
@@ -203,11 +204,11 @@ def test_transition_measures_what_was_made(runs):
     first, last = np.sin(4 * np.pi * np.array([0.1, 2.099]))  # 1 mm at 2 Hz, rows each 1 ms
     for found in (wedge, none):
         assert found.sleeper_displacement == pytest.approx(1e-3)
-        assert found.sleeper_lasting == pytest.approx(1e-3 * abs(last - first))
+        assert found.sleeper_residual == pytest.approx(1e-3 * abs(last - first))
 
 
 def with_ground(run, **values):
-    """The run with other envelopes of the ground."""
+    """The run with these envelopes of the ground."""
     return dataclasses.replace(run, ground_envelope={
         **run.ground_envelope,
         **{name: read.Quantity(value, "-", "-") for name, value in values.items()}})
@@ -223,17 +224,17 @@ def test_steepest_slope_is_found_at_the_wedges_end(runs):
 
 
 def test_far_displacement_is_that_of_plain_track_only(runs):
-    # Right behind the wedge (6 m) the ground sinks by 5 mm; plain track begins at 6.6 m.
+    # Right behind the wedge (6 m) the ground settles by 5 mm; plain track begins at 6.6 m.
     x, deep = runs[0].ground_x, made.ground_displacement(runs[0].ground_x, True)
     deep = np.where((x > 5.9) & (x < 6.55), -5e-3, deep)
-    for run in runs:  # switched off, the wedge keeps its place
+    for run in runs:  # a wedge that is not present has the same extent
         assert measures.wedge_length(run) == pytest.approx(4.0)
         found = measures.transition(with_ground(run, displacement_min=deep))
         assert found.far_displacement == pytest.approx(2e-3, rel=0.02)
 
 
 @pytest.mark.parametrize("end, plain", [(7.75, True), (7.85, False)])  # 9 - 1.2 = 7.8
-def test_no_plain_track_is_said(runs, end, plain):
+def test_missing_plain_track_is_reported(runs, end, plain):
     blocks = [dict(block) for block in runs[0].deck["ground"]["block"]]
     blocks[1]["outline"] = [made.EDGE, 0.0, end, 0.0, made.EDGE, -2.0]
     short = [dataclasses.replace(run, deck={**run.deck, "ground": {"block": blocks}})
@@ -242,21 +243,21 @@ def test_no_plain_track_is_said(runs, end, plain):
     text = measures.table(short)
     assert ("no plain track beyond the wedge in this model" in text) != plain
     assert ("width of the transition: " in text) == plain
-    # The wedge of one run decides where both are measured.
+    # The wedge of one run determines where both are measured.
     assert np.isfinite(measures.transition(runs[0], end - made.EDGE).far_displacement) == plain
 
 
 def test_stress_jump_is_of_means_not_of_single_nodes(runs):
     stress = made.ground_stress(runs[0].ground_x, True)
     edge = np.argmin(np.abs(runs[0].ground_x - made.EDGE))
-    stress[edge] -= 1e6  # a stone on the edge's node, which is of neither side
+    stress[edge] -= 1e6  # a stone at the node of the edge, which belongs to neither side
     stress[edge - 1] -= 70e3
     found = measures.transition(with_ground(runs[0], sigma_z_min=stress))
     assert found.stress_jump == pytest.approx(20e3 + 70e3 / 6)  # 6 nodes in 0.6 m
 
 
-def test_histories_of_one_place_have_it_too(tmp_path):
-    """HDF5 stores those of a single sleeper as a row of instants."""
+def test_histories_of_one_place_have_two_dimensions(tmp_path):
+    """The file stores those of a single sleeper in one dimension."""
     with h5py.File(tmp_path / "one.h5", "w") as file:
         for name, shape in (("one", (5,)), ("two", (5, 2))):
             data = file.create_dataset(f"history/sleeper/{name}", data=np.zeros(shape))
@@ -265,23 +266,23 @@ def test_histories_of_one_place_have_it_too(tmp_path):
     assert found["one"].values.shape == (5, 1) and found["two"].values.shape == (5, 2)
 
 
-def test_what_sleepers_keep_is_said(runs):
+def test_residual_displacement_of_sleepers_is_reported(runs):
     sunk = runs[0].sleeper["displacement"].values.copy()
     sunk[-1, 4] = sunk[runs[0].passage()][0, 4] - 2e-3
     sunk[-1, 5] = sunk[runs[0].passage()][0, 5] + 0.9e-3
     bad = dataclasses.replace(runs[0], sleeper={
         **runs[0].sleeper, "displacement": read.Quantity(sunk, "m", "-")})
-    assert measures.transition(bad).sleeper_lasting == pytest.approx(2e-3)
+    assert measures.transition(bad).sleeper_residual == pytest.approx(2e-3)
     lines = measures.warnings(bad)
-    assert len(lines) == 1 and "x = 2.70 m keeps 2.00 mm" in lines[0]
+    assert len(lines) == 1 and "x = 2.70 m has a residual displacement of 2.00 mm" in lines[0]
     assert lines[0] in measures.table([bad]) and "warning" not in measures.table(runs)
     for both in ([bad, runs[1]], [runs[1], bad]):
         text = measures.table(both)
-        assert text.index(lines[0]) < text.index("may not be the wedge's doing") \
-            < text.index("a wedge should")
+        assert text.index(lines[0]) < text.index("may not show an effect of the wedge") \
+            < text.index("expected of a wedge")
 
 
-def test_ground_that_sinks_is_not_blamed_on_stones(runs):
+def test_settlement_of_ground_is_not_attributed_to_stones(runs):
     run = runs[0]
     rows, nodes = len(run.time), len(run.ground_x)
     for way, word in ((-5e-3, "downwards"), (5e-3, "upwards")):
@@ -294,18 +295,18 @@ def check_moved_ground(run, down, nodes, word):
         sleeper={**run.sleeper, "displacement": read.Quantity(
             run.sleeper["displacement"].values + down[:, None], "m", "-")})
     lines = measures.warnings(sinking)
-    assert len(lines) == 1 and "the ground itself keeps up to 4." in lines[0] \
+    assert len(lines) == 1 and "the ground has a residual displacement of 4." in lines[0] \
         and word in lines[0]
 
 
-def test_other_stages_are_said(runs):
+def test_different_stages_are_reported(runs):
     stages = [{**stage, "duration": 7} for stage in runs[1].deck["stage"]]
     other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": stages})
     assert "stages of the two decks differ" in measures.table([runs[0], other])
     assert "differ" not in measures.table(runs)
 
 
-def test_structure_at_the_right_end_measures_the_same(runs):
+def test_structure_at_the_right_end_gives_the_same(runs):
     run = runs[0]
     last = run.ground_x[-1]
     blocks = [dict(block) for block in run.deck["ground"]["block"]]
@@ -321,12 +322,12 @@ def test_structure_at_the_right_end_measures_the_same(runs):
         assert getattr(right, field) == pytest.approx(getattr(left, field), rel=1e-9), field
 
 
-def test_table_tells_the_wedge_from_its_opposite(runs):
+def test_table_distinguishes_the_wedge_from_its_opposite(runs):
     text = measures.table(runs)
-    assert "NOT" not in text and text.count("as a wedge should") == 4
-    assert "the same, so the runs compare" in text
+    assert "NOT" not in text and text.count("as expected of a wedge") == 4
+    assert "the same, so the runs are comparable" in text
     assert "-71.4%" in text  # jump 20 against 70 kPa
-    assert measures.table(runs[::-1]).count("NOT as a wedge should") == 4
+    assert measures.table(runs[::-1]).count("NOT as expected of a wedge") == 4
 
 
 def test_small_changes_have_no_verdict(runs):
@@ -334,10 +335,10 @@ def test_small_changes_have_no_verdict(runs):
     near = with_ground(runs[0], displacement_min=1.05 * made.ground_displacement(x, True),
                        sigma_z_min=made.ground_stress(x, True) * 1.05)
     text = measures.table([near, runs[0]])
-    assert text.count("no clear effect (within 10%)") == 4 and "a wedge should" not in text
+    assert text.count("no clear effect (within 10%)") == 4 and "expected of a wedge" not in text
     far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
     text = measures.table([far, runs[0]])
-    assert "NOT the same, though no wedge is there" in text
+    assert "NOT the same, although there is no wedge" in text
     assert "no verdict, since the plain tracks differ" in text
     assert "no verdict" not in measures.table(runs)
 

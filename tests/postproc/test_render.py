@@ -1,4 +1,4 @@
-"""Field files open in VTK and give a picture that is not of one colour."""
+"""Field files open in VTK and give a picture with more than one colour."""
 import subprocess
 import sys
 
@@ -47,13 +47,13 @@ def test_one_colour_is_refused(tmp_path):
     assert render(path).returncode == 1
 
 
-@pytest.mark.parametrize("content, said", [(b"", "not a VTKHDF"), (None, "does not exist")])
-def test_other_files_are_refused(tmp_path, content, said):
+@pytest.mark.parametrize("content, expected", [(b"", "not a VTKHDF"), (None, "does not exist")])
+def test_other_files_are_refused(tmp_path, content, expected):
     path = tmp_path / "other.vtkhdf"
     if content is not None:
         path.write_bytes(content)
     run = render(path)
-    assert run.returncode == 2 and said in run.stderr and len(run.stderr.splitlines()) == 1
+    assert run.returncode == 2 and expected in run.stderr and len(run.stderr.splitlines()) == 1
 
 
 def test_missing_array_is_named(tmp_path):
@@ -63,14 +63,14 @@ def test_missing_array_is_named(tmp_path):
     assert run.returncode == 2 and "there is no array velocity" in run.stderr
 
 
-def test_picture_is_written_or_said_not_to_be(tmp_path):
+def test_picture_is_written_or_its_failure_reported(tmp_path):
     path, other = tmp_path / "bricks.vtkhdf", tmp_path / "made" / "for" / "picture.png"
     write_bricks(path, 3, [1, 2, 3])
     assert render(path, "-o", other).returncode == 0 and other.stat().st_size > 1000
     (tmp_path / "file").write_text("kept")
-    for place, words in ((tmp_path / "picture.gif", "end in .png"),
+    for place, words in ((tmp_path / "picture.gif", "must end in .png"),
                          (tmp_path / "file" / "picture.png", "is a file"),
-                         ("/proc/picture/picture.png", "cannot be made"),
+                         ("/proc/picture/picture.png", "cannot be created"),
                          ("/proc/picture.png", "cannot be written")):
         run = render(path, "-o", place)
         assert run.returncode == 2 and words in run.stderr, (place, run.stderr)

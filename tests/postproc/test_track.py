@@ -1,4 +1,4 @@
-"""Tests of track_figures.py on made-up histories whose numbers are known."""
+"""Tests of track_figures.py on synthetic histories with known results."""
 import h5py
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ import track_measures
 
 def made(sleepers=True):
     """Two wheels 10 m apart at 10 m/s, 50 and 60 kN, over a rail point at 5 m of 20 m of track; the
-    first one's force doubles after it has left."""
+    force of the first one doubles after it has left."""
     time = np.linspace(0, 3, 301)
     x = np.stack([10 * time, 10 * time - 10], axis=1)
     force = np.where(x > 20, 2, 1) * [50e3, 60e3]
@@ -32,14 +32,14 @@ def test_extremes_are_those_of_steps():
     assert found["rail at 5 m, down"] == (2, "mm")
 
 
-def test_wheels_count_on_the_track_alone():
+def test_wheels_count_only_on_the_track():
     found = track_figures.numbers(made(), 20)
     assert found["largest wheel force"] == (pytest.approx(60), "kN")
     assert found["least wheel force"] == (pytest.approx(50), "kN")
 
 
-def test_forces_count_between_the_run_ins_alone():
-    """Forces that only a nearly rigid rail makes, before 4 and beyond 16 m, are none of a track."""
+def test_forces_count_only_between_the_run_ins():
+    """Forces on the nearly rigid rail before 4 m and beyond 16 m are omitted."""
     run = made()
     x, force = run["history/wheel/x"].values, run["history/wheel/force"].values
     force[(x < 4) | (x > 16)] = 500e3
@@ -54,7 +54,7 @@ def test_forces_count_between_the_run_ins_alone():
 
 
 def test_wheels_of_two_rails_are_left_and_right():
-    """The first four of five axles, each side of them."""
+    """Both wheels of the first four of five axles."""
     run = made(sleepers=False)
     x = 10 * run["history/time"].values[:, None] - np.repeat(2.0 * np.arange(5), 2)
     run["history/wheel/x"] = read.Quantity(x, "m", "made for a test")
@@ -69,7 +69,7 @@ def test_wheels_of_two_rails_are_left_and_right():
 
 
 def test_the_first_wheel_is_one_that_rolls():
-    """Axles of constant force before it have neither a height nor a force worth drawing."""
+    """Axles of constant force before it are not drawn; they have no height."""
     run = made()
     height = np.stack([np.zeros(301), 1e-3 * np.sin(2 * np.pi * np.linspace(0, 3, 301))], axis=1)
     run["history/wheel/height"] = read.Quantity(height, "m", "made for a test")
@@ -94,7 +94,7 @@ def test_rail_sleeper_and_seat():
     assert found["sleeper at 4.8 m, down"][0] == pytest.approx(0.5, rel=1e-3)
     assert found["seat at 4.8 m, largest load"][0] == pytest.approx(20, rel=1e-3)
     name = next(name for name in found if "acceleration" in name)
-    # 100 rows in a second cannot carry 100 Hz: the name says so.
+    # 100 rows per second cannot resolve 100 Hz, which the label states.
     assert "unfiltered" in name and found[name][0] == pytest.approx(2)
 
 
@@ -122,7 +122,7 @@ def test_run_without_points_of_the_rail():
 
 
 def test_envelope():
-    assert track_figures.draw_envelope(made()) is None  # of an older program
+    assert track_figures.draw_envelope(made()) is None  # results of an older version
     x = np.repeat([0.0, 0.6, 1.2], 2)
     along = {"x": x, "rail/displacement_min": -1e-3 - 1e-4 * np.arange(6),
              "rail/displacement_max": 1e-4 * np.arange(6)}
@@ -140,7 +140,7 @@ def test_envelope():
 
 @pytest.mark.parametrize("wavelength, gain", [(3, 0.7071), (25, 0.7071), (40, 0.1110), (8, 1.0)])
 def test_d1_passes_its_band(wavelength, gain):
-    step, n = 0.05, 24000  # a whole number of waves in 1200 m but for 25 m; the middle is looked at
+    step, n = 0.05, 24000  # whole numbers of waves in 1200 m except for 25 m; checked in the middle
     x = step * np.arange(n)
     passed = track_measures.band(np.cos(2 * np.pi * x / wavelength), step)[n // 3:2 * n // 3]
     assert np.sqrt(2) * passed.std() == pytest.approx(gain, abs=2e-3)
@@ -164,7 +164,7 @@ def test_loaded_rail_of_a_train_that_brakes_and_stands():
 
 
 def hammered():
-    """A mass on spring and damper under half a sine, by its closed form in the frequency domain."""
+    """A mass on spring and damper under a half sine, by its closed form in the frequency domain."""
     step, n, mass, spring, damper = 1e-4, 20000, 100.0, 4e7, 1e4
     time = step * np.arange(n)
     force = np.where(time < 2e-3, 1e4 * np.sin(np.pi * time / 2e-3), 0.0)
@@ -176,7 +176,7 @@ def hammered():
     return {name: read.Quantity(values, "-", "made for a test") for name, values in run.items()}
 
 
-def test_receptance_of_a_blow():
+def test_receptance_of_an_impact():
     run = hammered()
     frequency, found = track_figures.receptances(run)
     assert frequency[0] == pytest.approx(0.5) and 500 < frequency[-1] < 1000
@@ -189,7 +189,7 @@ def test_receptance_of_a_blow():
     assert track_figures.receptances(made()) is None
 
 
-def test_two_rails_are_told_apart():
+def test_two_rails_are_distinguished():
     run = made() | {"rail/x": read.Quantity(np.array([5.0, 5.0]), "m", "both rails")}
     run["history/rail/displacement"] = read.Quantity(
         np.outer(run["history/rail/displacement"].values, [1, 2]), "m", "left, right")
@@ -251,6 +251,7 @@ def test_seat_loads_have_no_rail_and_no_forces_on_it(tmp_path, monkeypatch, caps
     assert [len(drawn[name].axes) for name in ("track.png", "envelope.png")] == [3, 2]
     labels = [line.get_label() for figure in drawn.values() for panel in figure.axes
               for line in panel.lines]
-    told = capsys.readouterr().out
-    assert "sleeper at 4.8 m, down" in told and not any("rail" in word for word in (told, *labels))
+    printed = capsys.readouterr().out
+    assert "sleeper at 4.8 m, down" in printed
+    assert not any("rail" in word for word in (printed, *labels))
     assert all(panel.lines for figure in drawn.values() for panel in figure.axes)

@@ -1,4 +1,4 @@
-"""Tests of train_figures.py on made-up histories whose numbers are known."""
+"""Tests of train_figures.py on synthetic histories with known results."""
 import types
 
 import matplotlib.pyplot as plt
@@ -9,8 +9,8 @@ import train_figures
 
 
 def made(trains=1):
-    """Two axles 10 m apart at 10 m/s, 50 and 60 kN, over sleepers at 3, 4 and 5 m. Each presses a
-    sleeper down by 1 mm while within 0.1 m and leaves 0.1 mm. A row before without train."""
+    """Two axles 10 m apart at 10 m/s, 50 and 60 kN, over sleepers at 3, 4 and 5 m. Each displaces a
+    sleeper by 1 mm downwards while within 0.1 m and leaves 0.1 mm. One row before has no train."""
     way = np.concatenate([np.linspace(0, 30, 3001)] * trains)
     x = np.stack([way, way - 10], axis=1)
     time = 0.01 * np.arange(len(way))
@@ -35,14 +35,14 @@ def test_settlement_of_each_axle():
     found = train_figures.numbers(train_figures.Passing(*made()))
     assert found["largest wheel force over the bed"] == (pytest.approx(60), "kN")
     assert found["least wheel force over the bed"] == (pytest.approx(50), "kN")
-    # Right behind the axle a sleeper is down by its dent and by what this axle has left.
+    # Right behind the axle the displacement is the deflection plus the settlement by this axle.
     assert found["axle 1, sleepers down, mean"][0] == pytest.approx(1.1)
     assert found["axle 2, sleepers down, most"][0] == pytest.approx(1.2)
     assert found["axle 2, lower than under the first, mean"][0] == pytest.approx(0.1)
     assert found["left by the train, worst sleeper"][0] == pytest.approx(0.2)
 
 
-def test_two_rails_are_told_apart():
+def test_two_rails_are_distinguished():
     run, every = made()
     for name in ("wheel/x", "wheel/force"):
         values = every[f"history/{name}"].values.repeat(2, axis=1)

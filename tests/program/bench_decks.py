@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A deck of the benchmarks, smaller and shorter, makes what it is to measure: a bed at rest in its
-box whose stones carry each other.
+"""A smaller and shorter benchmark deck gives the intended bed: stones at rest in their box that
+support each other.
 
     bench_decks.py PROGRAM DECK FOLDER
 """
@@ -32,17 +32,17 @@ def main():
     with h5py.File(folder / "stage_rest.h5") as file:
         place, velocity = file["particles/position"][:], file["particles/velocity"][:]
     expect(len(place) == dem["particles"] > 100, f"{len(place)} stones")
-    # Beyond periodic sides stones go on until lists are made anew: by less than their size.
+    # Stones leave periodic sides until lists are rebuilt, by less than their size.
     size = bed["sieve"][-1] * 1e-3
     for axis, (low, high) in enumerate([SIDE, SIDE, (size, np.inf)]):
         inside = (place[:, axis] > low - size) & (place[:, axis] < high + size)
         expect(inside.all(), f"{np.sum(~inside)} stones beyond side {axis}")
     speed = np.median(np.linalg.norm(velocity, axis=1))
     expect(speed < 0.05, f"stones move with {speed:g} m/s")
-    # A frictional bed is stable with four partners each (isostatic; walls count), less some loose
-    # stones; more than twelve neighbours have no room around balls of a size.
+    # A frictional bed is stable with a coordination number of four (isostatic; walls count), less
+    # some rattlers; twelve is the largest number for balls of one size.
     partners = dem["neighbours_per_particle"]
-    expect(3 < partners < 12, f"{partners:g} partners a stone")
+    expect(3 < partners < 12, f"{partners:g} contacts per stone")
     expect(dem["measured_stage"] == "rest" and dem["measured_steps"] > 0, "nothing was measured")
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The benchmarks' scripts read checkpoints: what they write for LAMMPS has the stones' number, mass
-and place. LAMMPS itself is not needed.
+"""The benchmark scripts read checkpoints: their input files for LAMMPS have the number, mass and
+position of the stones. LAMMPS itself is not needed.
 
     bench_scripts.py PROGRAM FOLDER
 """
@@ -39,18 +39,18 @@ def expect(holds, what):
 
 
 def check_refusals(program, folder):
-    """One sentence and a code that is not 0, before anything is made."""
+    """One message and a code that is not 0, before anything is written."""
     empty = {"PATH": str(folder)}
     for script, *words, sentence in (
             ("bench_spheres.py", "two arguments are needed: bench_spheres.py TRACKBED"),
             ("bench_stones.py", program, "two arguments are needed: bench_stones.py TRACKBED"),
-            ("bench_stones.py", folder / "none", folder, "none is no program"),
-            ("bench_spheres.py", program, folder / "bench", "lmp is not there: install")):
+            ("bench_stones.py", folder / "none", folder, "none is not an executable program"),
+            ("bench_spheres.py", program, folder / "bench", "lmp not found: install")):
         ran = subprocess.run([sys.executable, ROOT / "jobs" / script, *words], env=empty,
                              capture_output=True, text=True, check=False)
         expect(ran.returncode != 0 and sentence in ran.stderr and ran.stderr.count("\n") == 1,
                f"{script} {words}: {ran.returncode}, {ran.stderr}")
-    expect(not (folder / "bench").exists(), "a refused script leaves a folder")
+    expect(not (folder / "bench").exists(), "a refused script must not leave a folder")
 
 
 def main():
@@ -71,11 +71,11 @@ def main():
     bodies = np.loadtxt(folder / "clumps.bodies", skiprows=1)
     balls = rows(folder / "clumps.data")
     expect(len(bodies) == count and np.array_equal(np.unique(balls[:, -4]), bodies[:, 0]),
-           "every clump has its spheres")
+           "the number of spheres of every clump")
     mass = np.bincount(balls[:, -4].astype(int),
                        balls[:, -5] * np.pi / 6 * balls[:, 5]**3)[1:]
-    expect(np.allclose(mass, bodies[:, 1]), "the spheres of a clump carry its mass")
-    print(f"{len(spheres)} spheres and {count} clumps of {len(balls)} spheres as LAMMPS reads them")
+    expect(np.allclose(mass, bodies[:, 1]), "the mass of a clump is that of its spheres")
+    print(f"{len(spheres)} spheres and {count} clumps of {len(balls)} spheres written for LAMMPS")
 
 
 if __name__ == "__main__":

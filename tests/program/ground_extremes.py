@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The extremes in the pictures of the ground hold what these pictures and those before show,
-however rare the rows of the histories are; a run that is stopped and resumed has the same.
+"""The extremes in field files of the ground include the values of these and earlier field files,
+however rare the rows of the histories are; they are the same in a run that is stopped and resumed.
 
     ground_extremes.py PROGRAM DECK START FOLDER
 """
@@ -26,20 +26,20 @@ def array(cells, words):
 
 
 def pictures(folder, stage):
-    """Of each picture of the ground in a stage, least and largest principal stress and extremes."""
+    """Least and largest principal stress and extremes of each ground field file in a stage."""
     found = []
     for path in sorted((folder / "fields").glob(f"{stage}_*_ground.vtkhdf")):
         cells = datasets(path)
         principal = array(cells, "principal stresses, rest and since")
         found.append((principal[:, 2], principal[:, 0], array(cells, "least principal stress"),
-                      array(cells, "so far: largest principal stress")))
+                      array(cells, "up to now: largest principal stress")))
     return found
 
 
 def check(folder, stage, count):
     shown = pictures(folder, stage)
     if len(shown) < count:
-        raise SystemExit(f"{folder}: {len(shown)} pictures of {stage}")
+        raise SystemExit(f"{folder}: {len(shown)} field files of {stage}")
     lows, highs = [], []
     for low, high, least, largest in shown:
         lows.append(low), highs.append(high)
@@ -48,23 +48,23 @@ def check(folder, stage, count):
         if not outside <= slack:
             raise SystemExit(f"{folder}, {stage}: {outside:.3g} Pa outside of the extremes")
     if count > 1 and not np.ptp(lows, axis=0).max() > 10 * slack:
-        raise SystemExit(f"{folder}, {stage}: the ground does not move: this would prove nothing")
+        raise SystemExit(f"{folder}, {stage}: the ground does not move: the test is meaningless")
 
 
 def without(folder, stage, windows):
-    """Pictures of windows that must show no extremes."""
+    """Field files of windows that must not contain extremes."""
     shown = [path for path in (folder / "fields").glob(f"{stage}_*_ground.vtkhdf")
              if windows(int(path.name.split("_")[1]))]
     for path in shown:
-        if any("so far" in name for name in datasets(path)):
-            raise SystemExit(f"{path}: extremes of what nobody asked for")
+        if any("up to now" in name for name in datasets(path)):
+            raise SystemExit(f"{path}: extremes without output.ground_extremes")
     if not shown:
-        raise SystemExit(f"{folder}: no pictures of {stage}")
+        raise SystemExit(f"{folder}: no field files of {stage}")
 
 
 def check_ends(program, words, often, folder):
-    """None in stages in which the ground is at rest; those of a run that was resumed without them
-    and with them again are those since then, and that is said."""
+    """No extremes in stages in which the ground is at rest; in a run that was resumed without them
+    and then with them they count from the second resume, which is reported."""
     still = folder / "still"
     program.done(1, *words, "stage.passage.ground_moves=false", "-o", still)
     check(still, "load", 1), without(still, "passage", lambda window: True)
@@ -73,13 +73,13 @@ def check_ends(program, words, often, folder):
     program.done(1, "resume", gap, "output.ground_extremes=false", "output.stop_after=140", code=3)
     without(gap, "load", lambda window: window > 100)
     ran = program.done(1, "resume", gap, "output.ground_extremes=true", "output.stop_after=0")
-    if ran.stdout.count("they count from") != 1:
-        raise SystemExit(f"a gap in the extremes must be said once: {ran.stdout}")
+    if ran.stdout.count("they were not recorded before") != 1:
+        raise SystemExit(f"a gap in the extremes must be reported once: {ran.stdout}")
     shown = [datasets(path) for path in sorted((gap / "fields").glob("load_*_ground.vtkhdf"))
              if int(path.name.split("_")[1]) > 140]
     least = np.min([array(cells, "principal stresses")[:, 2] for cells in shown], axis=0)
     if len(shown) < 2 or not np.array_equal(least, array(shown[-1], "least principal stress")):
-        raise SystemExit(f"extremes of {len(shown)} pictures since the resume are of others too")
+        raise SystemExit(f"extremes of {len(shown)} files since the resume include earlier ones")
 
 
 def main(path, deck, start, folder):
@@ -96,7 +96,7 @@ def main(path, deck, start, folder):
         check(folder / "end", stage, 1), check(folder / "often", stage, 4)
         straight, stopped = (pictures(folder / name, stage) for name in ("often", "stopped"))
         if not np.array_equal(np.sort(straight[-1], axis=None), np.sort(stopped[-1], axis=None)):
-            raise SystemExit(f"{stage}: other extremes after a stop")
+            raise SystemExit(f"{stage}: extremes differ after a stop")
     check_ends(program, words, often, folder)
     print("ok")
 

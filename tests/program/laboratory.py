@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The decks of laboratory tests with few round stones: what walls feel is in balance, the platen
-keeps its pressure, heaps stand on their floor; the same bits on any number of ranks and through a
-stop within the stage that moves walls.
+"""The decks of laboratory tests with few round stones: forces on walls are in balance, the platen
+keeps its pressure, heaps remain on their floor; results are bitwise identical on any number of
+ranks and after a stop within the stage that moves walls.
 
     laboratory.py PROGRAM FOLDER_OF_DECKS FOLDER
 """
@@ -28,7 +28,7 @@ HEAP = [*ROUND, "bed.x=[-0.15, 0.15]", "bed.y=[-0.15, 0.15]", "bed.height=0.15",
 TRIAXIAL = [*ROUND, "bed.height=0.3", "stage.fill.duration=0.25", "stage.fill.growth=0.15",
             "stage.compact.duration=0.15", "stage.squeeze.duration=0.15",
             "stage.triaxial.duration=0.15", "stage.triaxial.displacement=0.006"]
-CLOSED = 1e-10  # relative, promise of the coupling
+CLOSED = 1e-10  # relative, required of the coupling
 AREA = 0.09     # m^2
 
 
@@ -55,32 +55,32 @@ def check_shear(folder):
         rows = history["stage"][()].ravel() == 3
         force = {name: wall["force"][()].reshape(-1, 3)[rows]
                  for name, wall in history["wall"].items()}
-        way = history["wall/floor/displacement"][()].reshape(-1, 3)[rows, 0]
+        travel = history["wall/floor/displacement"][()].reshape(-1, 3)[rows, 0]
         plate = history["platen/force"][()].reshape(-1, 3)[rows]
         pressure = history["platen/pressure"][()].ravel()[rows]
     upper = sum(f for name, f in force.items() if name.endswith(".upper")) + plate
     lower = sum(f for name, f in force.items() if name.endswith(".lower")) + force["floor"]
-    moving = way > 0.3 * way[-1]
+    moving = travel > 0.3 * travel[-1]
     wrong = []
-    if abs(way[-1] / 0.006 - 1) > 0.01:  # the stage ends with a whole window
-        wrong.append(f"the lower half has gone {way[-1]} m")
-    # What the upper half holds the lower one drags: stones are slow, so the means agree.
+    if abs(travel[-1] / 0.006 - 1) > 0.01:  # the stage ends with a whole window
+        wrong.append(f"the lower half has moved {travel[-1]} m")
+    # Mean forces on both halves are equal, as inertia of the stones is small.
     drag, hold = lower[moving, 0].mean(), upper[moving, 0].mean()
     if not abs(drag + hold) < 0.05 * abs(hold):
-        wrong.append(f"upper half feels {hold} N, lower half {drag} N")
+        wrong.append(f"force on the upper half {hold} N, on the lower half {drag} N")
     ratio = hold / -lower[moving, 2].mean()
     if not 0.2 < ratio < 1.5:  # steel balls to rock: tangents of 11 to 56 degrees
         wrong.append(f"shear over normal force is {ratio}")
     if not 0.7 < pressure[moving].mean() / 51e3 < 1.3:
-        wrong.append(f"the platen presses by {pressure[moving].mean()} Pa on average")
+        wrong.append(f"mean pressure of the platen {pressure[moving].mean()} Pa")
     if wrong:
         sys.exit("\n".join(wrong))
     print(f"shear over normal force {ratio:.2f}, platen {pressure[moving].mean():.0f} Pa")
 
 
 def check_triaxial(folder):
-    """Walls hold their pressure while the platen comes down, opposite ones alike, and the bed has a
-    strength."""
+    """Walls keep their pressure while the platen moves down, opposite ones symmetrically, and the
+    strength of the bed is in its range."""
     with h5py.File(folder / "results.h5") as file:
         history = file["history"]
         rows = history["stage"][()].ravel() == 3
@@ -88,22 +88,22 @@ def check_triaxial(folder):
                 for name, data in history["wall"].items()}
         height = history["platen/z"][()].ravel()[rows]
         plate = history["platen/force"][()].reshape(-1, 3)[rows, 2]
-    ways = {name: wall[name]["displacement"] for name in wall}
-    sides = [0.3 - 2 * ways["wall.left"][:, 0], 0.3 - 2 * ways["wall.front"][:, 1]]
+    travel = {name: wall[name]["displacement"] for name in wall}
+    sides = [0.3 - 2 * travel["wall.left"][:, 0], 0.3 - 2 * travel["wall.front"][:, 1]]
     moving = height < height[0] - 0.002
     wrong = []
-    if not np.array_equal(ways["wall.left"][:, 0], -ways["wall.right"][:, 0]):
-        wrong.append("opposite walls do not go the same way")
+    if not np.array_equal(travel["wall.left"][:, 0], -travel["wall.right"][:, 0]):
+        wrong.append("displacements of opposite walls differ")
     if abs(height[0] - height[-1] - 0.006) > 1e-4:
-        wrong.append(f"the platen has gone {height[0] - height[-1]} m")
+        wrong.append(f"the platen has moved {height[0] - height[-1]} m")
     for axis, (low, high) in enumerate((("wall.left", "wall.right"), ("wall.front", "wall.back"))):
         push = (wall[high]["force"][:, axis] - wall[low]["force"][:, axis]) / 2
         pressure = (push / (sides[1 - axis] * height))[moving].mean()
         if not 0.9 < pressure / 60e3 < 1.1:  # some 80 balls in motion
-            wrong.append(f"walls across {'xy'[axis]} press by {pressure} Pa on average")
+            wrong.append(f"walls across {'xy'[axis]} have a mean pressure of {pressure} Pa")
     ratio = (plate / (sides[0] * sides[1]))[moving].mean() / 60e3
     if not 1.5 < ratio < 10:  # friction angles of 12 to 55 degrees
-        wrong.append(f"the platen presses {ratio} times as much as the walls")
+        wrong.append(f"the ratio of stresses of platen and walls is {ratio}")
     if wrong:
         sys.exit("\n".join(wrong))
     print(f"triaxial: ratio of stresses {ratio:.2f}")
@@ -117,8 +117,8 @@ def check_heap(folder, program, deck):
     if len(set(count)) != 1 or centres[:, 2].min() < 0:
         wrong.append(f"stones were lost: {count}, the lowest at {centres[:, 2].min()} m")
     if np.hypot(*centres[:, :2].T).max() < 0.2:
-        wrong.append("the cylinder still holds the heap")
-    # On a small floor the same stones run off and are counted out, and the run goes on.
+        wrong.append("the cylinder still touches the heap")
+    # From a small floor the same stones fall off, are counted and removed, and the run continues.
     small = folder.with_name("small_floor")
     program.done(1, "run", deck, *HEAP, "bed.beside=0.05", "--force", "-o", small)
     left = summary(small)["dem"]["particles"]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How jobs/handover.py ends when a run of its fails, that one loop works in a folder at a time, and
-what becomes of the rounds that a folder holds.
+"""How jobs/handover.py ends when one of its runs fails, that only one loop works in a folder at a
+time, and which rounds of a folder are kept.
 
     loop_runs.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -19,61 +19,63 @@ from loops import Loops  # noqa: E402
 
 
 def check_failures(loops, deck):
-    """The program's own sentence and code, nothing of mpirun's and of traces; a rank that was
-    killed is called so."""
+    """The script reports the program's own message and code, without messages of mpirun and traces;
+    a killed rank is reported as killed."""
     place = loops.folder / "failed"
-    for how, code, said in (
+    for how, code, expected in (
             ("lost", 4, ["trackbed: a stone was lost; the last good checkpoint is checkpoint_3.h5",
                          "failed: code 4; see"]),
             ("input", 2, [":3: bed.height = -1 m: must be above 0 m", "failed: code 2; see"]),
             ("kill", 137, ["failed: rank 1 was killed (signal 9, Killed); see"])):
-        lines = loops.ends(code, said[-1], deck, place, fails=f"weigh:{how}").splitlines()
-        if len(lines) != len(said) or not all(one in line for one, line in zip(said, lines)):
-            raise SystemExit(f"a run that ends by {how} must say {said}: {lines}")
-        log = (place / "round_0/weigh.log").read_text(encoding="utf-8")
+        lines = loops.ends(code, expected[-1], deck, place, fails=f"load_test:{how}").splitlines()
+        if len(lines) != len(expected) or not all(
+                one in line for one, line in zip(expected, lines)):
+            raise SystemExit(f"a run that ends by {how} must print {expected}: {lines}")
+        log = (place / "round_0/load_test.log").read_text(encoding="utf-8")
         if "exited on signal" not in log and ("progress of the run" not in log or
-                                              said[0] not in log):
-            raise SystemExit(f"the log must have all that the run said: {log}")
+                                              expected[0] not in log):
+            raise SystemExit(f"the log must contain the whole output of the run: {log}")
     lines = loops.ends(0, "round 0: support 40.0 to 40.0", deck, place, "--rounds", "1")
     if len(lines.splitlines()) != 1:
         raise SystemExit(f"one round, one line: {lines}")
 
 
-def check_drowned(loops, deck):
-    """A load too small for the bed's own motion is named with what changes it."""
-    place = loops.folder / "drowned"
-    said = loops.ends(4, "round 0: the load of 3 N drowns in what the bed moves by itself", deck,
-                      place, "--load", "3")
-    if " of 4 sleepers have none): take a larger handover.load (--load)" not in said or \
-            len(said.splitlines()) != 1 or (place / "round_0/track").exists():
-        raise SystemExit(f"a load that drowns is said in one line: {said}")
-    loops.ends(4, "round 0: the bed still gives way while its load goes", deck, place, "--force",
-               fails="weigh:sink")
-    said = loops.ends(0, "round 0: support 40.0 to 40.0 MN/m (+- ", deck, place, "--rounds", "1",
-                      "--force")
+def check_unreliable(loops, deck):
+    """A load that is too small against the bed's own motion is reported with a remedy."""
+    place = loops.folder / "unreliable"
+    why = "round 0: the load of 3 N is too small against the motion of the bed itself"
+    remedy = " of 4 sleepers without a reliable value): use a larger handover.load (--load)"
+    reported = loops.ends(4, why, deck, place, "--load", "3")
+    if remedy not in reported or len(reported.splitlines()) != 1 or \
+            (place / "round_0/track").exists():
+        raise SystemExit(f"a load that is too small must be reported in one line: {reported}")
+    loops.ends(4, "round 0: the sleeper still settles while it is unloaded", deck, place, "--force",
+               fails="load_test:sink")
+    reported = loops.ends(0, "round 0: support 40.0 to 40.0 MN/m (+- ", deck, place, "--rounds",
+                          "1", "--force")
     with open(place / "handover.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    worth = [float(row["stiffness_spread_N_m"]) / float(row["stiffness_N_m"]) for row in rows]
-    if not 0 < min(worth) < max(worth) < 0.01 or \
-            f"(+- {100 * max(worth):.1f} % at most)" not in said:
-        raise SystemExit(f"supports are worth {worth}: {said}")
+    errors = [float(row["stiffness_spread_N_m"]) / float(row["stiffness_N_m"]) for row in rows]
+    if not 0 < min(errors) < max(errors) < 0.01 or \
+            f"(+- {100 * max(errors):.1f} % at most)" not in reported:
+        raise SystemExit(f"relative errors of supports: {errors}: {reported}")
 
 
 def check_lock(loops, deck):
-    """A second loop is refused while the first works, and not once that one is gone, however."""
+    """A second loop is refused while the first works, but not after the first has been killed."""
     place = loops.folder / "locked"
-    with loops.begin(deck, place, "--rounds", "1", fails="weigh:wait") as first:
+    with loops.begin(deck, place, "--rounds", "1", fails="load_test:wait") as first:
         end = time.monotonic() + 120
-        while not (place / "round_0/weigh").is_dir():
+        while not (place / "round_0/load_test").is_dir():
             if first.poll() is not None or time.monotonic() > end:
                 first.kill()
-                raise SystemExit(f"the loop does not begin: {first.communicate()}")
+                raise SystemExit(f"the loop does not start: {first.communicate()}")
             time.sleep(0.05)
         children = pathlib.Path(f"/proc/{first.pid}/task/{first.pid}/children").read_text(
             encoding="utf-8").split()
         try:
             for words in ([], ["--force"]):
-                loops.ends(2, f"another loop (process {first.pid}) works in it", deck, place,
+                loops.ends(2, f"another loop (process {first.pid}) is running here", deck, place,
                            *words)
             if not (place / "bed/results.h5").is_file():
                 raise SystemExit("a loop that is refused must remove nothing")
@@ -87,25 +89,25 @@ def check_lock(loops, deck):
 
 
 def contents(folder):
-    """Of all that a loop keeps."""
+    """Contents of all files that a loop keeps."""
     return {path: path.read_bytes() for path in folder.rglob("*")
             if path.is_file() and path.name not in ("handover.lock", "handover.png")}
 
 
 def check_rounds(loops, deck):
-    """Fewer rounds leave the others in the table; what is refused late leaves all as it is."""
+    """Fewer rounds keep the others in the table; a refusal changes nothing in the folder."""
     place = loops.folder / "rounds"
     loops.ends(0, "round 2", deck, place)
     first = contents(place)
     for name in ("handover.csv", "round_0/geometry.csv"):
         if re.search(r"-0\.0\b", (place / name).read_text(encoding="utf-8")):
-            raise SystemExit(f"{name}: a rail that has not sunk lies at 0.0")
-    loops.ends(0, "keeps its rounds from 1 on", deck, place, "--rounds", "1")
-    for name, told, other in (("each", 1, 10), ("load", 30000, 20000), ("trains", 2, 3)):
-        said = loops.ends(2, f"holds rounds with {name} = {told}, not {other}: take another folder",
-                          deck, place, f"--{name}", str(other))
-        if len(said.splitlines()) != 1:
-            raise SystemExit(f"another `{name}` must be refused at once: {said}")
+            raise SystemExit(f"{name}: the height of a rail without settlement must be 0.0")
+    loops.ends(0, "still contains rounds from 1 on", deck, place, "--rounds", "1")
+    for name, used, other in (("each", 1, 10), ("load", 30000, 20000), ("trains", 2, 3)):
+        refusal = f"holds rounds with {name} = {used}, not {other}: choose another folder"
+        reported = loops.ends(2, refusal, deck, place, f"--{name}", str(other))
+        if len(reported.splitlines()) != 1:
+            raise SystemExit(f"another `{name}` must be refused at once: {reported}")
     stiffer = loops.folder / "stiffer.toml"
     stiffer.write_text(deck.read_text(encoding="utf-8").replace("young = 500e6", "young = 600e6"),
                        encoding="utf-8")
@@ -115,29 +117,29 @@ def check_rounds(loops, deck):
     (place / "handover.csv").unlink()
     loops.ends(0, "round 1", deck, place, "--rounds", "2")
     if len((place / "handover.csv").read_text(encoding="utf-8").splitlines()) != 9:
-        raise SystemExit("a table that was removed has the rounds of the command")
+        raise SystemExit("a new table must have the rounds of the command")
     loops.ends(0, "round 2", deck, place)
     if contents(place) != first:
         raise SystemExit("the table must grow to what it was")
-    # Rounds of another loop are no later rounds of this one.
+    # Rounds of another loop are not kept as later rounds of this one.
     table = place / "handover.csv"
     text = table.read_text(encoding="utf-8")
     table.write_text(text.replace("\n0,0.6,", "\n0,0.7,"), encoding="utf-8")
-    loops.ends(0, "had more rounds, of another loop", deck, place, "--rounds", "1")
+    loops.ends(0, "contained further rounds of another loop", deck, place, "--rounds", "1")
     if text.splitlines()[:5] != table.read_text(encoding="utf-8").splitlines():
         raise SystemExit("the table must have the one round")
 
 
 def check_start(loops, deck):
-    """From the file of an earlier run, or the folder it is in; no bed is made then. A link to the
-    loop's folder, not as deep as that, is the same loop."""
+    """The loop starts from the file of an earlier run, or its folder, without running the bed. A
+    link to the loop's folder, at another depth, is the same loop."""
     links = loops.folder / "links/of/folders"
     links.mkdir(parents=True)
     earlier = loops.folder / "rounds/bed"
     for name, start in (("file", earlier / "stage_bed_in.h5"), ("folder", earlier)):
         place = loops.folder / f"start_{name}"
         loops.ends(0, "round 0", deck, place, "--rounds", "1", "--start", start)
-        deck_of_round = (place / "round_0/weigh.toml").read_text(encoding="utf-8")
+        deck_of_round = (place / "round_0/load_test.toml").read_text(encoding="utf-8")
         taken = place / "round_0" / tomllib.loads(deck_of_round)["start"]
         if (place / "bed").exists() or taken.resolve() != earlier / "stage_bed_in.h5":
             raise SystemExit(f"--start {start} must be what the rounds begin with, not {taken}")
@@ -145,8 +147,8 @@ def check_start(loops, deck):
         first = contents(place)
         loops.ends(0, "round 0", deck, links / name, "--rounds", "1", "--start", start)
         if contents(place) != first:
-            raise SystemExit("a loop that is reached by a link is begun anew")
-    loops.ends(2, "stage_bed_in.h5 is not there", deck, loops.folder / "none", "--start",
+            raise SystemExit("a loop reached by a link must not start again")
+    loops.ends(2, "stage_bed_in.h5 does not exist", deck, loops.folder / "none", "--start",
                loops.folder)
 
 
@@ -156,7 +158,7 @@ def main():
     folder.mkdir(parents=True)
     loops, deck = Loops(program, source, folder), source / "inputs/track/on_bed.toml"
     check_failures(loops, deck)
-    check_drowned(loops, deck)
+    check_unreliable(loops, deck)
     check_lock(loops, deck)
     check_rounds(loops, deck)
     check_start(loops, deck)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""jobs/handover.py on two rails, with the real program on the tiny deck: a load off the vehicle's
-middle loads the left seats more, loads on left seats roll sleepers to the left, what each seat
-loses is the geometry of its rail in the next round, and ranks change nothing.
+"""jobs/handover.py on two rails, with the real program on the tiny deck: an eccentric load of the
+vehicle loads the left seats more, loads on left seats roll sleepers to the left, the settlement of
+each seat is the geometry of its rail in the next round, and results do not depend on the ranks.
 
     loop_two_rails.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -36,8 +36,8 @@ def deck_of(source):
     text = (source / "tests/restart/tiny_two_rails.toml").read_text(encoding="utf-8")
     text = re.sub(r"\[irregularity(_right)?\][^[]*", "", text)
     text = text.replace('kind = "sprung"\n', 'kind = "sprung"\nbody_offset = 0.03\n')
-    # Balls that neither slide nor roll, bedded in with more than is weighed: of the deck's own, two
-    # beds of four lay so loose that sleepers sank on under the load, and the loop ended.
+    # Balls that neither slide nor roll, bedded in with more than the load of the test: with those
+    # of the deck two beds of four were so loose that sleepers kept settling and the loop ended.
     text = text.replace("friction = 0.6\n", "friction = 5\nrolling_friction = 1\n")
     text = text.replace("duration = 0.12\nload = 2e3\n", "duration = 1.0\nload = 30e3\n")
     return text.replace("\n[output]", HANDOVER + "\n[output]")
@@ -57,19 +57,19 @@ def table(path):
 
 
 def column(rows, number, name):
-    """Of a round, [sleeper, side]."""
+    """Values of a round, [sleeper, side]."""
     of = [[float(row[name]) for row in rows if row["round"] == str(number) and row["side"] == side]
           for side in SIDES]
     return np.array(of).T
 
 
 def check_geometry(folder, deck, rows):
-    """What each seat has lost, times each, is where its rail lies in the next round."""
+    """The settlement of each seat, times each, is the height of its rail in the next round."""
     lost = column(rows, 0, "settlement_per_train_m")
     if lost.shape != (2, 2) or not np.abs(lost).min() > 0 or np.ptp(lost[:, 0] - lost[:, 1]) == 0:
         raise SystemExit(f"settlements of two seats on two sleepers: {lost}")
     if not np.allclose(column(rows, 1, "geometry_before_m"), -EACH * lost, rtol=1e-12):
-        raise SystemExit("the geometry is not what the seats have lost")
+        raise SystemExit("the geometry differs from the settlement of the seats")
     at = deck["sleepers"]["spacing"] * (deck["seat"]["before"] + np.arange(2))
     track = tomllib.loads((folder / "round_1/track.toml").read_text(encoding="utf-8"))
     for k, section in enumerate(("irregularity", "irregularity_right")):
@@ -81,7 +81,7 @@ def check_geometry(folder, deck, rows):
 
 
 def check_forces(folder, deck, rows):
-    """The track's seat forces, and on the bed their sum and their moment."""
+    """The seat forces of the track, and their sum and moment on the bed."""
     seats = table(folder / "round_0/seats.csv")
     names = [f"sleeper_{i}_{side}" for i in range(2) for side in SIDES]
     if list(seats[0]) != ["time_s", *names]:
@@ -89,22 +89,23 @@ def check_forces(folder, deck, rows):
     force = np.array([[float(row[name]) for name in names] for row in seats]).reshape(-1, 2, 2)
     most = column(rows, 0, "largest_seat_force_N")
     if not np.allclose(most, force.max(axis=0)) or not (most[:, 0] > 1.2 * most[:, 1]).all():
-        raise SystemExit(f"the load lies left, seats get at most {most} N")
+        raise SystemExit(f"the load is left of the middle, largest seat forces {most} N")
     with h5py.File(folder / "round_0/trains/results.h5") as file:
         last = file["history/stage"][()].ravel() == file["history/stage"][()].max()
         on_bed = -file["history/sleeper/seat_force"][()][last]
     most = on_bed.max(axis=0) - deck["stage"][-1]["seat_force"]
     if not np.allclose(most, force.sum(axis=2).max(axis=0), rtol=0.02):
-        raise SystemExit(f"sleepers get {most} N, of their seats {force.sum(axis=2).max(axis=0)}")
-    # What the moment has rolled the sleepers by is what their seats sink apart.
+        raise SystemExit(f"largest forces on sleepers {most} N, sums of seat forces "
+                         f"{force.sum(axis=2).max(axis=0)}")
+    # The roll of the sleepers by the moment equals the difference of settlement of their seats.
     heights = []
-    for state in ("weigh/stage_weigh_0.h5", "trains/stage_trains_0.h5"):
+    for state in ("load_test/stage_load_test_0.h5", "trains/stage_trains_0.h5"):
         with h5py.File(folder / "round_0" / state) as file:
             heights.append(2 * file["sleepers/attitude"][()].reshape(-1, 4)[:, 0])
     roll = heights[1] - heights[0]
     lost = column(rows, 0, "settlement_per_train_m")
     if not np.allclose(lost[:, 1] - lost[:, 0], deck["track"]["gauge"] * roll, rtol=1e-3):
-        raise SystemExit(f"sleepers roll by {roll}, their seats sink by {lost} m")
+        raise SystemExit(f"roll of sleepers {roll} rad, settlement of seats {lost} m")
 
 
 def check_sides(program, folder):
@@ -130,7 +131,7 @@ def check_sides(program, folder):
 
 
 def check_sentences(program, source, folder):
-    """Where seats of a table cannot be."""
+    """Messages on load.gauge where a table of two seats per sleeper is impossible."""
     bed, table_of = folder / "trains.toml", f"load.kind=seats load.file={folder / 'seats.csv'}"
     tiny, seats = source / "tests/restart/tiny_two_rails.toml", source / "inputs/track/seats.toml"
     for code, words, deck, changes in (
@@ -140,12 +141,13 @@ def check_sentences(program, source, folder):
             (0, "has no effect: sleepers do not roll", bed, 'sleepers.free=["z"]'),
             (2, "needs kind = \"seats\", whose table has columns of both", bed, "load.kind=table"),
             (2, "must be 0 in a deck with a train", tiny, f"load.gauge=0.3 {table_of}"),
-            (2, "must be 0 but on a bed", seats, f"load.gauge=0.3 {table_of}")):
+            (2, "must be 0 except on a bed", seats, f"load.gauge=0.3 {table_of}")):
         ran = subprocess.run([program, "check", deck, *changes.split(" ")], capture_output=True,
                              text=True, check=False)
-        said = ran.stdout + ran.stderr
-        if ran.returncode != code or not re.search(rf"load\.gauge = .*{re.escape(words)}", said):
-            raise SystemExit(f"{changes} must end with {code} and say {words}: {said}")
+        reported = ran.stdout + ran.stderr
+        if ran.returncode != code or \
+                not re.search(rf"load\.gauge = .*{re.escape(words)}", reported):
+            raise SystemExit(f"{changes} must end with {code} and print {words}: {reported}")
 
 
 def main():
@@ -162,17 +164,17 @@ def main():
     check_forces(folder / "loop", deck, rows)
     check_sides(program, folder / "loop/round_0")
     check_sentences(program, source, folder / "loop/round_0")
-    # All is there: nothing is run again, and another `each` is seen.
+    # All results exist: nothing is run again, and another `each` is refused.
     before = (folder / "loop/round_1/trains/results.h5").stat().st_mtime_ns
     loop([*words, folder / "loop"], 2)
     if (folder / "loop/round_1/trains/results.h5").stat().st_mtime_ns != before:
-        raise SystemExit("a loop that is done is begun anew")
+        raise SystemExit("a finished loop must not start again")
     if f"holds rounds with each = {EACH}" not in loop([*words, folder / "loop", "--each", "7"], 2,
                                                       code=2):
         raise SystemExit("another `each` must be refused")
     loop([*words, folder / "alone", "--rounds", "1"], 1)
     if table(folder / "alone/handover.csv") != rows[:4]:
-        raise SystemExit("ranks change the loop")
+        raise SystemExit("the results depend on the number of ranks")
 
 
 if __name__ == "__main__":

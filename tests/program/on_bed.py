@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The vehicle of inputs/track/on_bed.toml over stones that had less time to come to rest: what rail
-and sleepers give each other, the figures of the run, and one round of the hand-over loop.
+"""The vehicle of inputs/track/on_bed.toml over stones that had less time to come to rest: forces
+between rail and sleepers, the figures of the run, and the rounds of the hand-over loop.
 
     on_bed.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -33,19 +33,19 @@ def check_histories(folder, deck):
         rail = file["history/rail/displacement"][()][train]
     if np.isfinite(wheel[~train]).any() or not np.isfinite(wheel[train]).all():
         raise SystemExit("wheels have forces while the train runs, and only then")
-    # Before the first wheel has come near, all stand as at rest.
+    # Before the first wheel comes near, the whole track is at rest.
     if not np.allclose(wheel[train][0], STATIC, rtol=1e-3) or abs(x[train][0, 0] + 9) > 0.05:
-        raise SystemExit(f"the train begins elsewhere: {wheel[train][0]} N, {x[train][0]} m")
+        raise SystemExit(f"the train starts differently: {wheel[train][0]} N, {x[train][0]} m")
     over = wheel[train][(x[train] > 0) & (x[train] < 3)]
     if over.min() < 0.5 * STATIC or over.max() > 2 * STATIC:
         raise SystemExit(f"wheels over the bed: {over.min()} to {over.max()} N")
-    # The summary has all windows, of wheels within half a spacing of the bed's sleepers.
-    bed, told = deck["sleepers"], summary(folder)["track"]
+    # The summary includes all windows, for wheels within half a spacing of the bed's sleepers.
+    bed, extremes = deck["sleepers"], summary(folder)["track"]
     low, high = (bed["first"] + bed["spacing"] * i for i in (-0.5, bed["count"] - 0.5))
     seen = wheel[train][(x[train] >= low) & (x[train] <= high)]
-    if told["wheel_force_max_n"] < seen.max() or told["wheel_force_min_n"] > seen.min():
-        raise SystemExit(f"wheels over the bed: {told} in the summary")
-    # Newton's law of each sleeper in each row: the rail's force is what it was moved by.
+    if extremes["wheel_force_max_n"] < seen.max() or extremes["wheel_force_min_n"] > seen.min():
+        raise SystemExit(f"wheels over the bed: {extremes} in the summary")
+    # Equation of motion of each sleeper in each row, with the force of the rail.
     off = sleeper["reaction"] + sleeper["seat_force"] - mass * (GRAVITY + sleeper["acceleration"])
     if np.abs(off).max() > 1e-6 * STATIC:
         raise SystemExit(f"forces on sleepers do not balance: {np.abs(off).max()} N")
@@ -55,9 +55,9 @@ def check_histories(folder, deck):
 
 
 def check_resume(program, folder):
-    """A train on its way keeps its rail."""
-    under_way = sorted(folder.glob("checkpoint_*.h5"))[-1]
-    ran = program(1, "resume", under_way, "pad.stiffness=100e6", "-o", folder / "other")
+    """The track of a running train cannot be changed at a resume."""
+    running = sorted(folder.glob("checkpoint_*.h5"))[-1]
+    ran = program(1, "resume", running, "pad.stiffness=100e6", "-o", folder / "other")
     if ran.returncode != 2 or "pad.stiffness" not in ran.stderr or "made with" not in ran.stderr:
         raise SystemExit(f"other pads below a train must be refused: {ran.stdout}{ran.stderr}")
 
@@ -74,7 +74,7 @@ def check_figures(source, folder):
 
 
 def deck_of_loop(source, folder):
-    """Two rounds of a train each, told by the deck."""
+    """A deck with two rounds of one train each."""
     text = (source / "inputs/track/on_bed.toml").read_text(encoding="utf-8")
     path = folder / "loop.toml"
     path.write_text(text.replace("rounds = 3 ", "rounds = 2 ").replace("trains = 2 ",
@@ -98,10 +98,10 @@ def check_loop(source, program, folder):
     if len(rows) != 8 or min(stiffness) < 5e6 or max(stiffness) > 1e9:
         raise SystemExit(f"supports: {stiffness} N/m")
     worth = [float(row["stiffness_spread_N_m"]) for row in rows] / np.array(stiffness)
-    # Stones that slip while one sleeper is weighed, in a bed that had little time to come to rest,
-    # leave that one less certain; the loop itself ends where it is worth nothing (support.py).
+    # Slips of stones during the load test of a bed with little time to come to rest reduce the
+    # accuracy of one sleeper; the loop itself ends if the result is unreliable (support.py).
     if not 0 < worth.min() or np.median(worth) > 0.03 or worth.max() > 0.5:
-        raise SystemExit(f"supports are worth {worth}")
+        raise SystemExit(f"relative errors of the supports: {worth}")
     if any(geometry[:4]) or not np.allclose(geometry[4:], -np.array(lost[:4]), atol=1e-15):
         raise SystemExit(f"the second round begins with {geometry}, the first left {lost}")
     check_geometry(program, place / "round_1", lost[:4])
@@ -110,14 +110,14 @@ def check_loop(source, program, folder):
 
 
 def check_loop_again(source, program, folder, place):
-    """The same command takes what is there, and does what is missing; another load is another loop;
-    a deck that is not valid is the program's to refuse."""
+    """The same command keeps existing runs and completes missing ones; another load belongs to
+    another loop; a deck that is not valid is refused by the program."""
     def again(deck, *words):
         return subprocess.run([sys.executable, source / "jobs/handover.py", program, deck, place,
                                "--start", folder / "stage_bed_in.h5", *words],
                               capture_output=True, text=True, check=False)
     table = place / "handover.csv"
-    kept, lost = place / "round_0/weigh/results.h5", place / "round_1/track"
+    kept, lost = place / "round_0/load_test/results.h5", place / "round_1/track"
     first, written = table.read_bytes(), kept.stat().st_mtime_ns
     table.unlink()
     shutil.rmtree(lost)
@@ -127,7 +127,7 @@ def check_loop_again(source, program, folder, place):
     ran = again(deck_of_loop(source, folder), "--load", "20e3")
     if ran.returncode != 2 or "holds rounds with load = 30000, not 20000" not in ran.stderr:
         raise SystemExit(f"another load must be refused: {ran.stdout}{ran.stderr}")
-    # What one train stands for changes the geometry alone: the second round is another one.
+    # EACH only changes the geometry, and so the second round.
     ran = again(deck_of_loop(source, folder), "--each", "10")
     if ran.returncode != 2 or "holds rounds with each = 1, not 10" not in ran.stderr:
         raise SystemExit(f"another geometry must be refused: {ran.stdout}{ran.stderr}")
@@ -144,17 +144,17 @@ def check_other_bed(source, program, folder):
     """A state that does not fit the deck is refused before the loop writes anything."""
     deck, place = folder / "zones.toml", folder / "elsewhere"
     deck.write_text(deck_of_loop(source, folder).read_text(encoding="utf-8").replace(
-        "zones_x = 30", "zones_x = 31"), encoding="utf-8")
+        "elements_x = 30", "elements_x = 31"), encoding="utf-8")
     ran = subprocess.run([sys.executable, source / "jobs/handover.py", program, deck, place,
                           "--start", folder / "stage_bed_in.h5"], capture_output=True, text=True,
                          check=False)
-    if ran.returncode != 2 or "zones_x" not in ran.stderr or place.exists():
+    if ran.returncode != 2 or "elements_x" not in ran.stderr or place.exists():
         raise SystemExit(f"a bed on another ground: {ran.returncode}, {ran.stdout}{ran.stderr}")
 
 
 def check_geometry(program, place, lost):
-    """The rail of a round lies as its sleepers were left by the round before, and a single one
-    that lies lower is felt by the wheels."""
+    """The rail of a round follows the settlement of the round before, and a single lower sleeper
+    changes the wheel forces."""
     table = np.loadtxt(place / "geometry.csv", delimiter=",", skiprows=1)
     if not np.allclose(table[2:6, 1], -np.array(lost), atol=1e-15):
         raise SystemExit(f"geometry of the second round: {table}, the first left {lost}")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Decks that place single stones, against closed forms: free flight, rebound, free rotation,
-sliding and rolling on a slope, a collision of two, a stack at rest; what is driven; a plane model
-and its line contact; tangential load.
+"""Decks with placed stones, against closed forms: free flight, rebound, free rotation, sliding and
+rolling on a slope, a collision of two, a stack at rest; driven bodies; a plane model and its line
+contact; tangential load.
 
     placed.py PROGRAM INPUTS_VERIFY FOLDER
 """
@@ -42,7 +42,7 @@ def near(found, wanted, tolerance, what):
     difference = np.abs(np.asarray(found) - np.asarray(wanted))
     worst = np.unravel_index(np.nanargmax(difference), difference.shape)
     require(np.all(difference <= tolerance),
-            f"{what}: {np.asarray(found)[worst]} is {difference[worst]:.3g} off, at {worst}")
+            f"{what}: {np.asarray(found)[worst]} is off by {difference[worst]:.3g}, at {worst}")
 
 
 def column(results, stone, name):
@@ -59,13 +59,13 @@ def check_decks(bench):
     require(len(decks) >= 6, f"decks are missing: {decks}")
     for deck in decks:
         ran = bench.program.done(1, "check", deck)
-        expect("is valid" in ran.stdout and "warning" not in ran.stdout, f"{deck} is odd", ran)
+        expect("is valid" in ran.stdout and "warning" not in ran.stdout, f"{deck}: warnings", ran)
         expect("estimated wall time" in ran.stdout, f"{deck}: no estimate", ran)
 
 
 def check_flight(bench):
-    """Without forces positions and attitude follow from time alone; under gravity parabolas, on
-    which velocity Verlet is exact."""
+    """Without forces positions and attitude are functions of time only; under gravity parabolas,
+    for which velocity Verlet is exact."""
     for gravity in (0, GRAVITY):
         found = bench.run("impact", "plate.glass.centre=[0,0,-1]", "stage.impact.duration=1e-3",
                           "output.history_interval=1e-5", f"dem.gravity={gravity}",
@@ -82,7 +82,7 @@ def check_flight(bench):
 
 
 def check_impact(bench):
-    """e = 1 head on: the speed comes back; impulse on ball and plate is the change of momentum."""
+    """Central impact with e = 1: equal rebound speed; impulses equal the change of momentum."""
     # Velocity Verlet: second order in the step, of which there are 100 in a contact.
     found = bench.run("impact", "contact.0.restitution=1", "stone.ball.velocity=[0,0,-3]",
                       name="rebound")
@@ -99,15 +99,15 @@ def check_impact(bench):
     sizes = np.linalg.norm(force, axis=1)
     require(len(found.time) > 200 and (sizes > 0).sum() > 50, "the impact is not resolved")
     near(column(found, "ball", "peak_force").ravel(), np.maximum.accumulate(sizes), 0, "peak")
-    # A damper that may not pull leaves no force at the end of a contact.
+    # A damper without tension has no force at the end of a contact.
     contacts = found.total["contacts"].values.ravel()
     require(np.all(contacts[sizes > 0] == 1) and contacts[0] == contacts[-1] == 0
             and contacts.sum() < (sizes > 0).sum() + 20, f"number of contacts: {contacts}")
 
 
 def check_bounce(bench):
-    """The force along the normal does not know of slip: between impacts the speed there is the
-    same, but for the error of velocity Verlet in ten of them."""
+    """The normal force does not depend on slip: between impacts the normal speed is constant,
+    except for the error of velocity Verlet in ten impacts."""
     found = bench.run("bounce")
     free = found.total["contacts"].values.ravel() == 0
     speed = np.abs(column(found, "ball", "velocity")[free, 2])
@@ -124,8 +124,8 @@ def check_rotation(bench):
     near(energy, energy[0], 1e-4 * energy[0], "energy of free rotation")
     q = column(found, "block", "attitude")
     up = 1 - 2 * (q[:, 0]**2 + q[:, 2]**2)  # cosine between its middle axis and y
-    require(up.min() < -0.99 and up.max() > 0.99, "the block does not turn over")
-    # About a principal axis attitude is the angle itself.
+    require(up.min() < -0.99 and up.max() > 0.99, "the block does not tumble")
+    # About a principal axis the attitude follows from the angle.
     found = bench.run("rotation", "stone.block.spin=[0,0,3]", "stone.block.axis=[0,0,1]",
                       "stone.block.angle=20", name="steady")
     angle = (math.radians(20) + 3 * found.time) / 2
@@ -138,7 +138,7 @@ def check_slope(bench):
     tilt, mu = math.radians(20), 0.2
     down = np.array([math.cos(tilt), 0, -math.sin(tilt)])
     t = found.time
-    late = t > 0.1  # once both lie on the plate
+    late = t > 0.1  # once both rest on the plate
     for stone, wanted in (("block", GRAVITY * (math.sin(tilt) - mu * math.cos(tilt))),
                           ("ball", 5 / 7 * GRAVITY * math.sin(tilt))):
         along = column(found, stone, "velocity") @ down
@@ -148,7 +148,7 @@ def check_slope(bench):
     near(column(found, "ball", "spin")[late, 1] * 0.02,
          (column(found, "ball", "velocity") @ down)[late], 2e-3, "rolling of the ball")
     heat = found.energy["dissipated"].values.ravel()
-    require(np.all(np.diff(heat[late]) > 0), "friction gives energy")
+    require(np.all(np.diff(heat[late]) > 0), "friction increases the energy")
 
 
 def check_pair(bench):
@@ -158,7 +158,7 @@ def check_pair(bench):
         near(sums, sums[0], 1e-13 * np.abs(sums).max(), f"{name} of both")
     near(column(found, "large", "impulse"), -column(found, "small", "impulse"), 1e-16,
          "impulses of both")
-    require(np.linalg.norm(column(found, "large", "impulse")[-1]) > 1e-3, "they do not meet")
+    require(np.linalg.norm(column(found, "large", "impulse")[-1]) > 1e-3, "they do not collide")
 
 
 def check_stack(bench):
@@ -182,8 +182,8 @@ def block(a, b, c, r=2e-3):
 
 
 def check_driven(bench):
-    """A ball between a plate that comes down and a fixed stone: both keep their speed, and what
-    they supply is what the ball has and the dampers took."""
+    """A ball between a moving plate and a fixed stone: driven bodies keep their velocity, and the
+    supplied work equals the energy of the ball plus the dissipation."""
     changes = ["stone.block.motion=driven", "stone.block.velocity=[0.1,0,0]",
                "stone.block.spin=[1,2,3]"]
     found = bench.run("rotation", *changes, "time.step=1e-4", name="driven")
@@ -193,7 +193,7 @@ def check_driven(bench):
     found = bench.run("pair", "stone.small.motion=driven", "stone.large.spin=[0,0,0]",
                       name="bat")
     velocity = column(found, "small", "velocity")
-    near(velocity, [[-1, 0.3, -0.2]] * len(velocity), 0, "speed of a driven stone")
+    near(velocity, [[-1, 0.3, -0.2]] * len(velocity), 0, "velocity of a driven stone")
     supplied = found.energy["supplied"].values.ravel()[-1]
     gained = found.energy["kinetic"].values.ravel()
     lost = found.energy["dissipated"].values.ravel()[-1]
@@ -203,8 +203,8 @@ def check_driven(bench):
                       "contact.0.restitution=1", name="racket")
     near(column(found, "ball", "velocity")[-1], [0, 0, 5], 5e-3, "rebound off a moving plate")
     near(found.surfaces["glass"]["displacement"].values, np.outer(found.time, [0, 0, 2]), 1e-18,
-         "way of the plate")
-    # Twice the change of momentum times the plate's speed; by the trapezoid rule.
+         "displacement of the plate")
+    # Change of momentum times the plate's speed; by the trapezoid rule.
     near(found.energy["supplied"].values[-1].item(), mass_of_ball(2.5e-3, 4000) * 6 * 2,
          2e-3 * 0.003, "work of the plate")
 
@@ -266,9 +266,9 @@ def check_plane(bench):
     near(column(found, "disk", "momentum")[0], [mass, 0, 0.4 * mass], 1e-12, "mass of a disk")
     near(column(found, "pair", "attitude")[0] * math.sqrt(2), [0, 1, 0, 1], 5e-3, "attitude")
     energy = found.energy["kinetic"].values + found.energy["elastic"].values
-    # Steps of s sqrt(m/k) leave s^2/4 of the energy of a contact open.
+    # Steps of s sqrt(m/k) have a relative energy error of s^2/4 in a contact.
     near(energy, energy[0], 0.05**2 / 4 * energy[0], "energy without friction and dampers")
-    require(column(found, "disk", "peak_force")[-1] > 0, "the disk does not meet the walls")
+    require(column(found, "disk", "peak_force")[-1] > 0, "the disk does not touch the walls")
 
 
 def compliance(young, poisson):
@@ -277,7 +277,7 @@ def compliance(young, poisson):
 
 
 def check_disk(bench):
-    """Parallel cylinders: half a swing on a spring of pi/4 E* times the thickness; sliding
+    """Parallel cylinders: half a period on a spring of pi/4 E* times the thickness; sliding
     throughout with friction."""
     radius, speed, mu = 0.01, 0.3, 0.3
     for thickness in (0.5, 0.25):
@@ -285,18 +285,18 @@ def check_disk(bench):
         mass = 2700 * thickness * math.pi * radius**2
         stiffness = math.pi / 4 / compliance(70e9, 0.33)[0] * thickness
         pace = math.sqrt(stiffness / mass)
-        step = 4e-8 * pace  # of the swing, in radians
+        step = 4e-8 * pace  # phase angle per step, rad
         z = column(found, "disk", "position")[:, 2]
         force = column(found, "disk", "force")
         inside = np.flatnonzero(z < radius)
         require(400 < len(inside) < 420, f"{len(inside)} steps in contact")
-        # Where it closes and opens the force is another.
+        # In the steps of closing and opening the force differs.
         whole = inside[1:-1]
         near(force[whole, 2] / (radius - z[whole]), stiffness, 1e-12 * stiffness, "stiffness")
-        # Twice rounded.
+        # Rounded twice.
         near(force[whole, 0], -mu * force[whole, 2], 2**-52 * abs(force[whole, 0]).max(),
              "friction")
-        # Sampled between two steps, of a swing whose height velocity Verlet takes by step^2/8 off.
+        # Sampled between two steps; velocity Verlet changes the amplitude by step^2/8.
         depth = speed / pace
         near(radius - z.min(), depth, step**2 / 4 * depth, "overlap")
         begin = (0.01001 - radius) / speed
@@ -304,10 +304,10 @@ def check_disk(bench):
         near(end - begin, math.pi / pace, step**2 / 12 * math.pi / pace, "contact time")
         momentum = column(found, "disk", "momentum")
         change = momentum[-1] - momentum[0]
-        # Overlaps of a micrometre are differences of heights of a centimetre.
+        # Overlaps of a micrometre are differences of positions of a centimetre.
         near(change[2], 2 * mass * speed, 2e-11 * mass * speed, "rebound with restitution 1")
         near(-change[0] / change[2], mu, 1e-9, "tangential over normal impulse")
-        # The arm is shorter than the radius by the overlap.
+        # The lever arm is the radius less the overlap.
         turned = -change[0] * radius / (mass * radius**2 / 2)
         near(column(found, "disk", "spin")[-1, 1], turned, depth / radius * turned, "spin")
         found = bench.run("disk", f"thickness={thickness}", "contact.0.friction=0",
@@ -323,14 +323,14 @@ def check_shear(bench):
     size = math.sqrt(0.01 * 1e-5)
     normal, shear = 4 / 3 / soft * size * 1e-5, 8 / yielding * size
     force = column(found, "ball", "force")[1:]
-    way = 0.01 * found.time[1:]
+    travel = 0.01 * found.time[1:]
     near(force[:, 2], normal, 1e-12 * normal, "normal force")
-    near(force[:, 0], -np.minimum(shear * way, 0.3 * normal), 1e-12 * normal, "tangential force")
-    require(shear * way[0] < 0.01 * normal < 0.3 * normal < shear * way[-1], "nothing slips")
-    # By the trapezoid rule, which cuts the corner.
+    near(force[:, 0], -np.minimum(shear * travel, 0.3 * normal), 1e-12 * normal, "tangential force")
+    require(shear * travel[0] < 0.01 * normal < 0.3 * normal < shear * travel[-1], "no slip")
+    # By the trapezoid rule, with an error at the kink.
     work = found.energy["supplied"].values.ravel()[-1]
     limit = 0.3 * normal / shear
-    near(work, 0.3 * normal * (way[-1] - limit / 2), 1e-6 * work, "work of the ball")
+    near(work, 0.3 * normal * (travel[-1] - limit / 2), 1e-6 * work, "work of the ball")
 
 
 def main():

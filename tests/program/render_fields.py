@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Opens the field files of a stage in VTK, draws them, and wants to see something in the pictures.
+"""Opens the field files of a stage in VTK, draws them, and checks that the pictures have contents.
 
     render_fields.py FIELDS STAGE PICTURES
 
-There must be a file of each kind (stones, contacts, ground), with cells in it and a picture of more
-than one colour.
+Requires a file of each kind (stones, contacts, ground) with cells, and a picture with more than one
+colour.
 """
 import pathlib
 import re
@@ -33,7 +33,7 @@ def main():
     missing = KINDS - set(colours)
     flat = [kind for kind, found in colours.items() if found < 2]
     if missing or flat:
-        raise SystemExit(f"no file of {sorted(missing)}, nothing to see in {flat}")
+        raise SystemExit(f"no file of {sorted(missing)}, pictures of one colour {flat}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Scripts of jobs/ that are told to stop: each run of theirs writes its checkpoint and ends before
-they do, with code 3; the hand-over loop goes on to the same figures.
+"""Scripts of jobs/ that receive a signal to stop: each of their runs writes its checkpoint and ends
+before the script, with code 3; the hand-over loop continues to the same results.
 
     script_stops.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -16,20 +16,21 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program  # noqa: E402
 
-# A bed on which each sleeper can be weighed: four of four seeds; with less work two of three.
+# A bed on which the support of each sleeper can be measured: four of four seeds; with less
+# compaction two of three.
 SHORT = ["stage.fill.duration=0.3", "stage.compact.duration=0.6", "stage.release.duration=0.02",
          "stage.sleepers.duration=0.05", "stage.bed_in.duration=0.15", "stage.bed_in.cycles=3"]
 
 
 def left(folder):
-    """(Command line, signals it catches) of processes that name what is in the folder."""
+    """(Command line, caught signals) of processes whose arguments are in the folder."""
     found = []
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             words = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
             status = (process / "status").read_text(encoding="utf-8")
         except OSError:
-            continue  # ended meanwhile
+            continue  # has ended in the meantime
         if f"{folder}/" in words:
             found.append((words, int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16)))
     return found
@@ -45,13 +46,13 @@ def wait_for(holds, running, what):
 
 
 def stopped(command, folder, numbers, begun, environment=None):
-    """Runs `command`, sends the signals as soon as `begun()`, and wants the script to end with 3
-    and its sentence, all that it has started before it. What it said."""
+    """Runs `command`, sends the signals as soon as `begun()`, and requires that the script ends
+    with 3 and its message after all processes that it has started. Returns its stderr."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env=environment, start_new_session=True, preexec_fn=lambda:
                           signal.signal(signal.SIGINT, signal.SIG_DFL)) as running:
         try:
-            wait_for(begun, running, f"{command} before it was told")
+            wait_for(begun, running, f"{command} before the signal")
             for number in numbers:
                 os.kill(running.pid, number)
             out, err = running.communicate(timeout=120)
@@ -66,7 +67,7 @@ def stopped(command, folder, numbers, begun, environment=None):
 
 
 def listen(program, ranks, place):
-    """Whether all ranks of the run in `place` can be told to stop."""
+    """Returns a test whether all ranks of the run in `place` catch the signal to stop."""
     def holds():
         caught = [caught for words, caught in left(place.parent)
                   if words.startswith(f"{program} ") and f"{place}" in words]
@@ -80,7 +81,7 @@ def last_checkpoint(place):
 
 
 def check_loop(program, source, folder):
-    """Stopped while it weighs, by a train over the bed, and before its run has begun."""
+    """The loop is stopped in the load test, during a train, and before its run has begun."""
     deck = source / "inputs/track/on_bed.toml"
     Program(program).done(2, "run", deck, *SHORT, "-o", folder / "bed")
 
@@ -89,8 +90,8 @@ def check_loop(program, source, folder):
                 folder / "bed/stage_bed_in.h5", "--rounds", "1", "--trains", "1"]
     whole, parts = folder / "whole", folder / "parts"
     subprocess.run(command(whole), check=True)
-    weigh, trains = parts / "round_0/weigh", parts / "round_0/trains"
-    for place, numbers in ((weigh, [signal.SIGTERM]), (weigh, [signal.SIGHUP]),
+    load_test, trains = parts / "round_0/load_test", parts / "round_0/trains"
+    for place, numbers in ((load_test, [signal.SIGTERM]), (load_test, [signal.SIGHUP]),
                            (trains, [signal.SIGINT, signal.SIGINT])):
         before = last_checkpoint(place)
         stopped(command(parts), folder, numbers, listen(program, 2, place))
@@ -99,30 +100,32 @@ def check_loop(program, source, folder):
     ran = subprocess.run(command(parts), capture_output=True, text=True, check=False)
     if ran.returncode or (parts / "handover.csv").read_bytes() != \
             (whole / "handover.csv").read_bytes():
-        raise SystemExit(f"the loop goes on to other figures: {ran.stdout}{ran.stderr}")
+        raise SystemExit(f"the continued loop has other results: {ran.stdout}{ran.stderr}")
 
 
 def check_early(program, source, folder):
-    """A run that is told before it listens has no checkpoint, but ends; so does its script."""
+    """A run that gets the signal before its handler is set ends without a checkpoint, as does its
+    script."""
     command = [sys.executable, source / "jobs/handover.py", program,
                source / "inputs/track/on_bed.toml", folder / "early"]
     log = folder / "early/bed.log"
     stopped(command, folder, [signal.SIGTERM], log.is_file)
     if (folder / "early/bed/stage_fill.h5").exists():
-        raise SystemExit("a run that was told before its first stage has made it all the same")
+        raise SystemExit("a run stopped before its first stage must not finish that stage")
     log.unlink()
-    later = folder / "early/round_0/weigh/summary.json"  # of a loop that --force is to begin anew
+    # Of an earlier loop, which --force is to remove.
+    later = folder / "early/round_0/load_test/summary.json"
     later.parent.mkdir(parents=True)
     later.write_text("{}", encoding="utf-8")
     err = stopped([*command, "--force"], folder, [signal.SIGTERM], log.is_file)
     if "without --force" not in err:
-        raise SystemExit(f"with --force the same command begins anew: {err}")
+        raise SystemExit(f"the message must recommend the command without --force: {err}")
     if later.exists():
-        raise SystemExit("rounds of the old loop would stop the command that goes on")
+        raise SystemExit("rounds of the old loop must be removed")
 
 
 def check_shell(program, source, folder):
-    """run_model of the shell scripts, also before its run can listen."""
+    """run_model of the shell scripts, also before its run has set the signal handler."""
     place, root = folder / "shell", folder / "project"
     (root / "jobs").mkdir(parents=True)
     (root / "build/release").mkdir(parents=True)
@@ -136,9 +139,9 @@ def check_shell(program, source, folder):
             wait_for(begun, running, words)
             running.terminate()
             code = running.wait(timeout=120)
-        time.sleep(1.5)  # what tells it again each second ends by itself
+        time.sleep(1.5)  # the loop that repeats the signal ends by itself
         if code == 0 or (place / "stage_fill.h5").exists() or left(folder):
-            raise SystemExit(f"run_model told to stop: code {code}, {left(folder)}")
+            raise SystemExit(f"run_model after a signal to stop: code {code}, {left(folder)}")
     if code != 3 or not last_checkpoint(place):
         raise SystemExit(f"run_model must end with 3 and a checkpoint, not with {code}")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the scripts of jobs/ in Python refuse: one sentence, before anything runs.
+"""Inputs that the Python scripts of jobs/ refuse with one message before anything runs.
 
     script_words.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -14,18 +14,18 @@ def refused(folder, words, command, ranks="2"):
     ran = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False,
                          cwd=folder, env={**os.environ, "RANKS": ranks})
     if ran.returncode != 2 or len(ran.stderr.splitlines()) != 1 or words not in ran.stderr:
-        raise SystemExit(f"{command} must say {words} and end with 2, not {ran.returncode}:\n"
+        raise SystemExit(f"{command} must print {words} and end with 2, not {ran.returncode}:\n"
                          f"{ran.stdout}{ran.stderr}")
     if (folder / "results").exists():
         raise SystemExit(f"{command} must be refused before it runs anything")
 
 
 def check_stages(program, source, folder):
-    """Rounds begin with sleepers and before trains, whoever names the stage."""
+    """Rounds begin after the sleepers and before trains, wherever the stage is named."""
     loop, given = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
     text = given.read_text(encoding="utf-8")
-    for stage, words in (("fill", "the rounds weigh sleepers, which a later stage places"),
-                         ("train", "the bed must end before one")):
+    for stage, words in (("fill", "the rounds load the sleepers, which only a later stage places"),
+                         ("train", "choose a stage before the first train")):
         deck, start = folder / f"after_{stage}.toml", folder / f"stage_{stage}.h5"
         deck.write_text(text.replace('after = "bed_in"', f'after = "{stage}"'), encoding="utf-8")
         start.touch()
@@ -38,13 +38,13 @@ def check_places(program, source, folder):
     (folder / "file").touch()
     for place, words in (("file", "it is a file"), ("file/results", "Not a directory"),
                          ("/proc/results", "No such file or directory")):
-        words = f"{place} cannot be made as a folder ({words})"
+        words = f"{place} cannot be created as a folder ({words})"
         refused(folder, words, [loop, program, deck, place])
         refused(folder, words, [source / "jobs/sleeper_mass.py", program, place])
 
 
 def check_program(program, source, folder):
-    """./NAME is the file here, and found: what is refused then is the load."""
+    """./NAME is the file in the working directory; then the load is refused."""
     loop, deck = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
     (folder / "here").symlink_to(program)
     for load in ("0", "nan", "inf"):
@@ -53,12 +53,12 @@ def check_program(program, source, folder):
     refused(folder, "there: No such file", [source / "jobs/sleeper_mass.py", "./there", "masses"])
     strength = [source / "jobs/strength.py", "./there", "strength", "heap"]
     refused(folder, "there: No such file", strength)
-    refused(folder, "--rows none: must be of deck, ", [*strength, "--rows", "none"])
+    refused(folder, "--rows none: must be one of deck, ", [*strength, "--rows", "none"])
 
 
 def check_spared(program, source, folder):
-    """The loop neither writes over its inputs nor removes them, with --force neither what others
-    have put beside its own."""
+    """The loop neither overwrites nor removes its inputs, nor, with --force, files that are not its
+    own."""
     loop, given = source / "jobs/handover.py", source / "inputs/track/on_bed.toml"
     place = folder / "loop"
     (place / "bed").mkdir(parents=True)
@@ -80,10 +80,10 @@ def check_spared(program, source, folder):
                                                       "--force"])
     for deck in ("bed.toml", "round_0/trains.toml"):
         for words in ([], ["--force"]):
-            refused(folder, f"{place / deck} is where the loop writes its own",
+            refused(folder, f"{place / deck} would be overwritten by the loop",
                     [loop, program, place / deck, place, *words])
     same()
-    # What comes after is refused by a program that only checks.
+    # The next loop gets a program that only checks and fails on the first run.
     checks = folder / "checks"
     checks.write_text(f'#!/bin/sh\nif [ "$1" = describe ]; then exec {program} describe; fi\n'
                       'test "$1" = check\n', encoding="utf-8")
@@ -94,7 +94,7 @@ def check_spared(program, source, folder):
         if (place / name).exists():
             raise SystemExit(f"--force must remove {place / name}, which is the loop's")
         del kept[place / name]
-    del kept[place / "bed.toml"]  # is written anew
+    del kept[place / "bed.toml"]  # is rewritten
     same()
 
 

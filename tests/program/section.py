@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A section of track with slopes on a layer of its own, on the deck inputs/bed/section with few and
-round stones: what `check` says before, what is cut, and where the layers lie.
+"""A section of track with slopes on a layer of sub-ballast, on the deck inputs/bed/section with few
+and round stones: forecast of `check`, cut stones, and position of the layers.
 
     section.py PROGRAM DECK FOLDER
 """
@@ -55,35 +55,36 @@ def with_layer(deck, folder):
 def main():
     program, folder = Program(sys.argv[1]), Path(sys.argv[3])
     deck = with_layer(sys.argv[2], folder)
-    said = program.done(1, "check", deck, *SMALL).stdout
+    reported = program.done(1, "check", deck, *SMALL).stdout
     expected = {layer: (int(made), int(left)) for layer, made, left in re.findall(
-        r"(sub_ballast|uppermost layer): (\d+) stones are poured, about (\d+) of them stay", said)}
+        r"(sub_ballast|uppermost layer): (\d+) stones are poured; about (\d+) of them remain",
+        reported)}
     program.done(2, "run", deck, *SMALL, "--force", "-o", folder / "run")
     stones = {stage["name"]: stage["particles"] for stage in summary(folder / "run")["stages"]}
     wrong = []
     lower, upper = expected["sub_ballast"][0], expected["uppermost layer"][0]
     if stones["sub_ballast"] != lower or stones["fill"] != lower + upper:
-        wrong.append(f"{stones} stones, where check says {expected}")
+        wrong.append(f"{stones} stones, forecast of check {expected}")
     left = sum(pair[1] for pair in expected.values())
-    # What is promised; a pressed bed of another height than asked would miss it by as much.
+    # Required accuracy; a compacted bed of another height would differ accordingly.
     if abs(stones["sleepers"] / left - 1) > 0.03:
-        wrong.append(f"{stones['sleepers']} stones are left, check says {left}")
+        wrong.append(f"{stones['sleepers']} stones remain, forecast of check {left}")
     with h5py.File(folder / "run/stage_compact.h5") as file:
         ids, z = file["particles/id"][()].ravel(), file["particles/position"][:, 2]
         materials = np.unique(file["particles/material"][()])
     if not z[ids < lower].mean() < 0.06 < 0.15 < z[ids >= lower].mean() or len(materials) != 1:
         wrong.append(f"layers at {z[ids < lower].mean()} and {z[ids >= lower].mean()} m")
-    # One window after the cut: centres lie below crest and slope, but for what they moved since.
+    # One window after the cut: centres are below crest and slope, except for the motion since then.
     program.done(2, "run", deck, *SMALL, f"start={folder / 'run/stage_release.h5'}",
                  "output.stop_after=1", "--force", "-o", folder / "cut", code=3)
     with h5py.File(next((folder / "cut").glob("checkpoint_*.h5"))) as file:
         y, z = file["particles/position"][:, 1], file["particles/position"][:, 2]
     above = (z - PROFILE + np.maximum(0, y - CREST) / SLOPE).max()
-    if not -0.01 < above < 1e-4:  # many stones: some lie close below; 1 m/s in 0.1 ms
-        wrong.append(f"the highest centre lies {above} m above its outline")
+    if not -0.01 < above < 1e-4:  # many stones: some are close below; 1 m/s in 0.1 ms
+        wrong.append(f"the highest centre is {above} m above its outline")
     if wrong:
         sys.exit("\n".join(wrong))
-    print(f"{stones['sleepers']} stones are left, check says {left}; highest centre {above:.4f} m")
+    print(f"{stones['sleepers']} stones remain, forecast {left}; highest centre {above:.4f} m")
 
 
 main()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The command `shapes`: stones into a library and back, their picture as a mesh, refusals.
+"""The command `shapes`: stones written to a library and read back, their mesh, refusals.
 
     shapes.py PROGRAM FOLDER
 """
@@ -38,7 +38,7 @@ def shapes(program, *words, code=0):
 
 
 def rows(table):
-    """{name: numbers of its row} without the head and the notes."""
+    """{name: numbers of its row} without head and notes."""
     lines = [line.split() for line in table.splitlines()[1:] if not line.startswith(" ")]
     return {words[0]: [float(word) for word in words[1:]] for words in lines}
 
@@ -49,10 +49,10 @@ def near(found, wanted, relative, what):
 
 
 def bed_of_library(program, library, folder, made):
-    """Stones of a library fall in a bed; the deck shows the library's shapes; a text is refused."""
+    """A bed of stones of a library; the deck has the library's shapes; a text file is refused."""
     shown = rows(shapes(program, write_deck(folder, library)))
     if list(shown.values()) != list(rows(made).values()):
-        raise SystemExit("the shapes of the deck are not those of its library")
+        raise SystemExit("the shapes of the deck differ from those of its library")
     short = [f"stage.{name}.duration=0.002" for name in ("fill", "settle", "rest")]
     done = subprocess.run([program, "run", folder / "deck.toml", "bed.height=0.06", *short, "-o",
                            folder / "results", "--force"], capture_output=True, text=True,
@@ -63,14 +63,14 @@ def bed_of_library(program, library, folder, made):
     wrong = subprocess.run([program, "run", write_deck(folder, folder / "deck.toml"), "-o",
                             folder / "none"], capture_output=True, text=True, check=False)
     if wrong.returncode != 2 or "is no library" not in wrong.stderr:
-        raise SystemExit(f"a deck is no library: {wrong.stdout}{wrong.stderr}")
+        raise SystemExit(f"a deck must be refused as a library: {wrong.stdout}{wrong.stderr}")
     for change, reason in ((("radius", 1, 0), "shape stone_6 has edges without rounding"),
-                           (("radius", 1, math.nan), "shape stone_6 has a size, volume or"),
-                           (("solid", (2, 0), -1), "shape stone_7 has a size, volume or"),
-                           (("solid", (0, 0), 100), "shape stone_5 has a size, volume or"),
-                           (("solid", (0, 4), 0), "shape stone_5 has a size, volume or"),
-                           (("faces", 1, 2**32 + 1), "parts do not fit together"),
-                           (("pieces", 0, -1), "parts do not fit together"),
+                           (("radius", 1, math.nan), "shape stone_6 has an impossible size"),
+                           (("solid", (2, 0), -1), "shape stone_7 has an impossible size"),
+                           (("solid", (0, 0), 100), "shape stone_5 has an impossible size"),
+                           (("solid", (0, 4), 0), "shape stone_5 has an impossible size"),
+                           (("faces", 1, 2**32 + 1), "parts are inconsistent"),
+                           (("pieces", 0, -1), "parts are inconsistent"),
                            ("kind", "its kind must be shapes"),
                            ("version", "its version 1")):
         changed = folder / "changed.h5"
@@ -83,18 +83,19 @@ def bed_of_library(program, library, folder, made):
                 file[f"shapes/{name}"][place] = value
         refused(program, write_deck(folder, changed), [], "bed.library",
                 [f'"{changed.resolve()}" ', reason])
-    refused(program, BENCH, ["bed.x=[0.0,0.2]"], "command line: bed.x", ["0.2 m long", "3 times"])
+    refused(program, BENCH, ["bed.x=[0.0,0.2]"], "command line: bed.x",
+            ["is 0.2 m and must be", "3 times"])
 
 
 def refused(program, deck, changes, key, words):
-    """One sentence with its place, from `check` and from `run` alike."""
+    """The same message with its place from `check` and from `run`."""
     for command in ("check", "run"):
         done = subprocess.run([program, command, deck, *changes], capture_output=True, text=True,
                               check=False)
-        said = done.stderr.splitlines()
-        if done.returncode != 2 or len(said) != 1 or key not in said[0].split("=")[0] or \
-                not all(word in said[0] for word in words):
-            raise SystemExit(f"{command} {deck} {changes} must say {words}: {done.stderr}")
+        lines = done.stderr.splitlines()
+        if done.returncode != 2 or len(lines) != 1 or key not in lines[0].split("=")[0] or \
+                not all(word in lines[0] for word in words):
+            raise SystemExit(f"{command} {deck} {changes} must report {words}: {done.stderr}")
 
 
 def write_deck(folder, library):
@@ -109,7 +110,7 @@ def write_deck(folder, library):
 
 
 def proportions(program, folder, picture):
-    """Table and picture show S, I and L in the proportions asked for; `check` names long stones."""
+    """Table and mesh have S, I and L in the prescribed proportions; `check` reports long stones."""
     asked = ("--stones", 3, "--elongation", 0.6, "--flatness", 0.5)
     for name, row in rows(shapes(program, *asked, "--picture", picture)).items():
         thickness, width, length, greatest = row[-4:]
@@ -130,12 +131,12 @@ def proportions(program, folder, picture):
                                            "bed.polyhedron.flatness=0.6"), True)):
         done = subprocess.run([program, "check", BENCH, *changes], capture_output=True, text=True,
                               check=True)
-        if ("warning: bed: the longest stone measures" in done.stdout) != warned:
+        if ("warning: bed: the longest stone is" in done.stdout) != warned:
             raise SystemExit(f"check {changes}: {done.stdout}")
 
 
 def foreign_files(program, folder, library, picture):
-    """What is neither a library nor a picture of ours stays as it is; ours give way."""
+    """Files that are neither a library nor a mesh of the program are kept; its own are replaced."""
     for name, option, content in (("notes.h5", "--library", b"notes"),
                                   ("empty.h5", "--library", b""),
                                   ("scan.obj", "--picture", TETRAHEDRON.encode()),
@@ -143,9 +144,9 @@ def foreign_files(program, folder, library, picture):
                                   ("library.obj", "--picture", library.read_bytes())):
         place = folder / name
         place.write_bytes(content)
-        said = shapes(program, "--stones", 1, option, place, code=2)
-        if f"{place}: exists and is no " not in said or place.read_bytes() != content:
-            raise SystemExit(f"{option} {name}: {said}")
+        reported = shapes(program, "--stones", 1, option, place, code=2)
+        if f"{place}: exists and is no" not in reported or place.read_bytes() != content:
+            raise SystemExit(f"{option} {name}: {reported}")
     for option, place in (("--library", library), ("--picture", picture)):
         before = place.read_bytes()
         shapes(program, "--stones", 2, option, place)
@@ -154,8 +155,8 @@ def foreign_files(program, folder, library, picture):
 
 
 def full_disk(program, folder, option, place):
-    """A file that may not grow stands for a full disk. The mesh comes through a pipe: the program
-    waits for it meanwhile, since MPI itself begins with larger files."""
+    """A limited file size simulates a full disk. The mesh is read through a pipe, on which the
+    program waits meanwhile, as MPI itself starts with larger files."""
     pipe, before = folder / "pipe.obj", place.read_bytes()
     pipe.unlink(missing_ok=True)
     os.mkfifo(pipe)
@@ -169,7 +170,7 @@ def full_disk(program, folder, option, place):
     if run.returncode != 4 or f"{place}.part: " not in err or "File too large" not in err:
         raise SystemExit(f"{option}: a full disk must end with 4: {run.returncode}\n{out}{err}")
     if place.read_bytes() != before or list(folder.glob("*.part")):
-        raise SystemExit(f"{option}: a full disk must leave the old file alone: {err}")
+        raise SystemExit(f"{option}: the old file must be kept on a full disk: {err}")
 
 
 def main():
@@ -180,23 +181,23 @@ def main():
         file.unlink(missing_ok=True)
     made = shapes(program, "--stones", 3, "--vertices", 12, "--seed", 5, "--library", library)
     if shapes(program, library) != made:
-        raise SystemExit("a library does not hold what was written into it")
+        raise SystemExit("a library differs from what was written into it")
     if list(rows(made)) != ["stone_5", "stone_6", "stone_7"]:
         raise SystemExit(f"names: {list(rows(made))}")
     if any(row[:3] != [1, 12, 20] for row in rows(made).values()):
-        raise SystemExit(f"12 corners make 20 triangles\n{made}")
+        raise SystemExit(f"12 corners must give 20 triangles\n{made}")
 
     bed_of_library(program, library, folder / "bed", made)
 
-    # The picture of one stone is a closed mesh: read again it has the same volume, but for the
-    # rounding cut into triangles.
+    # The mesh of one stone is closed: read again it has the same volume, except for the
+    # approximation of the rounding by triangles.
     one = rows(shapes(program, "--stones", 1, "--rounding", 0.02, "--picture",
                       picture))["stone_1"]
     again = rows(shapes(program, picture, "--rounding", 0, "--vertices", 200))["stones"]
-    near(again[3], one[3], 0.005, "volume of the picture")
-    near(again[8], one[8], 0.01, "sieve size of the picture")
+    near(again[3], one[3], 0.005, "volume of the mesh")
+    near(again[8], one[8], 0.01, "sieve size of the mesh")
 
-    # Layers of a deck come with their names.
+    # Layers of a deck are listed with their names.
     section = pathlib.Path(__file__).resolve().parents[2] / "inputs/bed/section.toml"
     layered = folder / "layered.toml"
     layered.write_text(section.read_text() + '\n[[bed.layer]]\nname = "sub"\nstone = "polyhedra"\n'
@@ -215,7 +216,7 @@ def main():
     near(tetrahedron[3], 4.5, 1e-3, "cm3 of a corner of a cube of 30 mm")
     near(rows(shapes(program, mesh, "--unit", 0.001))["tetra"][3], 4.5, 1e-3, "cm3, rounded")
     if "is --unit right" not in shapes(program, mesh):
-        raise SystemExit("a stone of 30 m must be worth a warning")
+        raise SystemExit("a stone of 30 m must give a warning")
     clump = shapes(program, mesh, "--unit", 0.001, "--spheres", 20)
     if rows(clump)["tetra"][0] != 20 or "off the mesh's, surface" not in clump:
         raise SystemExit(clump)
@@ -232,18 +233,19 @@ def main():
                           (["--stones", 2, "--spheres", 10], "--spheres is for meshes"),
                           (["--stones", 2, "--unit", 1], "--unit is for meshes"),
                           ([mesh, "--seed", 2], "--seed is for parametric stones"),
-                          ([mesh, "--spheres", 9, "--parts", 2], "one of both"),
+                          ([mesh, "--spheres", 9, "--parts", 2], "give only one of them"),
                           ([mesh, "--spheres", 9, "--rounding", 0], "--rounding is for stones"),
                           ([folder / "none.h5"], "library"), ([mesh.with_suffix(".txt")], ".stl"),
                           ([], "no shapes"),
                           (["--stones", 1, "--picture", "stones.gif"], ".obj"),
                           (["--stones", 1, "--library", "stones.txt"], "end in .h5"),
-                          (["--stones", 1, "--library", "s.h5", "--rounding", 0], "sharp stones"),
+                          (["--stones", 1, "--library", "s.h5", "--rounding", 0],
+                           "stones without rounding"),
                           (["--stones", 1, "--seed", -4], "--seed")):
-        said = shapes(program, *words, code=2)
-        if reason not in said:
-            raise SystemExit(f"{words}: '{reason}' is not in '{said}'")
-    print("shapes: library, picture, meshes and refusals as they should be")
+        reported = shapes(program, *words, code=2)
+        if reason not in reported:
+            raise SystemExit(f"{words}: '{reason}' is not in '{reported}'")
+    print("shapes: library, picture, meshes and refusals as expected")
 
 
 if __name__ == "__main__":

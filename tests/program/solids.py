@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sleepers and rails as solids beside rigid sleepers on the same bed, on the deck
+"""Sleepers and rails as solids compared with rigid sleepers on the same bed, on the deck
 inputs/demfem/solids with few and round stones and one light wheel.
 
     solids.py PROGRAM DECK FOLDER
@@ -24,14 +24,14 @@ SMALL = ["bed.stone=disk", "dem.largest_overlap=0.5", "bed.y=[0, 0.9]", "ground.
          "stage.sleepers.height=0.13", "stage.preload.duration=0.03", "stage.preload.cycles=1",
          "stage.preload.load=2e3", "stage.preload.seat_force=200", "stage.wheels.duration=0.1",
          "stage.wheels.seat_force=200", "output.fields=true"]
-BALANCE = 1e-10  # promise of the coupling
-# From the preload on, a row and now and then a picture of every window until a wheel has come onto
-# the rail.
+BALANCE = 1e-10  # relative, required of the coupling
+# From the preload on, a row and sometimes a field file of every window until a wheel is on the
+# rail.
 OFTEN = ["output.history_interval=1e-9", "output.fields_interval=8e-3",
          "stage.wheels.duration=0.04"]
 YOUNG, ELEMENT = 37e9, 0.1  # Pa, m, of the sleepers
 PLACES = (0.5, 0.0)         # m along y, below the seat and in the middle of the track
-# Of the largest bending stress: elements' stress feels what stones press across the sleeper too.
+# Relative to the largest bending stress: stress of elements includes pressure across the sleeper.
 UNIAXIAL = 0.1
 
 
@@ -42,8 +42,8 @@ def last_stage(folder, name):
 
 
 def stretched(picture):
-    """Young's modulus times how much longer the lower face of each sleeper is, along the sleeper,
-    over the elements at the places: Pa, tension positive, sleeper by sleeper."""
+    """Young's modulus times the strain of the lower face of each sleeper along its axis, over the
+    elements at the places: Pa, tension positive, sleeper by sleeper."""
     shown = {name.split("/", 1)[1]: rows for name, rows in datasets(picture).items()}
     points, moved = shown["Points"], shown["PointData/displacement (m)"]
     cells, body = shown["Connectivity"].reshape(-1, 8), shown["CellData/body"].ravel()
@@ -51,7 +51,7 @@ def stretched(picture):
     for sleeper in (0, 1):
         nodes = np.unique(cells[body == sleeper])
         x, z = points[nodes, 0], points[nodes, 2]
-        inner = np.abs(x - (x.min() + x.max()) / 2) < ELEMENT  # of three elements the one amid
+        inner = np.abs(x - (x.min() + x.max()) / 2) < ELEMENT  # the middle one of three elements
         nodes = nodes[inner & (z < z.min() + 1e-6)]
         for place in PLACES:
             ends = [nodes[np.abs(points[nodes, 1] - y) < 1e-6]
@@ -62,16 +62,17 @@ def stretched(picture):
 
 
 def bending(folder):
-    """Where the histories' bending stress is not that of the lower face in the pictures."""
+    """Problems: bending stress of the histories differs from that of the lower face in files."""
     rows, wrong = last_stage(folder, "solid/bending_stress"), []
     pictures = sorted((folder / "fields").glob("wheels_*_solids.vtkhdf"))
     for picture in pictures:
-        told, found = rows[int(picture.name.split("_")[1]) - 1], np.array(stretched(picture))
-        off = np.abs(told - found).max() / np.abs(found).max()
-        print(f"{picture.name}: bending stress {told} Pa, of the lower face {found} Pa: {off:.2g}")
+        stress, found = rows[int(picture.name.split("_")[1]) - 1], np.array(stretched(picture))
+        off = np.abs(stress - found).max() / np.abs(found).max()
+        text = f"{picture.name}: bending stress {stress} Pa, of the lower face {found} Pa"
+        print(f"{text}: {off:.2g}")
         if not off < UNIAXIAL:
-            wrong.append(f"{picture.name}: bending stress {told} Pa, of the lower face {found} Pa")
-    return wrong if len(pictures) > 3 else [f"pictures of solids: {pictures}"]
+            wrong.append(text)
+    return wrong if len(pictures) > 3 else [f"field files of solids: {pictures}"]
 
 
 def main():
@@ -87,24 +88,24 @@ def main():
                   for key, value in found["coupling"].items() if not 0 <= value <= BALANCE]
         pictures = sorted(path.name for path in (place / "fields").glob("wheels_*_solids.vtkhdf"))
         if bool(pictures) != (name == "solid") or ("solids" in found) != (name == "solid"):
-            wrong.append(f"{name}: pictures {pictures}, summary {found.get('solids')}")
-    # While the wheel is on the rail its force comes down through the pads.
+            wrong.append(f"{name}: field files {pictures}, summary {found.get('solids')}")
+    # While the wheel is on the rail its force is transferred by the pads.
     carried = -last_stage(places["solid"], "sleeper/seat_force").sum(axis=1)
-    print(f"wheel {WHEEL:.0f} N, through the pads {carried.min():.0f} to {carried.max():.0f} N")
-    # It comes onto the rail within centimetres, and the soft bed lets it bounce: twice its force.
+    print(f"wheel {WHEEL:.0f} N, force of the pads {carried.min():.0f} to {carried.max():.0f} N")
+    # It enters the rail within centimetres on a soft bed: dynamic force up to twice its weight.
     if not 0.7 * WHEEL < carried.max() < 3 * (WHEEL + 400):
-        wrong.append(f"the pads carry {carried.max()} N of a wheel of {WHEEL} N")
-    ways = {name: np.ptp(last_stage(place, "sleeper/displacement"), axis=0)
+        wrong.append(f"force of the pads {carried.max()} N under a wheel of {WHEEL} N")
+    travel = {name: np.ptp(last_stage(place, "sleeper/displacement"), axis=0)
             for name, place in places.items()}
-    print(f"way of the sleepers in the passage, m: {ways}")
-    # Different models of one track on one bed: of the same order.
-    ratio = ways["solid"].mean() / ways["rigid"].mean()
+    print(f"displacement range of the sleepers in the passage, m: {travel}")
+    # Different models of one track on one bed: the same order of magnitude.
+    ratio = travel["solid"].mean() / travel["rigid"].mean()
     if not 0.1 < ratio < 10:
-        wrong.append(f"sleepers move {ratio} times as far as rigid ones")
+        wrong.append(f"displacement of solid over rigid sleepers {ratio}")
     seats, rails = (last_stage(places["solid"], f"solid/{part}_displacement")
                     for part in ("seat", "rail"))
     if not np.all(np.abs(rails - seats) < 1e-3):
-        wrong.append("rail and seats part: a pad has given way by more than a millimetre")
+        wrong.append("rail and seats separate: a pad has deformed by more than a millimetre")
     if not np.all(np.ptp(last_stage(places["solid"], "solid/bending_stress"), axis=0) > 1e3):
         wrong.append("sleepers do not bend")
     program.done(2, "run", deck, *SMALL, *OFTEN, "--force",

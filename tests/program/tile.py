@@ -3,8 +3,8 @@
 
     tile.py PROGRAM FOLDER_OF_DECKS FOLDER
 
-The copies rest as the cell does, a joint is like any other place, bits do not depend on ranks or
-stops, and a checkpoint that cannot be a cell is refused before anything runs.
+The copies are at rest as the cell is, joints are like any other place, results do not depend on
+ranks or stops, and a checkpoint that cannot be a cell is refused before anything runs.
 """
 import shutil
 import sys
@@ -39,22 +39,22 @@ class Bench:
 
 
 def places(checkpoint):
-    """Of stones by id, x within the cell."""
+    """x within the cell, of stones by id."""
     with h5py.File(checkpoint) as file:
         order = np.argsort(file["particles/id"][()])
         return file["particles/position"][()][order]
 
 
 def furthest(bed, cell, copies):
-    """m, that a stone has moved against the cell's."""
+    """Largest displacement of a stone relative to the cell, m."""
     moved = places(bed / "stage_lay.h5") - np.tile(places(cell / "stage_rest.h5"), (copies, 1))
     moved[:, 0] -= LENGTH * np.round(moved[:, 0] / LENGTH)
     return np.abs(moved).max()
 
 
 def check_rest(bench):
-    """On 1 and 3 ranks: the same bits, and at rest as one copy alone is. Other numbers are those of
-    tile_test and of `check_open`."""
+    """On 1 and 3 ranks: bitwise identical, and at rest as a single copy is. Other numbers of copies
+    are tested by tile_test and `check_open`."""
     rings = [bench.tile(f"ring_{ranks}", ranks, RING) for ranks in (1, 3)]
     one = bench.tile("one", 1, RING, f"bed.x=[0, {LENGTH}]")
     figures = [summary(ring) for ring in rings]
@@ -66,9 +66,10 @@ def check_rest(bench):
         if abs(values[1] / (COPIES * values[0]) - 1) > 1e-3:
             raise SystemExit(f"{what}: {values[1]} in {COPIES} copies, {values[0]} in one")
     moved = [furthest(rings[1], bench.cell, COPIES), furthest(one, bench.cell, 1)]
-    print(f"furthest way of a stone: {moved[0]:.3g} m in the ring, {moved[1]:.3g} m in one copy")
+    print(f"largest displacement of a stone: {moved[0]:.3g} m in the ring, "
+          f"{moved[1]:.3g} m in one copy")
     if moved[0] > 1.01 * moved[1] + 1e-6:
-        raise SystemExit("the copies do not rest as one does")
+        raise SystemExit("the copies are not at rest as a single one is")
     return rings[1]
 
 
@@ -80,16 +81,16 @@ def check_joints(ring):
         elsewhere = np.delete(values, JOINTS)
         print(f"{name}: joints {values[JOINTS]}, elsewhere {elsewhere.mean():.4g} "
               f"+- {elsewhere.std():.2g}, {elsewhere.min():.4g} to {elsewhere.max():.4g}")
-        # Scatter: three standard deviations of a slab.
+        # Tolerance: three standard deviations of a slab.
         if np.abs(values[JOINTS] - elsewhere.mean()).max() > 3 * elsewhere.std():
             raise SystemExit(f"{name} at the joints: {values[JOINTS]}, elsewhere {elsewhere}")
 
 
 def check_open(bench, ring):
-    """Between walls: nothing reaches through them; stopped and resumed, without the cell."""
+    """Between walls: no stone crosses them; stopped and resumed without the cell."""
     whole = bench.tile("open", 1)
     if not 0 < summary(ring)["dem"]["particles"] - summary(whole)["dem"]["particles"] < 200:
-        raise SystemExit("some stones, not many, lie across the ends of a bed")
+        raise SystemExit("some stones, but not many, must cross the ends of a bed")
     stopped = bench.tile("stopped", 2, "output.stop_after=200", code=3)
     bench.cell.rename(bench.folder / "moved")
     bench.program.done(3, "resume", stopped)
@@ -100,7 +101,7 @@ def check_open(bench, ring):
 
 
 def check_sentences(bench):
-    """Every problem of a deck with its cell, by the deck's line or the command line."""
+    """Every problem of a deck with its cell is reported with its line or the command line."""
     made = {"walls": ["periodic=[]"], "ring_y": ['periodic=["x", "y"]', "bed.y=[0, 0.6]"]}
     for name, changes in made.items():
         bench.program.done(2, "run", bench.decks / "cell.toml", *CELL, *changes,
@@ -116,7 +117,7 @@ def check_sentences(bench):
         'dimension = "space"', 'dimension = "space"\nwall_material = "granite"\n'
         'ground_material = "granite"').replace(
             'cell = "../../results/cell"', ""), encoding="utf-8")
-    # The deck's own stones have a law with the floor, those of the cell have none.
+    # The deck's own stones have a contact law with the floor, those of the cell have none.
     floor = bench.folder / "floor.toml"
     contact = text[text.index("[[contact]]"):text.index("[dem]")]
     floor.write_text(text.replace('cell = "../../results/cell"', 'material = "granite"').replace(
@@ -132,9 +133,9 @@ def check_sentences(bench):
     deck = bench.decks / "tile.toml"
     for changes, words, of in (
             (["bed.x=[0, 1.7]"], ["bed.x is 1.7 m long, 2.833 cells of 0.6 m",
-                                  "fit are 1.2 and 1.8 m"], deck),
-            (["bed.x=[0, 0.3]"], ["fit are 0.6 and 1.2 m"], deck),
-            (["bed.y=[0, 0.4]"], ["bed.y", "lies between 0 and 0.3 m"], deck),
+                                  "lengths are 1.2 and 1.8 m"], deck),
+            (["bed.x=[0, 0.3]"], ["lengths are 0.6 and 1.2 m"], deck),
+            (["bed.y=[0, 0.4]"], ["bed.y", "reaches from 0 to 0.3 m"], deck),
             (['periodic=["x", "y"]'], ["periodic", 'made without "y"'], deck),
             (["dimension=plane", "bed.stone=disk"],
              ["bed.cell", 'made with dimension = "space"'], deck),
@@ -145,9 +146,9 @@ def check_sentences(bench):
             ([f"bed.cell={bench.cell / 'results.h5'}"], ["bed.cell = ", "not a trackbed"], deck),
             (["time.step=2e-5"], ["time.step = 2e-05 s is above the stable"], deck),
             (["bed.cell=nowhere.h5"], ["bed.cell", "does not exist"], deck),
-            ([], ["of which there may be one only"], twice),
+            ([], ["there must be only one such stage"], twice),
             ([], ['stones of "ballast"', "no [[material]]"], granite),
-            ([], ['stones of "ballast" that meet "lead"'], floor)):
+            ([], ['stones of "ballast" that touch "lead"'], floor)):
         # Of two overrides of one parameter the last one counts.
         ran = bench.program(1, "check", of, f"bed.cell={bench.cell}", *TILE, *changes)
         if ran.returncode != 2 or any(word not in ran.stderr for word in words):

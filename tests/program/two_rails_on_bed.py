@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Two rails over sleepers on stones, one of them with a dip: the same bits on any number of ranks
-and after a stop, both rails in histories and figures.
+"""Two rails over sleepers on stones, one of them with a dip: bitwise identical on any number of
+ranks and after a stop, both rails in histories and figures.
 
     two_rails_on_bed.py PROGRAM SOURCE_FOLDER FOLDER
 """
@@ -19,13 +19,13 @@ from results import datasets, same_bits  # noqa: E402
 
 STATIC = 550 * 9.80665 / 2  # N, of a wheel
 GRAVITY = 9.81
-BALANCE = 1e-10  # promise of the coupling
+BALANCE = 1e-10  # relative, required of the coupling
 
 
 SOLID = ["sleepers.model=solid", "solid.seats=[-0.15,0.15]", "solid.seat_size=[0.15,0.1]"]
-# Whole sleepers tilt as well on a bed as short as theirs, and must not do so by more than 0.05 rad.
-# The run ends before they can: a sleeper that nothing but one edge supports falls round it by
-# 3 g/(4 width) t^2 = 0.03 rad in these 35 ms. The dip is as much flatter as the train is faster.
+# On a bed as short as a sleeper whole sleepers also tilt, which must not exceed 0.05 rad. The run
+# ends before: a sleeper supported at one edge only rotates by 3 g/(4 width) t^2 = 0.03 rad in these
+# 35 ms. The dip is flatter in proportion to the higher speed.
 BRIEF = ["solid.alpha=0", "stage.sleepers.duration=0.014", "stage.load.duration=1e-3",
          "stage.load.cycles=1", "stage.load.load=500", "stage.sleepers.seat_force=0",
          "stage.load.seat_force=0", "stage.train.seat_force=0", "stage.train.duration=0.02",
@@ -34,7 +34,7 @@ BRIEF = ["solid.alpha=0", "stage.sleepers.duration=0.014", "stage.load.duration=
 REFUSED = {
     "seat.rails=1": "seat.rails = 1: must be 2 below two rails",
     "track.gauge=0.6": "must be below the length of the bed's sleepers, which is 0.5 m",
-    "track.sleeper_length=0.2": "must be longer than the gauge of 0.3 m: rails lie on the sleepers",
+    "track.sleeper_length=0.2": "must be above the gauge of 0.3 m: rails rest on the sleepers",
     "sleepers.model=solid": "solid.seats: must be [0.15, -0.15] below two rails",
     "sleepers.model=solid solid.seats=[-0.1,0.15] solid.seat_size=[0.15,0.1]":
         "must be [0.15, -0.15] below two rails",
@@ -46,13 +46,13 @@ REFUSED = {
     f"{' '.join(SOLID)} handover.after=sleepers irregularity.kind=none":
         "must be rigid in a deck with [handover] and two rails",
     "handover.after=sleepers irregularity.kind=none sleepers.free=[\"z\"]":
-        "must hold rx in a deck with [handover] and two rails",
+        "must contain rx in a deck with [handover] and two rails",
     "load.gauge=0.3": "load.gauge = 0.3: needs kind = \"seats\"",
     "track.dimension=plane":
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
 }
 # Words of check: a pad on a seat turns 12 kg where the gauge is 0.45 m, and bears half a sleeper.
-SAID = {"sleepers.free=[\"z\"]": "lacks rx: sleepers of the bed do not roll below two rails",
+REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: sleepers of the bed do not roll below",
         "track.gauge=0.45 pad.stiffness=120e6": "sleeper of 12.3 kg per rail on its pad",
         "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
             "sleeper of 27.5 kg per rail on its pad"}
@@ -63,10 +63,10 @@ def check_sentences(program, deck):
         ran = program(1, "check", deck, *changes.split(" "))
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{changes} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
-    for changes, words in SAID.items():
+    for changes, words in REPORTED.items():
         ran = program.done(1, "check", deck, *changes.split(" "))
         if words not in ran.stdout:
-            raise SystemExit(f"{changes}: check does not say {words}:\n{ran.stdout}")
+            raise SystemExit(f"{changes}: check does not report {words}:\n{ran.stdout}")
 
 
 def facts(of):
@@ -92,7 +92,7 @@ def check_runs(program, deck, folder, words, numbers):
 
 
 def histories(folder, stages):
-    """Of the stage with the train, on two seats of two sleepers below two wheels."""
+    """Histories of the stage with the train, on two seats of two sleepers below two wheels."""
     with h5py.File(folder / "results.h5") as file:
         train = file["history/stage"][()].ravel() == stages - 1
         of = {name: file[f"history/{name}"][()][train]
@@ -105,8 +105,8 @@ def histories(folder, stages):
     if list(shapes.values()) != [(2,), (4,), (4,), (4,)]:
         raise SystemExit(f"histories of two rails: {shapes}")
     if not np.allclose(of["wheel/force"][0], STATIC, rtol=2e-3):
-        raise SystemExit(f"the axle begins with {of['wheel/force'][0]} N, not {STATIC} N")
-    # Newton's law of each sleeper in each row: the rails' force is what it was moved by.
+        raise SystemExit(f"the axle starts with {of['wheel/force'][0]} N, not {STATIC} N")
+    # Equation of motion of each sleeper in each row, with the force of the rails.
     mass = 2441 * 0.3 * 0.15 * 0.5
     off = (of["sleeper/reaction"] + of["sleeper/seat_force"]
            - mass * (GRAVITY + of["sleeper/acceleration"]))
@@ -118,10 +118,10 @@ def histories(folder, stages):
 
 
 def check_dip(program, deck, folder, words, begins):
-    """Against a run from the same state without the dip: wheels have the same bits up to the
-    dip, which begins at x = `begins`; then the left wheel changes, and the right one by no more
-    than half of that, which is what the axle transfers (a quarter at most on beds of six seeds).
-    Left and right wheel of one run differ on any bed, as its sleepers settle unevenly."""
+    """Compared with a run from the same state without the dip: wheel forces are bitwise identical
+    before the dip, which begins at x = `begins`; then the left wheel changes, and the right one by
+    no more than half of that, by transfer through the axle (a quarter at most on beds of six
+    seeds). Left and right wheel of one run differ on any bed, as its sleepers settle unevenly."""
     program.done(1, "run", deck, *words, f"start={folder / 'ranks_1/stage_load.h5'}",
                  "irregularity.kind=none", "-o", folder / "even")
     wheels = []
@@ -132,42 +132,42 @@ def check_dip(program, deck, folder, words, begins):
         x = x[np.isfinite(x)]
     off, before = np.abs(wheels[0] - wheels[1]), x < begins
     if not before.any() or off[before].any():
-        raise SystemExit(f"a dip changes wheels before they are there by {off[before].max()} N")
+        raise SystemExit(f"wheel forces before the dip change by {off[before].max()} N")
     if off[:, 0].max() < 0.1 * STATIC or off[:, 1].max() > 0.5 * off[:, 0].max():
-        raise SystemExit(f"a dip in the left rail changes wheels by {off.max(axis=0)} N")
+        raise SystemExit(f"a dip in the left rail changes wheel forces by {off.max(axis=0)} N")
 
 
 def check_rigid(of, deck):
     x = of["wheel/x"][:, 0]
-    # The centre is amid the seats, but for a way before the rail was laid.
+    # The centre is midway between the seats, except for displacements before the rail was placed.
     centre = of["sleeper/displacement"].reshape(len(x), 2)
     seats = of["seat/displacement"].reshape(len(x), 2, 2)
     lower = seats.mean(axis=2) - centre
     if np.ptp(lower, axis=0).max() > 1e-8 or np.ptp(seats[..., 0] - seats[..., 1]) < 1e-6:
-        raise SystemExit(f"seats: {np.ptp(lower, axis=0)} m off their sleepers, "
-                         f"{np.ptp(seats[..., 0] - seats[..., 1])} m apart")
-    # What a row's seats do moves the sleepers in the window behind it, with what lies on them. The
-    # rail is laid on sleepers that move: its first rows are a jolt.
+        raise SystemExit(f"seats: {np.ptp(lower, axis=0)} m relative to their sleepers, "
+                         f"{np.ptp(seats[..., 0] - seats[..., 1])} m between both")
+    # The seat forces of a row move the sleepers in the following window, with their supported load.
+    # The rail is placed on moving sleepers: its first rows have an impact.
     force = -of["sleeper/seat_force"].reshape(len(x), 2) - deck["stage"][-1]["seat_force"]
     late = np.abs(of["seat/force"].reshape(len(x), 2, 2).sum(axis=2) - force)[5:].max()
     if late > 0.05 * np.ptp(force[5:]) or np.ptp(force[5:]) < 0.2 * STATIC:
-        raise SystemExit(f"seats get {np.ptp(force[5:])} N more or less, {late} N of it not from "
+        raise SystemExit(f"change of seat forces {np.ptp(force[5:])} N, {late} N of it not from "
                          "their pads")
 
 
 def check_solid(of):
-    """Forces and seats of a row are those of its instant; sleepers bend a little and roll."""
+    """Forces and seats of a row are simultaneous; sleepers bend slightly and roll."""
     force = -of["sleeper/seat_force"]
     off = np.abs(of["seat/force"].reshape(-1, 2, 2).sum(axis=2) - force.reshape(-1, 2)).max()
     if off > 1e-9 * STATIC or np.ptp(of["seat/force"]) < 0.1 * STATIC:
-        raise SystemExit(f"seats get {off} N that is not from their pads")
-    # Seats of the deck stand right before left; displacements count from different times, and one
-    # of them follows velocities by the trapezoidal rule.
-    told = of["solid/seat_displacement"].reshape(-1, 2, 2)[..., ::-1]
-    apart = np.ptp(of["seat/displacement"].reshape(-1, 2, 2) - told, axis=0).max()
-    turned = np.ptp(told[..., 0] - told[..., 1])
+        raise SystemExit(f"{off} N of the seat forces are not from their pads")
+    # Seats of the deck are listed right before left; displacements count from different times, and
+    # one of them integrates velocities by the trapezoidal rule.
+    written = of["solid/seat_displacement"].reshape(-1, 2, 2)[..., ::-1]
+    apart = np.ptp(of["seat/displacement"].reshape(-1, 2, 2) - written, axis=0).max()
+    turned = np.ptp(written[..., 0] - written[..., 1])
     if apart > 1e-3 * turned or turned < 1e-6:
-        raise SystemExit(f"seats of train and solids are {apart} m apart, turned by {turned} m")
+        raise SystemExit(f"seats of train and solids differ by {apart} m, in roll by {turned} m")
 
 
 def check_figures(source, folder):

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Datasets of runs say their units: of results, checkpoints and pictures, only those that are
-numbers without unit say "-".
+"""Datasets of results, checkpoints and field files have units; only numbers without unit have "-".
 
     units.py RESULT_FOLDER ...
 """
@@ -10,9 +9,9 @@ import sys
 
 import h5py
 
-# All there are, as the end of a path: counts, names and numbers of things, ratios, unit vectors.
+# All of them, as the end of a path: counts, names, identifiers, ratios, unit vectors.
 PLAIN = {
-    # pictures
+    # field files
     "CellData/body", "CellData/equivalent plastic strain", "CellData/solid", "Connectivity",
     "NumberOfCells", "NumberOfConnectivityIds", "NumberOfPoints", "Offsets", "PointData/stone",
     "Types",
@@ -21,10 +20,10 @@ PLAIN = {
     # checkpoints
     "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "/node_work",
     "/plastic/opened",
-    "/plastic/rest", "/plastic/strain", "/scale", "/shape", "/template/faces", "/template/pieces",
-    "/template/sizes", "/zone", "run/balance", "run/counts", "run/warnings", "train/counts",
+    "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces", "/template/pieces",
+    "/template/sizes", "/element", "run/balance", "run/counts", "run/warnings", "train/counts",
     "/quaternion"}
-# In words, what a number without unit is not.
+# Words in the meaning of a dataset that imply a unit.
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 
 
@@ -44,8 +43,8 @@ def problems_of(path):
         elif unit == "-" and not any(name.endswith(end) for end in PLAIN):
             found.append(f"{name} ({meaning}) has the unit -")
         elif unit == "-" and WITH_UNIT.search(name + meaning):
-            found.append(f"{name} ({meaning}) has the unit -, and its words another")
-        # VTK shows names alone, which therefore end with the unit; / is not allowed in them.
+            found.append(f"{name} ({meaning}) has the unit -, but its meaning implies another")
+        # VTK shows only names, which therefore end with the unit; / is not allowed in them.
         named = re.search(r"\(([^()]*)\)$", name.replace("∕", "/"))
         if name.startswith("VTKHDF/") and named and named.group(1) != unit:
             found.append(f"{name} has the unit {unit}")
@@ -65,7 +64,7 @@ def main():
             kinds[kind] += kind in path.name
         problems += problems_of(path)
     if not all(kinds.values()):
-        problems.append(f"files looked at: {kinds}")
+        problems.append(f"files read: {kinds}")
     if problems:
         sys.exit("\n".join(problems))
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is said of the borders of a ground: sides that cannot be meant, and those that are only odd.
+"""Messages on the boundary conditions of a ground: refused sides, and unusual ones with a warning.
 
     borders.py PROGRAM DECK FOLDER
 """
@@ -16,79 +16,80 @@ PERIODIC = "ground.side_x_low=periodic ground.side_x_high=periodic"
 YIELDS = "ground.layer.soil.yield=mohr_coulomb ground.plane=strain"
 PAIR = 'side_x_low = side_x_high = "periodic"'
 SOFT = "ground.layer.soil.young=1e6"
-# Changes of the tiny deck and the words of the refusal, or of the warning.
+# Changes of the tiny deck and a part of the refusal or warning.
 REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
            f"{YIELDS} ground.side_x_high=free_field": "has elastic columns beside the model",
            "ground.side_x_low=periodic": 'needs side_x_high = "periodic": both ends of the ground',
            "ground.side_x_high=periodic": 'needs side_x_low = "periodic": both ends of the ground',
            "ground.side_y_low=periodic": 'needs side_y_high = "periodic"',
-           f"{PERIODIC} ground.ratio_x=1.1": "take ratio_x = 1 or fine_x amid the ground",
+           f"{PERIODIC} ground.ratio_x=1.1":
+               "use ratio_x = 1 or fine_x at the middle of the ground",
            f'{PERIODIC} periodic=["x"] ground.x=[-0.2,1.4]':
-               "repeats the ground every 1.6 m, but `periodic` the stones every 1.2 m",
+               "gives the ground a period of 1.6 m, but that of the stones is 1.2 m",
            "ground.base_motion={folder}/wave.csv":
                'ground.sides = "roller": holds the ends of the ground, which base_motion moves',
            "ground.sides=free_field ground.side_x_high=fixed ground.base_motion={folder}/wave.csv":
                'ground.side_x_high = "fixed": holds the ends of the ground',
            f"{YIELDS} ground.sides=free_field ground.base_motion={{folder}}/wave.csv":
-               f"would tear off; take {PAIR}",
+               f"which do not match yielding layers; use {PAIR}",
            f"{YIELDS} ground.base_motion={{folder}}/wave.csv":
-               f"which base_motion moves along the track (vx_m_s is not 0); take {PAIR}",
+               f"which base_motion moves along the track (vx_m_s is not 0); use {PAIR}",
            "ground.base_motion={folder}/bare.csv": "vz_m_s"}
-WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a quiet one",
-          "ground.side_x_low=quiet ground.base_motion={folder}/upwards.csv":
-              f"side_x_low = \"quiet\": holds back the wave of base_motion; take free_field or "
+WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a viscous one",
+          "ground.side_x_low=viscous ground.base_motion={folder}/upwards.csv":
+              f"side_x_low = \"viscous\": impedes the wave of base_motion; use free_field or "
               f"{PAIR}",
-          f"{YIELDS} ground.sides=quiet ground.base_motion={{folder}}/wave.csv":
-              f"sides = \"quiet\": holds back the wave of base_motion; take {PAIR}",
+          f"{YIELDS} ground.sides=viscous ground.base_motion={{folder}}/wave.csv":
+              f"sides = \"viscous\": impedes the wave of base_motion; use {PAIR}",
           "ground.side_x_high=fixed ground.base_motion={folder}/upwards.csv":
-              "side_x_high = \"fixed\": holds back the wave of base_motion",
+              "side_x_high = \"fixed\": impedes the wave of base_motion",
           "ground.sides=free ground.base_motion={folder}/wave.csv":
               "sides = \"free\": has no ground beside it that moves with base_motion",
-          "ground.sides=free ground.side_x_low=quiet ground.side_x_high=roller":
-              "sides = \"free\": has no effect: each side has a kind of its own",
+          "ground.sides=free ground.side_x_low=viscous ground.side_x_high=roller":
+              "sides = \"free\": has no effect: the kind of each side is given",
           "ground.base_motion={folder}/under_way.csv":
-              "under_way.csv: at 0 s, when the ground is let go at rest, the wave is under way "
-              "with vx_m_s = 0, vz_m_s = 0.01",
+              "under_way.csv: at 0 s, when the ground is released at rest, the wave is already in "
+              "motion with vx_m_s = 0, vz_m_s = 0.01",
           "ground.base_motion={folder}/over.csv":
-              "over.csv: the wave is over at -0.01 s, before the ground is let go (0 s)",
+              "over.csv: the wave is over at -0.01 s, before the ground is released (0 s)",
           "ground.base_motion={folder}/late.csv":
               "late.csv: the wave begins at 0.3 s, and the ground moves for 0.3 s at most",
           "ground.base_motion={folder}/last.csv":
               "last.csv: the ground moves for 0.3 s at most, when 8.3 % of the wave's energy has",
           "ground.base_motion={folder}/near.csv ground.layer.soil.young=1e5":
-              "near.csv: the ground moves for 0.3 s at most; the wave has come in after 0.277 s",
-          f"{SOFT} ground.zones_z=3 ground.base_motion={{folder}}/upwards.csv":
-              "ground.zones_z: zones 0.2 m high in layer \"soil\" blur the wave of base_motion "
-              "(vz_m_s): 95 % of",
-          f"{SOFT} ground.layer.soil.zones=8 ground.sides=free_field "
+              "near.csv: the ground moves for 0.3 s at most; the wave has arrived after 0.277 s",
+          f"{SOFT} ground.elements_z=3 ground.base_motion={{folder}}/upwards.csv":
+              "ground.elements_z: elements 0.2 m high in layer \"soil\" do not resolve the wave of "
+              "base_motion (vz_m_s): 95 % of",
+          f"{SOFT} ground.layer.soil.elements=8 ground.sides=free_field "
           "ground.base_motion={folder}/wave.csv":
-              "ground.layer[0].zones: zones 0.075 m high in layer \"soil\" blur the wave of "
-              "base_motion (vx_m_s)",
+              "ground.layer[0].elements: elements 0.075 m high in layer \"soil\" do not resolve "
+              "the wave of base_motion (vx_m_s)",
           "ground.base_motion={folder}/fast.csv":
               "fast.csv: 50 m/s is far from the usual values (at most 5 m/s); is its unit right?",
           "ground.base_motion={folder}/still.csv": "has no motion: all its velocities are 0",
-          "ground.side_y_low=quiet": "side_y_low = \"quiet\": has no effect in a plane model"}
-TAKEN = ["ground.side_x_low=fixed ground.side_x_high=quiet", PERIODIC,
-         f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.zones_x=8",
+          "ground.side_y_low=viscous": "side_y_low = \"viscous\": has no effect in a plane model"}
+TAKEN = ["ground.side_x_low=fixed ground.side_x_high=viscous", PERIODIC,
+         f"{PERIODIC} ground.ratio_x=1.1 ground.fine_x=0.6 ground.elements_x=8",
          f"{YIELDS} {PERIODIC}", f"{YIELDS} {PERIODIC} ground.base_motion={{folder}}/wave.csv",
          "ground.base_motion={folder}/upwards.csv",
          "ground.sides=free_field ground.base_motion={folder}/wave.csv",
          PERIODIC + " ground.base_motion={folder}/wave.csv",
          "ground.base_motion={folder}/near.csv",
          f"{SOFT} ground.base_motion={{folder}}/upwards.csv"]
-# Tables of waves upwards, in rows of time_s and vz_m_s.
+# Tables of upward waves, in rows of time_s and vz_m_s.
 UPWARDS = {"upwards": "0,0 0.01,0.01 0.02,0", "under_way": "-0.01,0 0,0.01 0.01,0",
            "over": "-0.03,0 -0.02,0.01 -0.01,0 0.2,0", "late": "0,0 0.3,0 0.31,0.01 0.32,0",
            "fast": "0,0 0.01,50 0.02,0", "near": "0,0 0.26,0 0.27,0.01 0.28,0",
            "last": "-0.1,0 0.29,0 0.31,0.01 0.32,0", "still": "0,0 0.02,0"}
 
 
-# A run of a deck of its own: stones between walls on a ground whose ends are one.
+# A run of another deck: stones between walls on a periodic ground.
 RUN = [*PERIODIC.split(), "ground.layer.soil.rayleigh_stiffness=1e-5"]
 
 
 def check_runs(program, deck, folder):
-    """The whole model on periodic ground: the same bits on two ranks, and after a stop."""
+    """The whole model on periodic ground: bitwise identical on two ranks, and after a stop."""
     for ranks in (1, 2):
         program.done(ranks, "run", deck, *RUN, "-o", folder / f"on_{ranks}")
     program.done(2, "run", deck, *RUN, "output.stop_after=150", "-o", folder / "stopped", code=3)
@@ -96,9 +97,9 @@ def check_runs(program, deck, folder):
     whole = summary(folder / "on_1")
     for other in ("on_2", "stopped"):
         if summary(folder / other)["dem"]["state_hash"] != whole["dem"]["state_hash"]:
-            raise SystemExit(f"{other}: other bits than on one rank")
+            raise SystemExit(f"{other}: not bitwise identical to one rank")
     if summary(folder / "made")["dem"]["state_hash"] == whole["dem"]["state_hash"]:
-        raise SystemExit("periodic ends change nothing")
+        raise SystemExit("periodic ends have no effect")
 
 
 def main(program, deck, folder):
@@ -117,11 +118,11 @@ def main(program, deck, folder):
 
     for changes, words in REFUSED.items():
         ran = check(changes)
-        expect(ran.returncode == 2 and words in ran.stderr, f"{changes} must say {words}", ran)
-        expect(len(ran.stderr.splitlines()) == 1, f"{changes} must give one sentence", ran)
+        expect(ran.returncode == 2 and words in ran.stderr, f"{changes} must report {words}", ran)
+        expect(len(ran.stderr.splitlines()) == 1, f"{changes} must give one message", ran)
     for changes, words in WARNED.items():
         ran = check(changes)
-        expect(ran.returncode == 0, f"{changes} is no error", ran)
+        expect(ran.returncode == 0, f"{changes} must not be an error", ran)
         expect(any(line.startswith("warning: ") and words in line
                    for line in ran.stdout.splitlines()), f"{changes} must warn: {words}", ran)
     for changes in TAKEN:
@@ -129,14 +130,14 @@ def main(program, deck, folder):
         expect(ran.returncode == 0 and not any(word in ran.stdout
                                                for word in ("side_", ".csv", "blur")),
                f"{changes} is sound", ran)
-    # A plane model has no other sides than these.
-    own = "ground.side_x_low=quiet ground.side_x_high=quiet"
+    # A plane model has only these sides.
+    own = "ground.side_x_low=viscous ground.side_x_high=viscous"
     ran = check(f"{YIELDS} ground.sides=free_field {own}")
     expect(ran.returncode == 0 and "acts as" not in ran.stdout, "no side takes this kind", ran)
-    # A ground that has moved keeps its borders.
+    # Boundary conditions of a ground that has moved cannot be changed.
     program.done(1, "run", deck, "-o", folder / "made")
     start = f"start={folder / 'made' / 'stage_load.h5'}"
-    for change in ("ground.side_x_low=quiet", "ground.side_y_high=free"):
+    for change in ("ground.side_x_low=viscous", "ground.side_y_high=free"):
         ran = program(1, "check", deck, start, change)
         expect(ran.returncode == 2 and "was made with" in ran.stderr, f"{change}: refused", ran)
     check_runs(program, deck, folder)

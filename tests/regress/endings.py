@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How runs end, and what goes on from them: exit codes, lost output, a full disk, signals,
-checkpoints of other models, of runs that are over, of other folders.
+"""How runs end, and what can continue from them: exit codes, lost output, a full disk, signals,
+checkpoints of other models, of finished runs, of other folders.
 
     endings.py PROGRAM DECK FOLDER
 """
@@ -19,15 +19,15 @@ from program import Program, expect, summary  # noqa: E402
 
 
 def check_other_models(program, deck, folder):
-    """A checkpoint holds the state of one model: a deck of another may not go on from it."""
+    """A checkpoint is the state of one model: a deck of another model cannot start from it."""
     made = folder / "made"
     program.done(1, "run", deck, "-o", made)
     still, moved = f"start={made / 'stage_sleepers.h5'}", f"start={made / 'stage_load.h5'}"
     place = ["-o", folder / "other"]
-    borders = ["ground.base=fixed", "ground.base_stiffness=0", "ground.sides=quiet",
+    borders = ["ground.base=fixed", "ground.base_stiffness=0", "ground.sides=viscous",
                "ground.plane=strain"]
     refused = [(change, moved) for change in borders]
-    refused += [("ground.zones_x=30", still), ("sleepers.count=1", still),
+    refused += [("ground.elements_x=30", still), ("sleepers.count=1", still),
                 ("sleepers.y=0.01", still), ("bed.x=[0, 1.1]", still),
                 ("ground.layer.soil.thickness=0.5", still), ("ground.ratio_x=1.1", still),
                 ("ground.block.structure.present=false", moved)]
@@ -36,21 +36,21 @@ def check_other_models(program, deck, folder):
             ran = program(1, *command)
             expect(ran.returncode == 2, f"{command} must be refused", ran)
             expect(change.split("=")[0].split(".")[-1] in ran.stderr and
-                   "was made with" in ran.stderr, f"{command} must say why", ran)
-    # Stones keep the number of their material: a new one in front must not make them of it.
+                   "was made with" in ran.stderr, f"{command} must report the reason", ran)
+    # Stones refer to a material by number: a new first material must not replace theirs.
     lead = folder / "lead.toml"
     lead.write_text(pathlib.Path(deck).read_text().replace(
         "[[material]]", '[[material]]\nname = "lead"\ndensity = 11340\n\n[[material]]', 1))
     ran = program(1, "check", lead, still)
     expect(ran.returncode == 2 and "material" in ran.stderr and "was made with" in ran.stderr,
            "materials in another order must be refused", ran)
-    ran = program(1, "resume", made / "stage_load.h5", "ground.zones_x=30", *place)
-    expect(ran.returncode == 2, "resume must refuse it too", ran)
+    ran = program(1, "resume", made / "stage_load.h5", "ground.elements_x=30", *place)
+    expect(ran.returncode == 2, "resume must also refuse it", ran)
     ran = program(1, "check", deck, moved, "stage.load.duration=0.011")
     expect(ran.returncode == 0 and "has no effect: this stage is over" in ran.stdout,
            "a start must warn of a changed stage that is over", ran)
     check_spent(program, deck, made, place)
-    expect(not (folder / "other").exists(), "a refused start must leave nothing behind", ran)
+    expect(not (folder / "other").exists(), "a refused start must not leave files", ran)
     program.done(1, "run", deck, still, "ground.block.structure.present=false", *place)
     program.done(1, "check", deck, still, *borders)
     check_integrators(program, deck, folder, still, moved)
@@ -58,11 +58,12 @@ def check_other_models(program, deck, folder):
 
 
 def check_old_runs(program, made, other):
-    """A run that is over stays as it is, and results later than a checkpoint are not replaced
-    unless that is said; what a resumed run changes is kept with its results."""
+    """A finished run is not changed, and results later than a checkpoint are not replaced unless
+    requested; what a resumed run changes is recorded with its results."""
     before = (made / "summary.json").read_bytes()
     ran = program(1, "resume", made)
-    expect(ran.returncode == 0 and "nothing is left to do" in ran.stdout, "a finished run", ran)
+    expect(ran.returncode == 0 and "the run is already finished" in ran.stdout,
+           "a finished run", ran)
     expect((made / "summary.json").read_bytes() == before, "its summary must stay", ran)
     ran = program(1, "resume", made / "stage_load.h5", "dem.gravity=9.8")
     expect(ran.returncode == 2 and "is not the newest checkpoint" in ran.stderr and
@@ -82,22 +83,23 @@ def check_old_runs(program, made, other):
 
 
 def check_spent(program, deck, made, place):
-    """What has done its work is not changed any more; other parameters still are."""
+    """Parameters of finished stages cannot be changed; others can."""
     for change, why in (("bed.seed=5", "the stones are made"),
-                        ("platen.pressure=30e3", "nothing is compacted any more"),
+                        ("platen.pressure=30e3", "no stage with a platen is left"),
                         ("stage.fill.duration=1", "this stage is over"),
-                        ("settle_average=1", "the ground moves already"),
-                        ("output.stop_after=1", "are done already")):
+                        ("settle_average=1", "the ground already moves"),
+                        ("output.stop_after=1", "are already done")):
         ran = program(1, "resume", made / "stage_load.h5", change, *place)
-        expect(ran.returncode == 2 and why in ran.stderr, f"{change} on resume must say {why}", ran)
+        expect(ran.returncode == 2 and why in ran.stderr, f"resume with {change} must report {why}",
+               ran)
     start = f"start={made / 'stage_load.h5'}"
     ran = program(1, "check", deck, start, "bed.seed=5")
     expect(ran.returncode == 0 and "warning: " in ran.stdout and "the stones are made" in
-           ran.stdout, "another bed than that of the checkpoint must be worth a warning", ran)
+           ran.stdout, "another bed than that of the checkpoint must give a warning", ran)
 
 
 def check_integrators(program, deck, folder, still, moved):
-    """Newmark goes on from explicit steps, but they not from Newmark's."""
+    """Newmark steps can follow explicit steps, but not the reverse."""
     newmark, explicit = "ground.integrator=newmark", "ground.integrator=explicit"
     program.done(1, "check", deck, still, newmark)
     place = folder / "newmark"
@@ -109,7 +111,7 @@ def check_integrators(program, deck, folder, still, moved):
 
 
 def check_foreign_folder(program, folder):
-    """Files of others in a folder are no checkpoints; one of ours under another name is."""
+    """Foreign files in a folder are not checkpoints; a checkpoint under another name is."""
     place = folder / "foreign"
     place.mkdir()
     shutil.copy(folder / "made/results.h5", place / "big.h5")
@@ -124,7 +126,7 @@ def check_foreign_folder(program, folder):
 
 
 def check_lost_output(path, deck, folder):
-    """An answer that nobody got is no success. A run's answer are its files: it goes on."""
+    """Output that cannot be written is an error, except for a run, whose results are files."""
     place = folder / "unheard"
     cases = [(["schema"], 4), (["describe"], 4), (["describe", "stage"], 4), (["--help"], 4),
              (["--version"], 4), (["check", deck], 4), (["shapes", "--stones", "2"], 4),
@@ -135,20 +137,21 @@ def check_lost_output(path, deck, folder):
             ran = subprocess.run([path, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE,
                                  text=True, timeout=120, check=False)
         ran.stdout = ""
-        expect(ran.returncode == code, f"{arguments} unheard must end with {code}", ran)
+        expect(ran.returncode == code,
+               f"{arguments} without standard output must end with {code}", ran)
         expect(("cannot be written to standard output" in ran.stderr) == (code == 4),
-               f"{arguments} must say that its answer is lost", ran)
-    expect(summary(place)["finished"], "an unheard run must go on", ran)
+               f"{arguments} must report that its output is lost", ran)
+    expect(summary(place)["finished"], "a run without standard output must continue", ran)
 
 
 def check_run_error(program, deck, folder):
     ran = program(1, "run", deck, "dem.largest_overlap=1e-9", "-o", folder / "overlap")
     expect(ran.returncode == 4, "a run-time error must end with 4", ran)
-    expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or say none", ran)
+    expect("checkpoint" in ran.stderr, "it must name the last good checkpoint or report none", ran)
 
 
 def check_full_disk(path, deck, folder):
-    """A file that may not grow stands for a full disk: the system calls fail in the same places."""
+    """A limited file size simulates a full disk: the system calls fail in the same places."""
     place = folder / "full"
 
     limit = 1_500_000  # bytes: more than a checkpoint, less than the histories of a few seconds
@@ -158,14 +161,15 @@ def check_full_disk(path, deck, folder):
         for line in run.stdout:
             if line.startswith("stage fill:"):
                 break
-        # Only now: MPI itself begins with larger files.
+        # Only now, as MPI itself starts with larger files.
         resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (limit, limit))
         out, err = run.communicate(timeout=120)
     ran = subprocess.CompletedProcess(run.args, run.returncode, out, err)
     expect(ran.returncode == 4, "a full disk must end with 4", ran)
     good = place / (place / "latest").read_text(encoding="utf-8").splitlines()[0]
-    for words in (f"{place}/results.h5.part: ", "(File too large)", f"last good checkpoint: {good}",
-                  f"go on with: trackbed resume {good}"):
+    for words in (f"{place}/results.h5.part: ", "(File too large)",
+                  f"last valid checkpoint: {good}",
+                  f"continue with: trackbed resume {good}"):
         expect(words in ran.stderr, f"a full disk must say {words}", ran)
     expect(not list(place.glob("*.part")), "nothing half written may stay on a full disk", ran)
     windows = int(good.stem.rpartition("_")[2]) + 100
@@ -189,7 +193,7 @@ def check_signals(path, deck, folder):
 
 
 def check_solver_options(program, deck, folder):
-    """What stands after -- and is none of PETSc's: said as what was given."""
+    """Invalid words after -- are reported as they were given."""
     cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is none'),
              (["-ground_pc_type", "nosuch"], "(-ground_pc_type nosuch)"),
              (["-ground_pc_type", "lu", "-ground_pc_factor_mat_solver_type", "superlu_nope"],
@@ -219,7 +223,7 @@ def check_solver_options(program, deck, folder):
 
 
 def check_refused_options_remove_nothing(program, deck, folder, start):
-    """Whatever PETSc refuses it refuses before old results go; trouble of the numbers too."""
+    """Options refused by PETSc, and numerical errors, must not remove old results."""
     place = folder / "kept"
     shutil.copytree(folder / "made", place)
     before = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
@@ -232,11 +236,11 @@ def check_refused_options_remove_nothing(program, deck, folder, start):
             expect(ran.returncode == code and "PETSC ERROR" not in ran.stderr,
                    f"{command[0]} with {options} must end with {code}", ran)
             expect({path: path.stat().st_mtime_ns for path in place.rglob("*")} == before,
-                   f"{command[0]} with {options} must leave old results as they are", ran)
+                   f"{command[0]} with {options} must not change old results", ran)
 
 
 def check_tried_options(program, deck, folder, start):
-    """What is tried is the run's own ground and solvers, and what options write is the run's."""
+    """The trial uses ground and solvers of the run, but only the run writes files of options."""
     blocks = ["-ground_pc_type", "bjacobi", "-ground_pc_bjacobi_blocks"]
     implicit = ["ground.integrator=newmark", "ground.plane=strain",
                 "ground.layer.soil.yield=mohr_coulomb"]
@@ -252,18 +256,18 @@ def check_tried_options(program, deck, folder, start):
     view, matrix = folder / "view.txt", folder / "matrix.txt"
     options = ["-ground_ksp_view", f"ascii:{view}", "-mat_view", f":{matrix}"]
     ran = program.done(1, "check", deck, start, "--", *options)
-    expect(not view.exists() and not matrix.exists(), "check must write no files", ran)
+    expect(not view.exists() and not matrix.exists(), "check must not write files", ran)
     ran = program.done(1, *run, "--", *options[:2], "-ground_ksp_tpye", "cg")
     expect("KSP Object" in view.read_text(), "the run writes them", ran)
     for option, unused in (("ground_ksp_tpye", True), ("ground_ksp_view", False)):
-        expect((f"the PETSc option -{option} was asked for by nothing" in ran.stdout) == unused,
+        expect((f"the PETSc option -{option} was set but never used" in ran.stdout) == unused,
                f"-{option}: what a trial has asked for the run may not", ran)
     check_unused_options(program, deck, start)
     program.done(1, "check", deck, start, "--", "-info", ":/nonexistent/ksp")
     program.done(1, "check", deck, start, "--", "-info", "/nonexistent/file:ksp", code=2)
 
 
-# Options that a run asks for late, some only as it solves, or PETSc itself.
+# Options that a run uses late, some only in a solve, or that PETSc itself uses.
 ASKED_LATER = [
     "-ground_ksp_converged_reason", "-ground_pc_type", "gamg", "-ground_pc_gamg_threshold", "0.01",
     "-ground_mg_levels_esteig_ksp_max_it", "8", "-log_view", "ascii:/dev/null",
@@ -272,7 +276,7 @@ ASKED_LATER = [
 
 
 def check_unused_options(program, deck, start):
-    """`check` names what is misspelt or has no use, and nothing that a run would use."""
+    """`check` reports misspelt and unused options, and none that a run would use."""
     yields = ["ground.integrator=newmark", "ground.plane=strain",
               "ground.layer.soil.yield=mohr_coulomb"]
     tangent = ["-ground_tangent_ksp_type", "gmres",
@@ -286,7 +290,7 @@ def check_unused_options(program, deck, start):
             (never, ["-ground_ksp_type", "cg"], ["ground_ksp_type"])):
         for ranks in (1, 2):
             ran = program.done(ranks, "check", deck, start, *changes, "--", *options)
-            found = re.findall(r"the PETSc option -(\w+) was asked for by nothing", ran.stdout)
+            found = re.findall(r"the PETSc option -(\w+) was set but never used", ran.stdout)
             expect(sorted(found) == named, f"{changes} {options}: {found}, not {named}", ran)
 
 

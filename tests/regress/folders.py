@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the program does with a result folder that is not empty.
+"""Treatment of a result folder that is not empty.
 
     folders.py PROGRAM DECK FOLDER
 """
@@ -14,11 +14,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
 MINE = ("notes.txt", "old/results.h5", "figures/table.txt", "checkpoint_of_mine.h5",
-        "fields/camera.json")  # names trackbed does not write at these places
+        "fields/camera.json")  # names that trackbed does not write at these places
 
 
 def contents(folder):
-    """Path, size and time of change of each file but the lock, which is empty and stays."""
+    """Path, size and time of change of each file except the lock, which is empty and remains."""
     return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
             for path in folder.rglob("*") if path.is_file() and path.name != ".lock"}
 
@@ -30,13 +30,13 @@ def put_mine(folder):
 
 
 def refused(program, ranks, arguments, words):
-    """One sentence, exit code 2, before anything is computed."""
+    """One message, exit code 2, before anything is computed."""
     ran = program.done(ranks, *arguments, code=2)
     lines = [line for line in ran.stderr.splitlines() if line.startswith(str(words[0]))]
     if len(lines) != 1 or not all(str(word) in lines[0] for word in words):
-        raise SystemExit(f"{arguments} must say in one sentence {words}:\n{ran.stderr}")
+        raise SystemExit(f"{arguments} must report in one message {words}:\n{ran.stderr}")
     if "stage " in ran.stdout:
-        raise SystemExit(f"{arguments} began to compute:\n{ran.stdout}")
+        raise SystemExit(f"{arguments} started to compute:\n{ran.stdout}")
 
 
 def check_old_results(program, deck, folder):
@@ -48,7 +48,7 @@ def check_old_results(program, deck, folder):
     for ranks in (1, 2):
         refused(program, ranks, ["run", deck, "-o", made],
                 [made, "--force", f"trackbed resume {made}", "-o DIR"])
-    for name in sorted(own):  # each alone is reason enough
+    for name in sorted(own):  # each alone is a reason
         place = folder / "one"
         (place / name).parent.mkdir(parents=True)
         (place / name).touch()
@@ -60,7 +60,7 @@ def check_old_results(program, deck, folder):
         refused(program, 2, ["run", deck, f"start={start}", "--force", "-o", made],
                 [made, start.name, "another folder"])
     refused(program, 2, ["run", deck, f"start={made}", "-o", folder / "new"],
-            ["command line", "stage_passage.h5", "nothing is left to do"])
+            ["command line", "stage_passage.h5", "no stage is left"])
     refused(program, 1, ["run", deck, f"start={made / 'stage_fill.h5'}", "stage.fill.name=other",
                          "--force", "-o", made], ["command line", "stage_fill.h5", "does not have"])
     if contents(made) != before:
@@ -72,13 +72,13 @@ def check_old_results(program, deck, folder):
     if kept != set(MINE):
         raise SystemExit(f"kept by --force: {sorted(kept)}, not {sorted(MINE)}")
     if set(after) - kept != {"results.h5", "summary.json", "latest", "checkpoint_0000000001.h5"}:
-        raise SystemExit(f"not the files of the new run alone: {sorted(after)}")
+        raise SystemExit(f"not only the files of the new run: {sorted(after)}")
     program.done(1, "resume", made)
     program.done(1, "run", deck, "--force", *stopped[:1], "-o", folder / "new", code=3)
 
 
 def check_start_beside(program, deck, folder):
-    """A run may start from a checkpoint of the folder above its own, again and again."""
+    """A run may start repeatedly from a checkpoint of the folder above its own."""
     made = folder / "made"
     for _ in range(2):
         program.done(1, "run", deck, f"start={made / 'stage_load.h5'}", "--force", "-o",
@@ -88,7 +88,7 @@ def check_start_beside(program, deck, folder):
 
 
 def check_resume_elsewhere(program, deck, folder):
-    """Results of another run are as safe from `resume -o` as from `run`."""
+    """Results of another run are not replaced by `resume -o`, as by `run`."""
     stopped, other, link = folder / "stopped", folder / "other", folder / "same"
     for place in (stopped, other):
         program.done(1, "run", deck, "output.stop_after=1", "-o", place, code=3)
@@ -99,7 +99,7 @@ def check_resume_elsewhere(program, deck, folder):
         raise SystemExit("a refused resume changed the folder")
     program.done(1, "resume", stopped, "--force", "-o", other)
     if not summary(other)["finished"] or (other / "checkpoint_0000000001.h5").exists():
-        raise SystemExit("--force must leave the resumed run alone in its folder")
+        raise SystemExit("--force must not change the resumed run in its folder")
     link.symlink_to(stopped)
     program.done(1, "resume", stopped, "-o", link)  # its own folder by another name
     if not summary(stopped)["finished"]:
@@ -107,9 +107,9 @@ def check_resume_elsewhere(program, deck, folder):
 
 
 def check_two_at_once(program, deck, folder):
-    """A folder is written by one run at a time; nothing of the first is lost by the attempt."""
+    """Only one run at a time can write a folder; the attempt does not affect the first."""
     place = folder / "two"
-    # So long that it does not end by itself meanwhile; stopped when all is seen.
+    # Long enough not to end in the meantime; stopped after all checks.
     long = ["stage.fill.duration=10000", "output.checkpoint_interval=0.1"]
     with subprocess.Popen([program.path, "run", deck, *long, "-o", str(place)],
                           stdout=subprocess.DEVNULL) as first:
@@ -124,7 +124,7 @@ def check_two_at_once(program, deck, folder):
 
 
 def check_damaged(program, deck, folder):
-    """`start` and `info` take the latest or nothing; `resume` goes back to the newest good one."""
+    """`start` and `info` require the latest checkpoint; `resume` uses the newest valid one."""
     made = folder / "made"
     files = sorted((path for path in made.glob("*.h5") if path.name != "results.h5"),
                    key=lambda path: path.stat().st_mtime_ns)
@@ -132,7 +132,7 @@ def check_damaged(program, deck, folder):
     if (made / "latest").read_text(encoding="utf-8").splitlines()[0] != latest.name:
         raise SystemExit(f"{latest} is not the latest")
     if str(latest) not in program.done(2, "info", made).stdout:
-        raise SystemExit(f"info {made} must say which file it is about")
+        raise SystemExit(f"info {made} must name the file")
     with open(latest, "r+b") as file:
         file.truncate(latest.stat().st_size // 2)
     for ranks in (1, 2):
@@ -140,16 +140,16 @@ def check_damaged(program, deck, folder):
                         ["run", deck, f"start={made}", "-o", folder / "never"]):
             refused(program, ranks, command, [latest, "cut short"])
     if (folder / "never").exists():
-        raise SystemExit("a refused start must leave nothing behind")
+        raise SystemExit("a refused start must not leave files")
     ran = program.done(2, "resume", made)
-    if f"warning: {latest}: " not in ran.stdout or f"going on from {before}\n" not in ran.stdout:
+    if f"warning: {latest}: " not in ran.stdout or f"continuing from {before}\n" not in ran.stdout:
         raise SystemExit(f"resume must say that it goes on from {before}:\n{ran.stdout}")
     if not summary(made)["finished"]:
         raise SystemExit("the resumed run did not finish")
 
 
 def check_histories(program, deck, folder):
-    """Damaged histories are not replaced without a word; taken away they are given up for lost."""
+    """Damaged histories are refused; removed ones are reported as lost."""
     place, copy = folder / "histories", folder / "copy"
     program.done(1, "run", deck, "output.stop_after=500", "-o", place, code=3)
     results = place / "results.h5"
@@ -172,7 +172,7 @@ def check_histories(program, deck, folder):
         ran = program.done(ranks, "resume", place / "checkpoint_0000000500.h5", "--force",
                            "output.stop_after=600", code=3)
         if f"warning: {results}: does not exist" not in ran.stdout or "are lost" not in ran.stdout:
-            raise SystemExit(f"lost histories must be worth a warning:\n{ran.stdout}")
+            raise SystemExit(f"lost histories must give a warning:\n{ran.stdout}")
         if ranks == 2:
             refused(program, 1, ["resume", place / "checkpoint_0000000500.h5", "--force"],
                     [results, "history rows before the checkpoint", "move it away"])
@@ -183,11 +183,11 @@ def check_histories(program, deck, folder):
     ran = program.done(1, "resume", place / "checkpoint_0000000500.h5", "--force",
                        "output.stop_after=600", code=3)
     if "warning: " + str(results) in ran.stdout:
-        raise SystemExit("whole histories are no reason for a warning")
+        raise SystemExit("complete histories must not give a warning")
 
 
 def check_parts(program, deck, folder):
-    """What a killed run left half written goes when the run goes on, not before that is sure."""
+    """Incomplete files of a killed run are removed once the resumed run is accepted."""
     place = folder / "parts"
     program.done(1, "run", deck, "output.stop_after=500", "-o", place, code=3)
     own = ("checkpoint_0000000600.h5.part", "stage_fill.h5.part", "results.h5.part", "latest.part")
@@ -195,13 +195,13 @@ def check_parts(program, deck, folder):
     for name in own + mine:
         (place / name).write_text("half", encoding="utf-8")
     refused(program, 1, ["resume", place, "output.stop_after=1"],
-            ["command line: ", "are done already"])
+            ["command line: ", "are already done"])
     if not all((place / name).exists() for name in own):
         raise SystemExit("a refused resume has removed files")
     program.done(2, "resume", place, "output.stop_after=550", code=3)
     left = {path.name for path in place.glob("*.part")}
     if left != set(mine):
-        raise SystemExit(f"after a resume {left} are left, not {mine}")
+        raise SystemExit(f"after a resume {left} remain, not {mine}")
 
 
 def main():

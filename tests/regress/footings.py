@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sleepers beside the ground of a track: the parameter that is out is the one that is refused.
+"""Sleepers beyond the ground of a track: the refusal names the parameter that is out of range.
 
     footings.py PROGRAM DECK
 """
@@ -9,8 +9,8 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program  # noqa: E402
 
-# Of a ground of 4.8 m times 2 m with six sleepers 0.6 m apart, the first at 0.9 m, the last at 3.9.
-ENDS = "footing.first=0.3 ground.x=[0,3.6]"  # as much before the first as behind the last
+# A ground of 4.8 m times 2 m with six sleepers 0.6 m apart, the first at 0.9 m, the last at 3.9 m.
+ENDS = "footing.first=0.3 ground.x=[0,3.6]"  # equal lengths before the first and behind the last
 REFUSED = {
     "footing.y=1.5": "footing.y = 1.5: puts footprints from y = 0.8 to 2.2 m, beyond the ground "
                      "(ground.y: 0 to 2 m) (footing.length)",
@@ -32,8 +32,8 @@ def main():
     program, deck = Program(sys.argv[1]), sys.argv[2]
     for change, words in REFUSED.items():
         ran = program(1, "check", deck, *change.split())
-        said = [line for line in ran.stderr.splitlines() if "beyond the ground" in line]
-        if ran.returncode != 2 or len(said) != 1 or words not in said[0]:
+        reported = [line for line in ran.stderr.splitlines() if "beyond the ground" in line]
+        if ran.returncode != 2 or len(reported) != 1 or words not in reported[0]:
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
     for change in SOUND:
         program.done(1, "check", deck, *change.split())

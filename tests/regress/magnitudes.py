@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Numbers near the end of floating point are refused with a sentence, whatever the parameter; what
-is accepted ends neither in a broken invariant nor in numbers that are none.
+"""Values near the limits of floating point are refused with a message, for every parameter;
+accepted ones cause neither a broken invariant nor NaN or infinity.
 
     magnitudes.py PROGRAM INPUTS [--each]
 
-Every number of the schema at once, by deck and value; with --each, also every number of a deck
-alone, at both ends of what its sentence accepts (minutes).
+All numbers of the schema at once, by deck and value; with --each, also each number of a deck
+separately, at both ends of its accepted range (minutes).
 """
 import json
 import pathlib
@@ -17,7 +17,7 @@ import tomllib
 DECKS = ["track/plain.toml", "quickstart.toml", "ground/strip.toml", "bed/triaxial.toml",
          "track/two_rails_on_ground.toml", "demfem/solids.toml"]
 VALUES = ["1e300", "-1e300", "1e-300", "1e25"]
-# Of the program's own trouble; none of these is a word of a deck.
+# Signs of internal errors of the program; none of these words occurs in a deck.
 BROKEN = re.compile(r"broken invariant|Signal|terminate called|\bnan\b|-nan|\binf\b")
 ACCEPTS = re.compile(r"digits; at (most|least) (\S+)")
 
@@ -68,7 +68,7 @@ def all_at_once(program, deck, numbers):
 
 
 def one_by_one(program, deck, numbers):
-    """Both ends of what is accepted."""
+    """Both ends of the accepted range."""
     for key, entries in numbers:
         for value in ("1e300", "1e-300"):
             found = ACCEPTS.search(check(program, deck, override(key, entries, value))[1])
@@ -88,7 +88,7 @@ def main():
         all_at_once(program, deck, numbers)
         if "--each" in sys.argv:
             one_by_one(program, deck, numbers)
-    # What broke an invariant, and what was wrong without a word.
+    # Earlier cases of a broken invariant or of wrong results without a message.
     for value in ("1e22", "1e23", "1e25"):
         code, text = check(program, inputs / "track/plain.toml", f"pad.stiffness={value}")
         if code != 2 or "at most 1e+15 N/m" not in text:

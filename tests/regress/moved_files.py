@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files that a deck names and that have moved since a checkpoint was written: with what they held
-the state goes on, with anything else it does not.
+"""Files of a deck that were moved after a checkpoint was written: with unchanged contents the run
+can continue, otherwise not.
 
     moved_files.py PROGRAM DECK FOLDER
 """
@@ -13,14 +13,14 @@ from program import Program, expect, summary  # noqa: E402
 from results import same_bits  # noqa: E402
 
 INPUTS = pathlib.Path(__file__).resolve().parents[2] / "inputs"
-# Of the embankment's deck: few stones for a moment. Of the track's: the first metres.
+# Embankment deck: few stones for a short time. Track deck: the first metres.
 SHORT = ["bed.x=[0.7, 1.1]", "bed.y=[-0.2, 0.2]", "bed.height=0.06", "stage.fill.duration=0.02",
          "stage.compact.duration=0.01", "output.fields=false"]
 FAR = ["passage.duration=0.05"]
 
 
 def stop_of(whole):
-    """Amid the passage, or some windows before the end of the last stage."""
+    """In the middle of the passage, or some windows before the end of the last stage."""
     if "stages" not in whole:
         return "passage.stop_after=20"
     windows = sum(round(stage["duration_s"] / stage["window_s"]) for stage in whole["stages"])
@@ -28,8 +28,8 @@ def stop_of(whole):
 
 
 def check_moved(program, deck, words, name, old, folder):
-    """A run that stops, resumed where the file `old` lies elsewhere; its bits those of one that did
-    not stop. Then the file is another one, in the new place and the old."""
+    """A stopped run is resumed where the file `old` is in another place; bitwise identical to an
+    uninterrupted run. Then the file has other contents, in the new and the old place."""
     whole, stopped, new = folder / "whole", folder / "stopped", folder / "moved" / old.name
     program.done(1, "run", deck, *words, f"{name}={old}", "-o", whole)
     stop = stop_of(summary(whole))
@@ -50,12 +50,12 @@ def check_moved(program, deck, words, name, old, folder):
     expect(ran.returncode == 2 and f"{old}" in ran.stderr, "another file in another place", ran)
     shutil.copy(new, old)
     ran = program(1, "resume", folder / "again")
-    expect(ran.returncode == 2 and "holds something else than when" in ran.stderr,
+    expect(ran.returncode == 2 and "the content of the file has changed since" in ran.stderr,
            f"{name}: another file in the old place", ran)
 
 
 def check_unread(program, folder):
-    """A file that is named but not read may change; what resumes change stays in the warnings."""
+    """A file that is named but not read may change; changes of resumes are kept in the warnings."""
     unread, place = folder / "unread.csv", folder / "unread"
     unread.write_text("x_m,z_m\n0,0\n30,0\n", encoding="utf-8")
     program.done(1, "run", INPUTS / "track/plain.toml", *FAR, "irregularity.kind=spectrum",
@@ -67,7 +67,7 @@ def check_unread(program, folder):
     program.done(2, "resume", place, "passage.stop_after=0")
     kept = [text for text in summary(place)["warnings"] if "resumed" in text]
     if len(kept) != 1 or "passage.tolerance = " not in kept[0]:
-        raise SystemExit(f"what a resume changed must be kept, and nothing else: {kept}")
+        raise SystemExit(f"changes of a resume must be kept, and nothing else: {kept}")
 
 
 def main():

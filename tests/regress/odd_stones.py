@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Odd decks of single stones, and a long bed of copies: what they cannot be is said, what is
-legitimate runs.
+"""Unusual decks of single stones, and a long bed of copies: invalid ones are reported, valid ones
+run.
 
     odd_stones.py PROGRAM FOLDER
 """
@@ -189,7 +189,7 @@ def require(holds, words):
 
 
 def check_no_surface(bench):
-    """Stones alone go on from a checkpoint to the same bits."""
+    """Stones alone: a resumed run is bitwise identical to an uninterrupted one."""
     deck = bench.deck("balls", BALLS)
     whole, _ = bench.run(deck)
     wanted = datasets(whole / "results.h5")
@@ -204,7 +204,7 @@ def check_no_surface(bench):
 
 
 def check_graze(bench):
-    """A first touch of the plate, from a load that is less than a quantum on: no load is lost."""
+    """Grazing contact with the plate, with loads from below a quantum on: no load is lost."""
     deck = bench.deck("plate", PLATE)
     for speed in (1e-8, 1e-9, 1e-12):
         place, _ = bench.run(deck, f"stone.ball.velocity=[0,0,{-speed}]")
@@ -215,7 +215,7 @@ def check_graze(bench):
 
 def check_leaps(bench):
     """What would pass in one step is refused, or ends the run."""
-    refused = "it may pass without a contact; give a smaller time.step"
+    refused = "it may pass others without contact; give a smaller time.step"
     plate, balls = bench.deck("plate", PLATE), bench.deck("balls", BALLS)
     soft = ("contact.0.law=linear", "contact.0.k_n=1e4", "contact.0.k_s=1e4", "time.step=1e-4",
             "stage.touch.duration=0.05")
@@ -225,22 +225,22 @@ def check_leaps(bench):
         for command in ("check", "run"):
             ran = bench.program.done(1, command, deck, *changes, code=2)
             expect(refused in ran.stderr, f"{changes}: no refusal", ran)
-    # What becomes fast, or what comes to a stone, is seen by the run.
+    # Stones that become fast, and surfaces that approach a stone, are detected in the run.
     for changes in (("plate.floor.velocity=[0,0,300]", far), ("dem.gravity=2e4",
                     "stone.ball.position=[0,0,2]", "domain.low=[-3,-3,-3]", "domain.high=[3,3,3]")):
         _, ran = bench.run(plate, *soft, *changes, code=4)
         expect("it may pass without a contact" in ran.stderr, f"{changes}: passes", ran)
-    # Just below the limit it cannot pass: it is found within the plate.
+    # Just below the limit it cannot pass: it is detected within the plate.
     _, ran = bench.run(plate, *soft, far, "stone.ball.velocity=[0,0,-99]", code=4)
-    expect("overlaps the surface" in ran.stderr, "deep in the plate without a word", ran)
-    # Alone there is nothing to hit.
+    expect("overlaps the surface" in ran.stderr, "deep in the plate without an error", ran)
+    # A single stone cannot collide.
     lone = bench.deck("lone", BALLS.replace(
         BALLS[BALLS.index('[[stone]]\nname = "slow"'):BALLS.index("[dem]")], ""))
     bench.run(lone, "time.step=1e-4", "stone.fast.velocity=[300,0,0]")
 
 
 def check_steps(bench):
-    """More sub-steps than a window can have are refused, not taken as one."""
+    """More sub-steps than a window can have are refused."""
     deck = bench.deck("balls", BALLS)
     for command in ("check", "run"):
         ran = bench.program.done(1, command, deck, "time.window=0.1", "time.step=1e-12", code=2)
@@ -271,7 +271,7 @@ def check_warnings(bench):
 
 
 def bells(count):
-    """In many attitudes, so that most pushes do not go through the centre of mass."""
+    """In many attitudes, so that most contact forces are eccentric."""
     random = np.random.default_rng(1)
     return "".join(BELL.format(number=k, x=0.2 * (k % 9), y=0.2 * (k // 9),
                                z=0.021 + 3e-4 * random.random(), axis=list(random.normal(0, 1, 3)),
@@ -280,7 +280,7 @@ def bells(count):
 
 
 def check_eccentric(bench):
-    """Elastic bounces of clumps, of which most also turn them."""
+    """Elastic bounces of clumps, most of which also cause rotation."""
     count = 60
     place, _ = bench.run(bench.deck("bells", BELLS + bells(count)))
     placed, errors = read.results(place).placed, []
@@ -293,13 +293,14 @@ def check_eccentric(bench):
         errors.append(energy[-1] / energy[0] - 1)
     error = np.sqrt(np.mean(np.square(errors)))
     print(f"energy of {count} bounces of clumps in steps of 0.2 sqrt(m/k): rms {error:.2g} off")
-    # Twice the 1.0e-4 that were measured; 3.9e-4 with the whole mass at the ends of the contacts.
-    require(error < 2e-4, f"energy of a bouncing clump: rms {error:.3g} off")
+    # Twice the measured 1.0e-4; 3.9e-4 with the whole mass at the ends of the contacts.
+    require(error < 2e-4, f"energy of a bouncing clump: rms error {error:.3g}")
 
 
 def check_long_bed(bench):
-    """A thousand copies weigh more in their first window than a load that only grows has room
-    for: 21,000 disks on four nodes, and sums made for overlaps of 2 % of a radius."""
+    """The weight of a thousand copies in their first window exceeds the range of a load that may
+    only grow gradually: 21,000 disks on four nodes, with sums scaled for overlaps of 2 % of a
+    radius."""
     cell = bench.deck("cell", BED.replace("DURATION", "0.5").replace(
         'dimension = "plane"', 'dimension = "plane"\nperiodic = ["x"]'))
     bench.run(cell)

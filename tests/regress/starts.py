@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A run that starts from another's checkpoint with a deck that has no stage of kind fill: it may be
-stopped and resumed like any other, and its results say what it started from.
+"""A run that starts from the checkpoint of another run with a deck without a stage of kind fill: it
+can be stopped and resumed like any other, and its results name the start.
 
     starts.py PROGRAM DECK FOLDER
 """
@@ -36,26 +36,27 @@ def main(program, deck, folder):
     program.done(1, "run", short, start, "-o", folder / "whole")
     program.done(1, "run", short, start, "output.stop_after=100", "-o", folder / "stopped", code=3)
     softer = program.done(1, "check", short, start, "contact[0].k_n=1e7")
-    if "let them settle" not in softer.stdout:
+    if "let the stones settle" not in softer.stdout:
         raise SystemExit("other springs than those the stones lie with must be warned of")
     program.done(1, "run", short, start, "contact[0].k_n=1e7", "output.stop_after=2", "-o",
                  folder / "softer", code=3)
-    (folder / "made").rename(folder / "gone")  # all that is needed of it is in the state
+    (folder / "made").rename(folder / "gone")  # the state contains all that is needed
     program.done(2, "resume", folder / "stopped", "output.stop_after=0")
     for stop in (4, 6):
         program.done(1, "resume", folder / "softer", f"output.stop_after={stop}", code=3)
-        if sum("let them settle" in text for text in summary(folder / "softer")["warnings"]) != 1:
+        kept = summary(folder / "softer")["warnings"]
+        if sum("let the stones settle" in text for text in kept) != 1:
             raise SystemExit("what was odd about a start must outlive resumes, once: "
-                             f"{summary(folder / 'softer')['warnings']}")
+                             f"{kept}")
     whole, stopped = summary(folder / "whole"), summary(folder / "stopped")
     if whole["dem"]["state_hash"] != stopped["dem"]["state_hash"]:
-        raise SystemExit("a start that was stopped and resumed has other bits")
+        raise SystemExit("a stopped and resumed start is not bitwise identical")
     for run in ("whole", "stopped"):
         with h5py.File(folder / run / "results.h5") as file:
             stored = tomllib.loads(file.attrs["deck"] if isinstance(file.attrs["deck"], str)
                                    else file.attrs["deck"].decode())
         if stored["start"] != start.removeprefix("start="):
-            raise SystemExit(f"{run}: the results say start = {stored['start']!r}")
+            raise SystemExit(f"{run}: the results have start = {stored['start']!r}")
     print("ok")
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What is said of decks that place single stones: where stones begin, keys without effect, steps
-and windows, names in the sentences of a run; the last row of a stage.
+"""Messages on decks with placed stones: initial overlaps, keys without effect, steps and windows,
+names in messages of a run; the last row of a stage.
 
     stone_decks.py PROGRAM FOLDER [CHECK]
 """
@@ -84,7 +84,7 @@ class Bench:
             expect(word in ran.stderr, f"no \"{word}\"", ran)
 
     def accepted(self, text, changes=(), warning="", law=LINEAR):
-        """Without any other warning."""
+        """Accepted without any other warning."""
         ran = self.program.done(1, "check", self.deck(text, law), *changes)
         expect(warning in ran.stdout and ran.stdout.count("warning") == (warning != ""),
                f"{text}: warnings", ran)
@@ -103,7 +103,7 @@ def require(holds, words):
 
 
 def check_depths(bench):
-    """Contacts see none of the first seven."""
+    """The first seven are not detected as contacts."""
     tall = {"sides": [0.04, 0.04, 0.4]}
     limit = "the limit is dem.largest_overlap = 0.2: place it further away"
     for text, depth, surface in (
@@ -116,12 +116,12 @@ def check_depths(bench):
             (block("a", [0, 0, -0.1], sides=[0.3, 0.3, 0.3]) + BODY, 0.25, "body"),
             (ball("a", [0, 0, -0.001]) + FLOOR, 0.011, "floor"),
             (block("a", [0, 0, 0]) + BODY, None, "body")):
-        words = f'begins {depth} m within surface "{surface}"' if depth else surface
+        words = f'initially overlaps surface "{surface}" by {depth} m' if depth else surface
         bench.refused(text, "deck.toml:", "stone[0].position", words, limit)
     place = bench.folder / "refused"
     ran = bench.program.done(1, "run", bench.folder / "deck.toml", "-o", place, code=2)
     expect(limit in ran.stderr and not place.exists(), "a refused run leaves a folder", ran)
-    # Beside a plate, behind one or beside a box nothing is wrong; nor where they just touch.
+    # Positions beside a plate, behind one or beside a box are valid, as is exact touch.
     for text in (block("a", [2, 0, 0], **tall) + FLOOR, block("a", [0, 0, -0.5], **tall) + FLOOR,
                  block("a", [0, 0, 0.1]) + CHEST, block("a", [0.2, 0, 0.1]) + CHEST,
                  block("a", [0, 0, 0.01]) + BODY):
@@ -129,10 +129,10 @@ def check_depths(bench):
 
 
 def check_behind(bench):
-    """Of plates and of walls, as far as the first flight goes; and what a run says of it."""
+    """Stones behind plates and walls, up to the first collision; messages of `check` and run."""
     upside = FLOOR.replace("size", "normal = [0, 0, -1]\nsize")
     longer = "stage.go.duration=0.05"
-    # Its surface arrives, 10 mm before its centre; a block's corners half its radius before.
+    # The surface arrives 10 mm before the centre; corners of a block half its radius before.
     for text, time in (
             (ball("a", [0, 0, -0.03], velocity=[0, 0, 3.1]) + FLOOR, "0.00652"),
             (ball("a", [0.2, 0, 0.1], velocity=[-10, 0, 0]) + CHEST, "0.009"),
@@ -146,7 +146,7 @@ def check_behind(bench):
         expect('stone "a" at (' in ran.stderr and "it came from behind" in ran.stderr, text, ran)
         ended = float(re.search(r"\(at (\S+) s, stage", ran.stderr)[1])
         expect(abs(ended - float(time)) < 2e-4, f"ends at {ended} s, check says {time} s", ran)
-    # Plates that it does not reach, or from which it is kept by another.
+    # Plates that it does not reach, or that another plate shields.
     beside = FLOOR.replace("size", "centre = [1.5, 0, 0]\nsize")
     for text in (ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + beside,
                  ball("a", [0, 0, -0.03], velocity=[0, 0, 3]) + FLOOR
@@ -157,7 +157,7 @@ def check_behind(bench):
 
 
 def check_idle(bench):
-    """Keys that a shape or a law does not read."""
+    """Keys that have no effect for a shape or a contact law."""
     effect = "has no effect with shape = "
     for changes, key in ((dict(sides=[1, 1, 1]), "sides"), (dict(seed=7), "seed"),
                          (dict(corners=[1, 2, 3]), "corners"), (dict(rounding=2e-3), "rounding"),
@@ -189,23 +189,24 @@ def check_steps(bench):
     bench.accepted(lone, ["time.substeps=479"])
     bench.refused(lone, "time.window: a window of 0.02 s", changes=["time.window=0.02"])
     bench.accepted(lone, ["time.window=0.01"])
-    # What the sentence names is enough.
+    # The step given by the message is sufficient.
     long = "time.step=4e-6"
-    bench.refused(lone, "dem.largest_overlap = 0.0018 (beyond which the run would stop) or "
+    bench.refused(lone, "dem.largest_overlap = 0.0018 (larger overlaps would stop the run) or "
                   "dem.safety = 0.652 would allow it", changes=[long], law=HERTZ)
     bench.accepted(lone, [long, "dem.largest_overlap=0.0018"], law=HERTZ)
     bench.accepted(lone, [long, "dem.safety=0.652"], law=HERTZ,
                    warning="dem.safety = 0.652 is far from the usual values")
-    # As of beds, only of stones with corners.
+    # As for beds, only for stones with corners.
     bench.accepted(lone, ["dem.safety=0.45"])
     bench.accepted(block("a", [0, 0, 0.5]), ["dem.safety=0.45"],
-                   warning="dem.safety = 0.45: may be too much for stones that are pressed")
+                   warning="dem.safety = 0.45: may be too large for compacted stones")
     ran = bench.accepted(ball("a", [0, 0, 0.5], motion="driven"), ["time.step=1e-5"])
-    expect("none is free" in ran.stdout and "inf" not in ran.stdout, "limit of driven stones", ran)
+    expect("no stone is free" in ran.stdout and "inf" not in ran.stdout,
+           "limit of driven stones", ran)
 
 
 def check_sentences(bench):
-    """Each mistake is called by the deck's keys, and no other model's are suggested."""
+    """Messages name the deck's keys, and suggest no key of another model."""
     lone = ball("a", [0, 0, 0.5])
     for change, words in (("bed.x=1", "bed is not a section of a deck with this `model`"),
                           ("ground.x=1", "ground is not a section of a deck with this `model`"),
@@ -225,7 +226,7 @@ def check_sentences(bench):
     bench.refused(solid, "stone[0].rounding: 0.4 m is the radius", "must be below 0.341 m",
                   changes=["stone.a.rounding=0.4"])
     drawn = table("stone", "a", shape="polyhedron", size=0.04)
-    bench.refused(drawn, "stone[0].shape: cannot be made: none of 24 corners",
+    bench.refused(drawn, "stone[0].shape: cannot be made: no stone with 24 corners",
                   changes=["stone.a.polyhedron.flatness=0.05", "stone.a.polyhedron.rounding=0.2"])
     bench.refused(drawn, "elongation = 1 must be above 0 and at most 0.995",
                   changes=["stone.a.polyhedron.elongation=1"])
@@ -237,11 +238,11 @@ def check_sentences(bench):
     bench.refused(shape, "has no shape \"pebble\"; there are stone_1, stone_2",
                   changes=["stone.a.entry=pebble"])
     bench.refused(table("stone", "a", shape="mesh", file=str(bench.folder / "deck.toml")),
-                  "stone[0].file: ", "meshes end in .stl")
+                  "stone[0].file: ", "a mesh file must end in .stl")
     bench.accepted(clump("a", [0, 0, 0.5], -0.02, 0.02),
-                   warning="stone[0].spheres: spheres of stone \"a\" are 0.02 m apart")
+                   warning="spheres of stone \"a\" are separated by a gap of 0.02 m")
     bench.accepted(clump("a", [0, 0, 0.5], -0.02, 0.02, 0))
-    # Held stones do not touch each other, however deep; a free one beside them does.
+    # Fixed stones have no contacts with each other at any overlap; a free one has.
     held = (ball("a", [0, 0, 0.5], motion="fixed")
             + ball("b", [0, 0, 0.505], motion="driven", velocity=[1, 0, 0]))
     bench.accepted(held + ball("c", [1, 0, 0.5]))
@@ -251,7 +252,7 @@ def check_sentences(bench):
 
 
 def check_names(bench):
-    """Runs that end call stones by their names."""
+    """Errors of a run name the stones."""
     for text, changes, words in (
             (ball("top", [0, 0, 0.5], velocity=[0, 0, 1]),
              ["domain.low=[-1,-1,-1]", "domain.high=[1,1,0.505]"], 'stone "top" left the domain'),
@@ -266,7 +267,7 @@ def check_names(bench):
 
 
 def check_domain(bench):
-    """A spinning stone throws what it touches, and itself; a long one may reach out of a domain."""
+    """A spinning stone launches the stone it touches; a long one may protrude from a domain."""
     spinning = (ball("a", [0, 0, 0.0099], spin=[0, 3000, 0])
                 + ball("b", [0, 0, 0.029], motion="free"))
     bench.run(spinning, ["dem.gravity=0", "stage.go.duration=0.1"])
@@ -284,7 +285,7 @@ def check_domain(bench):
 
 
 def check_last_row(bench):
-    """Once for each stage, also where the run was stopped right there, in contact."""
+    """One last row per stage, also if the run was stopped right there, in contact."""
     text = ball("a", [0, 0, 0.0095]) + block("b", [0.3, 0, 0.0099]) + FLOOR
     more = '\n[[stage]]\nname = "on"\nkind = "settle"\nduration = 5e-5\n'
     rare = ["stage.go.duration=1e-4", "output.history_interval=3e-4"]
@@ -300,7 +301,7 @@ def check_last_row(bench):
         for path, values in wanted.items():
             expect(np.array_equal(values, found[path]), f"stopped after {stop}: {path}", ran)
     step = wanted["history/time"][0].item()
-    # The deck's second stage comes first.
+    # The second stage of the deck comes first.
     rows = np.round(wanted["history/time"].ravel() / step)
     expect(list(rows) == [1, 3, 4, 8] and wanted["history/total/contacts"][-1] > 0,
            f"rows after windows {rows}", ran)
@@ -319,7 +320,7 @@ def main():
         check(Bench(Program(sys.argv[1]), own))
         print(check.__name__, "done")
 
-    # Most of the time programs begin and end, which several do at once.
+    # Most of the time is start and end of programs, so that several run at once.
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         list(pool.map(run, checks))
 

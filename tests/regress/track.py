@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A track alone: what is refused and how, the same bits on any number of ranks, files, resume.
+"""A track alone: refusals, bitwise identity on any number of ranks, files, resume.
 
     track.py PROGRAM DECKS FOLDER
 """
@@ -15,14 +15,14 @@ from program import Program, summary  # noqa: E402
 
 SEATS = "train.vehicles=[] passage.loaded_by=seats"
 SHORT = ["passage.duration=0.05", "train.start=25"]
-# Changes of the plain deck and words of the refusal.
+# Changes of the plain deck and a part of the refusal.
 REFUSED = {
     "model=bed": 'must be "track"',
     "bed.height=0.3": "bed is not a section",
     "rail.section=60E2": "must be 46E3, 54E1, 60E1 or CHN60",
     'train.vehicles=["manchester"]': "did you mean manchester_1?",
     "train.vehicles=[]": "must name at least one vehicle",
-    "train.start=61": "train.start = 61: lies beyond the track, which is 60 m long",
+    "train.start=61": "train.start = 61: is beyond the track, which is 60 m long",
     "train.times=[9,8] train.speeds=[40,30]": "train.times = [9, 8]: must rise from each to",
     "train.times=[9,20] train.speeds=[40]": "as many as train.times: 1 speeds, 2 times",
     "train.times=[9] train.speeds=[-5]": "train.speeds[0] = -5 must be at least 0 m/s",
@@ -31,15 +31,15 @@ REFUSED = {
     "track.run_in=31": "must be at most half the length",
     "irregularity.kind=file": "is needed for kind",
     "irregularity.longest=0.5": "must be longer than the shortest",
-    "wheel_rail.flat_axle=5": "is not there: the train has 4 axles",
+    "wheel_rail.flat_axle=5": "must be at most the number of axles of the train, 4",
     "wheel_rail.flat_length=0.5 wheel_rail.flat_axle=1": "must be at most the radius",
-    "passage.points=[70]": "70 m lies beyond the track",
+    "passage.points=[70]": "70 m is beyond the track",
     "passage.stop_after=-1": "at least 0",
     "track.dimension=space track.rails=1": "must be 2 where dimension = space",
     "track.sleeper.model=beam track.sleeper.elements=7": "must be even: the middle is a node",
-    "track.sleeper.model=beam track.support=continuous": "must be rigid where there are none",
+    "track.sleeper.model=beam track.support=continuous": "must be rigid: the track has no sleepers",
     "track.sleeper.model=beam track.sleeper_length=1.5": "must be longer than the gauge of 1.5 m",
-    "track.sleeper.model=beam track.rails=1": "must be 2 with sleepers that bend",
+    "track.sleeper.model=beam track.rails=1": "must be 2 with bending sleepers",
     "track.sleeper.model=beam track.sleeper_inertia=100": "is for rigid sleepers",
     "track.sleeper.model=beam ballast.mass=500": "must be 0 below sleepers that bend",
     "track.sleeper.unsupported=0.5": "has no effect on a plane track with rigid sleepers",
@@ -49,15 +49,15 @@ REFUSED = {
     "under_sleeper_pad.stiffness=8e7 track.support=none": "needs sleepers: there are none",
     "under_sleeper_pad.stiffness=8e7 track.sleeper.model=beam": "must be 0 below sleepers that",
     "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must lie beyond from, or be 0",
-    f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail: seat loads stand for it",
-    f"{SEATS} track.ends=free": "must be pinned if seats are loaded",
-    f"{SEATS} track.support=continuous": "must be sleepers if seats are loaded",
+    f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail, which seat loads replace",
+    f"{SEATS} track.ends=free": "must be pinned with seat loads",
+    f"{SEATS} track.support=continuous": "must be sleepers with seat loads",
     f"{SEATS} load.kind=table": "load.file",
-    "load.peak=50e3": "has no effect: it acts with passage.loaded_by",
+    "load.peak=50e3": "has no effect: it acts only with passage.loaded_by",
     "irregularity.kind=same": "same is for the right rail",
     "irregularity_right.kind=versine": "needs two rails",
 }
-TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all named at once
+TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all reported at once
 VEHICLE = """
 [[vehicle]]
 name = "{name}"
@@ -82,18 +82,18 @@ def check_refusals(program, decks, folder):
     for change, words in REFUSED.items():
         refuse(program, decks / "plain.toml", change.split(" "), words)
     refuse(program, decks / "plain.toml", ["track.support=none", "track.ends=free"],
-           "track.ends = \"free\": must be pinned: the rail is held by nothing else")
+           "track.ends = \"free\": must be pinned: the rail has no other support")
     lines = refuse(program, decks / "plain.toml", TOGETHER, "must be above 0")
     if len(lines) != len(TOGETHER):
-        raise SystemExit(f"one sentence for each of {TOGETHER} is wanted: {lines}")
+        raise SystemExit(f"one message for each of {TOGETHER} is required: {lines}")
     text = (decks / "plain.toml").read_text(encoding="utf-8")
     for name, kind, to, words in (("own", "sprung", 31, "needs body_mass, primary_stiffness too"),
-                                  ("manchester_1", "wheel", 31, "is the name of another vehicle"),
+                                  ("manchester_1", "wheel", 31, "is already the name of another"),
                                   ("own", "wheel", 30, "must lie beyond from")):
         path = folder / "changed.toml"
         path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
         refuse(program, path, [], words)
-    for changes, words in ((["passage.history_interval=1e-6"], "every step makes a row"),
+    for changes, words in ((["passage.history_interval=1e-6"], "a row is written after every"),
                            (["train.times=[1]", "train.speeds=[20]"], "by up to 30 m/s2; trains")):
         ran = program.done(1, "check", decks / "plain.toml", *changes)
         if words not in ran.stdout:
@@ -101,14 +101,15 @@ def check_refusals(program, decks, folder):
 
 
 def check_files(program, decks, folder):
-    """A bad profile is refused by its line, and older results stay."""
+    """An invalid profile is refused with its line, and older results are kept."""
     place, bad = folder / "kept", folder / "bad.csv"
     program.done(1, "run", decks / "plain.toml", *SHORT, "-o", place)
     bad.write_text("x_m,z_m\n0,0\n1,high\n", encoding="utf-8")
     ran = program(1, "run", decks / "plain.toml", *SHORT, "irregularity.kind=file",
                   f"irregularity.file={bad.resolve()}", "--force", "-o", place)
     if ran.returncode != 2 or "bad.csv:3" not in ran.stderr:
-        raise SystemExit(f"a bad profile must be refused by its line:\n{ran.stdout}{ran.stderr}")
+        raise SystemExit("an invalid profile must be refused with its line:\n"
+                         f"{ran.stdout}{ran.stderr}")
     if not (place / "summary.json").exists():
         raise SystemExit("a refused run has removed results")
 
@@ -130,7 +131,7 @@ def check_runs(program, decks, folder):
             raise SystemExit(f"forces at rest: {force[0]}")
     ran = program(1, "resume", folder / "run")
     if ran.returncode != 2 or "a track alone without a checkpoint" not in ran.stderr:
-        raise SystemExit(f"there is no checkpoint to resume: {ran.stderr}")
+        raise SystemExit(f"no checkpoint to resume: {ran.stderr}")
     ran = program(1, "run", decks / "plain.toml", *SHORT, "-o", folder / "run")
     if ran.returncode != 2 or "--force" not in ran.stderr:
         raise SystemExit(f"older results must not be replaced: {ran.stderr}")
@@ -171,11 +172,11 @@ def same_bits(one, other, what):
 
 
 def check_resume(program, decks, folder):
-    """Stopped on two ranks after any step, gone on with on one: the same bits. Sleepers hang, pads
-    have a knee, a hammer strikes."""
+    """Stopped on two ranks after any step and resumed on one: bitwise identical. Sleepers are
+    unsupported, pads are bilinear, with an impact on the rail."""
     deck = folder / "hanging.toml"
     deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + HANGING, encoding="utf-8")
-    words = [*SHORT, "pad.knee=1e-4", "pad.beyond=300e6"]
+    words = [*SHORT, "pad.bilinear_at=1e-4", "pad.bilinear_stiffness=300e6"]
     program.done(1, "run", deck, *words, "-o", folder / "through")
     for steps in (1, 100, 203, 249):
         place = folder / f"stopped_{steps}"
@@ -185,7 +186,7 @@ def check_resume(program, decks, folder):
         program.done(1, "resume", place)
         same_bits(folder / "through", place, f"stopped after {steps} steps")
     lifts, even = [*SHORT, "pad.uplift=true"], decks / "plain.toml"
-    refuse(program, deck, lifts, "pad.uplift = true: must be false where sleepers hang")
+    refuse(program, deck, lifts, "pad.uplift = true: must be false with hanging sleepers")
     program.done(2, "run", even, *lifts, "-o", folder / "lifts")
     program.done(1, "run", even, *lifts, "passage.stop_after=203", "-o", folder / "lifted", code=3)
     program.done(2, "resume", folder / "lifted")
@@ -194,17 +195,17 @@ def check_resume(program, decks, folder):
     program.done(1, "run", deck, *words, "passage.checkpoint_interval=0.01", "-o", written)
     left = sorted(file.name for file in written.glob("checkpoint_*.h5"))
     if left != [f"checkpoint_{steps:010d}.h5" for steps in (200, 250)]:
-        raise SystemExit(f"the last two of the checkpoints stay: {left}")
+        raise SystemExit(f"the last two checkpoints must be kept: {left}")
     ran = program.done(1, "resume", written)
-    if "nothing is left to do" not in ran.stdout:
+    if "the run is already finished" not in ran.stdout:
         raise SystemExit(f"a finished run: {ran.stdout}")
     program.done(1, "resume", written / left[0], "-o", folder / "again")
     same_bits(folder / "through", folder / "again", "from a checkpoint in between")
     program.done(1, "resume", written, "passage.duration=0.06", "-o", folder / "longer")
     if summary(folder / "longer")["windows"] != 300:
-        raise SystemExit("a finished run may be made longer")
+        raise SystemExit("the extension of a finished run must be accepted")
     for change, words in (("pad.stiffness=1e8", "was made with 120000000.0"),
-                          ("passage.stop_after=200", "are done already"),
+                          ("passage.stop_after=200", "are already done"),
                           ("passage.points=[31]", "was made with [30.0, 30.3]")):
         ran = program(1, "resume", written, change, "-o", folder / "refused")
         if ran.returncode != 2 or words not in ran.stderr:
@@ -215,8 +216,9 @@ def check_resume(program, decks, folder):
 
 
 def check_braking(program, decks, folder):
-    """A train that brakes: the same bits on any number of ranks and after a stop, between two of
-    its times and beyond the last. It goes as far as its speeds say, and takes the time it needs."""
+    """A braking train: bitwise identical on any number of ranks and after a stop, between two of
+    its times and beyond the last. Its travel is the integral of its speeds, and its duration
+    follows."""
     words = ["train.times=[0.1, 0.4]", "train.speeds=[50, 49.5]", "train.start=25"]
     place = folder / "brakes_1"
     for ranks in (1, 2, 3, 4):
@@ -226,14 +228,14 @@ def check_braking(program, decks, folder):
     with h5py.File(place / "results.h5") as file:
         x = file["history/wheel/x"][()][-1, 0]
     if abs(x - (25 + 50 * 0.1 + 49.75 * 0.3 + 49.5 * 0.1)) > 1e-9:
-        raise SystemExit(f"the first axle has come to {x} m")
+        raise SystemExit(f"the first axle is at {x} m")
     for steps in (700, 2100):
         stopped = folder / f"brakes_stopped_{steps}"
         program.done(2, "run", decks / "plain.toml", *words, "passage.duration=0.5",
                      f"passage.stop_after={steps}", "-o", stopped, code=3)
         program.done(1, "resume", stopped)
         same_bits(place, stopped, f"braking, stopped after {steps} steps")
-    # 60 m and 21.56 m to the last axle from 0: 50 m at 50 m/s, then 31.56 m at 25 m/s on average.
+    # 60 m plus 21.56 m to the last axle: 50 m at 50 m/s, then 31.56 m at 25 m/s on average.
     program.done(1, "run", decks / "plain.toml", "train.start=0", "train.times=[1, 21]",
                  "train.speeds=[50, 0]", "passage.step=1e-3", "-o", folder / "brakes_whole")
     time = summary(folder / "brakes_whole")["simulated_time_s"]
@@ -243,8 +245,8 @@ def check_braking(program, decks, folder):
 
 
 def check_two_rails(program, decks, folder):
-    """Stopped and resumed on another number of ranks: the same bits. The body leans towards the
-    rail that has no support."""
+    """Stopped and resumed on another number of ranks: bitwise identical. The body rolls towards the
+    unsupported rail."""
     words = [*SHORT, "track.dimension=space", "irregularity_right.kind=spectrum",
              "irregularity_right.seed=2", "track.zone.0.side=left",
              "under_sleeper_pad.stiffness=80e6", "under_sleeper_pad.damping=20e3",
@@ -263,7 +265,7 @@ def check_two_rails(program, decks, folder):
     if shapes != [(8,), (4,), (4,), ()] or np.any(x[:, ::2] != x[:, 1::2]):
         raise SystemExit(f"histories of two rails: {shapes}")
     if not np.abs(force[:, ::2] - force[:, 1::2]).max() > 1e3 or not np.abs(roll).max() > 1e-6:
-        raise SystemExit("left and right wheels feel the same")
+        raise SystemExit("forces of left and right wheels are equal")
     for change, words in (("irregularity_right.seed=3", "was made with 2"),):
         ran = program(1, "resume", place, change, "-o", folder / "refused")
         if ran.returncode != 2 or words not in ran.stderr:
@@ -271,8 +273,9 @@ def check_two_rails(program, decks, folder):
 
 
 def check_bending_sleepers(program, decks, folder):
-    """Some of them hang on the left: the same bits on any number of ranks and after a stop. Without
-    ballast in the middle they sag more below the rails, and hog less in the middle."""
+    """Some sleepers are unsupported on the left: bitwise identical on any number of ranks and after
+    a stop. Without ballast in the middle sagging moments below the rails increase, and hogging
+    moments in the middle decrease."""
     words = [*SHORT, "track.dimension=space", "track.zone.0.side=left", "track.sleeper.model=beam",
              "track.sleeper.elements=4"]
     deck, place = folder / "hanging.toml", folder / "bending"
@@ -299,8 +302,9 @@ def check_bending_sleepers(program, decks, folder):
 
 
 def check_seat_loads(program, decks, folder):
-    """Loads of a locomotive on seats: each sleeper gets them at its time and in full, the same bits
-    on any number of ranks and after a stop. A table of seats must have a column for each."""
+    """Loads of a locomotive on seats: each sleeper gets them at its time and in full; bitwise
+    identical on any number of ranks and after a stop. A table of seats must have a column for
+    each."""
     words = [*SEATS.split(" "), "load.speed=50", "load.start=-3", "passage.points=[30, 42]",
              "passage.step=5e-4"]
     place = folder / "seats_1"
@@ -321,7 +325,7 @@ def check_seat_loads(program, decks, folder):
         raise SystemExit(f"largest seat loads at {later} s, rail up to {np.abs(rail).max()} m")
     if not np.allclose(load.max(axis=0), 71.1e3, rtol=0.03) or abs(time[-1] - 77.8 / 50) > 1e-3:
         raise SystemExit(f"seat loads up to {load.max(axis=0)} N until {time[-1]} s")
-    # Of its deck: 80.664 kN, a quarter of it amid a bogie, 15 m after the start and 3 m before it.
+    # As in the deck: 80.664 kN, a quarter of it at mid-bogie, 15 m after and 3 m before the start.
     program.done(1, "run", decks / "seats.toml", "passage.duration=0.65", "-o", folder / "carriage")
     with h5py.File(folder / "carriage/results.h5") as file:
         time, load = (file[f"history/{name}"][()].ravel()
@@ -330,7 +334,8 @@ def check_seat_loads(program, decks, folder):
     between = (time > 18 / 33.333) & (time < 20.5 / 33.333)
     ratios = [load.max() / 80.664e3, load[between].min() / 20.166e3]
     if not np.allclose(ratios, 1, atol=2e-3) or seat.max() < 5e3 or middle.min() > -1e3:
-        raise SystemExit(f"{ratios} of the loads wanted; moments {seat.max()}, {middle.min()} N m")
+        raise SystemExit(f"ratio to the prescribed loads {ratios}; moments {seat.max()}, "
+                         f"{middle.min()} N m")
     table = folder / "seats.csv"
     table.write_text("time_s,sleeper_0\n0,0\n1,5\n", encoding="utf-8")
     ran = program(1, "run", decks / "plain.toml", *words, "load.kind=seats",
@@ -340,14 +345,14 @@ def check_seat_loads(program, decks, folder):
 
 
 def check_forces(program, decks, folder):
-    """No train but a hammer: the rail under it goes down and comes back."""
+    """An impact without a train: the rail below deflects and returns."""
     words = ["train.vehicles=[]", "passage.duration=0.5", "passage.points=[27]"]
     program.done(1, "run", folder / "hanging.toml", *words, "-o", folder / "hammer")
     with h5py.File(folder / "hammer/results.h5") as file:
         rail = file["history/rail/displacement"][()].ravel()
         force = file["history/rail/force"][()].ravel()
     if abs(force.max() - 20e3) > 1e3 or rail.min() > -1e-5 or abs(rail[-1]) > 0.05 * -rail.min():
-        raise SystemExit(f"a blow of {force.max()} N: rail {rail.min()} m, {rail[-1]} m")
+        raise SystemExit(f"an impact of {force.max()} N: rail {rail.min()} m, {rail[-1]} m")
     refuse(program, folder / "hanging.toml", words[:1], "must be above 0 s without vehicles")
     refuse(program, folder / "hanging.toml", ["force.0.at=61"], "beyond the track")
     refuse(program, folder / "hanging.toml", ["force.0.side=right"], "needs two rails")
@@ -355,7 +360,7 @@ def check_forces(program, decks, folder):
 
 
 def check_targets(program, decks, folder):
-    """Of the deck's head: rail 0.8, rail against sleeper 0.2, ground 0.6 mm, to a tenth."""
+    """Targets in the deck's head: rail 0.8, rail to sleeper 0.2, ground 0.6 mm, within a tenth."""
     program.done(1, "run", decks / "netirail_plain.toml", "passage.duration=0.8",
                  "train.vehicles=[\"alfa_pendular\"]", "-o", folder / "train")
     with h5py.File(folder / "train/results.h5") as file:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A track alone: the numbers of its summary are those of the run, not of what was written of it.
+"""A track alone: values of the summary are those of the run, not of its output rows.
 
     track_numbers.py PROGRAM DECKS FOLDER
 """
@@ -13,11 +13,11 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 from track import SHORT, same_bits  # noqa: E402
-from track_doubts import COACH, TWO_RAILS, VEHICLE, deck_with  # noqa: E402
+from track_warnings import COACH, TWO_RAILS, VEHICLE, deck_with  # noqa: E402
 
 
 def check_extremes(program, decks, folder):
-    """They are of every step, however few rows the histories have, also across a stop."""
+    """Extremes include every step for any number of rows of the histories, also across a stop."""
     found = []
     for name, words in (("each", ["passage.history_interval=2e-4"]),
                         ("few", ["passage.history_interval=0.03"])):
@@ -42,8 +42,8 @@ def check_extremes(program, decks, folder):
 
 
 def check_envelope(place):
-    """Extremes along the track are those of the rows where every step has one, and the places that
-    are watched are among them."""
+    """Extremes along the track equal those of the rows if every step has a row, and include the
+    history points."""
     with h5py.File(place / "results.h5") as file:
         x = file["envelope/x"][()].ravel()
         for what, at in (("rail", "rail/x"), ("sleeper", "sleepers/x")):
@@ -51,7 +51,7 @@ def check_envelope(place):
             shared = [i for i, one in enumerate(watched) if np.abs(x - one).min() < 1e-9]
             near = [int(np.abs(x - watched[i]).argmin()) for i in shared]
             if not near:
-                raise SystemExit(f"{at}: {watched} lie nowhere in {x}")
+                raise SystemExit(f"{at}: {watched} are not in {x}")
             for name in ["displacement", "seat_force"] if what == "sleeper" else ["displacement"]:
                 rows = file[f"history/{what}/{name}"][()].reshape(-1, len(watched))[:, shared]
                 for end, wanted in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
@@ -62,7 +62,7 @@ def check_envelope(place):
 
 
 def check_raised(program, decks, folder):
-    """A rail that stands up all the time, before a train at rest, is never lower."""
+    """A rail uplifted at all times, before a train at rest, has no downward displacement."""
     ran = program.done(1, "run", decks / "plain.toml", "train.speed=0", "train.start=20",
                        "irregularity.kind=none", "irregularity.fade=10", "passage.duration=4e-3",
                        "passage.points=[22.2]", "passage.history_interval=2e-4", "-o",
@@ -70,17 +70,17 @@ def check_raised(program, decks, folder):
     with h5py.File(folder / "raised/results.h5") as file:
         least = file["history/rail/displacement"][()].min()
     found = summary(folder / "raised")["track"]["rail_lowest_m"]
-    words = f"rail at 22.2 m: never lower than {1e3 * least:.4f} mm up"
+    words = f"rail at 22.2 m: always at least {1e3 * least:.4f} mm above its level"
     if not least > 1e-6 or found != [least] or words not in ran.stdout:
         raise SystemExit(f"lowest rail {found}, rows have {least}; wanted '{words}':\n{ran.stdout}")
 
 
 def check_run_ins(program, decks, folder):
-    """A flat strikes the nearly rigid rail of the run-in several times as hard as the track, whose
-    forces are those told; a bridge has no run-in."""
+    """A flat on the nearly rigid rail of the run-in has several times the impact force of that on
+    the track, whose forces are reported; a bridge has no run-in."""
     words = ["irregularity.kind=none", "irregularity.fade=10", "wheel_rail.flat_axle=1",
              "passage.history_interval=2e-4"]
-    for name, support, span, told in (("flat", [], (6, 54), ", between the run-ins (6 to 54 m)"),
+    for name, support, span, text in (("flat", [], (6, 54), ", between the run-ins (6 to 54 m)"),
                                       ("bridge", ["track.support=none", "rail.inertia=1"],
                                        (0, 60), " kN\n")):
         ran = program.done(1, "run", decks / "plain.toml", *words, *support, "-o", folder / name)
@@ -89,14 +89,14 @@ def check_run_ins(program, decks, folder):
         most = force[(x >= span[0]) & (x <= span[1])].max()
         found = summary(folder / name)["track"]["wheel_force_max_n"]
         print(f"{name}: {found:.0f} N, anywhere {force[(x >= 0) & (x <= 60)].max():.0f} N")
-        if found != most or f"to {most / 1e3:.2f} kN{told.removeprefix(' kN')}" not in ran.stdout:
+        if found != most or f"to {most / 1e3:.2f} kN{text.removeprefix(' kN')}" not in ran.stdout:
             raise SystemExit(f"{name}: {found} N, rows have {most} N:\n{ran.stdout}")
         if name == "flat" and force.max() < 3 * most:
-            raise SystemExit(f"the run-in strikes with {force.max()} N: is this test one?")
+            raise SystemExit(f"force in the run-in {force.max()} N: the test is meaningless")
 
 
 def check_d1(program, decks, folder):
-    """Of what was drawn or read, of each rail; that of the spectrum is the same for all seeds."""
+    """D1 of sampled or read profiles of each rail; that of the spectrum is equal for all seeds."""
     left, right = 3e-3 * np.sqrt(0.5), 1e-3 * np.sqrt(0.5)  # m, of waves of 8 m
     x = np.arange(0, 400.05, 0.1)
     for name, height in (("left", 3e-3), ("right", 1e-3)):
@@ -123,7 +123,7 @@ def check_d1(program, decks, folder):
 
 
 def check_crossing(program, decks, folder):
-    """A deeper dip strikes harder, and the sleeper below it tells so."""
+    """A deeper dip causes larger wheel forces and sleeper accelerations."""
     forces, accelerations = [], []
     for depth in (0.75e-3, 1.5e-3):
         place = folder / f"dip_{depth}"
@@ -137,7 +137,7 @@ def check_crossing(program, decks, folder):
 
 
 def check_lost(program, decks, folder):
-    """Wheels off the rail count while they are on the track, not where they fly on beyond it."""
+    """Loss of contact counts while wheels are on the track, not beyond it."""
     place = folder / "flies"
     program.done(1, "run", decks / "plain.toml", "irregularity.kind=vee", "irregularity.at=59.7",
                  "irregularity.length=0.6", "irregularity.depth=-6e-3", "train.start=55",
@@ -152,9 +152,9 @@ def check_lost(program, decks, folder):
 
 
 def check_energy(program, decks, folder):
-    """Without dampers the track holds what a blow gave it, also where pads stand open, are pressed
-    beyond their knee, and where sleepers that hang strike the ballast. The first time lies within
-    the blow, at later ones the rail flies or is caught."""
+    """Without dampers the track keeps the energy of an impact, also with open pads, pads compressed
+    beyond their change of stiffness, and unsupported sleepers that hit the ballast. The first time
+    is within the impact, at later ones the rail lifts off or lands."""
     blow = """
 [[force]]
 kind = "impact"
@@ -164,7 +164,7 @@ length = 4e-3
 """
     hang = "\n[[track.zone]]\nfrom = 1.7\nto = 3.1\ngap = 1e-4\n"
     kinds = (("linear", -100e3, "", []), ("uplift", -100e3, "", ["pad.uplift=true"]),
-             ("knees_gaps", 150e3, hang, ["pad.knee=5e-5", "pad.beyond=400e6"]))
+             ("knees_gaps", 150e3, hang, ["pad.bilinear_at=5e-5", "pad.bilinear_stiffness=400e6"]))
     for name, size, zone, words in kinds:
         deck = folder / f"{name}.toml"
         deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + blow.format(size) +
@@ -182,14 +182,14 @@ length = 4e-3
             given = np.sum((force[1:] + force[:-1]) / 2 * np.diff(height))
             held = summary(place)["energy"]["track_j"]
             if not given > 50 or abs(held - given) > 1e-5 * given:
-                raise SystemExit(f"{name}, {until} s: the track holds {held} J, the blow gave "
+                raise SystemExit(f"{name}, {until} s: energy of the track {held} J, of the impact "
                                  f"{given} J")
 
 
 def check_order(program, decks, folder):
-    """In the step, of wheels that roll over an even rail, once they have been under way for 60 ms:
-    second order on a rail of Euler and Bernoulli. A rail that shears has a kink under each wheel:
-    first order (docs/track.md)."""
+    """Order in the step, for wheels that roll over an even rail after 60 ms: second order on an
+    Euler-Bernoulli rail. A Timoshenko rail has a kink under each wheel: first order
+    (docs/track.md)."""
     steps, off = (2e-4, 1e-4, 5e-5), {}
     for theory in ("euler", "timoshenko"):
         rail = []
@@ -205,16 +205,16 @@ def check_order(program, decks, folder):
         off[theory] = [np.abs(a - b).max() for a, b in zip(rail, rail[1:])]
     order = {theory: np.log2(two[0] / two[1]) for theory, two in off.items()}
     if abs(order["euler"] - 2) > 0.2 or off["euler"][0] > 1e-8:
-        raise SystemExit(f"a rail that only bends: order {order}, changes {off} m")
+        raise SystemExit(f"Euler-Bernoulli rail: order {order}, changes {off} m")
     if not 0.5 < order["timoshenko"] < 1.5 or off["timoshenko"][0] > 5e-7:
-        raise SystemExit(f"a rail that shears: order {order}, changes {off} m: is what "
-                         "docs/track.md says of it still true?")
+        raise SystemExit(f"Timoshenko rail: order {order}, changes {off} m: "
+                         "does docs/track.md still hold?")
     print(f"order in the step {order}, changes {off} m")
 
 
 def check_standing(program, decks, folder):
-    """A wheel that stands amid a bridge, which has no run-in, P L^3/(48 E I); solved to the
-    contact's tolerance."""
+    """A wheel at rest in the middle of a bridge, which has no run-in: P L^3/(48 E I), to the
+    tolerance of the contact."""
     deck, place = folder / "standing.toml", folder / "standing"
     deck.write_text((decks / "plain.toml").read_text(encoding="utf-8") + "[[vehicle]]\n"
                     'name = "own"\nkind = "wheel"\nlength = 2\nwheelset_mass = 22e3\n',
@@ -228,12 +228,12 @@ def check_standing(program, decks, folder):
     forces = [found["wheel_force_min_n"], found["wheel_force_max_n"]]
     print(f"a wheel that stands: {1e3 * down:.7f} mm, {1e3 * wanted:.7f} mm by theory")
     if not np.allclose(down, wanted, rtol=1e-6) or not np.allclose(forces, weight, rtol=1e-6):
-        raise SystemExit(f"{down} m and {forces} N, {wanted} m and {weight} N are wanted")
+        raise SystemExit(f"{down} m and {forces} N, {wanted} m and {weight} N are required")
 
 
 def check_tipping(program, decks, folder):
-    """Vehicles that are not refused stand on rigid rails with every wheel pressed, however little;
-    on a track that gives way more below some axles they need some more."""
+    """Accepted vehicles stand on rigid rails with a positive force on every wheel, however small;
+    on a track that deflects more below some axles they need a larger one."""
     more, changes = VEHICLE.format(COACH.replace("= 20", "= 21")), ["irregularity.kind=none",
                                                                     "irregularity.fade=10"]
     deck = deck_with(decks, folder, more + "body_offset = 0.949\n")
@@ -243,9 +243,9 @@ def check_tipping(program, decks, folder):
         least = file["history/wheel/force"][0].min()
     wanted = 9.81 * (38e3 * 1.5 / 2 - 30e3 * 0.949) / 1.5 / 4  # N, of each of four right wheels
     if abs(least - wanted) > 1e-3 * wanted:
-        raise SystemExit(f"a vehicle about to tip over: {least} N, {wanted} N are wanted")
+        raise SystemExit(f"a vehicle about to tip over: {least} N, {wanted} N are required")
     ran = program(1, "run", deck, *changes, "train.start=25")
-    if ran.returncode != 4 or "less body_offset of own helps" not in ran.stderr:
+    if ran.returncode != 4 or "reduce body_offset of own" not in ran.stderr:
         raise SystemExit(f"a vehicle that tips over on the track:\n{ran.stderr}")
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A track on a ground of elements, of one rail or two: what is refused and how, every parameter of
-the footing acts, the same bits on any number of ranks and after a stop, balances.
+"""A track on a ground of elements, with one rail or two: refusals, effect of every parameter of the
+footing, bitwise identity on any number of ranks and after a stop, balances.
 
     track_on_ground.py PROGRAM DECK NETIRAIL_DECK FOLDER
 """
@@ -21,14 +21,14 @@ REFUSED = {
     "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
     "footing.count=8": "puts a footprint up to 5.35 m, beyond the ground",
     "footing.length=2.2": "puts footprints from y = -0.2 to 2 m, beyond the ground",
-    "footing.before=3": "1.8 m behind the begin of the track, within its run-in of 2.4 m",
-    "track.length=9": "puts the last sleeper on the ground 7.2 m behind",
+    "footing.before=3": "at 1.8 m from the start of the track, within its run-in of 2.4 m",
+    "track.length=9": "puts the last sleeper on the ground at 7.2 m from",
     "ground.present=false": "without it the model is \"track\"",
     "ground.integrator=hht": "must be explicit or newmark below a track",
     "ground.integrator=newmark ground.newmark_gamma=0.6 ground.newmark_beta=0.3025":
         "ground.newmark_beta = 0.3025: and newmark_gamma must be 0.25 and 0.5 below a track",
     "ground.integrator=newmark ground.newmark_beta=0.3":
-        "must be 0.25 and 0.5 below a track, which takes average acceleration",
+        "must be 0.25 and 0.5 below a track, which uses average acceleration",
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
     "track.support=continuous": "must be sleepers: the ground is below their ballast",
     "track.dimension=space": "footing.rails: must be 2 below two rails",
@@ -36,7 +36,7 @@ REFUSED = {
     "track.dimension=space footing.rails=2":
         "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
     "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":
-        "must be plane on a ground in a plane: below two rails it is one in space (dimension)",
+        "must be plane on a plane ground: two rails need a ground in space (dimension)",
     "train.start=1": "the train comes from the rigid rail before the track",
     "pad.uplift=true": "pad.uplift = true: must be false on a ground",
     "dimension=plane": "and y have no effect in a plane model",
@@ -45,32 +45,33 @@ REFUSED = {
     "model=track": "ground is not a section",
 }
 # What `check` says of decks that it takes.
-TOLD = {"footing.width=0.7": "is more than track.spacing (0.6 m): footprints of neighbours overlap",
-        "ballast.damping=4e6":
-            "limited by ballast dampers on the ground's top (the ground alone by zones of layer",
-        "ground.integrator=newmark":
-            "step: 0.0002 s (passage.step), the ground implicit: two solves in each, 6 before"}
-# The ground divides the step: what is said is of the step taken.
+WARNED = {"footing.width=0.7":
+          "is more than track.spacing (0.6 m): footprints of neighbours overlap",
+          "ballast.damping=4e6":
+          "limited by ballast dampers on the ground's top (the ground alone by elements of layer",
+          "ground.integrator=newmark":
+          "step: 0.0002 s (passage.step), implicit ground: two solves in each step, 6 before"}
+# The ground divides the step: what is reported is of the step taken.
 STEPS = [
     (["passage.step=1e-2"], [], ["in a step", "history_interval"]),
     (["passage.step=1e-2", "passage.history_interval=1e-4"],
      ["passage.history_interval = 0.0001: is less than a time step of 0.0003448 s"], []),
     (["passage.step=1e-2", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"],
-     ["irregularity.length = 0.2: is 7.2 times what wheels go in a step, which is 0.0276 m"], []),
+     ["irregularity.length = 0.2: is 7.2 times the travel of wheels in a step, 0.0276 m"], []),
     (["passage.step=1e-4", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"], [], ["irregularity.length"]),
     (["passage.step=1e-2", "force=[{at=6,kind='impact',length=2e-3,size=1e3}]"],
-     ["force[0].length = 0.002: makes an impact of 0.002 s, in steps of 0.0003448 s: they hardly"],
+     ["force[0].length = 0.002: gives an impact of 0.002 s, which steps of 0.0003448 s resolve"],
      []),
     (["passage.step=1e-2", "force=[{at=6,kind='impact',length=3e-3,size=1e3}]"], [], ["force[0]"]),
 ]
 # Relative. Weights and sums of a few hundred nodes in double precision; terms of work are rounded
 # to 1e-20 J.
 BALANCE = 1e-9
-# Relative. Wheels' contacts are solved to 1e-12 m, which is 1 mN, of 20 kN on the ground.
+# Relative. Wheel contacts are solved to 1e-12 m, which is 1 mN, of 20 kN on the ground.
 ALIKE = 1e-7
-# Relative. An implicit ground is solved to 1e-8 of its forces in each of 90 steps.
+# Relative. An implicit ground is solved to a residual of 1e-8 of its forces in each of 90 steps.
 SOLVED = 1e-6
 
 
@@ -89,18 +90,18 @@ def check_refusals(program, deck):
         ran = program(1, "check", deck, *change.split())
         if ran.returncode != 2 or words not in ran.stderr:
             raise SystemExit(f"{change} must be refused with {words}:\n{ran.stdout}{ran.stderr}")
-    if TOLD["footing.width=0.7"] in program.done(1, "check", deck).stdout:
-        raise SystemExit("footprints that lie apart are warned of")
-    for change, words in TOLD.items():
+    if WARNED["footing.width=0.7"] in program.done(1, "check", deck).stdout:
+        raise SystemExit("separate footprints must not give a warning")
+    for change, words in WARNED.items():
         ran = program.done(1, "check", deck, change)
         if words not in ran.stdout:
-            raise SystemExit(f"{change}: {words} is wanted:\n{ran.stdout}{ran.stderr}")
+            raise SystemExit(f"{change}: {words} is required:\n{ran.stdout}{ran.stderr}")
     for changes, wanted, silent in STEPS:
-        said = [line for line in program.done(1, "check", deck, *changes).stdout.splitlines()
-                if line.startswith("warning: ")]
-        if any(words not in "".join(said) for words in wanted) or any(
-                words in "".join(said) for words in silent):
-            raise SystemExit(f"{changes}: {wanted} is wanted, {silent} is not: {said}")
+        reported = [line for line in program.done(1, "check", deck, *changes).stdout.splitlines()
+                    if line.startswith("warning: ")]
+        if any(words not in "".join(reported) for words in wanted) or any(
+                words in "".join(reported) for words in silent):
+            raise SystemExit(f"{changes}: {wanted} is required, {silent} is not: {reported}")
 
 
 def check_ranks(program, deck, folder):
@@ -112,11 +113,12 @@ def check_ranks(program, deck, folder):
     found = datasets(folder / "ranks_1" / "results.h5")
     down, force = -found["history/ground/displacement"], found["history/ground/force"]
     if down.max() < 1e-4 or force.max() < 1e4:
-        raise SystemExit(f"the ground goes down by {down.max()} m under {force.max()} N")
+        raise SystemExit(f"displacement of the ground {down.max()} m under {force.max()} N")
     energy = summary(folder / "ranks_1")["energy"]
     held = energy["ground_kinetic_j"] + energy["ground_elastic_j"]
     if not 0 < held < energy["given_to_ground_j"]:
-        raise SystemExit(f"a ground that damps holds less than it got: {energy}")
+        raise SystemExit("the energy of a damped ground must be less than the supplied work: "
+                         f"{energy}")
 
 
 def check_resume(program, deck, folder):
@@ -132,12 +134,14 @@ def check_resume(program, deck, folder):
 
 
 def check_implicit(program, deck, folder):
-    """In steps three times the explicit one: any number of ranks to the solver's tolerance, the
-    same bits after a stop on as many, of one rail and of two, where sleepers hang and pads kink."""
+    """With steps of three times the explicit one: results agree on any number of ranks to the
+    solver's tolerance and are bitwise identical after a stop on the same number, for one rail and
+    two, with unsupported sleepers and bilinear pads."""
     path = folder / "implicit.toml"
     path.write_text(deck.read_text(encoding="utf-8") + ONE_END.replace("5e-3", "1e-4"),
                     encoding="utf-8")
-    step = ["ground.integrator=newmark", "passage.step=1e-3", "pad.knee=1e-4", "pad.beyond=400e6"]
+    step = ["ground.integrator=newmark", "passage.step=1e-3", "pad.bilinear_at=1e-4",
+            "pad.bilinear_stiffness=400e6"]
     for name, words in (("one", ["pad.damping=50e3"]), ("both", TWO_RAILS)):
         here = path if name == "both" else deck
         for ranks in (1, 2, 4):
@@ -160,11 +164,11 @@ def check_implicit(program, deck, folder):
 
 
 def check_unused_options(program, deck, folder):
-    """Nothing here asks PETSc for a solver: said as of a bed."""
+    """No solver of PETSc is used here: unused options are reported as for a bed."""
     run = ["run", deck, "passage.duration=0.01", "-o", folder / "options"]
     for command in (run, ["check", deck]):
         ran = program.done(1, *command, "--", "-ground_ksp_type", "cg")
-        if "warning: the PETSc option -ground_ksp_type was asked for by nothing" not in ran.stdout:
+        if "warning: the PETSc option -ground_ksp_type was set but never used" not in ran.stdout:
             raise SystemExit(f"{command[0]} must name an option without use:\n{ran.stdout}")
 
 
@@ -176,28 +180,29 @@ def check_knobs(program, deck, folder):
 
     for name, (change, around) in KNOBS.items():
         if seen([*around, change]) == seen(around):
-            raise SystemExit(f"{name}: {change} changes nothing")
+            raise SystemExit(f"{name}: {change} has no effect")
 
 
 def check_hanging(program, deck, folder):
-    """Without ballast force below a sleeper that hangs far, its neighbours give more."""
+    """Without ballast force below an unsupported sleeper, its neighbours transfer more."""
     text = deck.read_text(encoding="utf-8")
     path = folder / "hanging.toml"
     path.write_text(text + "\n[[track.zone]]\nfrom = 5.9\nto = 6.1\ngap = 5e-3\n",
                     encoding="utf-8")
     ran = program(1, "check", path, "track.sleeper.model=beam")
-    if ran.returncode != 2 or "must be rigid on a ground where sleepers hang" not in ran.stderr:
-        raise SystemExit(f"sleepers that bend and hang on a ground: {ran.stdout}{ran.stderr}")
+    if ran.returncode != 2 or "must be rigid on a ground with hanging sleepers" not in ran.stderr:
+        raise SystemExit(f"flexible unsupported sleepers on a ground: {ran.stdout}{ran.stderr}")
     program.done(2, "run", path, "-o", folder / "hanging")
     even, hangs = (datasets(folder / name / "results.h5")["history/ground/force"].max(axis=0)
                    for name in ("ranks_1", "hanging"))
     if hangs[0] != 0 or hangs[1] < 1.1 * even[1]:
-        raise SystemExit(f"largest forces on the ground {even} N, if the first hangs {hangs} N")
+        raise SystemExit(f"largest forces on the ground {even} N, with the first sleeper "
+                         f"unsupported {hangs} N")
 
 
 def check_bending_sleepers(program, deck, folder):
-    """What all of the ballast of a sleeper gives is what the ground gets; the same bits on any
-    number of ranks and after a stop."""
+    """The sum of ballast forces of a sleeper equals the force on the ground; bitwise identical on
+    any number of ranks and after a stop."""
     words = ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
     for ranks in (1, 2, 4):
         place = folder / f"bending_{ranks}"
@@ -215,7 +220,7 @@ def check_bending_sleepers(program, deck, folder):
 
 
 def check_seat_loads(program, deck, folder):
-    """Without rail and train the ground gets what seats are loaded with, and gives it back."""
+    """Without rail and train the ground carries the loads of the seats, and recovers."""
     words = ["passage.loaded_by=seats", "train.vehicles=[]", "load.speed=80", "load.axles=[0]"]
     for ranks in (1, 3):
         place = folder / f"seats_{ranks}"
@@ -232,7 +237,7 @@ def check_seat_loads(program, deck, folder):
         raise SystemExit(f"seats are loaded with {largest[0]} N, the ground gets {largest[1]} N")
 
 
-# Whole sleepers off the middle of a wider ground, ends that hang, a load to the left.
+# Whole sleepers off the middle of a wider ground, unsupported ends, an eccentric load to the left.
 TWO_RAILS = ["track.dimension=space", "footing.rails=2", "footing.length=2.8", "footing.y=1.7",
              "ground.y=[0,3.6]"]
 ONE_END = """
@@ -245,9 +250,9 @@ side = "left"
 
 
 def check_two_rails(program, deck, folder):
-    """Rows of both ends, left before right; the same bits on any number of ranks and after a stop;
-    what hangs does not press, what is loaded more presses more, alike rails are alike; also over
-    sleepers that bend."""
+    """Rows of both ends, left before right; bitwise identical on any number of ranks and after a
+    stop; no force below unsupported ends, larger forces below a larger load, equal results of equal
+    rails; also for flexible sleepers."""
     path = folder / "two_rails.toml"
     path.write_text(deck.read_text(encoding="utf-8") + ONE_END, encoding="utf-8")
     words = [*TWO_RAILS, "vehicle.own.body_offset=0.2"]
@@ -269,7 +274,7 @@ def check_two_rails(program, deck, folder):
     if len(most) != 4 or found["history/ground/displacement"].shape[1] != 4:
         raise SystemExit(f"two sleepers have {len(most)} ends")
     if most[0] != 0 or most[1] < 1e4 or most[2] < 1.05 * most[3]:
-        raise SystemExit(f"largest forces on the ground below a left end that hangs, its right "
+        raise SystemExit(f"largest forces on the ground below an unsupported left end, its right "
                          f"one, and both of the next sleeper under a load to the left: {most} N")
     words += ["track.sleeper.model=beam", "track.sleeper.unsupported=0.4"]
     for ranks in (1, 3):
@@ -289,15 +294,15 @@ def check_two_rails(program, deck, folder):
                      for place in ("alike", "as_one"))
         off = np.abs(ends - np.repeat(one, 2, axis=1)).max() / np.abs(one).max()
         if not off < ALIKE:
-            raise SystemExit(f"ground/{name} of two rails alike differs by {off} from that of one")
+            raise SystemExit(f"ground/{name} of two equal rails differs by {off} from that of one")
 
 
 PLAIN = [f"ground.block.{name}.present=false" for name in ("ugm", "cbm", "abutment")]
 
 
 def check_netirail(program, deck, folder):
-    """The first bogie on plain track, 20.4 m behind the ground's begin; a quarter of the report's
-    figures either way: rail 0.8, rail against sleeper 0.2, ground 0.6 mm."""
+    """The first bogie on plain track, 20.4 m behind the begin of the ground; within a quarter of
+    the values of the report: rail 0.8, rail to sleeper 0.2, ground 0.6 mm."""
     words = [*PLAIN, 'train.vehicles=["alfa_pendular"]']
     place = folder / "netirail"
     program.done(2, "run", deck, *words, "passage.duration=0.62", "-o", place)
@@ -307,10 +312,10 @@ def check_netirail(program, deck, folder):
     check_balance(place, "the deck")
     measured = [-rail.min(), (sleeper - rail).max(), -ground.min()]
     if not np.allclose(measured, [0.8e-3, 0.2e-3, 0.6e-3], rtol=0.25):
-        raise SystemExit(f"rail, rail against sleeper, ground: {measured} m")
+        raise SystemExit(f"rail, rail to sleeper, ground: {measured} m")
     words.append("passage.duration=0.02")
     program.done(2, "run", deck, *words, "-o", folder / "begin")
-    check_balance(folder / "begin", "the deck's begin", 1e-6)  # of next to no work
+    check_balance(folder / "begin", "the deck's begin", 1e-6)  # relative to a very small work
     place = folder / "begin_stopped"
     program.done(1, "run", deck, *words, "passage.stop_after=151", "-o", place, code=3)
     program.done(2, "resume", place)

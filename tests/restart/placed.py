@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Placed stones: the same bits in all histories on 1, 2 and 3 ranks, and after a run was stopped
-and resumed on another number of them; a resume with another plate is refused.
+"""Placed stones: histories are bitwise identical on 1, 2 and 3 ranks, and after a run was stopped
+and resumed on another number of ranks; a resume with another plate is refused.
 
     placed.py PROGRAM DECK FOLDER
 """
@@ -17,17 +17,17 @@ from results import datasets  # noqa: E402
 
 
 def require_moves(folder):
-    """The runs show something only if stones meet each other, what is driven, and the walls."""
+    """Requires contacts among stones, with driven bodies and walls, so that they are tested."""
     found = datasets(folder / "results.h5")
-    for path in ("surface/walls", "surface/press", "stone/arm", "stone/rock", "stone/ball",
+    for path in ("surface/walls", "surface/driven", "stone/arm", "stone/rock", "stone/ball",
                  "stone/clump"):
         if not found[f"history/{path}/peak_force"][-1] > 0:
             raise SystemExit(f"nothing touches {path}")
     spin = found["history/stone/arm/spin"]
     if not np.abs(spin - [0, 0, 3]).max() < 1e-10:
-        raise SystemExit("the driven stone does not keep its spin")
+        raise SystemExit("the spin of the driven stone is not constant")
     if found["history/energy/supplied"][-1] == 0:
-        raise SystemExit("what is driven does no work")
+        raise SystemExit("driven bodies do no work")
 
 
 def main():
@@ -40,13 +40,13 @@ def main():
         program.done(ranks, "run", deck, "-o", root / str(ranks))
         compare(reference, root / str(ranks), f"{ranks} ranks")
     if summary(root / "3")["balance"]["imbalance_now"] > 2.9:
-        raise SystemExit("all stones are on one rank: nothing is shown")
+        raise SystemExit("all stones are on one rank: the comparison is meaningless")
     for ranks, windows in enumerate(stops(reference)):
         folder = root / f"stopped_{windows}"
         program.done(1 + ranks % 3, "run", deck, f"output.stop_after={windows}", "-o", folder,
                      code=3)
-        ran = program.done(1, "resume", folder, "plate.press.velocity=[0,0,0]", code=2)
-        expect("plate[0].velocity" in ran.stderr, "another plate is taken", ran)
+        ran = program.done(1, "resume", folder, "plate.driven.velocity=[0,0,0]", code=2)
+        expect("plate[0].velocity" in ran.stderr, "another plate is accepted", ran)
         program.done(1 + (ranks + 1) % 3, "resume", folder)
         compare(reference, folder, f"stopped after {windows} windows")
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The same bits on 1, 2 and 4 ranks; coupling balances close to rounding.
+"""Bitwise identical states on 1, 2 and 4 ranks; coupling balances up to rounding.
 
     ranks.py PROGRAM DECK FOLDER [key=value ...]
 
-A ground that may yield must have done so.
+A ground with a yield criterion must have yielded.
 """
 import pathlib
 import shutil
@@ -12,7 +12,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
 
-# Relative. Forces are summed as integers of 2^-60 of the largest force: rounding stays far below.
+# Relative. Forces are summed as integers of 2^-60 of the largest force: rounding is far below this.
 BALANCE = 1e-10
 
 
@@ -30,9 +30,9 @@ def main():
             if not 0 <= value <= BALANCE:
                 raise SystemExit(f"{ranks} ranks: imbalance of {name} is {value}")
         if found["ranks"] != ranks or found["dem"]["particles"] < 10:
-            raise SystemExit(f"{ranks} ranks: not the run that was asked for: {found}")
+            raise SystemExit(f"{ranks} ranks: not the requested run: {found}")
         if any("yield=" in change for change in changes) and found["ground"]["plastic_j"] <= 0:
-            raise SystemExit("the ground does not yield: nothing is shown")
+            raise SystemExit("the ground does not yield: the comparison is meaningless")
     print(hashes)
     if len(set(hashes.values())) != 1:
         raise SystemExit(f"state depends on the number of ranks: {hashes}")

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""A run that is stopped and resumed gives the same bits as one that is not.
+"""A run that is stopped and resumed is bitwise identical to an uninterrupted one.
 
     restart.py PROGRAM DECK FOLDER [--from STAGE] [key=value ...]
 
 The deck runs through once; then it is stopped after several numbers of time windows, in different
-stages from STAGE on, and resumed on another number of ranks. Stages before STAGE are those of
-another test. Stones' state hash, histories, envelopes and
-snapshots must be equal to the last bit. Also: a run started from the end of a stage, and
-observation at another interval, must give the same stones.
+stages from STAGE on, and resumed on another number of ranks. Stages before STAGE are covered by
+another test. The state hash of the stones, histories, envelopes and snapshots must be bitwise
+identical. A run started from the end of a stage, and a run with another output interval, must also
+give the same stones.
 """
 import pathlib
 import shutil
@@ -24,7 +24,7 @@ RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
 
 def canonical(name, values):
-    """Stones and contacts come in the order of ranks: sort their rows."""
+    """Rows of stones and contacts, whose order depends on the ranks, sorted."""
     if name.startswith(("chains/", "stones/")):
         rows = values.reshape(len(values), -1)
         return rows[numpy.lexsort(rows.T)]
@@ -37,7 +37,7 @@ def compare(reference, other, what):
         raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
     for name, values in first.items():
         rows, others = canonical(name, values), canonical(name, second[name])
-        # Cells of the surface without stones are no numbers in both.
+        # Cells of the surface without stones are NaN in both.
         if not numpy.array_equal(rows, others, equal_nan=rows.dtype.kind == "f"):
             raise SystemExit(f"{what}: {name} differs")
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
@@ -48,31 +48,31 @@ def compare(reference, other, what):
         raise SystemExit(f"{what}: forces of wheels {wheels}")
     records = [stage_records(folder) for folder in (reference, other)]
     if records[0] != records[1]:
-        raise SystemExit(f"{what}: stages ended otherwise: {records}")
-    print(f"{what}: the same bits")
+        raise SystemExit(f"{what}: stages ended differently: {records}")
+    print(f"{what}: bitwise identical")
 
 
 def stage_records(folder):
-    """How each stage ended; the wall time it took aside."""
+    """How each stage ended, without its wall time."""
     return [{key: value for key, value in stage.items() if key != "wall_time_s"}
             for stage in summary(folder)["stages"]]
 
 
-def require_ends_by_aim(folder, deck):
-    """Every stage that has an aim ends because it is reached, before its time is over: only then
-    do the stops within it show that the state of the criterion is kept."""
+def require_ends_by_target(folder, deck):
+    """Every stage with a target must end by reaching it before its duration: only then do the stops
+    within it test that the state of the criterion is restored."""
     with open(deck, "rb") as file:
         longest = {stage["name"]: stage["duration"] for stage in tomllib.load(file)["stage"]}
-    aims = [stage for stage in stage_records(folder) if "aim_reached" in stage]
-    if not aims:
-        raise SystemExit("no stage has an aim")
-    for stage in aims:
+    targets = [stage for stage in stage_records(folder) if "aim_reached" in stage]
+    if not targets:
+        raise SystemExit("no stage has a target")
+    for stage in targets:
         if not stage["aim_reached"] or stage["duration_s"] > 0.95 * longest[stage["name"]]:
-            raise SystemExit(f"ended by time, not by its aim: {stage}")
+            raise SystemExit(f"ended by time, not by its target: {stage}")
 
 
 def stops(reference, first=""):
-    """Windows to stop after: the first, within each stage from `first` on, and the last but one."""
+    """Stop after these windows: the first, within each stage from `first` on, the last but one."""
     names = [stage["name"] for stage in summary(reference)["stages"]]
     skipped = names.index(first) if first else 0
     total, begin, chosen = 0, 0, []
@@ -91,7 +91,7 @@ def main():
     shutil.rmtree(root, ignore_errors=True)
     reference = root / "reference"
     program.done(1, "run", deck, *overrides, "-o", reference)
-    require_ends_by_aim(reference, deck)
+    require_ends_by_target(reference, deck)
     for number, windows in enumerate(stops(reference, first)):
         folder = root / f"stopped_{windows}"
         program.done(RANKS_OF_STOPPED, "run", deck, *overrides, f"output.stop_after={windows}",

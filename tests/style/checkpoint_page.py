@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Checks that the table in docs/checkpoint.md lists what checkpoints of the program hold.
+"""Checks that the table in docs/checkpoint.md lists the contents of checkpoints of the program.
 
     checkpoint_page.py SOURCE_FOLDER CHECKPOINT ... [--write]     compares, or writes the table
 
 CHECKPOINT: a file, or a folder for all of its checkpoints. No single one has every part of a model:
-the platen is there while it presses, the settlement while a load has cycles, walls where no side is
+the platen exists during compaction, the settlement during load cycles, walls where no side is
 periodic. Numbered names (sleeper_0, sleeper_1 ...) are one row with N. Every dataset needs unit and
 meaning.
 """
@@ -19,8 +19,8 @@ BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
 
 
 def rows_of(checkpoints):
-    """Table rows of all {path: read.Quantity}; the paths of those without unit or meaning, and of
-    those that two checkpoints describe differently."""
+    """Table rows of all {path: read.Quantity}; problems: paths without unit or meaning, and paths
+    that two checkpoints describe differently."""
     rows, odd = {}, []
     for datasets in checkpoints:
         for path, item in datasets.items():
@@ -30,7 +30,7 @@ def rows_of(checkpoints):
             row = (f"| {name} | {item.values.dtype} | {columns} | {item.unit} | "
                    f"{item.meaning} |")
             if rows.setdefault(name, row) != row:
-                odd.append(f"{path} is one time {rows[name]}, another time {row}")
+                odd.append(f"{path} is described as {rows[name]} and as {row}")
             if not item.unit or not item.meaning:
                 odd.append(f"{path} has no unit or no meaning")
     return [rows[name] for name in sorted(rows)], odd
@@ -53,7 +53,7 @@ def main():
     root = pathlib.Path(root)
     for place in places:
         if not files_of(place):
-            sys.exit(f"{place} holds no checkpoint")
+            sys.exit(f"{place} contains no checkpoint")
     rows, problems = rows_of([read.checkpoint(file) for place in places
                               for file in files_of(place)])
     page = root / "docs/checkpoint.md"
@@ -64,10 +64,10 @@ def main():
         page.write_text(before + BEGIN + table(rows) + END + after, encoding="utf-8")
     elif written != table(rows):
         listed = set(written.splitlines())
-        problems.append("docs/checkpoint.md is out of date (checkpoint_page.py --write mends it)")
+        problems.append("docs/checkpoint.md is out of date (checkpoint_page.py --write updates it)")
         problems += [f"  new: {row}" for row in rows if row not in listed]
         problems += [f"  gone: {row}" for row in listed - set(table(rows).splitlines())]
-    print("\n".join(problems) or f"{len(rows)} rows are as the program writes them")
+    print("\n".join(problems) or f"{len(rows)} rows agree with the program")
     return 1 if problems else 0
 
 

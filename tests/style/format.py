@@ -3,7 +3,7 @@
 
     format.py [SOURCE_FOLDER]
 
-`clang-format -i FILE` mends what it reports.
+`clang-format -i FILE` corrects what it reports.
 """
 import pathlib
 import re
@@ -22,10 +22,11 @@ def check(root):
     wrong = {}  # file -> line of its first breach
     for file, line in re.findall(r"^(\S+?):(\d+):\d+: error", run.stderr, re.MULTILINE):
         wrong.setdefault(file, line)
-    report = [f"{file}:{line}: not as clang-format lays it out" for file, line in wrong.items()]
+    report = [f"{file}:{line}: differs from the layout of clang-format"
+              for file, line in wrong.items()]
     if run.returncode and not report:
         report = [run.stderr]
-    sound = f"{len(names)} files are laid out as .clang-format says"
+    sound = f"{len(names)} files have the layout of .clang-format"
     return run.returncode, "\n".join(report) or sound
 
 

@@ -1,4 +1,4 @@
-"""Each check of this folder finds the breach it is there for, and passes a tree without it."""
+"""Each check of this folder finds its kind of breach, and passes a tree without one."""
 import pathlib
 import sys
 
@@ -7,18 +7,25 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import format as layout  # noqa: E402
 import generated_docs  # noqa: E402
+import glossary  # noqa: E402
 import layering  # noqa: E402
+import spelling  # noqa: E402
 import words  # noqa: E402
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "verify"))
 import table as verification  # noqa: E402
 
 TABLE = """
-| room | may include | library kept inside | what it is for |
+| module | may include | library kept inside | what it is for |
 |---|---|---|---|
 | core | | | words |
 | par | core | mpi | ranks |
 | dem | core par | | stones |
+
+| sub-module | may include | what it is for |
+|---|---|---|
+| dem/law | | laws |
+| dem/search | law | lists |
 """
 HEAD = "# Purpose: x\n# Source: y\n# Ranks: 2\n# Run time: 1 s\n"
 
@@ -46,7 +53,40 @@ def test_sound_tree_passes(tree_with):
     assert layout.check(root)[0] == 0
 
 
-@pytest.mark.parametrize("include, said", [
+@pytest.mark.parametrize("name, text, expected", [
+    ("src__dem__law__a_Dhpp", '#include "dem/search/b.hpp"\n', "dem/law includes dem/search/b.hpp"),
+    ("src__dem__contact__a_Dhpp", "\n", "dem/contact is not in the table"),
+])
+def test_layering_finds_submodules(tree_with, name, text, expected):
+    problems, _ = layering.check(tree_with(**{name: text}))
+    assert any(expected in problem for problem in problems), problems
+
+
+def test_layering_passes_submodules_of_the_row(tree_with):
+    root = tree_with(src__dem__law__a_Dhpp="\n",
+                     src__dem__search__b_Dhpp='#include "dem/law/a.hpp"\n')
+    assert layering.check(root)[0] == []
+
+
+def test_layering_finds_crowded_folders_and_cycles_of_the_table(tree_with):
+    crowd = {f"src__core__c{number}_Dhpp": "\n" for number in range(25)}
+    assert any("26 files" in problem for problem in layering.check(tree_with(**crowd))[0])
+    cyclic = TABLE.replace("| dem/law | |", "| dem/law | search |")
+    root = tree_with(docs__architecture_Dmd=cyclic)
+    assert any("no row above it" in problem for problem in layering.check(root)[0])
+
+
+def test_glossary_finds_terms_by_scope(tree_with):
+    table = "| `so far` | up to now | text code |\n| `way_` | travel | code |\n"
+    root = tree_with(docs__glossary_Dmd=table, src__core__c_Dhpp="// the way_ so far\nint way_;\n",
+                     tests__a_Dpy='"""So far."""\n')
+    problems, terms = glossary.check(root)
+    assert terms == 2
+    assert [problem.split(": ")[0] for problem in problems] == [
+        "src/core/c.hpp:1", "src/core/c.hpp:2", "tests/a.py:1"]
+
+
+@pytest.mark.parametrize("include, expected", [
     ('"trackbed/dem/a.hpp"', "may include only: ['core']"),
     ('"dem/private.hpp"', "private header of dem"),
     ('"../dem/private.hpp"', "private header of dem"),
@@ -54,30 +94,30 @@ def test_sound_tree_passes(tree_with):
     ("<mpi.h>", "which only ['par'] may"),
     ("<hdf5.h>", "which only [] may"),
 ])
-def test_layering_finds(tree_with, include, said):
+def test_layering_finds(tree_with, include, expected):
     root = tree_with(src__par__c_Dcpp=f"\n#include {include}\n" if "mpi" not in include else "",
                      src__dem__private_Dhpp=f"#include {include}\n" if "mpi" in include else "")
     problems, _ = layering.check(root)
-    assert len(problems) == 1 and said in problems[0]
+    assert len(problems) == 1 and expected in problems[0]
 
 
-def test_layering_finds_arrow_up_and_unlisted_room(tree_with):
+def test_layering_finds_arrow_up_and_unlisted_module(tree_with):
     root = tree_with(docs__architecture_Dmd=TABLE.replace("| par | core", "| par | core dem"),
                      src__new__a_Dcpp="#include <vector>\n")
     problems, _ = layering.check(root)
     assert any("par may include dem, which is not above" in problem for problem in problems)
-    assert any("room new is not in the table" in problem for problem in problems)
+    assert any("module new is not in the table" in problem for problem in problems)
 
 
-@pytest.mark.parametrize("line, said", [
-    ("// see " + "/" + "work/main", "path of one machine"),
-    ("cd " + "/" + "root/x", "path of one machine"),
+@pytest.mark.parametrize("line, expected", [
+    ("// see " + "/" + "work/main", "path of a particular machine"),
+    ("cd " + "/" + "root/x", "path of a particular machine"),
     ("// " + 98 * "x", "101 columns"),
     ("int a;  ", "blanks"),
 ])
-def test_words_finds(tree_with, line, said):
+def test_words_finds(tree_with, line, expected):
     problems, _ = words.check(tree_with(src__core__c_Dcpp=line + "\n"))
-    assert len(problems) == 1 and said in problems[0]
+    assert len(problems) == 1 and expected in problems[0]
 
 
 @pytest.mark.parametrize("word", ["Purpose", "Source", "Ranks", "Run time"])
@@ -102,10 +142,10 @@ def test_generated_docs_finds(tmp_path):
 
 def test_verification_page_finds(tmp_path):
     row = "ground\tColumn.FrontArrives/plane\tarrival\ts\t{}\t=\t1.5\t0.1\n"
-    (tmp_path / "a_test_2.tsv").write_text(row.format("9"))  # of more ranks: not taken
+    (tmp_path / "a_test_2.tsv").write_text(row.format("9"))  # of more ranks: ignored
     (tmp_path / "a_test_1.tsv").write_text(row.format("1.52"))
     rows = verification.rows_of(tmp_path)
-    page = verification.page_of(rows)
+    page = verification.document_of(rows)
     assert "| Column: front arrives (plane) | arrival | 1.52 s | 1.5 s | 0.1 s |" in page
     assert not verification.differences(rows, page)
     (tmp_path / "a_test_1.tsv").write_text(row.format("1.53"))  # another machine's digits
@@ -113,8 +153,14 @@ def test_verification_page_finds(tmp_path):
     for changed, said in ((page.replace("1.52 s", "1.7 s"), "measured 1.52"),
                           (page.replace("| 0.1 s", "| 0.2 s"), "the test"),
                           (page.replace("| arrival", "| leave"), "not measured"),
-                          (page.replace("| arrival", "| leave"), "not on the page")):
+                          (page.replace("| arrival", "| leave"), "not in the document")):
         assert any(said in line for line in verification.differences(rows, changed)), said
     (tmp_path / "a_test_1.tsv").write_text(2 * row.format("1.52"))
     with pytest.raises(SystemExit, match="two rows"):
         verification.rows_of(tmp_path)
+
+
+def test_spelling_finds_a_misspelling(tree_with):
+    assert spelling.check(tree_with())[0] == []
+    problems, _ = spelling.check(tree_with(src__core__c_Dhpp="// the rec" + "ieved load\n"))
+    assert any("src/core/c.hpp:1" in problem for problem in problems), problems

@@ -1,4 +1,4 @@
-"""Which files the checks of this folder look at: those git knows, or all if there is no git."""
+"""The files that the checks of this folder read: those tracked by git, or all without git."""
 import pathlib
 import subprocess
 
@@ -7,7 +7,7 @@ SKIPPED = {"build", "results", ".git", "__pycache__", ".pytest_cache"}
 
 def files(root):
     """Sorted paths relative to `root`."""
-    # A clone may belong to another user than the one who tests: git is told that this is fine.
+    # A clone may belong to another user than the one who tests, which git must accept.
     listing = subprocess.run(["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z"],
                              capture_output=True, text=True, check=False)
     if listing.returncode == 0 and listing.stdout:

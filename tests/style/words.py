@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Checks what text files say and how wide they are.
+"""Checks contents and line widths of text files.
 
     words.py [SOURCE_FOLDER]
 
-- no path of one machine (a home, a work or a scratch folder) in any file;
-- no line beyond 100 columns in sources, scripts and decks (prose is laid out by who shows it);
+- no path of a particular machine (a home, a work or a scratch folder) in any file;
+- no line beyond 100 columns in sources, scripts and decks (prose is wrapped by its viewer);
 - no blanks at line ends, and a line feed at the end of each file;
-- each deck below inputs/ begins with a comment that says purpose, source, ranks and run time.
+- each deck below inputs/ begins with a comment that states purpose, source, ranks and run time.
 Prints each breach as file:line and ends with 1 if there is any.
 """
 import pathlib
@@ -16,17 +16,17 @@ import sys
 import tree
 
 COLUMNS = 100
-# Written so that this line does not match itself.
+# Written such that this line does not match itself.
 MACHINE_PATH = re.compile(r"(?<![\w.$}>])/(work|root|home|farm|tmp|Users|scratch)/\w")
 CHECKED_WIDTH = {".cpp", ".hpp", ".py", ".sh", ".toml", ".cmake", ".txt", ".cff"}
-FOREIGN = {"LICENSE"}  # a text that is not ours to lay out
+FOREIGN = {"LICENSE"}  # a text that may not be changed
 DECK_WORDS = ("purpose", "source", "ranks", "run time")
 
 
 def breaches_of_text(name, text):
     for number, line in enumerate(text.splitlines(), 1):
         if MACHINE_PATH.search(line):
-            yield number, "a path of one machine"
+            yield number, "a path of a particular machine"
         if name.suffix in CHECKED_WIDTH:
             if len(line) > COLUMNS:
                 yield number, f"{len(line)} columns, at most {COLUMNS}"

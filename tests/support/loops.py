@@ -1,4 +1,4 @@
-"""Runs jobs/handover.py for tests, on a program that only acts as if it ran (quick_loop.py)."""
+"""Runs jobs/handover.py for tests, with a substitute for the program (quick_loop.py)."""
 import os
 import pathlib
 import subprocess
@@ -21,12 +21,12 @@ class Loops:
             env={**os.environ, "FAILS": fails})
 
     def ends(self, code, says, *words, fails=""):
-        """Runs a loop, which is to end with `code` and say so on stderr, or on stdout if all is
-        well; what it said there."""
+        """Runs a loop that must end with `code` and print `says` on stderr, or on stdout if the
+        code is 0; returns that output."""
         with self.begin(*words, fails=fails) as running:
             out, err = running.communicate(timeout=250)
-        said = err if code else out
-        if running.returncode != code or says not in said or "Traceback" in err:
-            raise SystemExit(f"{words} must end with {code} and say {says}, not "
+        printed = err if code else out
+        if running.returncode != code or says not in printed or "Traceback" in err:
+            raise SystemExit(f"{words} must end with {code} and print {says}, not "
                              f"{running.returncode}:\n{out}{err}")
-        return said
+        return printed

@@ -16,7 +16,7 @@ class Program:
                               check=False)
 
     def done(self, ranks, *arguments, code=0):
-        """Runs and wants the exit code `code`."""
+        """Runs and requires the exit code `code`."""
         ran = self(ranks, *arguments)
         if ran.returncode != code:
             raise SystemExit(f"{arguments} on {ranks} ranks ended with {ran.returncode}, "
@@ -25,7 +25,7 @@ class Program:
 
 
 def expect(holds, what, ran):
-    """`ran` is a run that shows whether it holds."""
+    """Fails with `what` and the output of the run `ran` unless `holds`."""
     if not holds:
         raise SystemExit(f"{what}\ncode {ran.returncode}\n{ran.stdout[-2000:]}\n{ran.stderr}")
 

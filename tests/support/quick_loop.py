@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Stands for the program in tests of jobs/handover.py that look at the loop, not at stones:
+"""Substitute for the program in tests of jobs/handover.py, which test the loop and not stones:
 
     quick_loop.py check DECK | describe | run DECK -o FOLDER
 
-`run` writes results of the right shape that hang on nothing but the deck; rank 0 does. What the
-environment variable FAILS names (a folder's name, as weigh) ends as its other half says:
-FAILS=weigh:kill, weigh:lost, weigh:input, weigh:wait; with weigh:sink sleepers sink on while their
-load goes. REAL is the program that checks and describes; what is written here as a checkpoint it
-would not take for one, so decks that start from one pass.
+`run` writes results of the correct form that depend on the deck only; rank 0 does. The environment
+variable FAILS is FOLDER:HOW: the run whose result folder has this name ends with a killed rank
+(kill), a lost stone (lost) or a wrong input (input), or does not end (wait); with `sink`, sleepers
+settle further while their load decreases. REAL is the program that checks and describes; it would
+refuse the checkpoints written here, so decks that start from one pass the check.
 """
 import json
 import os
@@ -49,11 +49,11 @@ def histories(deck):
     push = stage.get("load", 30e3) / 2 * (1 - np.cos(2 * np.pi * time_s / 0.3))
     loss = 1e-5 * (1 + np.arange(SLEEPERS)) * time_s[:, None] / 0.3
     down = -push[:, None] / STIFFNESS - loss * ("load" in deck)
-    if stage.get("name", "").startswith("weigh"):  # stones that have not come to rest
+    if stage.get("name", "").startswith("load_test"):  # stones that have not come to rest
         down += 1e-6 * np.random.default_rng(1).standard_normal(down.shape)
-        if os.environ.get("FAILS") == "weigh:sink":
+        if os.environ.get("FAILS") == "load_test:sink":
             down -= 2 * time_s[:, None] * 30e3 / STIFFNESS / 0.1
-    sign = 1 if deck.get("model") == "track" else -1  # which way the force on a seat counts
+    sign = 1 if deck.get("model") == "track" else -1  # sign of the force on a seat
     return {"time": time_s, "stage": np.full(ROWS, len(deck.get("stage", [])) - 1),
             "sleeper/displacement": down,
             "sleeper/seat_force": sign * np.outer(push, np.ones(SLEEPERS)),

@@ -1,4 +1,4 @@
-"""What runs wrote, for tests that compare them bit by bit."""
+"""Results of runs, for tests that compare them bitwise."""
 import hashlib
 
 import h5py
@@ -7,7 +7,7 @@ from program import summary
 
 
 def datasets(path):
-    """All of an HDF5 file, by name."""
+    """All datasets of an HDF5 file, by name."""
     found = {}
     with h5py.File(path) as file:
         file.visititems(lambda name, item: found.update({name: item[()]})
@@ -24,7 +24,7 @@ def data(path):
 
 
 def same_bits(one, other, what, facts, below=""):
-    """Results below a group, and what `facts` takes of the summary, are those of another folder."""
+    """Compares results below a group, and `facts` of the summary, with those of another folder."""
     first, second = (datasets(place / "results.h5") for place in (one, other))
     if set(first) != set(second):
         raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")

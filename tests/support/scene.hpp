@@ -8,7 +8,7 @@
 
 namespace trackbed::test {
 
-// One material that touches itself.
+// One material in contact with itself.
 inline dem::Physics one_material(const dem::ContactLaw& law, double density = 2500) {
   dem::Physics physics;
   dem::Material stone;
@@ -72,7 +72,7 @@ inline Surface floor_of(int n, double half, double z = 0, const std::string& nam
   return s;
 }
 
-// Every rank makes the particles whose number it is responsible for (any split will do).
+// The particles that this rank makes, by their number (any split is valid).
 inline std::vector<dem::NewParticle> mine(const par::Comm& comm,
                                           const std::vector<dem::NewParticle>& all) {
   std::vector<dem::NewParticle> part;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "dem/separation.hpp"
+#include "dem/shape/separation.hpp"
 #include "support/scene.hpp"
 #include "trackbed/geom/stone.hpp"
 
@@ -35,7 +35,7 @@ inline dem::Template stone(std::uint64_t seed, int vertices = 16, double radius 
   return solid_of({geom::rounded(geom::stone({.vertices = vertices}, seed), radius)});
 }
 
-// Two stones grown into one another, an angle of two plates, or a cross of two bars.
+// Two intersecting stones, an angle of two plates, or a cross of two bars.
 inline dem::Template compound(std::uint64_t seed) {
   const auto plate = [](const Vec3& half, const Vec3& at) {
     return geom::Piece{geom::moved(cuboid_core(half), Quat::Identity(), at), rounding};
@@ -86,17 +86,17 @@ inline double gap_of(const dem::Template& a, const dem::NewParticle& pa, const d
   return least;
 }
 
-// Moves the second along `way` (unit) until `gap` m are left between them.
+// Moves the second along `direction` (unit) until a gap of `gap` m remains between them.
 inline void bring_near(const dem::Template& a, const dem::NewParticle& pa, const dem::Template& b,
-                       dem::NewParticle& pb, double gap, const Vec3& way) {
+                       dem::NewParticle& pb, double gap, const Vec3& direction) {
   for (int k = 0; k < 2000; ++k) {
     const double ahead = gap_of(a, pa, b, pb) - gap;
-    pb.position += ahead * way;  // never beyond contact: the gap closes by no more
+    pb.position += ahead * direction;  // never beyond contact: the gap closes by no more
     if (ahead < 1e-3 * gap) return;
   }
 }
 
-// Towards the other's centre.
+// Towards the centre of the other.
 inline void bring_near(const dem::Template& a, const dem::NewParticle& pa, const dem::Template& b,
                        dem::NewParticle& pb, double gap) {
   bring_near(a, pa, b, pb, gap, (pa.position - pb.position).normalized());

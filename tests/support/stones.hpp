@@ -30,7 +30,7 @@ inline dem::Template irregular(double size, double r, std::uint64_t seed) {
   return geom::template_of({geom::rounded(geom::scaled(geom::stone(shape, seed), 2 * size), r)});
 }
 
-// A box, seen from outside; its sides are cut into n * n squares of two triangles.
+// A box with outward normals; its sides are cut into n * n squares of two triangles.
 inline Surface block_of(const Vec3& half, int n, const std::string& name = "block") {
   Surface s;
   s.name = name;

@@ -1,5 +1,6 @@
-// One file per program and number of ranks, so that programs run side by side do not mix: a row is
-// folder, test, quantity, unit, measured, sign, reference or limit, tolerance, with tabs between.
+// One file per program and number of ranks, so that programs that run side by side do not mix rows:
+// a row is folder, test, quantity, unit, measured, sign, reference or limit, tolerance, separated
+// by tabs.
 #include "support/verified.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Empty if nobody asked for rows, or on other ranks than 0.
+// Empty if no rows are requested, or on other ranks than 0.
 std::ofstream opened() {
   const char* folder = std::getenv("TRACKBED_VERIFICATION");
   const par::Comm world = par::Comm::world();

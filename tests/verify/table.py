@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""docs/verification.md from the rows that the verification tests kept (support/verified.hpp), or
-whether the page still says what they measure.
+"""Writes docs/verification.md from the rows that the verification tests stored
+(support/verified.hpp), or checks that the document agrees with them.
 
-    table.py FOLDER_OF_ROWS PAGE [--write]
+    table.py FOLDER_OF_ROWS DOCUMENT [--write]
 """
 import math
 import re
@@ -10,9 +10,9 @@ import sys
 from pathlib import Path
 
 HEAD = """# Verification
-Each row is a figure that a test measures and checks against a closed form, a published value or a
-limit. The tests and this page are renewed by `ninja -C build/release verification`; ctest
-`verification_page` compares it with what the tests have just measured. SI units.
+Each row is a value that a test computes and compares with a closed form, a published value or a
+limit. `ninja -C build/release verification` runs the tests and rewrites this document; ctest
+`verification_page` compares it with the latest results of the tests. SI units.
 
 """
 COLUMNS = "| case | quantity | measured | reference | tolerance |\n|---|---|---|---|---|\n"
@@ -32,7 +32,7 @@ def words(test):
 
 
 def rows_of(folder):
-    """Of each program the run on fewest ranks: (section, case, quantity) -> the other columns."""
+    """Rows of each program's run on fewest ranks: (section, case, quantity) -> other columns."""
     runs = {}
     for path in Path(folder).glob("*.tsv"):
         program, ranks = re.fullmatch(r"(.+)_(\d+)", path.stem).groups()
@@ -49,13 +49,13 @@ def rows_of(folder):
 
 
 def digits(measured, tolerance):
-    """Six, or as many as the tolerance can tell apart."""
+    """Six significant digits, or as many as the tolerance resolves."""
     value, margin = float(measured), float(tolerance)
-    told = math.log10(abs(value) / margin) if value and margin else 0
-    return f"{value:.{max(6, math.ceil(told) + 1)}g}"
+    resolved = math.log10(abs(value) / margin) if value and margin else 0
+    return f"{value:.{max(6, math.ceil(resolved) + 1)}g}"
 
 
-def page_of(rows):
+def document_of(rows):
     present = {key[0] for key in rows}
     text = HEAD
     for section in [*SECTIONS, *sorted(present - set(SECTIONS))]:
@@ -68,48 +68,48 @@ def page_of(rows):
             unit = "" if unit == "-" else f" {unit}"
             reference = reference if sign == "=" else f"{sign} {reference}"
             margin = f"{tolerance}{unit}" if sign == "=" else ""
-            said = digits(measured, tolerance)
-            text += (f"| {case} | {quantity} | {said}{unit} | {reference}{unit} | "
+            shown = digits(measured, tolerance)
+            text += (f"| {case} | {quantity} | {shown}{unit} | {reference}{unit} | "
                      f"{margin} |\n")
         text += "\n"
     return text.rstrip() + "\n"
 
 
-def measured_in(page):
-    """(case, quantity) -> (measured, reference, tolerance) as the page says them."""
+def measured_in(document):
+    """(case, quantity) -> (measured, reference, tolerance) in the document."""
     found = {}
-    for line in page.splitlines():
+    for line in document.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if len(cells) == 5 and not cells[0].startswith("---") and cells[0] != "case":
             found[cells[0], cells[1]] = cells[2:]
     return found
 
 
-def differences(rows, page):
-    said, wanted = measured_in(page), measured_in(page_of(rows))
-    lines = [f"not on the page: {key}" for key in wanted if key not in said]
-    lines += [f"on the page, but not measured: {key}" for key in said if key not in wanted]
-    for key in wanted.keys() & said.keys():
-        if said[key][1:] != wanted[key][1:]:
-            lines.append(f"{key}: the page says {said[key][1:]}, the test {wanted[key][1:]}")
-    # Digits beyond the tolerance are the machine's and the compiler's.
+def differences(rows, document):
+    stated, wanted = measured_in(document), measured_in(document_of(rows))
+    lines = [f"not in the document: {key}" for key in wanted if key not in stated]
+    lines += [f"in the document, but not measured: {key}" for key in stated if key not in wanted]
+    for key in wanted.keys() & stated.keys():
+        if stated[key][1:] != wanted[key][1:]:
+            lines.append(f"{key}: the document has {stated[key][1:]}, the test {wanted[key][1:]}")
+    # Digits beyond the tolerance depend on machine and compiler.
     for (_, case, quantity), (_, measured, sign, _, tolerance) in rows.items():
-        old = float(said.get((case, quantity), ["nan"])[0].split()[0])
+        old = float(stated.get((case, quantity), ["nan"])[0].split()[0])
         if sign == "=" and abs(old - float(measured)) > float(tolerance):
-            lines.append(f"{case}, {quantity}: the page says {old}, measured {measured}")
+            lines.append(f"{case}, {quantity}: the document has {old}, measured {measured}")
     return lines
 
 
 def main():
-    rows, page = rows_of(sys.argv[1]), Path(sys.argv[2])
+    rows, document = rows_of(sys.argv[1]), Path(sys.argv[2])
     if not rows:
         raise SystemExit(f"no rows in {sys.argv[1]}: run ctest -L verify")
     if "--write" in sys.argv:
-        page.write_text(page_of(rows), encoding="utf-8")
+        document.write_text(document_of(rows), encoding="utf-8")
         return
-    lines = differences(rows, page.read_text(encoding="utf-8"))
+    lines = differences(rows, document.read_text(encoding="utf-8"))
     if lines:
-        raise SystemExit("\n".join(lines + ["renew it: ninja -C build/release verification"]))
+        raise SystemExit("\n".join(lines + ["to update it: ninja -C build/release verification"]))
 
 
 if __name__ == "__main__":

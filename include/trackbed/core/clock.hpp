@@ -1,5 +1,5 @@
-// Simulated time, counted in whole time windows so that it never drifts and a restart lands on the
-// same instant to the bit.
+// Simulated time, counted in whole time windows, so that it does not drift and a restarted run
+// continues at a bitwise identical time.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ class Clock {
 
   double dt() const { return dt_; }                                         // s, length of a window
   double time() const { return start_ + static_cast<double>(now_) * dt_; }  // s
-  double start() const { return start_; }  // s, where this clock began
+  double start() const { return start_; }                                   // s, at window 0
   std::int64_t window() const { return now_; }
   std::int64_t windows() const { return end_; }
   bool runs() const { return now_ < end_; }

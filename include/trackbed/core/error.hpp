@@ -1,5 +1,5 @@
-// Two kinds of trouble a user can meet, and the exit code each ends with. Broken invariants of the
-// program itself are neither: they abort with rank and values (see `require`).
+// The two kinds of errors that a user can cause or see, and the exit code of each. Violated
+// invariants of the program itself are neither: they abort with a message (see `require`).
 #pragma once
 
 #include <stdexcept>
@@ -21,14 +21,15 @@ class InputError : public std::runtime_error {
   std::vector<std::string> problems_;
 };
 
-// Trouble while the run is under way (lost particle, not a number, overlap, divergence, disk).
-// Thrown on every rank at the same place: see par::Comm::agree.
+// An error during the run (lost particle, not a number, overlap, divergence, disk). It is raised on
+// every rank at the same place: see par::Comm::agree.
 class RunError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Aborts the whole MPI job with `what` if `holds` is false: an invariant of the program is broken.
+// Aborts the whole MPI job with `what` if `holds` is false: an invariant of the program is
+// violated.
 void require(bool holds, const char* what);
 
 }  // namespace trackbed

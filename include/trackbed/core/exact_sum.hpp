@@ -1,10 +1,10 @@
 // Sums whose result does not depend on the order of the terms.
 //
-// Floating point addition is not associative, so a force on a surface node, gathered from stones on
+// Floating-point addition is not associative, so a force on a surface node, gathered from stones on
 // several ranks, would change its last bits with the number of ranks. Here each term is rounded
-// once to a multiple of a fixed quantum and added as an integer, which is associative: any order
-// and any split over ranks gives the same bits. The price is an absolute resolution of one quantum
-// and a range of 2^63 quanta (par::Comm sums the integers across ranks).
+// once to a multiple of a fixed quantum and added as an integer, which is associative: the sum is
+// bitwise identical for any order and any split over ranks. The price is an absolute resolution of
+// one quantum and a range of 2^63 quanta (par::Comm sums the integers across ranks).
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace trackbed {
 
-// Power of two such that sums up to `largest` (same unit as the terms) keep clear of overflow by a
+// Power of two such that sums up to `largest` (same unit as the terms) stay below overflow by a
 // factor of 8; the resolution is then largest * 2^-60.
 inline double exact_quantum(double largest) {
   return std::ldexp(1.0, static_cast<int>(std::ceil(std::log2(largest))) - 60);

@@ -1,8 +1,8 @@
-// Exact sums of terms much smaller than what the sum may grow to (exact_sum.hpp).
+// Exact sums of terms that are much smaller than the largest possible sum (exact_sum.hpp).
 //
-// What rounding to the first quantum leaves of a term is exact in double precision; it goes to a
-// second sum, of 2^-32 of the first quantum. So terms are rounded to that, largest * 2^-92, and any
-// order and any split over ranks still gives the same bits.
+// The remainder of a term after rounding to the first quantum is exact in double precision; it is
+// added to a second sum with a quantum of 2^-32 of the first. Terms are therefore rounded to
+// largest * 2^-92, and the sum is bitwise identical for any order and any split over ranks.
 #pragma once
 
 #include <array>
@@ -27,10 +27,10 @@ class FineSum {
   double value() const {
     return static_cast<double>(counts_[0]) * quantum_ + static_cast<double>(counts_[1]) * fine_;
   }
-  // Add up over ranks, and carry then.
+  // After these are added up over ranks, call carry().
   std::array<std::int64_t, 2>& counts() { return counts_; }
   const std::array<std::int64_t, 2>& counts() const { return counts_; }
-  // Whole quanta to the first count: the same two counts for the same sum.
+  // Moves whole quanta to the first count, so that equal sums have equal counts.
   void carry() {
     const std::int64_t whole = counts_[1] >> 32;
     counts_[0] += whole;

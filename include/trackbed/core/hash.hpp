@@ -1,5 +1,5 @@
-// 64-bit hash of bytes (FNV-1a, Fowler-Noll-Vo 1991) and a finaliser to combine hashes by addition,
-// so that a set of items hashes the same in any order and on any number of ranks.
+// 64-bit hash of bytes (FNV-1a, Fowler-Noll-Vo 1991) and a finaliser with which hashes are combined
+// by addition, so that the hash of a set does not depend on order or number of ranks.
 #pragma once
 
 #include <cstddef>

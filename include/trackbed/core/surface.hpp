@@ -1,11 +1,11 @@
-// What everything that stones touch has in common: a set of triangles with moving nodes, owned by
-// some continuum (ground top, sleeper, platen, wall). Physics on either side sees only this.
+// Common description of everything that stones touch: a set of triangles with moving nodes, owned
+// by some continuum (ground top, sleeper, platen, wall). Contact mechanics and structures exchange
+// data only through it.
 //
 // Inside a time window of length dt the nodes move linearly:
 //   X(s) = position + s * motion,  s in [0, 1],   velocity = motion / dt.
 // Topology (triangles, material) is the same on every rank; node motion is filled at least for the
-// nodes near the rank's stones. Triangle normals (counter-clockwise) point to the side of the
-// stones.
+// nodes near the rank's stones. Triangle normals (counter-clockwise) point towards the stones.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@
 
 namespace trackbed {
 
-// Load on one node from stones, gathered over the sub-steps k = 1..n of a window as exact sums
-// (see exact_sum.hpp): `force` sum of F_k, `first` sum of (k/n) F_k. The second is what makes the
-// moment about a point computable exactly although the node moves during the window.
+// Load on one node from stones, gathered over the sub-steps k = 1..n of a window as exact sums (see
+// exact_sum.hpp): `force` is the sum of F_k, `first` the sum of (k/n) F_k. With the second one the
+// moment about a point can be computed exactly although the node moves during the window.
 struct NodeLoad {
   std::array<std::int64_t, 3> force{};
   std::array<std::int64_t, 3> first{};

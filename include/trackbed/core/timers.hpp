@@ -1,4 +1,4 @@
-// Wall time per verb of the step. Timing is a scope:
+// Wall time of each phase of the step. Timing is a scope:
 //   const auto timing = timers.scope(Verb::dem);
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace trackbed {
 
-// The verbs of the step, in the order of the step; `dem` covers halo, neighbours and contacts.
+// The phases of a step, in order; `dem` covers halo, neighbours and contacts.
 enum class Verb { track, ground, coupling, dem, halo, neighbours, observe, output, count };
 std::string_view name_of(Verb verb);
-// Whether its time is counted in another verb's already.
+// Whether the time of this phase is already included in that of another one.
 inline bool is_part(Verb verb) { return verb == Verb::halo || verb == Verb::neighbours; }
 
 class Timers {

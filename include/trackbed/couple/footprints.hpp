@@ -1,7 +1,7 @@
-// Rectangles on a surface through which bodies that have no surface of their own press on it: a
-// force is spread over a rectangle, evenly or rising linearly across it, and goes to the nodes by
-// shape functions; the motion below it is the mean by the same weights, so that force, moment and
-// work are the same on both sides.
+// Rectangles on a surface through which bodies without a surface of their own load it: a force is
+// distributed over a rectangle, uniformly or linearly across it, and to the nodes by shape
+// functions; the motion below it is the mean with the same weights, so that force, moment and work
+// are equal on both sides.
 #pragma once
 
 #include <array>
@@ -16,45 +16,45 @@ namespace trackbed::couple {
 
 struct Rectangle {
   std::array<double, 2> x, y;  // m, from and to
-  // 1/m: the pressure at y is 1 + tilt (y - middle) times its mean. Of a length L its force acts
-  // tilt L^2/12 beside the middle and feels, besides the mean, the slope across (of least squares)
-  // times as much.
+  // 1/m: the pressure at y is 1 + tilt (y - middle) times its mean. For a length L across, the
+  // resultant acts tilt L^2/12 beside the middle, and the motion is the mean plus the least squares
+  // slope across times the same distance.
   double tilt = 0;
   double middle_y() const { return (y[0] + y[1]) / 2; }
 };
 
 class Footprints {
  public:
-  struct Share {
+  struct NodeWeight {
     std::int32_t node;
-    double weight;  // of the nodes of a footprint: sums to 1 if all of it lies on the surface
+    double weight;  // sums to 1 over the nodes of a footprint that is entirely on the surface
   };
-  // Weights follow from where the nodes are now, the same on all ranks. `own`: nodes this rank
-  // moves, in the order in which values of them are given below. Cost: rectangles times faces,
-  // which are the whole ones of zones and triangles of all else.
+  // Weights follow from the present positions of the nodes, equal on all ranks. `own`: nodes that
+  // this rank moves, in the order of the values given below. Cost: rectangles times faces, which
+  // are whole faces of hexahedra and triangles otherwise.
   Footprints(const par::Comm& comm, const Surface& surface, std::vector<std::int32_t> own,
              const std::vector<Rectangle>& rectangles);
 
-  std::size_t count() const { return shares_.size(); }
-  const std::vector<Share>& shares(std::size_t i) const { return shares_.at(i); }
-  // Adds forces (N, downwards, one of each footprint) to those of the surface's nodes, all ranks
-  // alike.
-  void press(std::span<const double> forces, std::vector<Vec3>& nodes) const;
+  std::size_t count() const { return weights_.size(); }
+  const std::vector<NodeWeight>& weights(std::size_t i) const { return weights_.at(i); }
+  // Adds forces (N, downwards, one per footprint) to those of the surface's nodes, identically on
+  // all ranks.
+  void add_forces(std::span<const double> forces, std::vector<Vec3>& nodes) const;
 
-  // A quantity of the own nodes; sums of it must stay below `largest`.
+  // A quantity at the own nodes; its sums must be below `largest`.
   struct Values {
     std::vector<double> own;
     double largest;
   };
-  // Means of each quantity over each footprint, the same bits on any number of ranks. Collective,
-  // one reduction.
+  // Means of each quantity over each footprint, bitwise identical on any number of ranks.
+  // Collective, one reduction.
   std::vector<std::vector<double>> means(std::span<const Values> quantities) const;
 
  private:
   par::Comm comm_;
-  std::vector<std::vector<Share>> shares_;
-  // The same of own nodes: place in `own`, weight.
-  std::vector<std::vector<Share>> own_shares_;
+  std::vector<std::vector<NodeWeight>> weights_;
+  // The same for own nodes: index in `own`, weight.
+  std::vector<std::vector<NodeWeight>> own_weights_;
 };
 
 }  // namespace trackbed::couple

@@ -1,5 +1,5 @@
-// Loads on the top of a ground that are known beforehand: even pressures on rectangles that stand
-// or go along x, with a course over time.
+// Prescribed loads on the top of a ground: uniform pressures on rectangles that are fixed or move
+// along x, with a given time function (course).
 #pragma once
 
 #include <array>
@@ -37,31 +37,31 @@ struct PressureParameters {
 
 class Pressures {
  public:
-  // `top`: the surface at rest. `around`: what leaves it at one end along x comes in at the other.
-  // Throws InputError for bad tables, and for rectangles that stand beside it. Every rank alike.
+  // `top`: the undeformed surface. `around`: periodic along x. Throws InputError for invalid tables
+  // and for fixed rectangles outside of the surface. Identical on all ranks.
   Pressures(const par::Comm& comm, const Surface& top, bool around,
             const std::vector<PressureParameters>& parameters);
 
-  // Adds their forces at a time (s, from when the ground is let go) to those of the top's nodes, N.
-  // `dead`: of the dead ones alone.
+  // Adds their forces at a time (s, from the release of the ground) to those of the top's nodes, N.
+  // add_dead: only those of dead loads.
   void add(double time, std::vector<Vec3>& nodes) const;
   void add_dead(std::vector<Vec3>& nodes) const;
 
  private:
   struct One {
     PressureParameters given;
-    Rectangle rectangle;                      // at 0 s
-    std::vector<Footprints::Share> standing;  // of those that do not move
+    Rectangle rectangle;                        // at 0 s
+    std::vector<Footprints::NodeWeight> fixed;  // weights of rectangles that do not move
     PressureParameters::Table table;
   };
   double factor(const One& one, double time) const;
-  std::vector<Footprints::Share> shares(const Rectangle& rectangle) const;
-  std::vector<Rectangle> after(const Rectangle& rectangle, double way) const;
-  void press(const One& one, double time, double factor, std::vector<Vec3>& nodes) const;
+  std::vector<Footprints::NodeWeight> weights(const Rectangle& rectangle) const;
+  std::vector<Rectangle> moved(const Rectangle& rectangle, double travel) const;
+  void add_force(const One& one, double time, double factor, std::vector<Vec3>& nodes) const;
 
   par::Comm comm_;
   Surface top_;
-  double low_ = 0, length_ = 0;  // m, of the top along x, if loads go around; else 0
+  double low_ = 0, length_ = 0;  // m, of the top along x if it is periodic; else 0
   std::vector<One> all_;
 };
 

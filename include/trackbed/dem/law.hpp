@@ -1,4 +1,4 @@
-// Contact laws and the materials they hold between. See laws.hpp in the room for the kernels.
+// Contact laws and the materials to which they apply. The kernels are in src/dem/law/laws.hpp.
 #pragma once
 
 #include <string>
@@ -19,9 +19,9 @@ struct Material {
 
 // linear: F_n = k_n delta, F_s incremental with k_s, viscous damping as ratio of the critical one.
 // hertz: Hertz-Mindlin from the materials' young and poisson, damped to the given restitution; in a
-// plane model the contact of parallel cylinders as long as the model is thick.
+// plane model the contact of parallel cylinders whose length is the thickness of the model.
 enum class LawKind { linear, hertz };
-bool needs_young(LawKind kind);  // above 0, in both materials
+bool needs_young(LawKind kind);  // above 0 in both materials is required
 
 struct ContactLaw {
   std::string first, second;  // material names
@@ -31,7 +31,7 @@ struct ContactLaw {
   double zeta_n = 0, zeta_s = 0;  // of critical, linear only
   double restitution = 1;         // hertz only
   bool attraction = false;        // whether damping may pull at the end of a collision
-  double rolling_friction = 0;    // mu_r: rolling is resisted by up to mu_r F_n R; 0: it is free
+  double rolling_friction = 0;    // mu_r: largest rolling moment over F_n R; 0: rolling is free
   double rolling_stiffness = 1;   // k_r over k_n R^2
   double zeta_r = 0;              // of critical
   void declare(input::Section& s);
@@ -39,13 +39,13 @@ struct ContactLaw {
 
 struct Physics {
   std::vector<Material> materials;
-  std::vector<ContactLaw> laws;     // one per pair that may meet
+  std::vector<ContactLaw> laws;     // one per pair of materials that may be in contact
   double thickness = 0;             // m, of a plane model, where hertz is a line contact; 0: space
   void declare(input::Section& s);  // [[material]], [[contact]]
 
-  int material(const std::string& name) const;                           // index; -1: there is none
+  int material(const std::string& name) const;                           // index; -1: unknown
   bool has_law(const std::string& one, const std::string& other) const;  // by names of materials
-  // Declares that the text parameter `key`, now `name`, names a material.
+  // Declares the rule that the text parameter `key`, with the value `name`, names a material.
   void rule_of_name(input::Section& s, const std::string& key, const std::string& name) const;
 };
 

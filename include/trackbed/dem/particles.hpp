@@ -1,6 +1,6 @@
-// Particles that move and touch, spread over ranks. The same bits on any number of ranks: every
-// contact is computed on each rank that owns one of its two particles, from the same bits, and each
-// particle adds its forces in the order of the partners' ids.
+// Particles in motion and contact, distributed over ranks. Results are bitwise identical for any
+// number of ranks: every contact is computed on each rank that owns one of its two particles, from
+// identical data, and each particle adds its forces in the order of the partners' ids.
 #pragma once
 
 #include <functional>
@@ -23,12 +23,12 @@
 
 namespace trackbed::dem {
 
-// Pieces of any number of corners move; without a radius they are refused with InputError.
+// Pieces may have any number of corners; without a radius they are refused with InputError.
 using geom::Piece;
 using geom::Template;
 
 struct NewParticle {
-  Id id = 0;         // unique; sums run in this order, so number neighbours closely
+  Id id = 0;         // unique; sums are in this order, so number neighbours closely
   int shape = 0;     // index of its Template
   int material = 0;  // index into Physics::materials
   double scale = 1;
@@ -46,26 +46,26 @@ struct Domain {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m; particles beyond a non-periodic side are lost
 };
 
-// How far a corner may be behind a surface and be in contact with it, over the radius of the ball
-// around its piece (balls: 1).
+// Distance of a corner behind a surface up to which it counts as in contact, over the radius of the
+// ball around its piece (balls: 1).
 inline constexpr double deepest = 0.5;
 
 struct Parameters {
-  double skin = 0;          // m, reach of neighbour lists beyond contact; 0: chosen
-  double rebalance = 1.15;  // work of the busiest rank over the mean; above: new split; 0: never
+  double skin = 0;          // m, reach of neighbour lists beyond contact; 0: automatic
+  double rebalance = 1.15;  // work of the busiest rank over the mean; above: repartition; 0: never
   double safety = 0.2;      // sub-step over sqrt(m/k) of the stiffest contact, lightest particle
   double largest_overlap = 0.2;  // of the smaller radius; beyond it the run stops
   double gravity = trackbed::gravity;
   void declare(input::Section& s);
 };
 
-// What a rank knows of one of its own particles. Positions are unwrapped across periodic sides.
+// Data of an own particle of a rank. Positions are unwrapped across periodic sides.
 struct ParticleView {
   Id id;
   int shape, material;
   double scale, mass;
   double volume;                                 // m^3
-  double size;                                   // m, smallest opening it passes
+  double size;                                   // m, smallest opening that it passes
   double radius;                                 // m, of the ball around its centre of mass
   Vec3 position, velocity, spin, force, torque;  // force without gravity
   Quat attitude;
@@ -73,20 +73,21 @@ struct ParticleView {
   bool held;
 };
 
-// One touching pair, from the side that counts it (each contact is seen once over all ranks).
+// One pair in contact, reported by the rank that counts it (each contact once over all ranks).
 struct ContactView {
   Id first, second;  // second: -1 - surface index for a surface
   Vec3 from, to;     // m, centres of the two pieces (surface: piece centre, contact point)
-  Vec3 force;        // N, on the first, of springs alone
+  Vec3 force;        // N, on the first, of springs only
   double overlap;    // m
   Vec3 first_centre, second_centre;  // m, of mass (surface: contact point), the image that touches
   Vec3 normal;                       // unit length, from the first to the second
 };
 
-// Sums over all ranks' particles and contacts, each counted once; equal bits on any rank count.
+// Sums over all ranks' particles and contacts, each counted once; bitwise identical for any number
+// of ranks.
 struct Totals {
   std::int64_t particles = 0, pieces = 0, contacts = 0;  // contacts: of pieces, and with surfaces
-  std::int64_t neighbours = 0;  // what particles touch: each pair twice, each surface once
+  std::int64_t neighbours = 0;  // neighbours in contact: each pair counts twice, each surface once
   double mass = 0, kinetic = 0, potential = 0, elastic = 0;  // kg, J
   double largest_overlap = 0;                                // m
   double unbalanced = 0;  // mean |net force| over mean contact force
@@ -99,8 +100,9 @@ struct Memory {
   std::size_t total() const { return particles + contacts; }
 };
 
-// What the contacts with surfaces did in the last `advance`, from the particles' side: sums over
-// the sub-steps, all ranks. The coupler compares it with what the surfaces' nodes received.
+// Action of the contacts with surfaces in the last `advance`, computed from the particles: sums
+// over the sub-steps, all ranks. The coupler compares it with the loads on the nodes of the
+// surfaces.
 struct SurfaceAction {
   Vec3 force = Vec3::Zero();   // N, sum over sub-steps of the force on the surface
   Vec3 moment = Vec3::Zero();  // Nm about the origin
@@ -113,18 +115,18 @@ struct Balance {
   double before = 1;            // at the last of them
 };
 
-// A particle that goes farther in a sub-step than contacts can see (leap.cpp).
-struct Leap {
+// A particle that moves farther in a sub-step than contacts can detect (leap.cpp).
+struct FastParticle {
   Id id;
-  double way, radius;  // m; the smallest radius of its pieces
+  double travel, radius;  // m; the smallest radius of its pieces
 };
 
 // How the particles of a checkpoint are repeated along x to fill a domain.
 struct Tiling {
   std::int64_t copies = 1;
   double begin = 0, length = 1;              // m, of the cell: its lower side in x, its period
-  std::vector<int> materials;                // number here of each material there
-  std::map<std::string, std::string> names;  // of surfaces that have another name here
+  std::vector<int> materials;                // number in this run of each material there
+  std::map<std::string, std::string> names;  // of surfaces that have another name in this run
 };
 
 class Particles {
@@ -135,84 +137,88 @@ class Particles {
   Particles(Particles&&) noexcept;
 
   int add_template(const Template& shape);
-  // Each rank names particles it made; any split. Collective. Shares them out by position.
+  // Each rank passes the particles that it made; any split. Collective. Particles are distributed
+  // by position.
   void add(std::span<const NewParticle> mine);
   // Copies the particles of a checkpoint whose model was periodic in x, with their histories,
-  // motion and forces, so often as to fill the domain, where there must be none yet. Copy k of the
+  // motion and forces, as often as is needed to fill the domain, which must be empty. Copy k of the
   // i-th of n gets the id k n + i. In a domain that is not periodic in x, contacts beyond its ends
   // are left out. Collective.
   void tile(const io::File& file, const std::string& group, const Tiling& tiling);
-  // Takes away own particles for which `doomed` holds (with their contacts). Collective.
-  std::int64_t remove(const std::function<bool(const ParticleView&)>& doomed);
-  // New even split of the domain over ranks, by the work counted or by these weights of own
+  // Removes own particles for which `selected` is true (with their contacts). Collective.
+  std::int64_t remove(const std::function<bool(const ParticleView&)>& selected);
+  // New even partition of the domain over ranks, by the counted work or by these weights of own
   // particles (>= 0, any unit); changes no results. Collective.
   void repartition(const std::function<double(const ParticleView&)>& weight = {});
-  // The same if work is spread so unevenly that it pays; true if it did: ask `reaches` anew.
-  // Collective.
+  // The same if the work is so uneven that it pays; returns whether it was done: `reaches` must
+  // then be called again. Collective.
   bool rebalance();
   double imbalance() const;  // work of the busiest rank over the mean, now; collective
   Balance balance() const;
 
-  // Surfaces felt from now on, on every rank in the same order; they must outlive their use.
-  // Contact history with a surface is kept while a surface of the same name stays.
+  // Surfaces that act on the particles from now on, on every rank in the same order; they must
+  // outlive their use. The contact history with a surface is kept as long as a surface of this name
+  // is set.
   void set_surfaces(std::vector<Surface*> surfaces);
-  // Whether stones of this rank may touch something in the box before the next split.
+  // Whether stones of this rank may touch something in the box before the next repartition.
   bool reaches(const Vec3& low, const Vec3& high) const;
 
   // Largest allowed sub-step (safety included), s, and what limits it, in words. Collective.
   double stable_step(std::string* limit = nullptr) const;
-  // The fastest own particle, if it goes farther than its smallest radius in a sub-step of dt s and
-  // there is something to hit.
-  std::optional<Leap> leap(double dt) const;
-  // `steps` sub-steps of length dt_window/steps while the surfaces move linearly; adds to their
-  // load.
+  // The fastest own particle, if it moves farther than its smallest radius in a sub-step of dt s
+  // and there is something in its path.
+  std::optional<FastParticle> fast_particle(double dt) const;
+  // Advances by `steps` sub-steps of length dt_window/steps while the surfaces move linearly; adds
+  // to their load.
   void advance(double dt_window, int steps);
   // Problem of this rank since the last call (lost particle, not a number, overlap), or empty.
   std::string trouble();
-  void set_local_damping(double alpha);  // overrides the materials' value; < 0: back to theirs
-  void set_friction(double mu);          // overrides that of all contacts; < 0: back to theirs
-  void stop();  // all velocities to zero (end of a packing stage), but those of held particles
-  // Particles with this id and higher ones, which are still to be added, have this share of their
-  // size, in (0, 1], and all of their mass; then all of these grow to a larger one. Local, to be
-  // called alike on all ranks. At most one batch grows at a time.
-  void grow_from(Id first, double share);
-  void grow_to(double share);
-  double grown() const;  // that share
+  void set_local_damping(double alpha);  // overrides the materials' value; < 0: restores it
+  void set_friction(double mu);          // overrides that of all contacts; < 0: restores it
+  void stop();  // all velocities to zero (end of a packing stage), except those of held particles
+  // Particles with this id and higher ones, which are still to be added, have this fraction of
+  // their size, in (0, 1], and all of their mass; all of these then grow to a larger one. Local, to
+  // be called identically on all ranks. At most one batch grows at a time.
+  void grow_from(Id first, double fraction);
+  void grow_to(double fraction);
+  double grown() const;  // that fraction
 
   std::size_t size() const;  // own particles
   ParticleView operator[](std::size_t i) const;
-  // Balls around the pieces of own particle i, in space; of pebbles the pieces themselves.
+  // Balls around the pieces of own particle i, in space; for pebbles the pieces themselves.
   void pieces(std::size_t i,
-              const std::function<void(const Vec3& centre, double radius)>& see) const;
+              const std::function<void(const Vec3& centre, double radius)>& visit) const;
   // Balls at the corners of the pieces of own particle i, in space: a piece is the hull of its own.
   void corners(std::size_t i,
-               const std::function<void(const Vec3& centre, double rounding)>& see) const;
+               const std::function<void(const Vec3& centre, double rounding)>& visit) const;
   // Points spread evenly through own particle i, in space, `points_of_particle` of them: each
-  // stands for the same share of its volume.
-  void points(std::size_t i, const std::function<void(const Vec3&)>& see) const;
+  // represents the same fraction of its volume.
+  void points(std::size_t i, const std::function<void(const Vec3&)>& visit) const;
   static constexpr int points_of_particle = 512;
-  void contacts(const std::function<void(const ContactView&)>& see) const;  // each once over ranks
-  Totals totals() const;                                                    // collective
-  // A node of a surface has had a load of so many N, summed over a window: sums get room for eight
-  // times as much. To be called between windows, alike on all ranks.
+  void contacts(
+      const std::function<void(const ContactView&)>& visit) const;  // each once over ranks
+  Totals totals() const;                                            // collective
+  // A node of a surface has had a load of this many N, summed over a window: the range of the sums
+  // is set to eight times as much. To be called between windows, identically on all ranks.
   void expect_load(double newtons);
   const SurfaceAction& surface_action() const;  // collective result of the last advance
   std::uint64_t state_hash() const;             // collective; independent of the rank count
   Memory memory() const;                        // of this rank
-  std::int64_t steps() const;                   // sub-steps so far
+  std::int64_t steps() const;                   // sub-steps up to now
   std::int64_t rebuilds() const;
-  // Pairs of stones felt with one core in another, once for each sub-step, of this run. Collective.
+  // Pairs of stones with overlapping cores, counted once for each sub-step, of this run.
+  // Collective.
   std::int64_t core_overlaps() const;
   const Domain& domain() const;
-  void time_with(Timers& timers);  // where halo and neighbour times go
+  void time_with(Timers& timers);  // timers for halo and neighbours
 
   void save(io::File& file, const std::string& group) const;  // collective
   void load(const io::File& file, const std::string& group);  // any rank count; collective
 
  private:
-  struct Room;
+  struct Impl;
   struct ContactLoop;
-  std::unique_ptr<Room> room_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::dem

@@ -1,4 +1,4 @@
-// How stiff contacts can be: what time steps follow from.
+// Largest stiffness of contacts, from which time steps follow.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 namespace trackbed::dem {
 
 // N/m, stiffness of the stiffest law. Hertz: k = F/delta on a contact of this radius (m) at the
-// largest overlap allowed (share of the radius). Pairs of unknown materials do not count.
+// largest overlap allowed (fraction of the radius). Pairs of unknown materials do not count.
 double stiffest_contact(const Physics& physics, double radius, double largest_overlap);
 
 // s, largest sub-step: safety sqrt(m/k) of the lightest particle (kg) on the stiffest contact that
-// particles up to this bounding radius (m) can have. `limit`: that in words.
+// particles up to this bounding radius (m) can have. `limit`: the limiting case in words.
 double stable_step(const Physics& physics, const Parameters& parameters, double lightest,
                    double largest, std::string* limit = nullptr);
 
-// About the largest `safety` of that step with which pressed stones with corners were seen to gain
-// no energy (docs/decisions/time_step.md): many contacts that stick, and their dampers, ask for
-// less than one spring does. The least of all linear laws; infinite without any.
+// About the largest `safety` of that step with which compressed beds of stones with corners were
+// observed to gain no energy (docs/decisions/time_step.md): many sticking contacts with dampers
+// require a smaller step than one spring. The least of all linear laws; infinite without any.
 double steady_safety(const Physics& physics);
 
 }  // namespace trackbed::dem

@@ -10,8 +10,8 @@
 
 namespace trackbed::dem {
 
-// Templates are the same on every rank: the root writes them. A piece is its corners, its faces as
-// loops of corners and its radius; all else follows. Collective.
+// Templates are the same on every rank: the root writes them. A piece is stored as its corners, its
+// faces as loops of corners and its radius; all else is derived. Collective.
 void save_templates(io::File& file, const std::string& group,
                     const std::vector<Template>& templates, const par::Comm& comm);
 std::vector<Template> load_templates(const io::File& file, const std::string& group);

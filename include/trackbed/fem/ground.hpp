@@ -1,5 +1,5 @@
-// The continuum below the bed, spread over ranks: layers of 8-node hexahedra, or 10-node tetrahedra
-// that make an embankment of these layers or come from a mesh file.
+// The ground, distributed over ranks: layers of 8-node hexahedra, or 10-node tetrahedra that form
+// an embankment of these layers or come from a mesh file.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct Elastic {
 
 enum class Yield { none, mohr_coulomb };
 
-// What a solid can carry. Mohr-Coulomb's shear strength is c - sigma_n tan(phi); no hardening.
+// Strength of a solid. The Mohr-Coulomb shear strength is c - sigma_n tan(phi), without hardening.
 struct Strength {
   Yield yield = Yield::none;
   double cohesion = 10e3;                          // Pa
@@ -40,21 +40,22 @@ struct Layer {
   std::string name;
   double thickness = 1;  // m
   Elastic solid;
-  std::string young_file = {};  // Young's modulus along x instead of one number
+  std::string young_file = {};  // Young's modulus along x instead of a constant
   Strength strength = {};
-  std::int64_t zones = 0;  // over its height; 0: its share of zones_z
+  std::int64_t elements = 0;  // over its height; 0: a fraction of elements_z by thickness
   void declare(input::Section& s);
 };
 
-// A region cut out of the layers: elements whose centre lies in the outline take its solid; later
-// blocks win over earlier ones. Structure, wedge, surface layer of the transition zone.
+// A region cut out of the layers: elements whose centre is inside the outline are made of its
+// solid; later blocks overrule earlier ones. Used for structure, wedge and surface layer of the
+// transition.
 struct Block {
   std::string name;
   bool present = true;
   std::vector<double> outline;  // m, x and z of each corner in turn; z = 0 is the top
   Elastic solid;
   Strength strength = {};
-  std::vector<double> y = {};  // m, from and to; empty: all of the ground's width
+  std::vector<double> y = {};  // m, from and to; empty: the whole width of the ground
   void declare(input::Section& s);
 };
 
@@ -62,13 +63,13 @@ struct Block {
 struct CrossSection {
   double x = 0;        // m
   double crest = 3;    // m, half of its width
-  double height = 0;   // m, from the crest down to the natural ground; 0: that of its layers
-  double slope = 1.5;  // of its sides: so many across, one up
+  double height = 0;   // m, of the crest above the natural ground; 0: that of its layers
+  double slope = 1.5;  // of its sides, horizontal to vertical
   void declare(input::Section& s);
-  double foot() const { return crest + slope * height; }  // m, half of its width below
+  double foot() const { return crest + slope * height; }  // m, half of its width at the foot
 };
 
-// What the elements of a physical volume of a mesh file are made of.
+// Material of the elements of a physical volume of a mesh file.
 struct MeshSolid {
   std::string name;  // of the physical volume
   Elastic solid;
@@ -76,9 +77,9 @@ struct MeshSolid {
   void declare(input::Section& s);
 };
 
-// What a physical surface of a mesh file is to the ground. Rollers hold along the normal; quiet
-// ones are dashpots, with springs below a base.
-enum class BorderKind { free, fixed, roller, quiet };
+// Boundary condition of a physical surface of a mesh file. Rollers hold along the normal; a viscous
+// border has dashpots, and springs if it is a base.
+enum class BorderKind { free, fixed, roller, viscous };
 struct MeshBorder {
   std::string name;  // of the physical surface
   BorderKind holds = BorderKind::roller;
@@ -87,55 +88,58 @@ struct MeshBorder {
 
 enum class Integrator { explicit_, newmark, hht, bossak, generalized_alpha };
 enum class PlaneState { stress, strain };
-enum class Base { fixed, quiet };  // quiet: Lysmer & Kuhlemeyer 1969 dashpots
-// Lateral borders. roller: held along the normal, which makes it a plane of symmetry; free_field:
-// dashpots against columns that feel only what comes from below; as_sides: of a single side, what
-// all have; periodic: one with the side opposite.
-enum class Sides { free, roller, quiet, free_field, fixed, as_sides, periodic };
+enum class Base { fixed, viscous };  // viscous: Lysmer & Kuhlemeyer 1969 dashpots
+// Boundary conditions of the lateral sides. roller: held along the normal, that is a plane of
+// symmetry; free_field: dashpots against columns that move with the wave from below only; as_sides:
+// for a single side, the condition of `sides`; periodic: joined to the opposite side.
+enum class Sides { free, roller, viscous, free_field, fixed, as_sides, periodic };
 
 struct GroundParameters {
   bool present = true;
-  std::string mesh;  // Gmsh file; then solids and borders count, and what makes zones does not
+  // Gmsh file; then solids and borders are used, and the parameters of layers and blocks are not.
+  std::string mesh;
   std::string mesh_top = "top";  // physical surface below the stones
   std::vector<MeshSolid> solids;
   std::vector<MeshBorder> borders;
   std::vector<double> x = {0, 10};        // m, from and to
   std::vector<double> y = {-0.65, 0.65};  // m; a plane model takes its thickness from the model
-  std::int64_t zones_x = 100, zones_y = 1, zones_z = 50;
-  // Each zone is so many times as wide as its neighbour towards `fine`, m; 1: all alike.
+  std::int64_t elements_x = 100, elements_y = 1, elements_z = 50;
+  // The width of each element over that of its neighbour towards `fine`, m; 1: equal widths.
   double ratio_x = 1, ratio_y = 1, fine_x = 0, fine_y = 0;
   std::vector<Layer> layers;
   std::vector<Block> blocks;
   std::vector<CrossSection> sections;  // of an embankment, linear between; its top is the crest
   std::int64_t embankment_layers = 0;  // of these layers, from the top down; natural ground below
   PlaneState plane = PlaneState::stress;
-  Base base = Base::quiet;
-  // Pa/m springs beside the dashpots of a quiet base: the ground below; 0: none; below 0: chosen,
-  // as `base_spring` says.
+  Base base = Base::viscous;
+  // Pa/m of springs in parallel with the dashpots of a viscous base: the ground below; 0: none;
+  // below 0: chosen by `base_spring`.
   double base_stiffness = -1;
   Sides sides = Sides::roller;
   Sides side_x_low = Sides::as_sides, side_x_high = Sides::as_sides;
   Sides side_y_low = Sides::as_sides, side_y_high = Sides::as_sides;
-  Sides side(int axis, bool high) const;  // normal to x (0) or y (1); never as_sides
+  Sides side(int axis, bool high) const;  // normal to x (0) or y (1); as_sides is resolved
   bool periodic(int axis) const { return side(axis, false) == Sides::periodic; }
-  std::string base_motion;  // file: velocity of a wave that comes up through a quiet base
-  double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s; of solids without their own
+  std::string base_motion;  // file: velocity of a wave that enters through a viscous base
+  double rayleigh_mass = 0, rayleigh_stiffness = 0;  // 1/s, s; of solids without own values
   Integrator integrator = Integrator::explicit_;
   double safety = 0.8;  // explicit step over the critical one
   double newmark_beta = 0.25, newmark_gamma = 0.5;
-  double alpha = -0.1;             // hht, bossak
-  double rho_inf = 0.8;            // generalized_alpha: spectral radius at infinite frequency
-  double tolerance = 1e-8;         // relative residual of linear solves
-  std::int64_t rest_rounds = 300;  // in which what flows on the way to rest must halve
-  bool yields() const;             // whether any layer or block that is there does
-  bool layers_have_zones() const;
+  double alpha = -0.1;      // hht, bossak
+  double rho_inf = 0.8;     // generalized_alpha: spectral radius at infinite frequency
+  double tolerance = 1e-8;  // relative residual of linear solves
+  // Within so many iterations the out-of-balance force of a static solve must halve.
+  std::int64_t static_iterations = 300;
+  bool yields() const;  // whether any present layer or block has a strength
+  bool layers_have_elements() const;
   bool of_tetrahedra() const { return !mesh.empty() || !sections.empty(); }
-  // Of an embankment at x, with its height; sections must be ascending and at least one.
+  // Cross-section of an embankment at x, with its height resolved; needs ascending sections, at
+  // least one.
   CrossSection section_at(double x) const;
   double narrowest_crest(double from, double to) const;  // m, half of its width, between two x
-  std::int64_t zones_over_depth() const;
-  // Borders of zones along an axis (0: x, 1: y of a model in space, 2: z), m, ascending. Not for a
-  // mesh from a file.
+  std::int64_t elements_over_depth() const;
+  // Element borders along an axis (0: x, 1: y of a model in space, 2: z), m, ascending. Not for a
+  // mesh file.
   std::vector<double> edges(int axis) const;
   void declare(input::Section& s);
 
@@ -145,18 +149,18 @@ struct GroundParameters {
   void declare_grading(input::Section& s);
   void declare_shape(input::Section& s);
   void declare_steps(input::Section& s);
-  void judge_embankment(input::Section& s) const;
+  void check_embankment(input::Section& s) const;
 };
 
-// Pa/m of the springs below a quiet base under this solid, `depth` m below the top.
-// Chosen: G / depth, of the springs of a viscous-spring boundary (Liu, Du, Du, Wang, Wu 2006,
+// Pa/m of the springs of a viscous base below this solid, `depth` m below the top. The value chosen
+// is G / depth, as for a viscous-spring boundary (Liu, Du, Du, Wang, Wu 2006,
 // doi:10.1007/s11803-006-0585-2: alpha G / R with R from the source to the border; alpha_N 0.8 to
-// 1.2, alpha_T 0.35 to 0.65 in a plane, 1 to 2 and 0.5 to 1 in space). One number for all
-// directions, since loads of a track act downwards.
+// 1.2, alpha_T 0.35 to 0.65 in a plane, 1 to 2 and 0.5 to 1 in space). One value is used for all
+// directions, since the loads of a track act downwards.
 double base_spring(const GroundParameters& parameters, const Elastic& solid, double depth);
 
-// What tetrahedra are as a ground. Reads and checks a mesh file: throws InputError with everything
-// that is wrong with it, and if its borders leave it a rigid motion at rest. Local.
+// Geometry of a ground of tetrahedra. Reads and checks a mesh file: throws InputError with all its
+// problems, and if its boundary conditions permit a rigid motion in static equilibrium. Local.
 struct MeshReport {
   Vec3 low, high;                                   // m, of all nodes
   Vec3 top_low, top_high;                           // m, of the top
@@ -168,26 +172,27 @@ MeshReport look_at_mesh(const GroundParameters& parameters);
 
 struct GroundTotals {
   std::int64_t elements = 0, nodes = 0, unknowns = 0, steps = 0;
-  double iterations_mean = 0, seconds = 0;  // linear solver; wall time in steps on this rank
+  double iterations_mean = 0, seconds = 0;  // of the linear solver; wall time of steps on this rank
   double kinetic = 0, elastic = 0;          // J over all ranks
-  bool springs = false;                     // whether any are below a quiet base
-  double plastic = 0;                       // J lost by yielding, over all ranks
-  // Newton's in implicit steps of a ground that yields: mean and most in a step, and what the last
-  // step left of its forces from round to round.
-  double rounds_mean = 0, rounds_most = 0;
-  std::int64_t lagging_steps = 0;  // of those, whose enhanced strains lag
-  std::vector<double> rounds_left = {};
+  bool springs = false;                     // whether a viscous base has springs
+  double plastic = 0;                       // J dissipated by yielding, over all ranks
+  // Newton iterations in implicit steps of a yielding ground: mean and maximum per step, and the
+  // out-of-balance force of the last step after each iteration.
+  double newton_mean = 0, newton_most = 0;
+  std::int64_t lagging_steps = 0;  // implicit steps with lagged enhanced strains
+  std::vector<double> newton_residuals = {};
 };
 
 class Ground {
  public:
-  // plane: zones_y = 1, y spans +-thickness/2, and the two faces move together.
+  // plane: elements_y = 1, y is within +-thickness/2, and both faces have the same displacement.
   Ground(const par::Comm& comm, const GroundParameters& parameters, Dimension dimension,
          double thickness);
   ~Ground();
   Ground(Ground&&) noexcept;
 
-  // Largest allowed step (s; explicit: safety included, infinite if implicit) and what limits it.
+  // Largest allowed step (s; explicit: including the safety factor, infinite if implicit) and what
+  // limits it.
   double stable_step(std::string* limit = nullptr) const;
 
   // The top face, in the same numbering on all ranks; this rank moves the nodes it owns.
@@ -195,70 +200,75 @@ class Ground {
   const std::vector<int>& top_owner() const;
 
   // Static equilibrium under self weight and `top_force` (N per top node; only own nodes are read).
-  // Base and side reactions become loads, so that quiet boundaries neither creep nor jump.
-  // The shape in this state is the reference: displacement counts from it, top() does not jump.
-  // Layers that yield take rounds, after each of which `go_on` is asked with their number and the
-  // share of all forces that still flows, on all ranks, which must answer alike. False if it said
-  // no: the ground then is of no use but to begin again. Throws RunError if there seems to be none.
-  using GoOn = std::function<bool(int rounds, double flows)>;
-  bool settle(std::span<const Vec3> top_force, const GoOn& go_on = {});
-  // After `settle`, for a load that is another one at once: the acceleration it begins with.
-  void begin_under(std::span<const Vec3> top_force);
-  // Sets up what `settle` and steps of dt need of PETSc, and solves nothing. InputError if it does
-  // not take its options. Collective.
+  // Reactions at base and sides become loads, so that viscous boundaries neither creep nor jump.
+  // The deformed shape is the reference: displacement is measured from it, and top() does not jump.
+  // A yielding ground is solved iteratively: after each iteration `monitor` is called with the
+  // number of iterations and the relative out-of-balance force, on all ranks, and must return the
+  // same value on all. Returns false if `monitor` did; the state is then invalid except as a new
+  // start. Throws RunError if the solve does not converge.
+  using StaticMonitor = std::function<bool(int iterations, double residual)>;
+  bool settle(std::span<const Vec3> top_force, const StaticMonitor& monitor = {});
+  // After `settle`, for a load that differs from the settled one at once: sets the initial
+  // acceleration.
+  void initialise_acceleration(std::span<const Vec3> top_force);
+  // Sets up the PETSc solvers of `settle` and of steps of dt without solving. Throws InputError if
+  // PETSc rejects its options. Collective.
   void try_solvers(double dt);
   // One window under `top_force`: explicit steps no longer than stable_step(), or one implicit
-  // step. Afterwards top() holds position at the start and motion over the window. Explicit steps
-  // are of second order, with damping by stiffness, which acts half a step late, of first.
+  // step. Afterwards top() holds the position at the start and the motion over the window. Explicit
+  // steps are second-order accurate; stiffness-proportional damping acts half a step late and is
+  // first-order.
   void advance(double dt, std::span<const Vec3> top_force);
-  // The same for one step in two halves, for a load that depends on where the top goes. Explicit:
-  // `begin_step` moves the nodes by dt under the load they have, `end_step` gives them the load of
-  // their new place (as above) and completes their velocities; dt is at most stable_step().
-  // Implicit: `begin_step` takes the step under the load `expected` at its end, `end_step` takes it
-  // anew under another one, from there; not of a ground that yields.
+  // The same for one step in two halves, for a load that depends on the motion of the top.
+  // Explicit: `begin_step` moves the nodes by dt under the present load, `end_step` sets the load
+  // of the new position (as above) and completes the velocities; dt is at most stable_step().
+  // Implicit: `begin_step` solves the step under the load `expected` at its end, `end_step` solves
+  // it again under another load, with that solution as first guess; not for a yielding ground.
   void begin_step(double dt, std::span<const Vec3> expected = {});
   void end_step(std::span<const Vec3> top_force);
-  // Of an elastic ground in implicit steps of dt: what `top_force` at the end of one adds to the
-  // displacement there, m, of the own top nodes. Changes nothing. Collective.
-  std::vector<Vec3> give_way(double dt, std::span<const Vec3> top_force);
+  // For an elastic ground in implicit steps of dt: displacement, m, of the own top nodes at the end
+  // of a step due to `top_force` there. Changes no state. Collective.
+  std::vector<Vec3> deflection(double dt, std::span<const Vec3> top_force);
   bool is_implicit() const;
-  std::string trouble() const;  // of this rank (divergence, not a number), or empty
+  std::string trouble() const;  // on this rank (divergence, not a number), or empty
 
-  // For output: of the own top nodes, in the order of own_top(): displacement from the reference,
-  // velocity, acceleration and vertical stress (tension positive, of the load since `settle`).
+  // For output, of the own top nodes in the order of own_top(): displacement from the reference,
+  // velocity, acceleration and vertical stress (tension positive, due to the change of load since
+  // `settle`).
   std::vector<std::int32_t> own_top() const;
   struct TopState {
     Vec3 displacement, velocity, acceleration;
     double sigma_z;
   };
   TopState top_state(std::int32_t node) const;
-  // Of an own top node: between the halves of an explicit step displacement at its end, velocity
-  // amid it and acceleration at its begin; of an implicit one all at its end, as expected.
+  // Of an own top node. Between the halves of an explicit step: displacement at the end of the
+  // step, velocity at mid-step and acceleration at its start; of an implicit step: all at its end,
+  // under the expected load.
   struct TopMotion {
     Vec3 displacement, velocity, acceleration;  // m, m/s, m/s^2
   };
   TopMotion top_motion(std::int32_t node) const;
-  // kg, lumped; shared evenly by the nodes of the surface that move as one, which are the faces of
-  // a plane model and the ends of a periodic one.
+  // kg, lumped; divided evenly among the nodes of the surface with the same motion, that is the two
+  // faces of a plane model and the ends of a periodic one.
   double top_mass(std::int32_t node) const;
-  // Own elements with displacement, velocity, stress since settling and at rest; of both together
-  // principal stresses and largest shear; plastic strain if solids yield; extremes if begun.
+  // Own elements with displacement, velocity, stress since settling and static stress; of their sum
+  // principal stresses and largest shear stress; plastic strain if solids yield; extremes if begun.
   io::Grid fields() const;
-  // Extremes of each element's stress over the instants taken, from the last begin on (or the first
-  // one taken) to the end; they go through checkpoints. Local.
+  // Extremes of each element's stress over the instants taken, from the last `begin_extremes` (or
+  // the first instant taken) to `end_extremes`; they are part of checkpoints. Local.
   void begin_extremes();
   void take_extremes();
   void end_extremes();
   GroundTotals totals() const;  // collective
-  double seconds() const;       // wall time in steps on this rank
+  double seconds() const;       // wall time of steps on this rank
   std::size_t memory() const;   // bytes on this rank
 
   void save(io::File& file, const std::string& group) const;
   void load(const io::File& file, const std::string& group);
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::fem

@@ -1,6 +1,6 @@
-// PETSc for the life of a program. Create it in main after par::Environment, with the arguments
-// that follow `--`; a Ground that solves without it starts PETSc with defaults, and MPI_Finalize
-// then ends it.
+// PETSc for the lifetime of a program. Create it in main after par::Environment, with the arguments
+// that follow `--`; a Ground that solves without it initialises PETSc with defaults, which
+// MPI_Finalize then ends.
 #pragma once
 
 #include <string>
@@ -21,17 +21,16 @@ class Petsc {
   Petsc(const Petsc&) = delete;
   Petsc& operator=(const Petsc&) = delete;
 
-  // Starts PETSc if nobody did. Collective over the world.
+  // Initialises PETSc if it is not. Collective over the world.
   static void ensure();
-  // Sets up the solvers that this ground needs in steps of `window` s (0: not known yet), so that
-  // options which they refuse are known before a run. Nothing if none were given. What options
-  // write, into files or on the screen, is left to the run. Returns the names of those that nothing
-  // asked for, without those that may come into use as a run solves.
-  // Collective; InputError.
+  // Sets up the solvers of this ground in steps of `window` s (0: not known yet), so that options
+  // which PETSc rejects are reported before a run. Does nothing without options. Output of options
+  // to files or to the screen is left to the run. Returns the names of options that were set but
+  // not used, without those that may be used later in a solve. Collective; throws InputError.
   static std::vector<std::string> try_options(const par::Comm& comm,
                                               const GroundParameters& parameters,
                                               Dimension dimension, double thickness, double window);
-  // Names of options that were given and that nothing has asked for so far: mostly misspelt.
+  // Names of options that were set but not used up to now: mostly misspelt.
   static std::vector<std::string> unused_options();
 };
 

@@ -14,8 +14,8 @@ namespace trackbed::geom {
 
 struct Edge {
   std::array<int, 2> vertices;
-  // The face that runs along the edge from the first to the second vertex, and the one that runs
-  // back; -1 each for the single edge of a segment.
+  // The face on the left of the edge from the first to the second vertex, and the face on its
+  // right; -1 each for the single edge of a segment.
   std::array<int, 2> faces;
 };
 
@@ -26,21 +26,22 @@ struct Face {
 };
 
 // A point, a segment, a flat polygon (two faces, back to back) or a polyhedron. Every vertex is a
-// corner: none lies within an edge, a face or the solid. Coplanar triangles are one face.
+// corner: none is inside an edge, a face or the solid. Coplanar triangles are one face.
 struct Convex {
   std::vector<Vec3> vertices;  // m
   std::vector<Edge> edges;
   std::vector<Face> faces;
 };
 
-// Hull of points (CGAL, exact predicates: no point is lost by rounding). Corners keep the order
-// they were given in; points less than `merge` times the extent off a face or an edge lie in it and
-// are left out. Throws std::invalid_argument if there is no point or one is not finite.
+// Hull of points (CGAL, exact predicates: no point is lost by rounding). Corners keep the order in
+// which they were given; points that are less than `merge` times the extent off a face or an edge
+// are taken to be on it and are left out. Throws std::invalid_argument if there is no point or one
+// is not finite.
 Convex convex_hull(const std::vector<Vec3>& points, double merge = 1e-9);
 
-// The core with these corners and faces; edges, normals and offsets follow. What a file keeps.
-// Throws std::invalid_argument if the faces do not close or a corner sticks out of one by more than
-// 1e-6 of the extent. No face: a point or a segment.
+// The core with these corners and faces, which are what files contain; edges, normals and offsets
+// are derived. Throws std::invalid_argument if the faces are not closed or a corner is outside of a
+// face by more than 1e-6 of the extent. No face: a point or a segment.
 Convex convex_of(std::vector<Vec3> vertices, const std::vector<std::vector<int>>& faces);
 
 struct Piece {
@@ -58,7 +59,7 @@ struct Template {
   double sieve = 1;              // m, smallest opening it passes
 };
 
-// Furthest any point of the shape is from the centre of mass, m.
+// Largest distance of a point of the shape from the centre of mass, m.
 double bounding_radius(const Template& shape);
 
 }  // namespace trackbed::geom

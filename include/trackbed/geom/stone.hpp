@@ -19,7 +19,7 @@ struct Solid {
   double volume = 0;             // m^3; plane: area in m^2 (times thickness = volume)
   Vec3 centre = Vec3::Zero();    // m
   Vec3 gyration = Vec3::Zero();  // principal moments of inertia over mass, m^2
-  Quat axes = Quat::Identity();  // from principal axes to the axes it was given in
+  Quat axes = Quat::Identity();  // from principal axes to the axes of the input
 };
 
 // Volume of a core swept by a sphere of radius r: volume + area r + bend r^2 + 4/3 pi r^3
@@ -35,26 +35,26 @@ Steiner steiner_of(const Convex& core);
 Solid piece_solid(const Piece& piece);
 double surface_area(const Piece& piece);  // m^2
 
-// The piece with the volume of `hull` and this radius of rounding: the hull shrinks towards its
-// centroid, with all its corners and faces, before it is swept. So mass is kept, faces stay where
-// they are to first order, and corners recede. Throws std::invalid_argument if a ball of this
+// The piece with the volume of `hull` and this radius of rounding: the hull is shrunk towards its
+// centroid, with all its corners and faces, before it is swept. So the mass is kept, faces stay
+// where they are to first order, and corners recede. Throws std::invalid_argument if a ball of this
 // radius is larger than the hull.
 Piece rounded(const Convex& hull, double radius);
-// Turned, then moved.
+// First rotated, then moved.
 Convex moved(Convex core, const Quat& turn, const Vec3& shift);
 Convex scaled(Convex core, double factor);  // about the origin
 // The core cut into `parts` convex ones of equal volume, each time across the longest principal
-// axis. Swept by the same ball, they fill just what the whole core fills. Throws
-// std::invalid_argument if there is nothing to cut.
+// axis. Swept by the same ball, they fill exactly the volume of the swept core. Throws
+// std::invalid_argument if the core cannot be cut.
 std::vector<Convex> sliced(const Convex& core, int parts);
 
 // Pieces about the solid's centre in its principal axes.
 Template template_of(const std::vector<Piece>& pieces, const Solid& solid, double sieve);
 // The solid is that of the pieces, exact for one, by columns for several (see `union_solid`); the
-// sieve size is the smallest square hole.
+// sieve size is the smallest square hole that the stone passes.
 Template template_of(const std::vector<Piece>& pieces);
 
-// The box around a stone as callipers measure it: thickness S, the smallest distance of two
+// The box around a stone as measured with callipers: thickness S, the smallest distance of two
 // parallel planes that touch the stone (thickness E of EN 933-4); width I, the smallest such
 // distance at right angles to it; length L at right angles to both. S <= I <= L, each at most the
 // stone's greatest extent; S <= smallest square hole <= I. Exact to rounding for convex pieces of
@@ -65,14 +65,14 @@ struct Callipers {
 };
 Callipers callipers_of(const Convex& core);
 Callipers callipers_of(const std::vector<Piece>& pieces);
-// m, the greatest distance of two points, equally of two parallel planes that touch (EN 933-4).
+// m, the greatest distance of two points, equal to that of two touching parallel planes (EN 933-4).
 double greatest_extent(const std::vector<Piece>& pieces);
 
 // Irregular convex stone with triangular faces, drawn from `seed`: a worn polyhedron of four to six
 // main corners. Its proportions by callipers, rounding included, are exact to 1e-9. Length L = 1
 // along x, width along y, thickness along z, centre of mass at the origin. `rounding`: radius over
-// the diameter of the ball of the stone's volume. With a spread of 0.23 the defaults reach the mean
-// and the spread of sphericity and of volume over bounding box of ten scanned ballast stones
+// the diameter of the ball of the stone's volume. With a spread of 0.23 the defaults reproduce the
+// mean and the spread of sphericity and of volume over bounding box of ten scanned ballast stones
 // (HRSBallast, CC0). Throws std::invalid_argument if no stone of this kind has so many corners or
 // these proportions.
 struct StoneShape {
@@ -82,14 +82,14 @@ struct StoneShape {
   int vertices = 24;         // exactly; 6 to 200
   double spread = 0;         // both proportions are drawn from +- this around the wanted ones
 };
-// The proportions that the stone of this seed has: those of `shape` without a spread.
+// The proportions of the stone of this seed: those of `shape` without a spread.
 StoneShape proportions_of(const StoneShape& shape, std::uint64_t seed);
 Piece rounded_stone(const StoneShape& shape, double rounding, std::uint64_t seed);
 Convex stone(const StoneShape& shape, std::uint64_t seed);  // the same without rounding
 
 // Smallest slot of the plane y = 0 that disks pass, and smallest square hole that spheres pass. A
-// rounded piece passes what balls at its corners pass. To 1e-6 of the size, in the nearest
-// minimum of the best views of a raster 4.5 degrees apart.
+// rounded piece passes where balls at its corners pass. To 1e-6 of the size, in the nearest minimum
+// of the best directions of a raster 4.5 degrees apart.
 double smallest_slot(const std::vector<Sphere>& disks);
 double smallest_hole(const std::vector<Sphere>& spheres);
 double smallest_hole(const std::vector<Piece>& pieces);
@@ -98,9 +98,9 @@ double smallest_hole(const std::vector<Piece>& pieces);
 double sphericity(double volume, double area);
 
 // Convex outline of an irregular plane stone: hull (CGAL) of points on a superellipse with random
-// angles and radii, drawn from `seed`. Largest extent 1, centred on its area centroid, counter-
-// clockwise in (x, z). elongation: smallest width over largest extent, as near as the corners
-// allow; angularity 0 (evenly spread corners of an ellipse) to 1.
+// angles and radii, drawn from `seed`. Largest extent 1, centred on its area centroid,
+// counter-clockwise in (x, z). elongation: smallest width over largest extent, as close as the
+// corners allow; angularity 0 (evenly spread corners of an ellipse) to 1.
 struct OutlineShape {
   double elongation = 0.7;
   double angularity = 0.3;
@@ -111,13 +111,13 @@ std::vector<Eigen::Vector2d> outline(const OutlineShape& shape, std::uint64_t se
 // Area, centroid and gyration of a closed counter-clockwise polygon in (x, z), as a lamina: about
 // y the polar one.
 Solid polygon_solid(const std::vector<Eigen::Vector2d>& polygon);
-// Smallest width over all directions: the smallest slot the plane stone passes through.
+// Smallest width over all directions: the smallest slot that the plane stone passes.
 double smallest_width(const std::vector<Eigen::Vector2d>& polygon);
 
 // Disks of `radius` inside the convex polygon (x, z; y = 0), touching its border, at most `spacing`
-// radii apart along it, so that a stone of disks has the outline's size. One ring: up to a spacing
-// of 3 no disk of this radius gets between two of them with less than half a radius of overlap, so
-// the inside needs none. Throws std::invalid_argument if none fits.
+// radii apart along it, so that a stone of disks has the size of the outline. One ring: up to a
+// spacing of 3 no disk of this radius passes between two of them with less than half a radius of
+// overlap, so the inside needs none. Throws std::invalid_argument if none fits.
 std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, double radius,
                                    double spacing);
 
@@ -126,16 +126,17 @@ std::vector<Sphere> pebbles_inside(const std::vector<Eigen::Vector2d>& polygon, 
 // 1/cells^(3/2).
 Solid union_solid(const std::vector<Sphere>& spheres, int cells = 96);
 Solid union_solid(const std::vector<Piece>& pieces, int cells = 96);
-// Surface of what overlapping pieces cover together, m^2, to about a per cent: four times the mean
-// over directions of the area of its shadow, where a line counts as often as it enters (Crofton).
+// Surface of the union of overlapping pieces, m^2, to about a per cent: four times the mean over
+// directions of the area of its projection, where a line counts as often as it enters (Crofton).
 double union_area(const std::vector<Piece>& pieces, int directions = 60, int cells = 64);
 // Union of disks in the plane y = 0: area, and gyration of the lamina.
 Solid union_lamina(const std::vector<Sphere>& disks, int cells = 4096);
 
-// `count` points spread evenly through a stone, for shares of it: each stands for 1/count of its
-// volume. Of 512 points half a per cent is on the wrong side of a straight cut in the mean, 3 % at
-// most; of a lamina 1 % at most. Through what pieces cover together; `lamina`: disks in the plane
-// y = 0, or all that disks of one radius enclose, if the shape's area is nearer to that.
+// `count` points spread evenly through a stone, to measure fractions of it: each represents 1/count
+// of its volume. Of 512 points half a per cent is on the wrong side of a straight cut in the mean,
+// 3 % at most; of a lamina 1 % at most. The points are spread through the union of the pieces;
+// `lamina`: disks in the plane y = 0, or all that disks of one radius enclose, if the shape's area
+// is nearer to that.
 std::vector<Vec3> points_within(const Template& shape, int count, bool lamina);
 
 }  // namespace trackbed::geom

@@ -1,4 +1,5 @@
-// A deck: the text a user writes (TOML), read into declared parameters with every problem at once.
+// A deck: the text a user writes (TOML), read into declared parameters and checked; all problems
+// are reported at once.
 #pragma once
 
 #include <functional>
@@ -16,15 +17,16 @@ using Declaration = std::function<void(Section&)>;
 
 class Deck {
  public:
-  // Reads `path` on rank 0 and shares the text. `overrides`: `key.path=value` (value in TOML
+  // Reads `path` on rank 0 and broadcasts the text. `overrides`: `key.path=value` (value in TOML
   // syntax; a bare word is text). Throws InputError for a missing file or a syntax error.
   // Collective.
   static Deck read(const par::Comm& comm, const std::string& path,
                    const std::vector<std::string>& overrides);
-  // For tests. `origin` is what messages call it.
+  // For tests. `origin`: its name in messages.
   static Deck parse(const std::string& text, const std::string& origin,
                     const std::vector<std::string>& overrides = {});
-  // The effective input stored in a checkpoint: what the run began with is not looked for.
+  // The effective input stored in a checkpoint: the files that the run started from need not exist
+  // any more.
   static Deck stored(const std::string& text, const std::string& origin,
                      const std::vector<std::string>& overrides = {});
   ~Deck();
@@ -37,11 +39,12 @@ class Deck {
   //   deck.toml: load.file "x.csv" does not exist          (no line if the key is absent)
   //   command line: dem.safety = "high" must be a number
   // Unknown keys, wrong types, out of range, missing required, bad choices, failed rules, files.
-  // Returns warnings, sentences of the same form about what is legitimate but odd.
+  // Returns warnings, sentences of the same form about values that are allowed but unusual.
   std::vector<std::string> fill(const Declaration& declaration) const;
-  // `file:line: key` of a parameter, to start a sentence about it in later checks (unstable step).
+  // `file:line: key` of a parameter, the start of a message about it in later checks (unstable
+  // step).
   std::string where(const std::string& key) const;
-  bool gives(const std::string& key) const;  // whether the parameter is written in it
+  bool sets(const std::string& key) const;  // whether the deck sets the parameter
 
  private:
   struct Text;
@@ -49,7 +52,7 @@ class Deck {
   std::unique_ptr<Text> text_;
 };
 
-// All parameters with their present values as a deck that reads back to the same values (numbers
+// All parameters with their current values as a deck, which reads back to the same values (numbers
 // with 17 digits): the effective input stored in every result.
 std::string effective(const Declaration& declaration);
 // Markdown reference (docs/input.md) or, for one section path, the same on a terminal.

@@ -29,24 +29,25 @@ struct Limits {
   double above = -unbounded;     // value > above
   double at_least = -unbounded;  // value >= at_least
   double at_most = unbounded;    // value <= at_most
-  bool required = false;         // no default: an input without it is refused
-  // Outside of these, as of a value in another unit, the deck is read with a warning.
+  bool required = false;         // no default: an input without it is rejected
+  // Usual range; a value outside (for instance in another unit) is accepted with a warning.
   double usually_from = -unbounded, usually_to = unbounded;
 };
 
-enum class Weight { problem, warning };  // warning: legitimate but odd
+enum class Weight { problem, warning };  // warning: allowed but unusual
 
-// What a rule is about besides the parameter it names.
+// Options of a rule.
 struct About {
   Weight weight = Weight::problem;
-  // Parameters and sections that the rule reads, named like the rule's own: it is left out if one
-  // of them was refused, since it keeps its default then. Empty: if the open section has a problem.
+  // Parameters and sections that the rule uses, named relative to the same section. The rule is
+  // skipped if one of them was rejected, because it then still has its default. Empty: the rule is
+  // skipped if the open section has a problem.
   std::vector<std::string> reads = {};
 };
 
-// What a parameter of kind file may name. origin: a file or folder that a run begins with, which
-// need not be there any more when what came of it goes on.
-enum class Named { file, origin };
+// What a parameter of kind file names. origin: a file or folder that a run starts from; it need not
+// exist any more when the run is resumed.
+enum class FileRole { file, origin };
 
 class Section {
  public:
@@ -62,15 +63,15 @@ class Section {
                     const std::vector<std::string_view>& choices = {}, bool required = false) = 0;
   // A file that must exist; relative names are resolved against the deck's folder. Empty: none.
   virtual void file(std::string_view name, std::string& value, std::string_view meaning,
-                    Named named = Named::file) = 0;
+                    FileRole role = FileRole::file) = 0;
   // `length` 0: any length.
   virtual void numbers(std::string_view name, std::vector<double>& values, const Limits& limits,
                        std::string_view meaning, std::size_t length = 0) = 0;
   virtual void texts(std::string_view name, std::vector<std::string>& values,
                      std::string_view meaning) = 0;
-  // A fact that ties several parameters together ("top must lie above bottom"): reported as a
-  // problem of parameter `name` ("top", or of an inner section "layer[1].thickness") if it does not
-  // hold. Only the reader acts on it.
+  // A condition on several parameters ("top must be above bottom"). If it does not hold, it is
+  // reported as a problem of parameter `name` ("top", or of an inner section "layer[1].thickness").
+  // Only the reader evaluates it.
   virtual void rule(std::string_view name, bool holds, std::string_view sentence,
                     const About& about = {}) = 0;
 

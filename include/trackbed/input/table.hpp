@@ -1,4 +1,5 @@
-// Tables of numbers beside a deck: CSV with one line of column names, then one line per row.
+// Tables of numbers that a deck refers to: CSV with one line of column names, then one line per
+// row.
 #pragma once
 
 #include <string>
@@ -6,11 +7,11 @@
 
 namespace trackbed::input {
 
-// The named columns of `path`, in the order asked for; others in the file are ignored. Separator:
-// comma; blank lines and lines starting with # are skipped. The values of the column `rising`, if
-// it is named, must rise from row to row. Throws InputError with one sentence per bad row
-// (`file:line: ...`), all at once. `lines`: of the file, on which each row stands. Every rank reads
-// the file by itself.
+// The named columns of `path`, in the order of `columns`; other columns of the file are ignored.
+// Separator: comma; blank lines and lines starting with # are skipped. The values of the column
+// `rising`, if it is named, must increase from row to row. Throws InputError with one sentence per
+// bad row (`file:line: ...`), all at once. `lines`: line number of each row in the file. Every rank
+// reads the file itself.
 std::vector<std::vector<double>> read_table(const std::string& path,
                                             const std::vector<std::string>& columns,
                                             const std::string& rising = "",

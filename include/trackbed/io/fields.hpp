@@ -1,5 +1,5 @@
-// Pictures of the model for ParaView and VTK: one VTKHDF file (UnstructuredGrid) per instant and
-// part of the model, written in parallel; ParaView reads the numbered files as one time series.
+// Field output for ParaView and VTK: one VTKHDF file (UnstructuredGrid) per instant and part of the
+// model, written in parallel; ParaView reads the numbered files as one time series.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct FieldData {
   std::vector<double> values;  // rows x columns
 };
 
-// This rank's piece: cells refer to this rank's points.
+// The part of this rank: cells refer to its own points.
 struct Grid {
   std::vector<Vec3> points;  // m
   CellKind kind = CellKind::vertex;

@@ -1,6 +1,6 @@
 // Parallel HDF5 behind one small class. A dataset is an array of rows; each rank holds some of
-// them. Any number of ranks reads what any number wrote. Failures throw RunError (agreed on all
-// ranks) that names file and dataset. All calls are collective unless they say otherwise.
+// them. Files can be read on any number of ranks. Failures throw RunError (agreed on all ranks)
+// with the file and the dataset. All calls are collective unless stated otherwise.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace trackbed::io {
 
-// What a dataset means; stored as its attributes.
+// Unit and meaning of a dataset, stored as its attributes.
 struct Label {
   std::string unit = "-";
   std::string meaning;
@@ -24,20 +24,21 @@ enum class Mode { read, create, append };
 class File {
  public:
   File(const par::Comm& comm, const std::string& path, Mode mode);
-  ~File();  // closes; use close() to learn whether that went well
+  ~File();  // closes; close() also reports errors
   File(File&&) noexcept;
   File& operator=(File&&) noexcept;
   void close();
 
   // Writes all ranks' rows, in rank order, as a [rows, columns] dataset ([rows] if columns is 1).
   // T: double, float, std::int64_t, std::uint64_t, std::int32_t, std::int8_t, std::uint8_t.
-  // Parent groups are made. Adds the attributes unit, meaning and checksum. The path must be new.
+  // Parent groups are created. Adds the attributes unit, meaning and checksum. The path must be
+  // new.
   template <class T>
   void write(const std::string& path, std::span<const T> mine, std::size_t columns,
              const Label& label);
-  // This rank's share of the rows: an even split by rank (see `share`).
+  // This rank's fraction of the rows: an even split by rank (see `row_range`).
   template <class T>
-  std::vector<T> read_share(const std::string& path) const;
+  std::vector<T> read_own_rows(const std::string& path) const;
   // All rows on every rank.
   template <class T>
   std::vector<T> read_all(const std::string& path) const;
@@ -45,8 +46,8 @@ class File {
   template <class T>
   std::vector<T> read_rows(const std::string& path, std::size_t begin, std::size_t count) const;
 
-  // Datasets that grow: rows (all ranks' rows in rank order) are added at the end; the first call
-  // makes the dataset. `truncate` cuts it to `rows`.
+  // Datasets that grow: rows (all ranks' rows in rank order) are appended; the first call creates
+  // the dataset. `truncate` reduces it to `rows`.
   template <class T>
   void append(const std::string& path, std::span<const T> mine, std::size_t columns,
               const Label& label);
@@ -56,8 +57,9 @@ class File {
   std::vector<std::size_t> extent(const std::string& path) const;  // rows, columns
   std::vector<std::string> names(const std::string& group) const;  // sorted members
 
-  // Attributes of a dataset or of a group (made if missing; "/" is the file's root). Written again
-  // they are replaced. Text is stored as a fixed-length string, UTF-8 where it must be.
+  // Attributes of a dataset or of a group (created if missing; "/" is the root of the file). An
+  // existing attribute is replaced. Text is stored as a fixed-length string, UTF-8 if it is not
+  // ASCII.
   void attribute(const std::string& path, const std::string& name, const std::string& value);
   void attribute(const std::string& path, const std::string& name, double value);
   void attribute(const std::string& path, const std::string& name, std::int64_t value);
@@ -68,7 +70,7 @@ class File {
   double number_attribute(const std::string& path, const std::string& name) const;
   std::int64_t integer_attribute(const std::string& path, const std::string& name) const;
 
-  struct Handle;  // known to this room only
+  struct Handle;  // defined within this module only
   const Handle& handle() const { return *handle_; }
 
  private:
@@ -76,9 +78,9 @@ class File {
 };
 
 // First row and number of rows of rank `rank` when `rows` are split evenly over `size` ranks.
-struct Share {
+struct RowRange {
   std::size_t begin, count;
 };
-Share share(std::size_t rows, int rank, int size);
+RowRange row_range(std::size_t rows, int rank, int size);
 
 }  // namespace trackbed::io

@@ -1,4 +1,4 @@
-// A file that replaces another of its name only when it is complete.
+// Replacement of a file only when the new one is complete.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,14 @@
 
 namespace trackbed::io {
 
-// Lets `write` make `path`.part and gives it its name: a reader meets the old file or the new one,
-// also after a crash of the machine. If `write` throws (the same on all ranks), the old file is as
-// it was and no part stays. Throws RunError on all ranks if it cannot be put in place. Collective.
+// Calls `write` with the name `path`.part and then renames that file to `path`: a reader sees the
+// old file or the new one, also after a crash of the machine. If `write` throws (the same on all
+// ranks), the old file is unchanged and the part is removed. Throws RunError on all ranks if it
+// cannot be put in place. Collective.
 void replace_file(const par::Comm& comm, const std::string& path,
                   const std::function<void(const std::string& part)>& write);
 
-// The last step alone; on one rank. Returns what went wrong, or nothing.
+// The last step alone; on one rank. Returns the error, or nothing.
 std::string put_in_place(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace trackbed::io

@@ -1,5 +1,5 @@
-// Histories of a train on a track alone: kept in memory and written once, at the end. A passage has
-// a few thousand rows of a few dozen numbers.
+// Histories of a train on a track alone: stored in memory and written once, at the end. A passage
+// has a few thousand rows of a few dozen numbers.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,26 @@ namespace trackbed::observe {
 
 class PassageHistories {
  public:
-  // Rail displacements at `points` (m); sleepers nearest to them, each once, if there are any;
-  // so many forces on the rail.
+  // Rail displacements at `points` (m); the sleepers nearest to them, each once, if there are any;
+  // `forces`: number of forces on the rail.
   PassageHistories(const track::Line& line, const track::Train& train, std::vector<double> points,
                    std::size_t forces = 0);
-  // A row. Local.
+  // Adds a row. Local.
   void sample(const track::Passage& passage);
-  // A step, which has no row unless it is sampled, but counts for extremes. Local.
-  void see(const track::Passage& passage);
+  // Updates the extremes with the present step, which has a row only if it is sampled. Local.
+  void update_extremes(const track::Passage& passage);
   std::int64_t rows() const { return static_cast<std::int64_t>(times_.size()); }
-  // Of all steps seen: lowest rail displacement at each point, m, left before right; at most 0.
+  // Over all steps: lowest rail displacement at each point, m, left before right; at most 0.
   const std::vector<double>& lowest() const { return lowest_; }
-  // Rows and extremes so far to a checkpoint, and back into histories of the same model.
-  // Collective; `load` throws RunError for those of another one.
+  // Writes the rows and extremes to a checkpoint, and reads them into histories of the same model.
+  // Collective; `load` throws RunError for those of another model.
   void save(io::File& file, const par::Comm& comm) const;
   void load(const io::File& file);
-  // Writes results.h5 at `path`, in place of what is there. Collective; throws RunError.
+  // Writes results.h5 at `path` and replaces an existing file. Collective; throws RunError.
   void write(const par::Comm& comm, const std::string& path, const About& about) const;
 
  private:
-  // One dataset: rows of one number for each of some things.
+  // One dataset: rows of `width` numbers.
   struct Column {
     std::string path;
     io::Label label;

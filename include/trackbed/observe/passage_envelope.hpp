@@ -1,5 +1,5 @@
-// What rail, sleepers and pads went through at most, all along a track alone: extremes of every
-// step, of each sleeper or, of a track without sleepers, at each whole metre.
+// Envelopes of rail, sleepers and pads along a track alone: extremes over every step, at each
+// sleeper or, for a track without sleepers, at each whole metre.
 #pragma once
 
 #include <string>
@@ -14,22 +14,22 @@ namespace trackbed::observe {
 class PassageEnvelope {
  public:
   explicit PassageEnvelope(const track::Line& line);
-  // The present step. Local.
-  void see(const track::Passage& passage);
-  // Extremes so far, in results and in checkpoints, and back. Collective; `load` throws RunError
-  // for those of another track, or if a program without them wrote the file.
+  // Updates the extremes with the present step. Local.
+  void update(const track::Passage& passage);
+  // Writes the extremes to results and checkpoints, and reads them. Collective; `load` throws
+  // RunError for those of another track, or if the file was written by a program without them.
   void save(io::File& file, const par::Comm& comm) const;
   void load(const io::File& file);
 
  private:
-  // Least and largest value at each place, left before right; before the first step none.
+  // Smallest and largest value at each place, left before right; infinite before the first step.
   struct Range {
     std::string path, unit, meaning;  // of a history: PATH_min, PATH_max
     std::vector<double> least, most;
-    void see(std::size_t place, double value);
+    void update(std::size_t place, double value);
   };
   const track::Line& line_;
-  std::vector<double> x_;  // m, of each place, on two rails twice
+  std::vector<double> x_;  // m, of each place, twice on two rails
   std::vector<track::RailPoint> rail_points_;
   Range rail_, sleeper_, seat_;
 };

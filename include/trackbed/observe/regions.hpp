@@ -1,5 +1,4 @@
-// What is measured of the stones in a part of space: how densely they lie, how much they touch, and
-// the stress they carry.
+// Measurements of the stones in a region: porosity and density, contacts, and stress.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@ namespace trackbed::observe {
 
 enum class RegionKind { box, sphere };
 
-// A box cut into equal cells, or a sphere; in a plane model y counts for nothing, and the sphere is
-// a cylinder across the model.
+// A box cut into equal cells, or a sphere; in a plane model y is not used, and the sphere is a
+// cylinder across the model.
 struct Region {
   std::string name;
   RegionKind kind = RegionKind::box;
@@ -29,29 +28,29 @@ struct Region {
 // Components of symmetric tensors in the order xx yy zz xy xz yz.
 using Tensor = std::array<double, 6>;
 
-// Of one cell; all zero but `porosity` (1) where there are no stones.
-struct Measured {
-  double porosity = 1;       // share of voids; void ratio e = n/(1 - n)
+// Values of one cell; all zero except `porosity` (1) if there are no stones.
+struct Measurement {
+  double porosity = 1;       // volume fraction of voids; void ratio e = n/(1 - n)
   double bulk_density = 0;   // kg/m^3, mass of stones over volume of the cell
   double stones = 0;         // number of centres of mass in it
-  double coordination = 0;   // partners (stones and surfaces) of such a stone, mean
-  double contacts = 0;       // number of contacts whose branch has its middle in it
-  double contact_force = 0;  // N, mean size
+  double coordination = 0;   // mean number of stones and surfaces in contact with such a stone
+  double contacts = 0;       // number of contacts whose branch midpoint is in it
+  double contact_force = 0;  // N, mean magnitude
   Tensor stress{};           // Pa, tension positive
   Tensor fabric{};           // mean n n^T of these contacts (Satake 1982); trace 1
 };
 
-// The cells of the region, x fastest, then y. The same bits on any number of ranks. Volumes of
-// stones that a border cuts by points within them (dem::Particles::points), to about a per cent of
-// the stone. Stress: mean over the cell of the stress on straight lines of force between centres of
-// mass (Love-Weber with the part of each branch that lies in the cell; Irving, Kirkwood 1950,
-// doi:10.1063/1.1747782),
+// The cells of the region, x fastest, then y. Bitwise identical on any number of ranks. Stones cut
+// by a border are divided by points within them (dem::Particles::points), accurate to about a per
+// cent of the stone. Stress: mean over the cell of the stress on straight lines of force between
+// centres of mass (Love-Weber with the part of each branch that lies in the cell; Irving, Kirkwood
+// 1950, doi:10.1063/1.1747782),
 //   sigma = 1/V sum over contacts of f (x) l,
 // f on the first stone, l the part of the branch from the first to the second (surface: to the
-// contact point). At rest and without weight its mean over a slab is the force through any section
-// of the slab over its area. Springs only: dampers and the momentum that moving stones carry are
-// left out. Collective.
-std::vector<Measured> measure(const par::Comm& comm, const dem::Particles& particles,
-                              const Region& region);
+// contact point). In static equilibrium and without weight its mean over a slab is the force
+// through any section of the slab over its area. Elastic forces only: damping forces and the
+// momentum flux of moving stones are not included. Collective.
+std::vector<Measurement> measure(const par::Comm& comm, const dem::Particles& particles,
+                                 const Region& region);
 
 }  // namespace trackbed::observe

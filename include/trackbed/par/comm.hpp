@@ -1,5 +1,5 @@
-// Who am I, and do we all agree: MPI behind values and spans. Every call is collective unless it
-// says otherwise. Types sent must be trivially copyable.
+// Communicator: collective operations and agreement on errors; MPI behind values and spans. Every
+// call is collective unless stated otherwise. Types that are sent must be trivially copyable.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ class Comm {
   bool root() const { return rank_ == 0; }
 
   void barrier() const;
-  // Reductions over ranks; the result is the same on all. double sums depend on the rank count:
-  // where bits matter sum integers (core/exact_sum.hpp).
+  // Reductions over ranks; the result is the same on all. Sums of doubles depend on the number of
+  // ranks: where results must be bitwise identical, sum integers (core/exact_sum.hpp).
   double sum(double value) const;
   double max(double value) const;
   double min(double value) const;
@@ -49,7 +49,8 @@ class Comm {
     const std::vector<std::byte> bytes = all_gather_bytes(std::as_bytes(mine));
     return from_bytes<T>(bytes);
   }
-  // Item lists for each rank in `out` (size() of them); returns what the others sent here.
+  // Item lists for each rank in `out` (size() of them); returns the lists that the other ranks
+  // sent.
   template <class T>
   std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& out) const {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -61,10 +62,10 @@ class Comm {
   }
   std::string broadcast(const std::string& text) const;  // rank 0's text
 
-  // The text of the lowest rank that gives one; empty if none does.
+  // The text of the lowest rank whose text is not empty; empty if there is none.
   std::string first_problem(const std::string& problem) const;
-  // Agreement on failure: if any rank gives a non-empty problem, every rank throws RunError with
-  // the lowest such rank's text (prefixed by its rank).
+  // Agreement on failure: if any rank passes a non-empty problem, every rank throws RunError with
+  // the text of the lowest such rank (prefixed by its rank).
   void agree(const std::string& problem) const;
 
   void* native() const { return handle_.get(); }  // MPI_Comm*, see par/mpi.hpp

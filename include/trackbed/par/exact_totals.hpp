@@ -1,8 +1,8 @@
-// Sums over terms on all ranks with bits that do not depend on the split: the range comes from the
+// Sums over terms on all ranks that are bitwise identical for any split: the range follows from the
 // largest term and the number of terms, both exact, the sum from integers (core/exact_sum.hpp).
 //
-// Terms are asked for twice, since the range must be known before the first one is added: callers
-// keep them. Many sums at once, as each pass over the ranks waits for the slowest.
+// Each term is read twice, since the range must be known before the first one is added: callers
+// keep them. Many sums are computed at once, because every reduction waits for the slowest rank.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace trackbed::par {
 
-// How many sums there are; sum k has the range k % ranges, so that sums of one unit share one.
+// Number of sums; sum k has the range k % ranges, so that sums of one unit share one.
 struct ExactLayout {
   std::size_t sums = 1, ranges = 1;
 };
@@ -26,8 +26,8 @@ struct ExactTerm {
   double value;
 };
 
-// `term(k)` is this rank's ExactTerm k of `count`. A sum whose range holds a term that is not
-// finite is the largest of them. Collective, three reductions.
+// `term(k)` is this rank's ExactTerm k of `count`. If a term of a range is not finite, all sums of
+// this range equal the largest of its terms. Collective, three reductions.
 template <class TermAt>
 std::vector<double> exact_totals(const Comm& comm, const ExactLayout& layout, std::size_t count,
                                  TermAt&& term) {

@@ -1,6 +1,6 @@
 // A fixed pattern of point-to-point messages, set up once and used many times: each rank sends
-// chosen items of a local array and receives into consecutive places. Costs one message per
-// neighbour and call; no allocation after `connect`.
+// chosen items of a local array and receives into consecutive places. Each call costs one message
+// per neighbour; nothing is allocated after `connect`.
 #pragma once
 
 #include <cstddef>
@@ -30,26 +30,26 @@ class Halo {
     send_.resize(items_.size() * sizeof(T));
     T* packed = reinterpret_cast<T*>(send_.data());
     for (std::size_t k = 0; k < items_.size(); ++k) packed[k] = data[items_[k]];
-    transfer(sizeof(T), reinterpret_cast<std::byte*>(ghosts), Way::forward);
+    transfer(sizeof(T), reinterpret_cast<std::byte*>(ghosts), Direction::forward);
   }
-  // The way back: every ghost's value goes to the rank it came from; `returned` (size sent()) is
-  // ordered like items().
+  // Reverse transfer: every ghost's value goes to the rank it came from; `returned` (size sent())
+  // is ordered like items().
   template <class T>
   void backward(const T* ghosts, T* returned) {
     static_assert(std::is_trivially_copyable_v<T>);
     if (neighbours_.empty()) return;
     send_.resize(received_ * sizeof(T));
     __builtin_memcpy(send_.data(), ghosts, send_.size());
-    transfer(sizeof(T), reinterpret_cast<std::byte*>(returned), Way::backward);
+    transfer(sizeof(T), reinterpret_cast<std::byte*>(returned), Direction::backward);
   }
 
  private:
-  enum class Way { forward, backward };
+  enum class Direction { forward, backward };
   struct Neighbour {
     int rank;
     std::size_t send_begin, send_count, receive_begin, receive_count;
   };
-  void transfer(std::size_t item_bytes, std::byte* target, Way way);
+  void transfer(std::size_t item_bytes, std::byte* target, Direction direction);
 
   std::vector<Comm> comm_;  // empty until connected
   std::vector<Neighbour> neighbours_;

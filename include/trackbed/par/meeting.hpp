@@ -1,5 +1,5 @@
-// Whether all ranks come to one place in time. On a communicator of its own: ranks that wait for
-// something else do not meet it there.
+// A barrier with a time limit: whether all ranks arrive at one place in time. It uses a
+// communicator of its own, so that it does not match other collective operations.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,15 @@ namespace trackbed::par {
 class Meeting {
  public:
   explicit Meeting(const Comm& comm);  // collective
-  ~Meeting();                          // waits for those who have not come yet
+  ~Meeting();                          // waits for the ranks that have not arrived yet
   Meeting(const Meeting&) = delete;
   Meeting& operator=(const Meeting&) = delete;
-  // Once on each rank. False after so many seconds without all others.
-  bool all_come(double seconds);
+  // Called once on each rank. False if not all ranks have arrived after so many seconds.
+  bool all_arrive(double seconds);
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::par

@@ -1,4 +1,4 @@
-// The MPI communicator behind a Comm, for libraries that want one (HDF5, PETSc).
+// The MPI communicator behind a Comm, for libraries that need it (HDF5, PETSc).
 #pragma once
 
 #include <mpi.h>

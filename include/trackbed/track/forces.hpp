@@ -1,4 +1,4 @@
-// Forces on the rail that need no vehicle: harmonic ones and impacts, at places that stay.
+// Forces on the rail without a vehicle: harmonic forces and impacts at fixed positions.
 #pragma once
 
 #include "trackbed/input/section.hpp"
@@ -19,7 +19,7 @@ struct RailForce {
   double rise = 0.1;                 // s, over which a harmonic force grows
   double length = 2e-3;              // s, of an impact
   void declare(input::Section& s);
-  double lasts() const;             // s, an impact or a period of a harmonic force
+  double duration() const;          // s, of an impact, or the period of a harmonic force
   double force(double time) const;  // N, downwards
   std::size_t number() const { return side == ForceSide::left ? 0 : 1; }
 };

@@ -1,4 +1,4 @@
-// The rail's running surface: how far it lies above (m) the straight line, along x.
+// Vertical irregularity of the rail's running surface: height (m) above the straight line along x.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +13,45 @@ namespace trackbed::track {
 enum class Spectrum { erri_low, erri_high, fra_1, fra_2, fra_3, fra_4, fra_5, fra_6, china };
 // m^2/(rad/m) at the wave number (rad/m).
 double density_of(Spectrum spectrum, double wave_number);
-// m, root mean square of the part between two wavelengths (m).
+// m, root mean square of the irregularity between two wavelengths (m).
 double rms_of(Spectrum spectrum, double shortest, double longest);
 
-// versine: smooth; vee: two straight ramps; joint: two parabolas that meet in a point, as rails at
-// a weld or joint do; waves: versines one after the other; same: of a right rail, as the left one.
+// versine: smooth; vee: two straight ramps; joint: two parabolas with a kink between them, as at a
+// weld or joint; waves: versines one after the other; same: the right rail has the irregularity of
+// the left one.
 enum class IrregularityKind { none, versine, vee, joint, waves, spectrum, file, same };
 
 struct IrregularityParameters {
   IrregularityKind kind = IrregularityKind::none;
-  double at = 30;       // m, middle of a dip, begin of waves
+  double at = 30;       // m, middle of a dip, start of waves
   double depth = 1e-3;  // m, below the line
   double length = 1;    // m, of a dip or of one wave
   std::int64_t waves = 1;
   Spectrum spectrum = Spectrum::erri_low;
   double shortest = 1, longest = 70;  // m, wavelengths of the spectrum
   std::int64_t seed = 1;
-  double fade = 10;       // m from the begin of the track over which spectrum and file fade in
+  double fade = 10;       // m from the start of the track over which spectrum and file fade in
   std::string file = {};  // CSV
   void declare(input::Section& s);
 };
 
 class Irregularity {
  public:
-  // Valid for x from 0 to `length` m, zero before and as at the end beyond. Throws InputError for a
-  // bad file.
+  // Defined for x from 0 to `length` m; zero before it and constant beyond it. Throws InputError
+  // for an invalid file.
   Irregularity(const IrregularityParameters& parameters, double length);
   double at(double x) const;  // m, upwards
-  // m, x and height of each row of a file, as they stand there.
+  // m, x and height of each row of a file, unchanged.
   const std::vector<double>& rows() const { return row_; }
   const std::vector<double>& heights() const { return height_; }
-  // m, as at(x) of a file; `next` is the number of the first row behind x, which spares the search.
+  // m, at(x) of a file without the search; `next` is the number of the first row behind x.
   double before_row(std::size_t next, double x) const;
-  // How many samples a spectrum with this shortest wave takes on a track of `length` m.
+  // Number of samples of a spectrum with this shortest wavelength on a track of `length` m.
   static double samples_for(double shortest, double length);
-  // m, root mean square of its part between 3 and 25 m (D1 of EN 13848-1) on the track beyond
+  // m, root mean square for wavelengths of 3 to 25 m (D1 of EN 13848-1) on the track beyond
   // `fade`, by a Butterworth filter of fourth order.
   double d1_rms() const;
-  // m, the same of all tracks of its spectrum: from the power of the lines between 3 and 25 m.
+  // m, expected value of the same for the spectrum: from the power of the lines between 3 and 25 m.
   double spectrum_d1_rms() const { return spectrum_d1_; }
 
  private:

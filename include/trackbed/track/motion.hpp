@@ -1,6 +1,6 @@
-// How a train goes along the track: where its first axle is at any time. Given beforehand: braking
-// needs no force here, and what inertia along the track does to vehicles (pitch, load that moves to
-// the front) is not modelled.
+// Prescribed motion of a train along the track: position of its first axle over time. Braking
+// forces are not computed, and the effects of longitudinal inertia on vehicles (pitch, load
+// transfer to the front) are not modelled.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@ namespace trackbed::track {
 class Motion {
  public:
   explicit Motion(const TrainParameters& parameters);
-  double x(double time) const;      // m, of the first axle; s since the train was sent, at least 0
+  double x(double time) const;      // m, of the first axle; s since the train started, at least 0
   double speed(double time) const;  // m/s
-  double time_at(double x) const;   // s until the first axle is there; infinite if it stops before
+  double time_at(double x) const;   // s, when the first axle reaches x; infinite if it stops before
 
  private:
-  // From `begin` on, the last one for ever: s, m, m/s, m/s^2.
+  // Constant acceleration from `begin` on; the last leg has no end: s, m, m/s, m/s^2.
   struct Leg {
     double begin, x, speed, acceleration;
   };

@@ -1,5 +1,6 @@
-// A linear structure in time by Newmark's average acceleration. Forces that depend on the motion at
-// the end of a step (contacts) are left to the caller, who asks for the structure's flexibility.
+// Time integration of a linear structure by Newmark's average acceleration method. Forces that
+// depend on the motion at the end of a step (contacts) are left to the caller, who uses the
+// structure's flexibility.
 #pragma once
 
 #include <memory>
@@ -8,10 +9,10 @@
 
 namespace trackbed::track {
 
-// Columns side by side in memory: a band solve then takes all of them in one go.
+// Row-major, so that a band solve processes all columns at once.
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// What holds against a change of displacement within a step, N/m and the like; `step` in s.
+// Effective stiffness of a step, N/m (rotations: N m); `step` in s.
 Sparse effective_stiffness(const LinearSystem& system, double step);
 
 class Newmark {
@@ -23,21 +24,21 @@ class Newmark {
 
   Vector displacement, velocity, acceleration;  // at one time level
 
-  // Change of displacement over the next step under `force` at its end, N; changes nothing.
+  // Displacement increment of the next step under `force` at its end, N; the state is unchanged.
   Vector free_change(const Vector& force) const;
-  // Change of displacement at the end of a step per force at its end.
+  // Displacement increment of a step due to forces at its end.
   Columns flexibility(const Columns& forces) const;
   Vector flexibility(const Vector& forces) const;
-  // Ends the step with this change.
+  // Completes the step with this displacement increment.
   void accept(const Vector& change);
   double energy() const;  // J, kinetic and elastic
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
-// Displacements at rest per force: K x = f. Throws RunError if the structure is held by nothing.
+// Static displacements: K x = f. Throws RunError if the structure has a rigid body motion.
 class Statics {
  public:
   explicit Statics(const LinearSystem& system);
@@ -45,8 +46,8 @@ class Statics {
   Columns flexibility(const Columns& forces) const;
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::track

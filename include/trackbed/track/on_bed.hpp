@@ -1,8 +1,8 @@
-// A train on a rail that rests partly on sleepers somebody else moves (those on stones), partly on
-// sleepers on springs before and behind them. Every rank computes all of it alike.
+// A train on a rail whose sleepers are in part moved by another model (those on stones), in part
+// supported by springs, before and behind the bed. Every rank computes all of it identically.
 //
-// Two frames: x of the track counts from its begin, as in all parameters of rail and train; x of
-// the bed is that of the model around it. Both point along the track.
+// Two frames: x of the track is measured from its start, as in all parameters of rail and train; x
+// of the bed is that of the surrounding model. Both point along the track.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@
 
 namespace trackbed::track {
 
-// How the rail rests on the sleepers of a bed.
+// Support of the rail by the sleepers of a bed.
 struct SeatParameters {
-  std::int64_t before = 20;  // sleepers on springs before the first of the bed
-  double rails = 1;          // whose load the sleepers of the model carry; on two rails 2
+  std::int64_t before = 20;  // sleepers on springs before the first sleeper of the bed
+  double rails = 1;          // number of rails carried by the model's sleepers; on two rails 2
   void declare(input::Section& s);
 };
 
-// What a train on a bed is made of; looked at while it is built only.
+// Input of a train on a bed; used during construction only.
 struct TrainOnBedParameters {
   const LineParameters& line;
   const std::vector<VehicleParameters>& vehicles;
@@ -32,43 +32,45 @@ struct TrainOnBedParameters {
   const IrregularityParameters& irregularity;
   const SeatParameters& seat;
   std::size_t sleepers;      // of the bed
-  double first;              // m, x of the bed, of the first of them
+  double first;              // m, x of the bed, of the first sleeper
   double step;               // s
   double tolerance = 1e-12;  // m, see PassageParameters
-  // m/s per N, of each sleeper's seats at the end of a step by forces of its pads there; their
-  // levels give way by half a step of that. On one rail the first entry alone. Of sleepers in
-  // implicit steps; none: explicit ones, for which forces of the end of a step come too late.
+  // m/s per N, velocity of each sleeper's seats at the end of a step due to pad forces at that
+  // time; their heights change by half a step times this. On one rail only the first entry is used.
+  // For sleepers with implicit steps; empty: explicit steps, which use the pad forces at their
+  // start.
   std::vector<Matrix2> mobility = {};
-  // Of the right rail, if it is another one; its kind is not `same`.
+  // Irregularity of the right rail if it differs; its kind is not `same`.
   std::optional<IrregularityParameters> irregularity_right = {};
 };
 
 // On two rails each sleeper of the bed has two seats, left before right wherever they are listed.
 class TrainOnBed {
  public:
-  // The rail is laid on the sleepers as they stand: at `levels`, m, one for each seat. Throws
-  // InputError for unknown vehicles and bad files.
+  // The rail is placed on the sleepers at their present heights `levels`, m, one for each seat.
+  // Throws InputError for unknown vehicles and invalid files.
   TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels);
   ~TrainOnBed();
   TrainOnBed(TrainOnBed&&) noexcept;
 
-  // N, downwards, on the i-th sleeper of the bed at the present time; of all rails it carries.
+  // N, downwards, on the i-th sleeper of the bed at the present time; sum of all rails on it.
   double seat_force(std::size_t i) const;
-  // The same of one seat: on one rail all of it.
+  // The same for one seat: on one rail all of it.
   double seat_force(std::size_t i, std::size_t side) const;
-  // One step: to `levels` (m) and `rates` (m/s, up) of the bed's seats; with `mobility` to those
-  // without pads, whose forces `seat_force` then is. RunError: contacts of wheels are not solved.
+  // One step to heights `levels` (m) and velocities `rates` (m/s, up) of the bed's seats; with
+  // `mobility` these are the values without pad forces, and `seat_force` returns the pad forces at
+  // the end of the step. Throws RunError if the wheel contacts do not converge.
   void advance(const std::vector<double>& levels, const std::vector<double>& rates);
-  // The same train once more, on the rail as it is.
-  void send_again();
+  // Starts the same train again; the state of the rail is kept.
+  void restart_train();
 
   const Train& train() const;
   const Line& line() const;
   const Passage& passage() const;
-  // m, of one seat since the rail was laid; with what `mobility` adds.
+  // m, of one seat since the rail was placed, including the contribution of `mobility`.
   double seat_displacement(std::size_t i, std::size_t side) const;
   double wheel_x(std::size_t i) const;  // m, x of the bed
-  // m, above the i-th sleeper of the bed, since laid.
+  // m, above the i-th sleeper of the bed, since the rail was placed.
   double rail_displacement(std::size_t i, std::size_t side = 0) const;
 
   // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
@@ -76,8 +78,8 @@ class TrainOnBed {
   void load(const io::File& file, const std::string& group);
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::track

@@ -1,5 +1,5 @@
-// A train on a track, in time: wheels, rail and everything on springs, coupled by the contact of
-// each wheel. Small enough that every rank computes all of it alike, so that no bit depends on the
+// Dynamics of a train on a track: vehicles and track are coupled by the contact of each wheel with
+// the rail. Every rank computes all of it identically, so that results are bitwise identical on any
 // number of ranks.
 #pragma once
 
@@ -27,7 +27,7 @@ enum class LoadedBy { train, seats };
 struct PassageParameters {
   double step = 2e-4;                  // s
   double duration = 0;                 // s; 0: until the last axle has left the track
-  double tolerance = 1e-12;            // m, of the approach of wheel and rail
+  double tolerance = 1e-12;            // m, convergence of the approach of wheel and rail
   std::vector<RailForce> forces = {};  // a section of its own
   LoadedBy loaded_by = LoadedBy::train;
   void declare(input::Section& s);
@@ -35,9 +35,10 @@ struct PassageParameters {
 
 class Passage {
  public:
-  // `right`: of the right rail, if it is another one than of the left. `seats`: loads on each seat
-  // of a line without pads. Keeps references to `line` and `train`; they outlive it. Begins in
-  // static equilibrium, the train moving at its speed. Throws RunError if there is none.
+  // `right`: irregularity of the right rail if it differs from that of the left one. `seats`: loads
+  // on each seat of a line without pads. Keeps references to `line` and `train`, which must outlive
+  // it. Starts in static equilibrium, with the train at its speed. Throws RunError if there is
+  // none.
   Passage(const Line& line, const Train& train, const WheelRail& law,
           const Irregularity& irregularity, const TrainParameters& motion,
           const PassageParameters& parameters, const std::optional<Irregularity>& right = {},
@@ -45,31 +46,31 @@ class Passage {
   ~Passage();
   Passage(Passage&&) noexcept;
 
-  // One step. Throws RunError if the contact cannot be solved or something is no number.
+  // One step. Throws RunError if the contacts do not converge or a value is not finite.
   void advance();
-  // How the sleepers, or the ground, that somebody else moves stand at the end of the next step; on
-  // two rails left before right of each. Until it is called: where they were when the rail was
-  // laid.
+  // Prescribes height and velocity of the moved sleepers, or of the moved ground, at the end of the
+  // next step; on two rails left before right of each. Before the first call they are those at
+  // which the rail was placed.
   void place_seats(const std::vector<Seat>& seats);
-  // Of a ground that gives way to the forces of the end of a step: each column of `give` is what a
-  // force at one seat lowers all of them by in a step, m/N, rates following by average acceleration
-  // as on the track. From then on `place_seats` says how the ground stands under `forces` of the
-  // ballast (N, downwards, as `ground_force`), and the step finds forces and ground that fit each
-  // other.
-  void found_on(const Eigen::MatrixXd& give);
+  // Couples the track implicitly to a ground with the given compliance: column j is the lowering of
+  // all seats within a step due to a unit force at seat j at its end, m/N; velocities follow by
+  // average acceleration as on the track. From then on `place_seats` gives the motion of the ground
+  // under the ballast forces `forces` (N, downwards, as `ground_force`), and the step solves for
+  // ballast forces and ground motion together.
+  void set_ground_compliance(const Eigen::MatrixXd& compliance);
   void place_seats(const std::vector<Seat>& seats, const Vector& forces);
-  // N, of the pad on the i-th of them; compression positive.
+  // N, of the pad on the i-th moved sleeper; compression positive.
   double seat_force(std::size_t i, std::size_t side = 0) const;
-  const Seat& seat(std::size_t i, std::size_t side = 0) const;  // as it was placed last
+  const Seat& seat(std::size_t i, std::size_t side = 0) const;  // as last placed
   // N, on sleeper i of those on springs, by its pad or as a seat load; downwards positive.
   double on_sleeper(std::size_t i, std::size_t side = 0) const;
-  // Of sleeper i, on two rails of that end: N, downwards, on the ground below its ballast, and how
-  // that stands; at the present time. The ground is at rest unless it is moved.
+  // Of sleeper i, on two rails of that end, at the present time: N, downwards, on the ground below
+  // its ballast; height and velocity of that ground, which is fixed unless it is moved.
   double ground_force(std::size_t i, std::size_t side = 0) const;
   Seat ground_below(std::size_t i, std::size_t side = 0) const;
-  // Puts the train back to its start, at rest as at the begin, on a rail that goes on as it is. For
-  // trains that start on rigid rails.
-  void send_again();
+  // Puts the train back to its start position in static equilibrium; the state of the rail is kept.
+  // For trains that start on rigid rails.
+  void restart_train();
 
   // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
   void save(io::File& file, const std::string& group, const par::Comm& comm) const;
@@ -77,25 +78,25 @@ class Passage {
   void load(const io::File& file, const std::string& group);
 
   double time() const;                       // s
-  double duration() const;                   // s, as asked for or until the last axle has left
+  double duration() const;                   // s, as given or until the last axle has left
   double wheel_x(std::size_t i) const;       // m
   double wheel_force(std::size_t i) const;   // N, on the rail, of one wheel
   double wheel_height(std::size_t i) const;  // m, of a wheel; 0 for a constant force
   double rail_displacement(double x, std::size_t side = 0) const;  // m, upwards
   double rail_force(std::size_t i) const;  // N, downwards, of the i-th of the forces
-  // J, kinetic and elastic, of rail, sleepers and all springs below them, stops among them; of
-  // springs on what is moved, all but stops, as if it stood at 0.
+  // J, kinetic and elastic, of rail, sleepers and all springs below them, including stops; springs
+  // on moved parts count with a seat height of 0, stops with the true one.
   double track_energy() const;
   const Line& line() const;
   const Newmark& line_motion() const;
   const Newmark& train_motion() const;
-  std::int64_t iterations() const;  // Newton steps so far
-  std::int64_t steps() const;       // since the train was sent
-  std::int64_t lost() const;        // steps of wheels, on the track, that had left the rail
+  std::int64_t iterations() const;  // of Newton's method up to now
+  std::int64_t steps() const;       // since the train started
+  std::int64_t lost() const;        // steps times wheels without contact, on the track
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace trackbed::track

@@ -1,4 +1,4 @@
-// Rails: sections by name or by numbers, and what a beam made of one needs.
+// Rails: sections by name or by values, and the beam properties that follow from them.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace trackbed::track {
 
-// One rail. `source` says where each number was read.
+// One rail. `source` states the origin of each value.
 struct RailSection {
   std::string_view name;
   double area, inertia, mass;  // m^2, m^4 about the horizontal axis, kg/m
   std::string_view source;
 };
 const std::vector<RailSection>& rail_sections();
-// Throws InputError with the names there are.
+// Throws InputError with the known names.
 const RailSection& rail_section(std::string_view name);
 
 enum class BeamTheory { timoshenko, euler };
 
-// Numbers of 0 are those of the section.
+// Values of 0 are taken from the section.
 struct RailParameters {
   std::string section = "60E1";
   BeamTheory theory = BeamTheory::timoshenko;
@@ -31,8 +31,8 @@ struct RailParameters {
   void declare(input::Section& s);
 };
 
-// What the element sees. shear_stiffness and rotary_inertia are 0 for an Euler-Bernoulli beam,
-// which then means: rigid in shear, without rotary inertia.
+// Properties used by the element. shear_stiffness and rotary_inertia are 0 for an Euler-Bernoulli
+// beam, which means: rigid in shear, without rotary inertia.
 struct Beam {
   double bending_stiffness = 0;  // N m^2, E I
   double shear_stiffness = 0;    // N, k G A

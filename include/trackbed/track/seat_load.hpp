@@ -1,4 +1,4 @@
-// Loads that axles put on rail seats as they pass: formulas, or tables that were measured.
+// Loads on rail seats under passing axles: closed forms or measured tables.
 #pragma once
 
 #include <cstdint>
@@ -13,43 +13,43 @@ enum class SeatLoadKind { winkler, power, table, seats };
 
 // Load on one rail seat while axles pass: winkler R = peak * sum exp(-b|s|)(cos b|s| + sin b|s|);
 // power R = peak * sum X^((s/spacing)^2); table: CSV "time_s,force_N" of the sleeper at x = 0,
-// linear in between, 0 outside, later by x/speed elsewhere; seats: CSV "time_s,sleeper_0,..." with
-// the N of each sleeper of its own, of two seats "time_s,sleeper_0_left,sleeper_0_right,...". s =
-// distance of axle from sleeper.
+// linear in between, 0 outside, delayed by x/speed elsewhere; seats: CSV "time_s,sleeper_0,..."
+// with the force in N on each sleeper, of two seats "time_s,sleeper_0_left,sleeper_0_right,...". s
+// = distance of axle from sleeper.
 struct SeatLoadParameters {
   SeatLoadKind kind = SeatLoadKind::winkler;
   double peak = 71.1e3;                             // N, of a single axle
   double speed = 18.6667;                           // m/s
   std::vector<double> axles = {0, 2.8, 9.0, 11.8};  // m behind the first axle
-  double start = 0;        // m, x of the first axle when the passage begins
+  double start = 0;        // m, x of the first axle at the start of the passage
   double decay = 1.54257;  // 1/m, b of winkler
   double ratio = 0.5531;   // X of power
   std::string file;        // table, seats
-  double gauge = 0;        // m, between the two seats of a sleeper that have columns; 0: one seat
+  double gauge = 0;        // m, between two seats of a sleeper with a column each; 0: one seat
   void declare(input::Section& s);
   bool is_table() const { return kind == SeatLoadKind::table || kind == SeatLoadKind::seats; }
 };
 
-// An axle of the deck: where it is (m) and what it puts on the rails (N, downwards).
+// An axle of the deck: position (m) and load on the rails (N, downwards).
 struct AxleLoad {
   double x, force;
 };
 
 class SeatLoad {
  public:
-  // Throws InputError with file:line for a bad table.
+  // Throws InputError with file:line for an invalid table.
   explicit SeatLoad(const SeatLoadParameters& parameters, double spacing, std::size_t sleepers = 1);
-  // N, downwards positive, for the sleeper at x, which of a table of seats is that of this number.
+  // N, downwards positive, for the sleeper at x; a table of seats uses the column of `sleeper`.
   double at(double x, double time, std::size_t sleeper = 0) const;
-  // N, what the left seat of a sleeper has more than half of that; 0 without two seats.
-  double left_more(double time, std::size_t sleeper) const;
-  // The axles themselves, for a rail that bends: each has the wheel load that makes `peak` the seat
+  // N, load of the left seat of a sleeper minus half of the sum; 0 without two seats.
+  double left_excess(double time, std::size_t sleeper) const;
+  // The axles themselves, for a bending rail: each has the wheel load for which `peak` is the seat
   // load of a beam on a Winkler bed. Kind winkler.
   std::vector<AxleLoad> axles(double time) const;
-  // Where a table begins or ends with a jump while loads act for `time` s on sleepers from first_x
-  // to last_x: sentences that go on after its file; none of formulas.
+  // Messages on jumps at the start or end of a table while loads act for `time` s on sleepers from
+  // first_x to last_x, to follow the name of its file; none for closed forms.
   std::vector<std::string> jumps(double first_x, double last_x, double time) const;
-  double duration(double last_x) const;  // s until the last axle is 3 m beyond last_x
+  double duration(double last_x) const;  // s, until the last axle is 3 m beyond last_x
 
  private:
   double column(std::size_t number, double time) const;
@@ -57,7 +57,7 @@ class SeatLoad {
   SeatLoadParameters parameters_;
   double spacing_;
   std::vector<double> times_;
-  // Of each sleeper, or of each seat, left before right, or of the sleeper at x = 0 alone.
+  // Of each sleeper, or of each seat, left before right, or only of the sleeper at x = 0.
   std::vector<std::vector<double>> forces_;
 };
 

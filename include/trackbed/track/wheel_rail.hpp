@@ -1,4 +1,4 @@
-// Wheel on rail: Hertz's contact from radii, and the shape of the rail's running surface.
+// Wheel-rail contact: Hertzian contact from radii, and wheel flats.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@ struct HertzBodies {
 // Elliptic contact at normal force F (N): approach = (F/constant)^(2/3).
 struct HertzContact {
   double constant = 0;                  // N/m^1.5
-  double half_axis_a = 0;               // m/N^(1/3), times F^(1/3): the longer
+  double half_axis_a = 0;               // m/N^(1/3), times F^(1/3): the major one
   double half_axis_b = 0;               // m/N^(1/3)
-  double pressure(double force) const;  // Pa, largest
+  double pressure(double force) const;  // Pa, maximum
 };
 HertzContact hertz_contact(const HertzBodies& bodies);
 
@@ -30,20 +30,20 @@ struct WheelRailParameters {
   HertzBodies bodies;
   double constant = 0;         // N/m^1.5; 0: from the bodies
   double stiffness = 1.3e9;    // N/m, linear
-  std::int64_t flat_axle = 0;  // whose wheels have a flat, the first is 1; 0: none
+  std::int64_t flat_axle = 0;  // axle whose wheels have a flat, the first is 1; 0: none
   double flat_length = 0.05;   // m
-  double flat_at = 0;          // m, x where its middle meets the rail, again after each turn
+  double flat_at = 0;          // m, x where its middle touches the rail, again after each turn
   void declare(input::Section& s);
 };
 
-// Force on a wheel from its approach to the rail; zero where they part. Local, pure.
+// Force on a wheel as a function of its approach to the rail; zero without contact. Pure function.
 class WheelRail {
  public:
   explicit WheelRail(const WheelRailParameters& parameters);
   double force(double approach) const;  // N
   double slope(double approach) const;  // N/m
   double approach(double force) const;  // m
-  // m, by how much a flat lowers the wheel of axle number `axle` (from 0) that stands at x.
+  // m, lowering of the wheel of axle number `axle` (from 0) at x by its flat.
   double flat(std::size_t axle, double x) const;
   double constant() const { return constant_; }
 

@@ -1,9 +1,9 @@
-// A checkpoint whose program did not know all parameters yet.
-#include "app/compatible.hpp"
+// Checkpoints of older programs that did not have all parameters.
+#include "app/restart/compatible.hpp"
 
 #include <gtest/gtest.h>
 
-#include "app/version.hpp"
+#include "app/parameters/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "unit/io/scratch.hpp"
 
@@ -16,7 +16,7 @@ std::string without(std::string text, const std::string& line) {
   return text.erase(at, line.size());
 }
 
-TEST(Compatible, ParametersThatCameLaterHaveTheirDefaults) {
+TEST(Compatible, ParametersAddedLaterHaveTheirDefaults) {
   const io::Scratch scratch("compatible");
   Model model;
   io::File file(par::Comm::self(), scratch / "older.h5", io::Mode::create);
@@ -29,8 +29,8 @@ TEST(Compatible, ParametersThatCameLaterHaveTheirDefaults) {
                InputError);
 }
 
-// Of a row that was there; a new row is another deck.
-TEST(Compatible, ParametersOfRowsThatCameLaterHaveTheirDefaults) {
+// Parameters of an existing row; a new row makes another deck.
+TEST(Compatible, ParametersAddedToRowsHaveTheirDefaults) {
   const io::Scratch scratch("rows");
   Model model;
   model.ground.solids = {{"soil", {}}};
@@ -44,8 +44,8 @@ TEST(Compatible, ParametersOfRowsThatCameLaterHaveTheirDefaults) {
       stored_values(file, values_of(effective_deck(model))).contains("ground.solid[1].yield"));
 }
 
-// Pads that lifted off had no preload: not what a deck without one says now.
-TEST(Compatible, PadsThatLiftedOffBeforeHadNoPreload) {
+// Pads with uplift had no preload, unlike the present default.
+TEST(Compatible, PadsWithUpliftHadNoPreload) {
   const io::Scratch scratch("preload");
   Model model;
   model.kind = ModelKind::track;

@@ -1,5 +1,5 @@
-// Room between sleepers, and stones that fill it.
-#include "app/cribs.hpp"
+// The space between sleepers, and the stones that fill it.
+#include "app/stages/cribs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <span>
 
-#include "app/estimate.hpp"
+#include "app/check/estimate.hpp"
 #include "trackbed/geom/stone.hpp"
 
 namespace trackbed::app {
@@ -50,7 +50,7 @@ double volume(const std::vector<bed::Box>& boxes, bool plane) {
   return sum;
 }
 
-TEST(Cribs, AreAllThatSleepersLeave) {
+TEST(Cribs, AreTheSpaceBesideTheSleepers) {
   const par::Comm world = par::Comm::world();
   for (const Dimension dimension : {Dimension::plane, Dimension::space}) {
     const Model deck = model(dimension);
@@ -69,7 +69,7 @@ TEST(Cribs, AreAllThatSleepersLeave) {
   }
 }
 
-TEST(Cribs, AreFilledWithNewStonesThatTouchNothingYet) {
+TEST(Cribs, AreFilledWithNewStonesWithoutContacts) {
   const par::Comm world = par::Comm::world();
   const Model deck = model(Dimension::plane);
   World scene(world, deck);
@@ -103,7 +103,7 @@ TEST(Cribs, AreFilledWithNewStonesThatTouchNothingYet) {
   EXPECT_EQ(scene.particles.state_hash(), alone.particles.state_hash());
 }
 
-// A slab that lies flat, far wider than high: a ball around it reaches 0.33 m higher.
+// A flat slab, much wider than high: its bounding sphere is 0.33 m higher.
 TEST(Stones, AreAsHighAsTheirHighestPoint) {
   const par::Comm world = par::Comm::world();
   World scene(world, model(Dimension::space));
@@ -138,7 +138,7 @@ TEST(Cribs, AreCutAtTheirTop) {
   EXPECT_LT(after, before);
 }
 
-// Both slopes and the crest: those outside go, all others stay.
+// Both slopes and the crest: stones outside are removed, all others remain.
 TEST(Bed, IsCutToItsOutline) {
   const par::Comm world = par::Comm::world();
   Model deck = model(Dimension::space);
@@ -158,8 +158,8 @@ TEST(Bed, IsCutToItsOutline) {
   EXPECT_EQ(scene.particles.totals().particles, world.sum(expected));
 }
 
-// A layer falls on the one before: ids go on, and no two are the same.
-TEST(Layers, LieOnEachOther) {
+// A layer on the previous one: ids continue and are unique.
+TEST(Layers, AreStacked) {
   const par::Comm world = par::Comm::world();
   Model deck = model(Dimension::space);
   deck.physics.laws.push_back({.first = "sleeper", .second = "sleeper"});
@@ -186,7 +186,7 @@ TEST(Layers, LieOnEachOther) {
     ids.push_back(stone.id);
   }
   ids = world.all_gather(std::span<const Id>(ids));
-  // The finer of both limits the steps from here on: what a check says before any is poured.
+  // The finer of both layers limits the steps from here on, as predicted before filling.
   EXPECT_LT(step_of(scene).longest, 0.9 * step);
   EXPECT_NEAR(step_of(deck, stones).longest, step_of(scene).longest, 1e-12 * step);
   const std::vector<LayerForecast> expected = forecast(scene, stones);
@@ -196,8 +196,8 @@ TEST(Layers, LieOnEachOther) {
   EXPECT_EQ(expected.at(1).left, expected.at(1).made);
 }
 
-// Half of a bed of height h between slopes of 1: the triangle beside a crest at y = 0 goes.
-TEST(Forecast, CountsWhatTheCutLeaves) {
+// A bed of height h with slopes of 1: the triangles beside the crest are removed.
+TEST(Forecast, CountsTheStonesThatRemain) {
   const par::Comm world = par::Comm::world();
   Model deck = model(Dimension::space);  // 2 m wide, 0.2 m high
   deck.bed.crest = {-1, 0.9}, deck.bed.slope = 0.5;
@@ -205,17 +205,19 @@ TEST(Forecast, CountsWhatTheCutLeaves) {
                  {.name = "cut", .kind = StageKind::settle, .duration = 1, .profile = 0.2}};
   const World scene(world, deck);
   const LayerForecast cut = forecast(scene, stones_of(scene)).at(0);
-  const double gone = 0.1 * 0.2 / 2 / (2 * 0.2);  // slope 0.5: 0.1 m of run over the whole height
-  EXPECT_NEAR(static_cast<double>(cut.left), (1 - gone) * static_cast<double>(cut.made),
+  const double removed =
+      0.1 * 0.2 / 2 / (2 * 0.2);  // slope 0.5: 0.1 m of run over the whole height
+  EXPECT_NEAR(static_cast<double>(cut.left), (1 - removed) * static_cast<double>(cut.made),
               1 + 1e-3 * static_cast<double>(cut.made));
   deck.stages.push_back({.name = "sleepers", .kind = StageKind::sleepers, .height = 0.1});
   const track::SleeperParameters& s = deck.sleepers;
-  // All that touches a sleeper goes: its box is larger by the mean stone's radius, up to the top.
+  // Stones that touch a sleeper are removed: its box is larger by the mean stone's radius, up to
+  // the top.
   const double stone = 2 * 2 * 0.2 * (1 - deck.bed.porosity) / static_cast<double>(cut.made);
   const double r = std::cbrt(0.75 * stone / std::numbers::pi);
-  const double dug = 3 * (s.width + 2 * r) * (s.length + 2 * r) * (0.1 + r) / (2 * 2 * 0.2);
+  const double excavated = 3 * (s.width + 2 * r) * (s.length + 2 * r) * (0.1 + r) / (2 * 2 * 0.2);
   EXPECT_NEAR(static_cast<double>(forecast(scene, stones_of(scene)).at(0).left),
-              (1 - gone - dug) * static_cast<double>(cut.made),
+              (1 - removed - excavated) * static_cast<double>(cut.made),
               1 + 2e-3 * static_cast<double>(cut.made));
 }
 

@@ -1,5 +1,5 @@
-// What sleepers lose from cycle to cycle, and that a resumed run goes on counting.
-#include "app/settlement.hpp"
+// Settlement of sleepers from cycle to cycle, and its continuation in a resumed run.
+#include "app/stages/settlement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Scene {
     settlement.begin(sleepers);
   }
   double z(std::size_t i) const { return sleepers.state(i).displacement.z(); }
-  // The second sleeper is pushed down, the first one up.
+  // The second sleeper is loaded downwards, the first one upwards.
   void window() {
     const std::vector<double> forces{-10.0, 20.0};
     sleepers.advance(dt, forces, {}, 0);
@@ -53,7 +53,7 @@ TEST(Settlement, RisingSleepersHaveNone) {
   EXPECT_EQ(scene.settlement.last(), 0);
 }
 
-TEST(Settlement, GoesOnFromACheckpoint) {
+TEST(Settlement, ContinuesFromACheckpoint) {
   const par::Comm world = par::Comm::world();
   const std::string path = "settlement_" + std::to_string(world.size()) + ".h5";
   Scene scene;

@@ -1,5 +1,5 @@
-// Exact cases of moved walls: a brick dragged by the floor, a brick that walls carry no more.
-#include "app/shear.hpp"
+// Exact cases of moving walls: a brick dragged by the floor, a brick without support by walls.
+#include "app/stages/shear.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 constexpr double half = 0.02, mu = 0.5, density = 2650;  // m, -, kg/m^3
 
-// A box of 0.2 m on a floor; a law without friction for the upper walls, so that nothing but the
-// floor carries weight.
+// A box of 0.2 m on a floor; the upper walls are frictionless, so that only the floor carries the
+// weight.
 Model model() {
   Model m;
   m.dimension = Dimension::space;
@@ -35,21 +35,21 @@ Model model() {
   return m;
 }
 
-// One brick at rest on the floor, `beside` m off the right wall.
+// One brick at rest on the floor, at a distance `beside`, m, from the right wall.
 struct Scene {
   Scene(const par::Comm& comm, const Model& deck, double beside) : world(comm, deck) {
     const int shape = world.particles.add_template(test::brick({half, half, half}, 0.002));
     const double weight = density * 8 * half * half * half * 9.81;
     dem::NewParticle brick;
     brick.shape = shape;
-    // Four corners share the load as one contact: it has sunk in by weight over stiffness at most.
+    // Four corners share the load of one contact, so the overlap is weight over stiffness at most.
     brick.position = {0.2 - half - beside, 0.1, half - weight / 1e6};
     world.particles.add(comm.root() ? std::vector{brick} : std::vector<dem::NewParticle>{});
-    world.walls.raise(0.2);
+    world.walls.build(0.2);
     for (Surface& wall : world.walls.surfaces())
       if (wall.name.ends_with(".upper")) wall.material = deck.material("oil");
-    world.meet();
-    world.particles.set_local_damping(0.5);  // takes the swings, leaves what is in balance
+    world.register_surfaces();
+    world.particles.set_local_damping(0.5);  // damps oscillations, does not affect equilibrium
     step = world.particles.stable_step();
   }
   void run(double until) {
@@ -67,26 +67,26 @@ struct Scene {
   double step = 0, time = 0;
 };
 
-TEST(AShearedBrick, PushesTheUpperHalfWithFrictionTimesWeight) {
+TEST(AShearedBrick, LoadsTheUpperHalfWithFrictionTimesWeight) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();
   Scene scene(comm, deck, 0);
   const double weight = density * 8 * half * half * half * 9.81;  // N
   scene.run(0.15);
   EXPECT_EQ(comm.sum(std::int64_t{scene.world.particles.trouble().empty() ? 0 : 1}), 0);
-  constexpr double settled = 1e-3;  // what is left of the start's swing
+  constexpr double settled = 1e-3;  // remainder of the initial oscillation
   EXPECT_NEAR(scene.world.on("wall.right.upper").x(), mu * weight, settled * weight);
   EXPECT_NEAR(scene.world.on("floor").x(), -mu * weight, settled * weight);
   EXPECT_NEAR(scene.world.on("floor").z(), -weight, settled * weight);
   EXPECT_EQ(scene.world.on("wall.left.lower").norm(), 0);
   EXPECT_EQ(scene.world.on("nowhere").norm(), 0);
-  constexpr double closed = 1e-10;  // promise of the coupling
+  constexpr double closed = 1e-10;  // accuracy of the coupling
   EXPECT_LT(scene.world.coupler.balance().force, closed);
   EXPECT_LT(scene.world.coupler.balance().work, closed);
 }
 
-// Sums of loads get room for what has been seen, eight times over, and give the same force.
-TEST(LoadsThatGrow, GetACoarserQuantumInTime) {
+// Sums of loads have a range of eight times the largest load seen, and give the same force.
+TEST(IncreasingLoads, GetACoarserQuantumInTime) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();
   Scene scene(comm, deck, 0);
@@ -104,7 +104,7 @@ TEST(LoadsThatGrow, GetACoarserQuantumInTime) {
   EXPECT_EQ(scene.world.coupler.trouble(), "");
 }
 
-TEST(TheLowerHalf, ComesAsFarAsTheStageSaysAndStops) {
+TEST(TheLowerHalf, MovesByTheDisplacementOfTheStageAndStops) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();
   Scene scene(comm, deck, 0.1);
@@ -122,7 +122,7 @@ TEST(TheLowerHalf, ComesAsFarAsTheStageSaysAndStops) {
   EXPECT_LT(begun.world.walls.surfaces()[0].motion[0].x() / dt, 1e-3);
 }
 
-TEST(StonesBesideTheFloor, AreTakenAwayAndNoOthers) {
+TEST(StonesBesideTheFloor, AreRemovedAndNoOthers) {
   const par::Comm comm = par::Comm::world();
   const Model deck = model();
   Scene scene(comm, deck, 0.1);

@@ -1,5 +1,5 @@
-// Lines by time while nothing else reports.
-#include "app/waiting.hpp"
+// Log lines at intervals during long operations.
+#include "app/run/waiting.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,20 +16,20 @@ using clock = std::chrono::steady_clock;
 
 struct Lines {
   std::mutex alone;
-  std::vector<std::string> said;
+  std::vector<std::string> entries;
   Waiting::Say say() {
     return [this](const std::string& line) {
       const std::lock_guard lock(alone);
-      said.push_back(line);
+      entries.push_back(line);
     };
   }
   std::size_t count() {
     const std::lock_guard lock(alone);
-    return said.size();
+    return entries.size();
   }
 };
 
-TEST(Waiting, SaysEachIntervalHowLongItHasBeen) {
+TEST(Waiting, ReportsTheElapsedTimeAtEachInterval) {
   Lines lines;
   {
     const Waiting waiting("solving", 0.01, lines.say());
@@ -37,17 +37,17 @@ TEST(Waiting, SaysEachIntervalHowLongItHasBeen) {
     for (const auto begin = clock::now(); lines.count() < 3 && clock::now() - begin < patience;)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_GE(lines.said.size(), 3u);
-  for (std::size_t k = 0; k < lines.said.size(); ++k) {
-    ASSERT_EQ(lines.said[k].find("solving: "), 0u) << lines.said[k];
-    EXPECT_GE(std::stod(lines.said[k].substr(9)), 0.00995 * static_cast<double>(k + 1));
+  ASSERT_GE(lines.entries.size(), 3u);
+  for (std::size_t k = 0; k < lines.entries.size(); ++k) {
+    ASSERT_EQ(lines.entries[k].find("solving: "), 0u) << lines.entries[k];
+    EXPECT_GE(std::stod(lines.entries[k].substr(9)), 0.00995 * static_cast<double>(k + 1));
   }
-  const std::size_t before = lines.said.size();
+  const std::size_t before = lines.entries.size();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_EQ(lines.count(), before);  // its end is the end of lines
+  EXPECT_EQ(lines.count(), before);  // no lines after its end
 }
 
-TEST(Waiting, EndsAtOnceAndSaysNothingBeforeTheFirstInterval) {
+TEST(Waiting, EndsAtOnceAndReportsNothingBeforeTheFirstInterval) {
   Lines lines;
   const auto begin = clock::now();
   { const Waiting waiting("solving", 1000, lines.say()); }

@@ -1,4 +1,4 @@
-// Values of the deck that do not go together are named, also where single ones are in range.
+// Incompatible values of the deck are reported, also if each value is within its limits.
 #include <gtest/gtest.h>
 
 #include "trackbed/bed/bed.hpp"
@@ -20,7 +20,7 @@ TEST(BedRules, DefaultsHold) {
   EXPECT_EQ(BrokenRules::of(PlatenParameters{}), Names{});
 }
 
-TEST(BedRules, RangesRise) {
+TEST(BedRules, RangesIncrease) {
   EXPECT_EQ(broken([](auto& bed) { bed.x = {2, 2}; }), Names{"x"});
   EXPECT_EQ(broken([](auto& bed) { bed.y = {0, -1}; }), Names{"y"});
   EXPECT_EQ(broken([](auto& bed) { bed.x = {0}; }), Names{"x"});
@@ -33,7 +33,7 @@ TEST(BedRules, CrestLiesBetweenTheSides) {
   EXPECT_EQ(broken([](auto& bed) { bed.crest = {-0.6, 0.2}; }), Names{"crest"});
 }
 
-// A slope of 2 falls by half of what it goes out.
+// A slope of 2 falls by half of its horizontal extent.
 TEST(Bed, EndsAtItsOutline) {
   BedParameters bed;
   EXPECT_EQ(bed.top_at(0.4, 0.3), 0.3);
@@ -52,7 +52,7 @@ TEST(BedRules, GradingIsASieveCurve) {
   EXPECT_EQ(broken([](auto& bed) { bed.passing = {0, 13, 47, 85, 99}; }), Names{"passing"});
 }
 
-TEST(BedRules, StonesCanBeMade) {
+TEST(BedRules, StonesCanBeGenerated) {
   EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008; }), Names{"pebble_radius"});
   EXPECT_EQ(broken([](auto& bed) { bed.pebble_radius = 0.008, bed.stone = StoneKind::disk; }),
             Names{});

@@ -1,4 +1,4 @@
-// Stones start apart from each other, numbered from left to right.
+// Initial stones do not overlap and are numbered from left to right.
 #include "bed/columns.hpp"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,8 @@ TEST_P(ColumnsOf, DoNotOverlapAndStayInTheBed) {
 TEST_P(ColumnsOf, NumberStonesFromLeftToRight) {
   const auto stones = Scene(GetParam().first, GetParam().second).build();
   const bool plane = GetParam().first == Dimension::plane;
-  const double cell = (plane ? 1 : 8) * 2 * 1.02 * 0.063 / 0.5;  // m, generous: of a column
+  const double cell =
+      (plane ? 1 : 8) * 2 * 1.02 * 0.063 / 0.5;  // m, upper bound of a column's width
   for (std::size_t i = 0; i < stones.size(); ++i) {
     EXPECT_EQ(stones[i].id, static_cast<Id>(i));
     if (i > 0) {
@@ -66,7 +67,7 @@ TEST_P(ColumnsOf, NumberStonesFromLeftToRight) {
   }
 }
 
-TEST_P(ColumnsOf, HoldTheSolidVolumeAskedFor) {
+TEST_P(ColumnsOf, HoldTheRequiredSolidVolume) {
   const Scene scene(GetParam().first, GetParam().second);
   const Mix mix(scene.bed, scene.domain.dimension);
   const bool plane = scene.domain.dimension == Dimension::plane;
@@ -75,7 +76,7 @@ TEST_P(ColumnsOf, HoldTheSolidVolumeAskedFor) {
     solid += mix.templates()[static_cast<std::size_t>(p.shape)].volume *
              std::pow(p.scale, plane ? 2 : 3);
   const double wanted = 3 * scene.bed.height * (1 - scene.bed.porosity);
-  EXPECT_NEAR(solid / wanted, 1, 0.01);  // draws are spread evenly: half a large stone
+  EXPECT_NEAR(solid / wanted, 1, 0.01);  // draws are evenly distributed: half a large stone
   EXPECT_EQ(stones_of(par::Comm::self(), scene.bed, scene.domain).count,
             static_cast<std::int64_t>(scene.build().size()));
 }
@@ -89,8 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ColumnsOf,
                                            std::pair(Dimension::space, StoneKind::compound),
                                            std::pair(Dimension::space, StoneKind::clump)));
 
-// Spheres that stick where they drop fill a third of space and more.
-TEST(Columns, InSpaceStonesLieClose) {
+// Spheres that stick at first contact fill more than a third of space.
+TEST(Columns, InSpaceStonesAreDense) {
   Scene scene(Dimension::space, StoneKind::disk);
   scene.bed.sieve = {22.4, 63}, scene.bed.passing = {0, 100};
   scene.bed.height = 0.4;
@@ -99,9 +100,9 @@ TEST(Columns, InSpaceStonesLieClose) {
   EXPECT_LT(top, 3 * scene.bed.height * (1 - scene.bed.porosity));
 }
 
-// Of even rotations every axis of the body points everywhere alike: the means of R_ij and of
+// For uniform rotations every axis of the body has a uniform direction: the means of R_ij and of
 // R_ij R_kl are 0, those of R_ij^2 are 1/3, those of the fourth powers 1/5.
-TEST(Columns, AttitudesAreEvenOverAllRotations) {
+TEST(Columns, AttitudesAreUniformOverAllRotations) {
   Scene scene(Dimension::space, StoneKind::clump);
   scene.bed.height = 0.3;
   const auto stones = scene.build();
@@ -121,7 +122,7 @@ TEST(Columns, AttitudesAreEvenOverAllRotations) {
             4 * std::sqrt(16.0 / 225 / n));
 }
 
-TEST(Columns, SeedDecides) {
+TEST(Columns, DependOnTheSeed) {
   Scene scene(Dimension::plane, StoneKind::pebbles);
   const auto first = scene.build(), again = scene.build();
   scene.bed.seed = 2;

@@ -1,4 +1,4 @@
-// Walls of boxes and cylinders: where they stand, where they face, how they move.
+// Walls of boxes and cylinders: their positions, normals and motion.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,13 +30,13 @@ BedParameters parameters(ContainerKind kind) {
 
 Vec3 node(const Surface& s, std::int32_t n) { return s.position[static_cast<std::size_t>(n)]; }
 
-// Normal and middle of each triangle that stands upright.
+// Normal and middle of each vertical triangle.
 template <class F>
-void see_upright(const Surface& wall, F&& see) {
+void visit_vertical(const Surface& wall, F&& visit) {
   for (const auto& t : wall.triangles) {
     const Vec3 a = node(wall, t[0]), b = node(wall, t[1]), c = node(wall, t[2]);
     const Vec3 normal = (b - a).cross(c - a).normalized();
-    if (std::abs(normal.z()) < 0.5) see(normal, (a + b + c) / 3);
+    if (std::abs(normal.z()) < 0.5) visit(normal, (a + b + c) / 3);
   }
 }
 
@@ -46,7 +46,7 @@ TEST(ACylinder, HasTheAreaOfItsPolygonAndFacesItsAxis) {
   ASSERT_EQ(all.size(), 2u);
   const Surface& wall = all[1];
   EXPECT_EQ(wall.name, "wall.cylinder");
-  // The shoelace sum over the nodes at one height; each is there once.
+  // The shoelace formula over the nodes at one height, each of which occurs once.
   std::map<double, Vec3> around;
   for (const Vec3& x : wall.position)
     if (x.z() == 0.5) around[std::atan2(x.y() - 0.2, x.x() - 0.2)] = x;
@@ -59,24 +59,24 @@ TEST(ACylinder, HasTheAreaOfItsPolygonAndFacesItsAxis) {
   }
   constexpr double rounding = 1e-12;
   EXPECT_NEAR(c.area(), area, rounding);
-  // The stated share that the circle is larger by.
+  // The stated fraction by which the circle is larger.
   const double circle = std::numbers::pi * 0.2 * 0.2;
   EXPECT_NEAR(1 - c.area() / circle, 0.0016, 0.0001);
-  see_upright(wall, [&](const Vec3& normal, const Vec3& middle) {
+  visit_vertical(wall, [&](const Vec3& normal, const Vec3& middle) {
     const Vec3 inwards = Vec3(0.2 - middle.x(), 0.2 - middle.y(), 0);
     EXPECT_GT(normal.dot(inwards.normalized()), 0.99);
     EXPECT_NEAR(normal.dot(inwards), c.clear_radius(), 1e-9);
   });
 }
 
-TEST(ACylinder, GetsStonesWithinItsWallsByItsArea) {
+TEST(ACylinder, GetsStonesInProportionToItsArea) {
   const BedParameters round = parameters(ContainerKind::cylinder);
   const BedParameters square = parameters(ContainerKind::box);
   const Mix mix(round, Dimension::space);
   const Columns in_round(round, domain(), mix), in_square(square, domain(), mix);
-  const double share = round.container_in(domain()).area() / (0.4 * 0.4);
+  const double fraction = round.container_in(domain()).area() / (0.4 * 0.4);
   EXPECT_NEAR(static_cast<double>(in_round.stones()),
-              share * static_cast<double>(in_square.stones()), 1);
+              fraction * static_cast<double>(in_square.stones()), 1);
   std::vector<dem::NewParticle> stones;
   for (std::int64_t c = 0; c < in_round.count(); ++c) in_round.build(c, stones);
   ASSERT_EQ(static_cast<std::int64_t>(stones.size()), in_round.stones());
@@ -91,7 +91,7 @@ TEST(ACylinder, GetsStonesWithinItsWallsByItsArea) {
   EXPECT_GT(furthest, 0.9 * clear);  // up to the wall
 }
 
-TEST(ThePlaten, PressesOnTheAreaOfTheCylinder) {
+TEST(ThePlaten, HasThePressureOnTheAreaOfTheCylinder) {
   const Container c = parameters(ContainerKind::cylinder).container_in(domain());
   Platen platen({}, c, 0);
   platen.place(0.3);
@@ -104,21 +104,21 @@ TEST(DividedWalls, MoveTheirLowerHalfWithTheFloor) {
   p.split = 0.1, p.beside = 0.05;
   Walls moved(p.container_in(domain()), 1, 2);
   EXPECT_EQ(moved.height(), 0);
-  moved.raise(0.6);
+  moved.build(0.6);
   ASSERT_EQ(moved.surfaces().size(), 9u);
   ASSERT_EQ(moved.names().size(), 9u);
   EXPECT_EQ(moved.surfaces()[0].material, 2);
   EXPECT_EQ(moved.surfaces()[1].material, 1);
-  const auto home = moved.surfaces();
+  const auto initial = moved.surfaces();
   moved.move(0.01, 0);
   moved.move(0.02, 0);
-  for (std::size_t k = 0; k < home.size(); ++k) {
+  for (std::size_t k = 0; k < initial.size(); ++k) {
     const Surface& wall = moved.surfaces()[k];
     EXPECT_EQ(wall.name, moved.names()[k]);
     const bool lower = wall.name == "floor" || wall.name.ends_with(".lower");
     EXPECT_EQ(moved.displacement(wall.name), Vec3(lower ? 0.03 : 0, 0, 0)) << wall.name;
     for (std::size_t n = 0; n < wall.nodes(); ++n) {
-      EXPECT_EQ(wall.position[n], home[k].position[n] + Vec3(lower ? 0.01 : 0, 0, 0));
+      EXPECT_EQ(wall.position[n], initial[k].position[n] + Vec3(lower ? 0.01 : 0, 0, 0));
       EXPECT_EQ(wall.motion[n], Vec3(lower ? 0.02 : 0, 0, 0));
       EXPECT_TRUE(!wall.name.ends_with(".lower") || wall.position[n].z() <= 0.1);
       EXPECT_TRUE(!wall.name.ends_with(".upper") || wall.position[n].z() >= 0.1);
@@ -126,7 +126,7 @@ TEST(DividedWalls, MoveTheirLowerHalfWithTheFloor) {
   }
 }
 
-// Rims cover the gap that opens beside the halves when the lower one has gone as far as it may.
+// Rims cover the gap that opens beside the halves at the largest displacement of the lower one.
 TEST(DividedWalls, HaveRimsAsWideAsTheFloorAround) {
   BedParameters p = parameters(ContainerKind::box);
   p.split = 0.1, p.beside = 0.05;
@@ -158,11 +158,11 @@ TEST(LiftedWalls, LeaveTheFloorBehind) {
   p.beside = 0.3;
   Walls lifted(p.container_in(domain()), 1, 2);
   EXPECT_EQ(lifted.names()[0], "floor");
-  lifted.raise(0.6);
+  lifted.build(0.6);
   ASSERT_EQ(lifted.surfaces().size(), 2u);
-  // A board has a side for stones outside: as many faces away from the axis as towards it.
+  // A board is touched on both sides: as many faces away from the axis as towards it.
   int inwards = 0, outwards = 0;
-  see_upright(lifted.surfaces()[1], [&](const Vec3& normal, const Vec3& middle) {
+  visit_vertical(lifted.surfaces()[1], [&](const Vec3& normal, const Vec3& middle) {
     ++(normal.dot(Vec3(0.2 - middle.x(), 0.2 - middle.y(), 0)) > 0 ? inwards : outwards);
   });
   EXPECT_EQ(inwards, 2 * facets);
@@ -172,10 +172,10 @@ TEST(LiftedWalls, LeaveTheFloorBehind) {
   lifted.move(0, 0);
   EXPECT_EQ(lifted.surfaces()[0].position[0].z(), floor);
   EXPECT_EQ(lifted.displacement("wall.cylinder"), Vec3(0, 0, 0.1));
-  lifted.take_away();
+  lifted.remove();
   ASSERT_EQ(lifted.surfaces().size(), 1u);
   EXPECT_EQ(lifted.surfaces()[0].name, "floor");
-  EXPECT_EQ(lifted.names().size(), 2u);  // columns of the histories stay
+  EXPECT_EQ(lifted.names().size(), 2u);  // columns of the histories remain
 }
 
 }  // namespace

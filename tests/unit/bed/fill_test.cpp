@@ -1,4 +1,4 @@
-// The same bed on any number of ranks.
+// Bitwise identical beds on any number of ranks.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -29,7 +29,7 @@ struct Bed {
   }
 };
 
-TEST(Fill, EveryStoneIsThereOnce) {
+TEST(Fill, EveryStoneExistsOnce) {
   Bed bed;
   dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
   const double height = fill(particles, bed.world, bed.parameters, 1);
@@ -67,8 +67,8 @@ TEST(Fill, AnyNumberOfRanksMakesTheBedOfOne) {
   EXPECT_EQ(shared.state_hash(), alone.state_hash());
 }
 
-// What is not looked at before ends as trouble of the run, and leaves no stones behind.
-TEST(Fill, ADomainThatIsTooLowIsRefused) {
+// A height that was not checked before is an error of the run, and no stones are added.
+TEST(Fill, ADomainThatIsTooLowIsRejected) {
   Bed bed;
   bed.domain.high.z() = 0.2;
   dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
@@ -77,8 +77,8 @@ TEST(Fill, ADomainThatIsTooLowIsRefused) {
   EXPECT_EQ(particles.totals().particles, 0);
 }
 
-// Placed twice, by the same rules.
-TEST(Fill, TheHeightIsKnownBefore) {
+// Both place the stones in the same way.
+TEST(Fill, TheHeightIsPredicted) {
   const Bed bed;
   dem::Particles particles(bed.world, bed.physics, {}, bed.domain);
   EXPECT_EQ(stones_of(bed.world, bed.parameters, bed.domain).top,

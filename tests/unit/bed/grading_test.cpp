@@ -1,4 +1,4 @@
-// Sizes drawn by number give the sieve curve by mass, whatever the stones are made of.
+// Sizes drawn by number give the sieve curve by mass, for all kinds of stones.
 #include "bed/grading.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 constexpr double rounding = 1e-12;
 constexpr int many = 20000;
 
-// Per cent of the mass that passes `sieve` (m), for evenly spread draws.
+// Per cent of the mass that passes `sieve` (m), for evenly distributed draws.
 double passing(const Mix& mix, double sieve, int dimension) {
   double below = 0, all = 0;
   for (std::uint64_t i = 0; i < many; ++i) {
@@ -40,7 +40,7 @@ void expect_grading(const BedParameters& bed, Dimension dimension, double tolera
         << bed.sieve[k] << " mm";
 }
 
-TEST(Grading, QuantilesMeetTheSieves) {
+TEST(Grading, QuantilesMatchTheSieves) {
   const BedParameters bed;
   for (const int dimension : {2, 3}) {
     const Grading grading({0.02, 0.04, 0.05}, {0, 40, 100}, dimension);
@@ -50,7 +50,7 @@ TEST(Grading, QuantilesMeetTheSieves) {
     EXPECT_NEAR(grading.by_mass(0.2), std::sqrt(0.02 * 0.04), rounding);
     EXPECT_NEAR(grading.by_number(0), 0.02, rounding);
     EXPECT_NEAR(grading.by_number(1), 0.05, rounding);
-    EXPECT_LT(grading.by_number(0.5), grading.by_mass(0.5));  // small stones are many
+    EXPECT_LT(grading.by_number(0.5), grading.by_mass(0.5));  // most stones are small
     double mean = 0;
     for (int i = 0; i < many; ++i)
       mean += std::pow(grading.by_number((i + 0.5) / many), dimension) / many;
@@ -58,9 +58,9 @@ TEST(Grading, QuantilesMeetTheSieves) {
   }
 }
 
-// As the standards have them: sieve, least and most that passes. EN 13450:2002, category A, which
-// the Chinese special class equals; TB/T 2140, first class for new lines; AS 2758.7:1996, nominal
-// 60 from memory.
+// Limits of the standards: sieve, least and most that passes. EN 13450:2002, category A, which the
+// Chinese special class equals; TB/T 2140, first class for new lines; AS 2758.7:1996, nominal 60
+// from memory.
 TEST(Grading, LimitsAreThoseOfTheStandards) {
   using Rows = std::vector<std::array<double, 3>>;
   const Rows en13450 = {{22.4, 0, 3}, {31.5, 1, 25}, {40, 30, 65}, {50, 70, 99}, {63, 100, 100}};
@@ -102,7 +102,7 @@ TEST(Grading, PolyhedraAreGradedByTheirSieve) {
   expect_grading(bed, Dimension::space, 0.1);
 }
 
-TEST(Grading, OutlinesStandForEqualSharesOfTheMass) {
+TEST(Grading, OutlinesRepresentEqualFractionsOfTheMass) {
   BedParameters bed;
   bed.shapes = 40;
   expect_grading(bed, Dimension::plane, 100.0 / 40);  // a sieve may cut off half a shape: 1.25 %
@@ -134,8 +134,8 @@ TEST(Grading, ClassesWithoutStonesAtTheCoarseEndAreSkipped) {
   EXPECT_NEAR(mix.largest_bound(), 0.015, 1e-12);  // radius of a ball of 30 mm
 }
 
-// What is built keeps the limits of the standard at every sieve.
-TEST(Grading, StandardsKeepTheirLimits) {
+// Generated stones are within the limits of the standard at every sieve.
+TEST(Grading, StandardsAreWithinTheirLimits) {
   for (const GradingKind kind : {GradingKind::en13450_a, GradingKind::china_special,
                                  GradingKind::china_first, GradingKind::as2758_60}) {
     BedParameters bed;
@@ -159,7 +159,7 @@ TEST(Grading, StandardsKeepTheirLimits) {
 
 TEST(Shapes, TemplatesHaveTheMassOfTheSolid) {
   BedParameters bed;
-  bed.clump = {5, 5, 5, 0.01, 5, 5, 5.03, 0.01};  // apart: two spheres, extent 0.05
+  bed.clump = {5, 5, 5, 0.01, 5, 5, 5.03, 0.01};  // two separate spheres, extent 0.05
   const dem::Template pair = clump_stone(bed, Dimension::space);
   const double r = 0.2, sphere = 4 * std::numbers::pi / 3 * r * r * r;
   EXPECT_NEAR(pair.volume, 2 * sphere, 2e-3 * sphere);
@@ -188,14 +188,14 @@ TEST(Shapes, CompoundsAreThePolyhedraInPieces) {
   EXPECT_EQ(cut.volume, whole.volume);
   EXPECT_EQ(cut.sieve, whole.sieve);
   EXPECT_EQ(cut.gyration, whole.gyration);
-  // The pieces' own union, by columns (3e-4 at 192), is that stone.
+  // The union of the pieces, by columns (3e-4 at 192), is that stone.
   const geom::Solid all = geom::union_solid(cut.pieces, 192);
   EXPECT_NEAR(all.volume / whole.volume, 1, 1e-3);
   EXPECT_LT(all.centre.norm(), 1e-3);
   EXPECT_NEAR((all.gyration - whole.gyration).norm() / whole.gyration.norm(), 0, 2e-3);
 }
 
-// Of every shape that a bed draws, whole or in pieces, by callipers on what contacts see.
+// Every generated shape, whole or in pieces, measured by callipers on its contact geometry.
 TEST(Shapes, PolyhedraHaveTheProportionsOfTheDeck) {
   constexpr double exact = 1e-6;
   BedParameters bed;
@@ -230,7 +230,7 @@ TEST(Shapes, FilledPolyhedraHaveSpheresFromFewestToMost) {
   }
 }
 
-TEST(Shapes, WhatCannotBeMadeIsBadInput) {
+TEST(Shapes, ImpossibleStonesAreBadInput) {
   BedParameters bed;
   EXPECT_THROW(Mix(bed, Dimension::space), InputError);
   bed.pebble_radius = 0.02;

@@ -33,26 +33,26 @@ double enclosed(const Surface& s) {
   return volume;
 }
 
-TEST(PlacedPlate, LiesWhereTheDeckSaysAndFacesItsNormal) {
+TEST(PlacedPlate, HasThePositionAndNormalOfTheDeck) {
   for (const std::vector<double>& normal :
        {std::vector<double>{0, 0, 1}, {0, 0, -2}, {1, 0, 0}, {0.3, -0.4, 0.5}}) {
     bed::PlateParameters p{.name = "p", .material = "steel", .centre = {1, 2, 3}, .normal = normal};
     p.size = {0.4, 0.2}, p.velocity = {1, 0, -2};
     bed::PlacedSurfaces placed({p}, {}, steel(), Dimension::space, 1);
-    placed.show(2, 0.5);
+    placed.update(2, 0.5);
     const Surface& s = placed.surfaces()[0];
     const Vec3 n = bed::vector_of(normal).normalized();
     Vec3 centre = Vec3::Zero();
     for (const Vec3& node : s.position) centre += node / 4;
     EXPECT_LT((centre - Vec3(3, 2, -1)).norm(), 1e-14);
     for (const auto& t : s.triangles) EXPECT_LT((area_of(s, t) - 0.04 * n).norm(), 1e-15);
-    for (const Vec3& way : s.motion) EXPECT_EQ(way, Vec3(0.5, 0, -1));
+    for (const Vec3& increment : s.motion) EXPECT_EQ(increment, Vec3(0.5, 0, -1));
     EXPECT_NEAR((s.position[1] - s.position[0]).norm(), 0.4, 1e-14);
     EXPECT_EQ(s.material, 1);
   }
 }
 
-TEST(PlacedPlate, ReachesAcrossAPlaneModel) {
+TEST(PlacedPlate, ExtendsAcrossAPlaneModel) {
   const bed::PlateParameters p{.name = "p", .material = "steel", .normal = {-1, 0, 1}};
   const bed::PlacedSurfaces placed({p}, {}, steel(), Dimension::plane, 0.3);
   const Surface& s = placed.surfaces()[0];
@@ -74,8 +74,8 @@ TEST(PlacedBox, FacesInOrOut) {
       8U);
 }
 
-// Core, slabs, quarter rounds along edges, eighths of a ball.
-TEST(PlacedShape, BlockHasItsSidesOverAll) {
+// Core, slabs, quarter cylinders along edges, eighths of a sphere.
+TEST(PlacedShape, BlockHasItsOverallLengths) {
   bed::ShapeParameters p;
   p.shape = bed::ShapeKind::block, p.sides = {0.06, 0.04, 0.02}, p.rounding = 2e-3;
   const bed::PlacedShape made = bed::placed_shape(par::Comm::self(), p, Dimension::space);
@@ -89,19 +89,19 @@ TEST(PlacedShape, BlockHasItsSidesOverAll) {
   EXPECT_LT((high - Vec3(0.03, 0.02, 0.01)).norm(), 1e-15);
 }
 
-TEST(PlacedShape, BlockPassesTheHoleThatAllViewsGive) {
+TEST(PlacedShape, BlockPassesTheHoleOfTheGeneralSearch) {
   for (const std::vector<double>& sides :
        {std::vector<double>{0.06, 0.04, 0.02}, {0.05, 0.01, 0.04}}) {
     bed::ShapeParameters p;
     p.shape = bed::ShapeKind::block, p.sides = sides, p.rounding = 1e-3;
     const bed::PlacedShape made = bed::placed_shape(par::Comm::self(), p, Dimension::space);
-    // The search is right to 1e-6 of the size.
+    // The search is accurate to 1e-6 of the size.
     EXPECT_NEAR(geom::smallest_hole(made.shape.pieces), made.shape.sieve, 1e-6 * made.shape.sieve);
   }
 }
 
-// A tetrahedron in a corner is in none of its principal axes.
-TEST(PlacedShape, AttitudeIsOfTheAxesOfTheDeck) {
+// A right-angled tetrahedron is not aligned with its principal axes.
+TEST(PlacedShape, AttitudeRefersToTheAxesOfTheDeck) {
   bed::ShapeParameters p;
   p.shape = bed::ShapeKind::hull, p.rounding = 1e-9;
   p.corners = {0, 0, 0, 0.03, 0, 0, 0, 0.02, 0, 0, 0, 0.01};
@@ -115,7 +115,7 @@ TEST(PlacedShape, AttitudeIsOfTheAxesOfTheDeck) {
   EXPECT_NEAR(made.shape.volume, 1e-6, 1e-15);
 }
 
-TEST(PlacedShape, DrawnStonesHaveTheSizeAskedFor) {
+TEST(PlacedShape, GeneratedStonesHaveTheSpecifiedSize) {
   bed::ShapeParameters p;
   p.shape = bed::ShapeKind::polyhedron, p.size = 0.03;
   const bed::PlacedShape made = bed::placed_shape(par::Comm::self(), p, Dimension::space);

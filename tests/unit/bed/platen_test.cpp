@@ -27,13 +27,13 @@ struct Course {
   double steady_after = -1;  // s
 };
 
-// Springs of `stiffness` Pa/m below z = 0; `noise` of the force at random.
-Course press(Platen& platen, double stiffness, double seconds, double noise = 0) {
+// Springs of `stiffness`, Pa/m, below z = 0; `noise`: relative random scatter of the force.
+Course compress(Platen& platen, double stiffness, double seconds, double noise = 0) {
   Course course;
   double pressure = 0;
   for (int k = 0; k * dt < seconds; ++k) {
-    const double rattle = 1 + noise * (2 * uniform(1, static_cast<std::uint64_t>(k)) - 1);
-    platen.advance(dt, pressure * rattle * area);
+    const double scatter = 1 + noise * (2 * uniform(1, static_cast<std::uint64_t>(k)) - 1);
+    platen.advance(dt, pressure * scatter * area);
     const Surface& surface = platen.surface();
     course.fastest = std::max(course.fastest, std::abs(surface.motion[0].z()) / dt);
     pressure = std::max(0.0, -platen.z() * stiffness);
@@ -51,7 +51,7 @@ TEST_P(PlatenOn, SpringsReachesTheTargetWithoutOvershoot) {
   platen.place(0.05);
   const double stiffness = GetParam();
   const double travel = 0.05 + parameters.pressure / stiffness;  // m
-  const Course course = press(platen, stiffness, 1.5 + 3 * travel / parameters.speed);
+  const Course course = compress(platen, stiffness, 1.5 + 3 * travel / parameters.speed);
   EXPECT_NEAR(platen.pressure(), parameters.pressure, 0.02 * parameters.pressure);
   EXPECT_LT(course.peak, 1.10 * parameters.pressure);
   EXPECT_GT(course.peak, 0.98 * parameters.pressure);
@@ -66,28 +66,29 @@ INSTANTIATE_TEST_SUITE_P(Stiffness, PlatenOn, ::testing::Values(2e6, 2e7, 143e6)
 TEST(Platen, SettlesOnAVeryStiffBed) {
   Platen platen({}, domain(), 0);
   platen.place(0.01);
-  // 350 MPa over 0.35 m: at 0.5 m/s the target is passed within two windows of the servo's average.
-  press(platen, 1e9, 3);
+  // 350 MPa over 0.35 m: at 0.5 m/s the target is exceeded within two windows of the servo's
+  // average.
+  compress(platen, 1e9, 3);
   EXPECT_NEAR(platen.pressure(), 200e3, 0.02 * 200e3);
   EXPECT_TRUE(platen.steady());
 }
 
-TEST(Platen, RattlingStonesDoNotKeepItFromTheTarget) {
+TEST(Platen, ReachesTheTargetUnderAScatteringForce) {
   Platen platen({}, domain(), 0);
   platen.place(0.01);
-  const Course course = press(platen, 2e7, 1, 0.5);
+  const Course course = compress(platen, 2e7, 1, 0.5);
   // +-50 % every window: 100 windows in the average leave 2 %.
   EXPECT_NEAR(platen.pressure(), 200e3, 0.06 * 200e3);
   EXPECT_LT(course.peak, 1.15 * 200e3);
 }
 
-// Rattling stones make the servo slow; it must not stay so when the bed then gives way.
-TEST(Platen, FollowsABedThatGivesWay) {
+// A scattering force reduces the gain, which must recover when the bed then yields.
+TEST(Platen, FollowsABedThatYields) {
   constexpr double stiffness = 143e6, sinking = 5e-3;  // Pa/m, m/s
   const PlatenParameters parameters;
   Platen platen(parameters, domain(), 0);
   platen.place(0.01);
-  press(platen, stiffness, 1, 0.5);
+  compress(platen, stiffness, 1, 0.5);
   double level = 0;
   for (int k = 0; k < 10000; ++k) {
     platen.advance(dt, std::max(0.0, level - platen.z()) * stiffness * area);
@@ -98,15 +99,15 @@ TEST(Platen, FollowsABedThatGivesWay) {
   EXPECT_TRUE(platen.steady());
 }
 
-// A sheared bed rises all the time: a servo that does not learn its speed is pushed ahead.
+// A sheared bed rises continuously: without integral term the pressure is too high.
 TEST(Platen, KeepsItsPressureOnABedThatRises) {
   constexpr double stiffness = 1e8, rising = 25e-3;  // Pa/m, m/s
   const PlatenParameters parameters;
-  for (const bool follows : {false, true}) {
+  for (const bool integral : {false, true}) {
     Platen platen(parameters, domain(), 0);
     platen.place(0.01);
-    press(platen, stiffness, 1, 0.5);
-    platen.aim(100e3, follows);
+    compress(platen, stiffness, 1, 0.5);
+    platen.set_target(100e3, integral);
     double level = 0, worst = 0;
     for (int k = 0; k < 5000; ++k) {
       platen.advance(dt, std::max(0.0, level - platen.z()) * stiffness * area);
@@ -114,38 +115,38 @@ TEST(Platen, KeepsItsPressureOnABedThatRises) {
       if (k > 2500) worst = std::max(worst, std::abs(platen.pressure() / 100e3 - 1));
     }
     // Without: rising over speed and gain, 0.025/(0.5/16) = 80 % too much.
-    if (follows)
+    if (integral)
       EXPECT_LT(worst, parameters.tolerance);
     else
       EXPECT_GT(worst, 10 * parameters.tolerance);
   }
 }
 
-TEST(Platen, HasToBecomeSteadyAnewWhenItsAimChanges) {
+TEST(Platen, HasToBecomeSteadyAgainWhenItsTargetChanges) {
   Platen platen({}, domain(), 0);
   platen.place(0.01);
-  press(platen, 2e7, 1);
+  compress(platen, 2e7, 1);
   ASSERT_TRUE(platen.steady());
-  platen.aim(300e3);
+  platen.set_target(300e3);
   EXPECT_FALSE(platen.steady());
-  press(platen, 2e7, 1);
+  compress(platen, 2e7, 1);
   EXPECT_NEAR(platen.pressure(), 300e3, 0.02 * 300e3);
 }
 
-TEST(Platen, SaysWhatItLacks) {
+TEST(Platen, ReportsWhyItIsNotSteady) {
   PlatenParameters parameters;
   parameters.tolerance = 0.1;
   parameters.hold = 0.02;
   Platen platen(parameters, domain(), 0);
   platen.place(0.01);
   EXPECT_NE(platen.shortfall().find("pressure of the platen is 0.0 kPa"), std::string::npos);
-  const Course course = press(platen, 2e7, 0.5);
+  const Course course = compress(platen, 2e7, 0.5);
   EXPECT_EQ(platen.shortfall(), "");
   PlatenParameters strict = parameters;
   strict.hold = 0.2;
   Platen patient(strict, domain(), 0);
   patient.place(0.01);
-  const Course longer = press(patient, 2e7, 0.5);
+  const Course longer = compress(patient, 2e7, 0.5);
   EXPECT_NEAR(longer.steady_after - course.steady_after, strict.hold - parameters.hold, 2 * dt);
 }
 
@@ -173,7 +174,7 @@ TEST(Platen, StonesDoNotPullIt) {
   EXPECT_EQ(pulled.pressure(), 0);
 }
 
-TEST(Platen, SurfaceLooksDownAndMovesWithoutAGap) {
+TEST(Platen, SurfaceFacesDownAndMovesContinuously) {
   Platen platen({}, domain(), 4);
   platen.place(0.7);
   const Surface& surface = platen.surface();
@@ -192,31 +193,31 @@ TEST(Platen, SurfaceLooksDownAndMovesWithoutAGap) {
   }
 }
 
-TEST(Platen, ResumedRunGivesTheSameBits) {
+TEST(Platen, ResumedRunIsBitwiseIdentical) {
   const par::Comm world = par::Comm::world();
   const std::string path = "platen_" + std::to_string(world.size()) + ".h5";
   PlatenParameters parameters;
   parameters.vibration = 1e-4, parameters.frequency = 120;
-  // The learnt speed and the vibration's phase are part of the state, what is aimed at is the
-  // deck's.
-  for (const bool follows : {true, false}) {
+  // The integral speed and the phase of the vibration are part of the state; the target is given by
+  // the deck.
+  for (const bool integral : {true, false}) {
     Platen straight(parameters, domain(), 0), first(parameters, domain(), 0),
         second(parameters, domain(), 0);
     straight.place(0.01), first.place(0.01);
-    for (Platen* platen : {&straight, &first, &second}) platen->aim(150e3, follows);
-    press(straight, 1e8, 0.05);
-    press(first, 1e8, 0.05);
+    for (Platen* platen : {&straight, &first, &second}) platen->set_target(150e3, integral);
+    compress(straight, 1e8, 0.05);
+    compress(first, 1e8, 0.05);
     {
       io::File file(world, path, io::Mode::create);
       first.save(file, "platen", world);
       file.close();
     }
     second.load(io::File(world, path, io::Mode::read), "platen");
-    press(straight, 1e8, 0.05);
-    press(second, 1e8, 0.05);
+    compress(straight, 1e8, 0.05);
+    compress(second, 1e8, 0.05);
     EXPECT_EQ(second.z(), straight.z());
     EXPECT_EQ(second.pressure(), straight.pressure());
-    EXPECT_LT(second.z(), 0);  // it did touch
+    EXPECT_LT(second.z(), 0);  // it was in contact
   }
 }
 

@@ -1,4 +1,4 @@
-// Visits a declaration as the reader of decks does and keeps the rules that do not hold.
+// Visits a declaration like the reader of decks and stores the rules that do not hold.
 #pragma once
 
 #include <set>
@@ -21,7 +21,7 @@ class BrokenRules : public input::Section {
   void flag(std::string_view, bool&, std::string_view) override {}
   void text(std::string_view, std::string&, std::string_view, const std::vector<std::string_view>&,
             bool) override {}
-  void file(std::string_view, std::string&, std::string_view, input::Named) override {}
+  void file(std::string_view, std::string&, std::string_view, input::FileRole) override {}
   void numbers(std::string_view, std::vector<double>&, const input::Limits&, std::string_view,
                std::size_t) override {}
   void texts(std::string_view, std::vector<std::string>&, std::string_view) override {}

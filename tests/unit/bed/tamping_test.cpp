@@ -1,4 +1,4 @@
-// Tines: where they are at the times of their cycle, and that they are closed boxes.
+// Tines: their positions during the cycle, and that they are closed boxes.
 #include "trackbed/bed/tamping.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ TampingParameters parameters() {
 
 Tines tines(const TampingParameters& p, Dimension dimension = Dimension::space) {
   Tines made(p, {.x = {0.3, 0.9}, .width = 0.29}, dimension, 1.3, 0);
-  made.aim(top, underside);
+  made.set_heights(top, underside);
   return made;
 }
 
@@ -31,7 +31,7 @@ struct Extent {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
 };
 
-// Of the first tine of a side.
+// Extent of the first tine of a side.
 Extent extent(const Surface& side) {
   Extent all;
   for (std::size_t n = 0; n < 8; ++n)
@@ -40,15 +40,15 @@ Extent extent(const Surface& side) {
 }
 
 // The same force on every node of a side, N.
-struct Push {
+struct NodeForces {
   Vec3 left = Vec3::Zero(), right = Vec3::Zero();
 };
 
-// In windows of 1 ms, from the begin to `end` ms.
+// Advances in windows of 1 ms, from `begin` to `end` ms.
 constexpr double dt = 1e-3;  // s
-void go(Tines& t, int begin, int end, const Push& push = {}) {
-  const std::vector<Vec3> left(t.surfaces()[0].nodes(), push.left);
-  const std::vector<Vec3> right(t.surfaces()[1].nodes(), push.right);
+void run(Tines& t, int begin, int end, const NodeForces& forces = {}) {
+  const std::vector<Vec3> left(t.surfaces()[0].nodes(), forces.left);
+  const std::vector<Vec3> right(t.surfaces()[1].nodes(), forces.right);
   for (int k = begin; k < end; ++k) t.advance(k * dt, dt, {left, right});
   t.show_at_rest(end * dt);
 }
@@ -67,11 +67,11 @@ TEST(Tines, GoInSqueezeAndComeOut) {
        {At{0, open, up}, At{150, open, (up + deep) / 2}, At{300, open, deep},
         At{700, (open + closed) / 2, deep}, At{1100, closed, deep},
         At{1250, (open + closed) / 2, (up + deep) / 2}, At{1400, open, up}, At{1700, open, deep}}) {
-    go(t, std::exchange(now, at.time), at.time);
+    run(t, std::exchange(now, at.time), at.time);
     EXPECT_NEAR(extent(t.surfaces()[0]).high.x(), at.inner, rounding) << at.time;
     EXPECT_NEAR(extent(t.surfaces()[1]).low.x(), 0.6 - at.inner, rounding) << at.time;
     EXPECT_NEAR(extent(t.surfaces()[0]).low.z(), at.tip, rounding) << at.time;
-    EXPECT_GT(extent(t.surfaces()[0]).high.z(), top);  // the upper ends stay out of the bed
+    EXPECT_GT(extent(t.surfaces()[0]).high.z(), top);  // the upper ends remain out of the bed
   }
   EXPECT_NEAR(t.displacement("tines.left").z(), deep - up, rounding);
 }
@@ -85,24 +85,24 @@ TEST(Tines, LiftTheSleepersOnceWithTheFirstInsertion) {
   EXPECT_EQ(t.lift(1.5 * p.cycle()), p.lift);
 }
 
-// Half the force halves the way, the whole force stops it, more takes it back; each arm alone, and
-// the frame by both. Two tines of 8 nodes to an arm.
+// Half the force halves the displacement, the whole force stops it, a larger one reverses it; each
+// arm alone, and the frame by both. Two tines of 8 nodes per arm.
 TEST(Tines, YieldInProportion) {
   const TampingParameters p = parameters();
   const double all = 2 * p.force / 16, deep = underside - p.depth - (top + 0.05);
   Tines t = tines(p);
-  go(t, 0, 300, {.left = {0, 0, all / 2}, .right = {0, 0, all / 2}});
+  run(t, 0, 300, {.left = {0, 0, all / 2}, .right = {0, 0, all / 2}});
   EXPECT_NEAR(t.displacement("tines.right").z(), deep / 2, rounding);
-  go(t, 300, 1100, {.left = {-all / 4, 0, 0}, .right = {all, 0, 0}});
+  run(t, 300, 1100, {.left = {-all / 4, 0, 0}, .right = {all, 0, 0}});
   EXPECT_NEAR(t.displacement("tines.left").x(), 0.75 * p.closing, rounding);
   EXPECT_NEAR(t.displacement("tines.right").x(), 0, rounding);
-  go(t, 1100, 1400);
+  run(t, 1100, 1400);
   EXPECT_NEAR(t.displacement("tines.left").norm(), 0, rounding);
-  go(t, 1400, 1700, {.left = {0, 0, 3 * all}});
+  run(t, 1400, 1700, {.left = {0, 0, 3 * all}});
   EXPECT_NEAR(t.displacement("tines.left").z(), -deep / 2, rounding);
 }
 
-// A window ends where the next one begins; both sides go towards each other.
+// A window ends where the next one begins; both sides move towards each other.
 TEST(Tines, MoveFromWindowToWindow) {
   TampingParameters p = parameters();
   p.amplitude = 5e-3;
@@ -121,7 +121,7 @@ TEST(Tines, MoveFromWindowToWindow) {
     EXPECT_EQ(left.z(), right.z());
     largest = std::max(largest, std::abs(left.x()));
   }
-  // Speed of the vibration, 2 pi f A, and of opening at its fastest; 1 %: both are seldom at once.
+  // Largest speeds of the vibration, 2 pi f A, and of the opening; 1 %: they rarely coincide.
   const double pi = std::numbers::pi;
   const double fastest = 2 * pi * p.frequency * p.amplitude + pi / 2 * p.closing / p.withdrawal;
   EXPECT_NEAR(largest, fastest * dt, 0.01 * fastest * dt);
@@ -147,7 +147,7 @@ TEST(Tines, AreClosedBoxesWithNormalsOutwards) {
   }
 }
 
-TEST(Tines, ReachThroughAPlaneModel) {
+TEST(Tines, ExtendAcrossAPlaneModel) {
   Tines t = tines(parameters(), Dimension::plane);
   ASSERT_EQ(t.surfaces()[0].nodes(), 2u * 8u);
   EXPECT_NEAR(extent(t.surfaces()[0]).high.y(), 0.65, rounding);

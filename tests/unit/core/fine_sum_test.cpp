@@ -1,4 +1,4 @@
-// Fine sums: small terms beside a large range, in any order and in parts.
+// Fine sums: small terms with a large range, in any order and in parts.
 #include "trackbed/core/fine_sum.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ FineSum fine(const std::vector<double>& terms) {
   return sum;
 }
 
-// Each small term is half of the spacing of doubles beside the large one.
+// Each small term is half of the spacing of doubles at the large one.
 TEST(FineSum, KeepsWhatDoublesLose) {
   constexpr double large = 0x1p26, small = 0x1p-27;
   constexpr int count = 100000;
@@ -42,17 +42,19 @@ TEST(FineSum, KeepsWhatDoublesLose) {
 
 // Multiples of the resolution, of both signs and all sizes, are summed without error; other terms
 // to half of it each.
+__extension__ using Wide = __int128;
+
 TEST(FineSum, RoundsEachTermToTheResolution) {
   std::mt19937_64 random(3);
   std::vector<double> terms;
-  __int128 whole = 0;  // of the resolution
+  Wide whole = 0;  // of the resolution
   for (int n = 0; n < 10000; ++n) {
     const auto number = static_cast<std::int64_t>(random()) >> (11 + random() % 50);
     terms.push_back(static_cast<double>(number) * resolution);
     whole += number;
   }
   const FineSum sum = fine(terms);
-  const __int128 found = (static_cast<__int128>(sum.counts()[0]) << 32) + sum.counts()[1];
+  const Wide found = (static_cast<Wide>(sum.counts()[0]) << 32) + sum.counts()[1];
   EXPECT_TRUE(found == whole);
   for (double& term : terms) term *= 1 + 0x1p-40;
   long double exact = 0;
@@ -60,8 +62,8 @@ TEST(FineSum, RoundsEachTermToTheResolution) {
   EXPECT_LE(std::abs(static_cast<double>(fine(terms).value() - exact)), 10000 * resolution / 2);
 }
 
-// The same two counts, whatever the order and however the terms are shared out.
-TEST(FineSum, HangsOnNoOrder) {
+// The same two counts for any order and any partition of the terms.
+TEST(FineSum, DoesNotDependOnOrder) {
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   std::vector<double> terms(5000);
@@ -79,8 +81,8 @@ TEST(FineSum, HangsOnNoOrder) {
   EXPECT_EQ(whole.counts(), forwards.counts());
 }
 
-// More small terms than the second count would hold without carrying: each is just below a half of
-// a quantum, and 2^32 of the resolution.
+// More small terms than the second count could hold without carrying: each is just below half of a
+// quantum, and 2^32 of the resolution.
 TEST(FineSum, CarriesAndStaysInRange) {
   FineSum sum(range);
   constexpr double term = 0x1p-34 - resolution;

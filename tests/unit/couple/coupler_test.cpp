@@ -1,5 +1,5 @@
-// A surface spread over ranks at random behaves like one on a single rank, to the bit, and what its
-// nodes receive has the force, moment and work that the stones gave.
+// A surface distributed randomly over ranks is bitwise identical to one on a single rank, and the
+// loads of its nodes have the force, moment and work of the contacts.
 #include "trackbed/couple/coupler.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 // 20 cells x 3 nodes along y: forces up to 1e3 N with a quantum of 2^-20 N.
 // Rounding of 200 terms to half a quantum each, over a scale of about 1e5 N: 1e-9 at most.
 constexpr double quantised = 1e-9;
-// Same sums without rounding to quanta of any weight: a few bits of double precision.
+// The same sums without significant rounding to quanta: a few bits of double precision.
 constexpr double rounding = 1e-14;
 constexpr int cells = 20, rows = 3, steps = 7;
 constexpr double dt = 1e-3;
@@ -42,7 +42,7 @@ Surface strip() {
 
 struct Contact {
   std::size_t triangle;
-  Vec3 share;  // shape functions
+  Vec3 shape;  // shape functions
   Vec3 force;
   int step;  // 1..steps
 };
@@ -59,7 +59,8 @@ std::vector<Contact> contacts(const Surface& surface, std::size_t count, std::ui
   return all;
 }
 
-// Puts a contact on the nodes as the particles do and returns what it did, at the contact point.
+// Distributes a contact force to the nodes as the particles do and returns its action at the
+// contact point.
 Action apply(const Contact& contact, Surface& surface) {
   Action action{contact.force, Vec3::Zero(), 0};
   Vec3 point = Vec3::Zero();
@@ -67,8 +68,8 @@ Action apply(const Contact& contact, Surface& surface) {
   for (int i = 0; i < 3; ++i) {
     const auto n =
         static_cast<std::size_t>(surface.triangles[contact.triangle][static_cast<std::size_t>(i)]);
-    const Vec3 force = contact.share[i] * contact.force;
-    point += contact.share[i] * (surface.position[n] + s * surface.motion[n]);
+    const Vec3 force = contact.shape[i] * contact.force;
+    point += contact.shape[i] * (surface.position[n] + s * surface.motion[n]);
     action.work += force.dot(surface.motion[n]) / steps;
     for (std::size_t k = 0; k < 3; ++k) {
       const double f = force[static_cast<int>(k)] / surface.load_quantum;
@@ -84,7 +85,7 @@ bool everywhere(const Vec3&, const Vec3&) { return true; }
 
 class CouplerTest : public ::testing::Test {
  protected:
-  // Owners move the nodes; everybody else starts with a wrong idea of them.
+  // Owners move the nodes; all other ranks start with a wrong motion.
   std::vector<int> scatter(Surface& surface, std::uint64_t seed) const {
     std::vector<int> owner;
     for (std::size_t n = 0; n < surface.nodes(); ++n) {
@@ -93,7 +94,8 @@ class CouplerTest : public ::testing::Test {
     }
     return owner;
   }
-  // Contacts dealt to ranks at random; the action is the same on all ranks, as the particles' is.
+  // Contacts are distributed to ranks randomly; the action is equal on all ranks, as that of the
+  // particles.
   Action touch(const std::vector<Contact>& all, Surface& surface, Surface& reference) const {
     Action total{Vec3::Zero(), Vec3::Zero(), 0};
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -107,7 +109,7 @@ class CouplerTest : public ::testing::Test {
   const par::Comm world = par::Comm::world();
 };
 
-TEST_F(CouplerTest, RandomOwnersGiveTheBitsOfOneRank) {
+TEST_F(CouplerTest, RandomOwnersAreBitwiseIdenticalToOneRank) {
   Surface reference = strip(), surface = strip();
   reference.clear_load();
   Coupler coupler(world);
@@ -136,7 +138,7 @@ TEST_F(CouplerTest, NodesReceiveForceMomentAndWorkOfTheContacts) {
   plate_reference.clear_load();
   Coupler coupler(world);
   coupler.add(surface, scatter(surface, 5));
-  const std::size_t number = coupler.add(plate);  // no owners: each rank gets the whole
+  const std::size_t number = coupler.add(plate);  // no owners: each rank receives the whole load
   coupler.connect(everywhere);
   Action action = touch(contacts(reference, 200, 7), surface, reference);
   const Action more = touch(contacts(reference, 100, 8), plate, plate_reference);
@@ -153,13 +155,13 @@ TEST_F(CouplerTest, NodesReceiveForceMomentAndWorkOfTheContacts) {
                   (plate_reference.load_quantum / steps));
 }
 
-TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
+TEST_F(CouplerTest, ALostLoadIsDetected) {
   Surface surface = strip(), reference = strip();
   reference.clear_load();
   Coupler coupler(world);
   coupler.add(surface);
   coupler.collect(steps, dt, {Vec3::Zero(), Vec3::Zero(), 0});
-  EXPECT_EQ(coupler.balance().force, 0);  // nothing touches
+  EXPECT_EQ(coupler.balance().force, 0);  // no contact
   EXPECT_EQ(coupler.largest_load(), 0);
   EXPECT_EQ(coupler.trouble(), "");
   const std::vector<Contact> one = contacts(reference, 1, 9);
@@ -168,7 +170,7 @@ TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
   action.work *= 2;
   action.moment *= 2;
   coupler.collect(steps, dt, action);
-  constexpr double half = 0.5;  // half of it missing, relative to the larger; parallel node forces
+  constexpr double half = 0.5;  // half is missing, relative to the larger; parallel node forces
   EXPECT_NEAR(coupler.balance().force, half, quantised);
   EXPECT_NEAR(coupler.balance().impulse, half, quantised);
   EXPECT_GT(coupler.balance().moment, 0.01);
@@ -176,8 +178,8 @@ TEST_F(CouplerTest, ALoadThatGetsLostIsSeen) {
   EXPECT_NE(coupler.trouble().find("by 0.5 of their sum"), std::string::npos) << coupler.trouble();
 }
 
-// Less than half a quantum on each node, and a few quanta: rounding takes a large part of it.
-TEST_F(CouplerTest, AGrazeIsNoLoss) {
+// Less than half a quantum on each node, and a few quanta: rounding is a large part of it.
+TEST_F(CouplerTest, RoundingOfSmallForcesIsNoLoss) {
   for (const double quanta : {0.3, 2.4, 1e3}) {
     Surface surface = strip(), reference = strip();
     reference.clear_load();
@@ -205,7 +207,7 @@ TEST_F(CouplerTest, OneNodeIsExactToRounding) {
   EXPECT_EQ(coupler.trouble(), "");
 }
 
-TEST_F(CouplerTest, OnlyWhatStonesMayReachTravels) {
+TEST_F(CouplerTest, OnlyNodesWithinReachAreSent) {
   Surface surface = strip();
   Coupler coupler(world);
   const std::size_t number = coupler.add(surface, std::vector<int>(surface.nodes(), 0));
@@ -224,7 +226,7 @@ TEST_F(CouplerTest, OnlyWhatStonesMayReachTravels) {
   }
 }
 
-TEST_F(CouplerTest, MeanForceSurvivesSaveAndLoad) {
+TEST_F(CouplerTest, MeanForceIsSavedAndLoaded) {
   Surface surface = strip(), reference = strip();
   reference.clear_load();
   Coupler coupler(world), other(world);

@@ -1,6 +1,6 @@
 // A rectangle on a surface: weights sum to one and have the centre of its pressure, whatever faces
-// it cuts; an even pressure gives nodes of zones their tributary area, one that rises the integrals
-// of their hats; means are the same bits on any number of ranks.
+// it cuts; a uniform pressure gives nodes of hexahedra their tributary area, a linear one the
+// integrals of their hat functions; means are bitwise identical on any number of ranks.
 #include "trackbed/couple/footprints.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 constexpr double rounding = 1e-13;
 constexpr int cells = 8;  // of 0.3 m along x; of 0.25 m along y
 
-// Zones, as a ground of hexahedra has them.
+// Rectangular faces, as on a ground of hexahedra.
 Surface plate() {
   Surface surface;
   for (int j = 0; j <= cells; ++j)
@@ -29,7 +29,7 @@ Surface plate() {
   return surface;
 }
 
-// Nodes in turn.
+// Nodes are assigned to ranks in turn.
 std::vector<std::int32_t> own_of(const par::Comm& comm, const Surface& surface) {
   std::vector<std::int32_t> own;
   for (int n = comm.rank(); n < static_cast<int>(surface.nodes()); n += comm.size())
@@ -38,7 +38,7 @@ std::vector<std::int32_t> own_of(const par::Comm& comm, const Surface& surface) 
 }
 
 const std::vector<Rectangle> rectangles = {{{0.31, 0.88}, {0.1, 1.43}},  // across many
-                                           {{0.35, 0.4}, {0.3, 0.31}},   // in one zone
+                                           {{0.35, 0.4}, {0.3, 0.31}},   // in one element
                                            {{0.6, 1.2}, {0.5, 1.0}},     // along borders
                                            {{0.0, 2.4}, {0.0, 2.0}}};    // all of it
 
@@ -47,7 +47,7 @@ void expect_force_and_moment(const Surface& surface) {
   for (std::size_t i = 0; i < rectangles.size(); ++i) {
     Vec3 centre = Vec3::Zero();
     double sum = 0;
-    for (const auto& [node, weight] : prints.shares(i)) {
+    for (const auto& [node, weight] : prints.weights(i)) {
       EXPECT_GT(weight, -rounding);
       centre += weight * surface.position[static_cast<std::size_t>(node)];
       sum += weight;
@@ -57,16 +57,16 @@ void expect_force_and_moment(const Surface& surface) {
     EXPECT_NEAR(centre.y(), (rectangles[i].y[0] + rectangles[i].y[1]) / 2, rounding);
   }
   std::vector<Vec3> load(surface.nodes(), Vec3::Zero());
-  prints.press(std::vector<double>{1, 2, 3, 4}, load);
+  prints.add_forces(std::vector<double>{1, 2, 3, 4}, load);
   double all = 0;
   for (const Vec3& force : load) all += force.z();
   EXPECT_NEAR(all, -10, 10 * rounding);
 }
 
-TEST(Footprints, KeepForceAndMoment) { expect_force_and_moment(plate()); }
+TEST(Footprints, ConserveForceAndMoment) { expect_force_and_moment(plate()); }
 
-// Triangles that are no zones: halves begin at another node each, or the ground has moved.
-TEST(Footprints, KeepThemOnTriangles) {
+// Triangles that form no rectangles: pairs with different first nodes, or a deformed ground.
+TEST(Footprints, ConserveThemOnTriangles) {
   Surface turned = plate(), moved = plate();
   for (std::size_t t = 0; t < turned.triangles.size(); t += 2)
     std::rotate(turned.triangles[t].begin(), turned.triangles[t].begin() + 1,
@@ -79,17 +79,17 @@ TEST(Footprints, KeepThemOnTriangles) {
   expect_force_and_moment(moved);
 }
 
-// Per area: a quarter of each zone around a node.
-TEST(Footprints, AnEvenPressureIsSharedByTributaryArea) {
+// Per area: a quarter of each element around a node.
+TEST(Footprints, AUniformPressureIsDistributedByTributaryArea) {
   const Surface surface = plate();
   const Footprints prints(par::Comm::world(), surface, {}, rectangles);
   for (const std::size_t i : {2, 3}) {
     const Rectangle& r = rectangles[i];
     const double area = (r.x[1] - r.x[0]) * (r.y[1] - r.y[0]);
-    for (const auto& [node, weight] : prints.shares(i)) {
+    for (const auto& [node, weight] : prints.weights(i)) {
       const Vec3& at = surface.position[static_cast<std::size_t>(node)];
-      const auto side = [&](double x, const std::array<double, 2>& range, double zone) {
-        return zone * (std::min(x - range[0], range[1] - x) < rounding ? 0.5 : 1.0);
+      const auto side = [&](double x, const std::array<double, 2>& range, double element) {
+        return element * (std::min(x - range[0], range[1] - x) < rounding ? 0.5 : 1.0);
       };
       const double tributary = side(at.x(), r.x, 0.3) * side(at.y(), r.y, 0.25);
       EXPECT_NEAR(weight * area, tributary, rounding) << node;
@@ -97,7 +97,7 @@ TEST(Footprints, AnEvenPressureIsSharedByTributaryArea) {
   }
 }
 
-// Of both signs, so that at one end there is a pull.
+// A pressure of both signs, with tension at one end.
 std::vector<Rectangle> tilted(double tilt) {
   std::vector<Rectangle> all = rectangles;
   for (Rectangle& r : all) r.tilt = tilt / (r.y[1] - r.y[0]);
@@ -111,7 +111,7 @@ void expect_force_where_it_acts(const Surface& surface) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       Vec3 centre = Vec3::Zero();
       double sum = 0;
-      for (const auto& [node, weight] : prints.shares(i)) {
+      for (const auto& [node, weight] : prints.weights(i)) {
         centre += weight * surface.position[static_cast<std::size_t>(node)];
         sum += weight;
       }
@@ -123,8 +123,8 @@ void expect_force_where_it_acts(const Surface& surface) {
   }
 }
 
-// A pressure that rises across has its force aside of the middle; on zones and on triangles.
-TEST(Footprints, PressedUnevenlyKeepForceAndMoment) {
+// The resultant of a linear pressure is beside the middle; on rectangles and on triangles.
+TEST(Footprints, LinearPressureConservesForceAndMoment) {
   Surface turned = plate();
   for (std::size_t t = 0; t < turned.triangles.size(); t += 2)
     std::rotate(turned.triangles[t].begin(), turned.triangles[t].begin() + 1,
@@ -133,45 +133,45 @@ TEST(Footprints, PressedUnevenlyKeepForceAndMoment) {
   expect_force_where_it_acts(turned);
 }
 
-// Per zone b wide: of a pressure p(y) a node amid others gets b p there, one at the border y0 of
-// the rectangle b/2 p(y0) and a sixth of b^2 times the slope, inwards.
-TEST(Footprints, PressedUnevenlyGiveNodesTheIntegralsOfTheirHats) {
+// For elements of width b and a pressure p(y), an inner node gets b p there, one at the border y0
+// of the rectangle b/2 p(y0) plus b^2/6 times the inward slope.
+TEST(Footprints, LinearPressureGivesIntegralsOfHatFunctions) {
   const Surface surface = plate();
   const std::vector<Rectangle> all = tilted(std::sqrt(12.0));
   const Footprints prints(par::Comm::world(), surface, {}, all);
-  constexpr double zone = 0.25;
+  constexpr double element = 0.25;
   for (const std::size_t i : {2, 3}) {
     const Rectangle& r = all[i];
     std::map<double, double> at_y;
-    for (const auto& [node, weight] : prints.shares(i))
+    for (const auto& [node, weight] : prints.weights(i))
       at_y[surface.position[static_cast<std::size_t>(node)].y()] += weight;
     for (const auto& [y, weight] : at_y) {
       const double pressure = 1 + r.tilt * (y - r.middle_y());
       const bool low = y - r.y[0] < rounding, high = r.y[1] - y < rounding;
-      double expected = zone * pressure;
-      if (low || high) expected = expected / 2 + (low ? 1 : -1) * zone * zone / 6 * r.tilt;
+      double expected = element * pressure;
+      if (low || high) expected = expected / 2 + (low ? 1 : -1) * element * element / 6 * r.tilt;
       EXPECT_NEAR(weight * (r.y[1] - r.y[0]), expected, rounding) << y;
     }
   }
 }
 
-// Both springs of a sleeper together are the even pressure, to the rounding of their sum.
-TEST(Footprints, PressedUnevenlyBothWaysAreEven) {
+// Both springs of a sleeper together give the uniform pressure, to the rounding of their sum.
+TEST(Footprints, OppositeTiltsAddUpToAUniformPressure) {
   const Surface surface = plate();
   const Footprints even(par::Comm::world(), surface, {}, rectangles);
   const Footprints left(par::Comm::world(), surface, {}, tilted(3)),
       right(par::Comm::world(), surface, {}, tilted(-3));
   for (std::size_t i = 0; i < rectangles.size(); ++i)
-    for (std::size_t k = 0; k < even.shares(i).size(); ++k)
-      EXPECT_NEAR(left.shares(i)[k].weight + right.shares(i)[k].weight,
-                  2 * even.shares(i)[k].weight, 1e-15);
+    for (std::size_t k = 0; k < even.weights(i).size(); ++k)
+      EXPECT_NEAR(left.weights(i)[k].weight + right.weights(i)[k].weight,
+                  2 * even.weights(i)[k].weight, 1e-15);
 }
 
-// What hangs over the border is lost: a deck that does so is refused.
-TEST(Footprints, BeyondTheBorderTheyCarryLess) {
+// The part beyond the border of the surface is lost: such decks are refused.
+TEST(Footprints, BeyondTheBorderWeightsSumToLess) {
   const Footprints prints(par::Comm::world(), plate(), {}, {{{2.3, 2.6}, {0.5, 1.0}}});
   double sum = 0;
-  for (const auto& share : prints.shares(0)) sum += share.weight;
+  for (const auto& of : prints.weights(0)) sum += of.weight;
   EXPECT_NEAR(sum, 1.0 / 3, rounding);
 }
 
@@ -205,8 +205,8 @@ TEST(Footprints, MeansOfAPlaneAreItsHeightAtTheCentre) {
   }
 }
 
-// A train that has not come yet moves the ground by 1e-12 m: work of that must balance, too.
-TEST(Footprints, MeansHoldWhatIsFarBelowTheLargest) {
+// A distant train moves the ground by 1e-12 m: its work must also balance.
+TEST(Footprints, MeansResolveValuesFarBelowTheLargest) {
   const par::Comm comm = par::Comm::world();
   const Surface surface = plate();
   const std::vector<std::int32_t> own = own_of(comm, surface);

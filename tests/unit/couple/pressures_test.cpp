@@ -1,5 +1,5 @@
-// Pressures on the top of a ground: force and its middle, each course over time, rectangles that
-// move and leave the top.
+// Pressures on the top of a ground: resultant and its position, each course over time, moving
+// rectangles that leave the top.
 #include "trackbed/couple/pressures.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double rounding = 1e-12;  // relative
 
-// 6 m x 2 m of zones, amid y = 0.
+// 6 m x 2 m of elements, symmetric about y = 0.
 Surface plate() {
   Surface surface;
   for (int j = 0; j <= 4; ++j)
@@ -32,7 +32,7 @@ Surface plate() {
 
 struct Load {
   Vec3 force = Vec3::Zero();  // N
-  double middle = 0;          // m, of its size along x
+  double middle = 0;          // m, mean of x weighted with the magnitude of the node forces
 };
 
 Load load_at(const PressureParameters& p, double time, bool around = false) {
@@ -68,82 +68,82 @@ TEST(Pressures, ForceIsPressureTimesAreaAndItsMiddleThatOfTheRectangle) {
   EXPECT_NEAR(load.middle, 1.7, rounding);
 }
 
-TEST(Pressures, WithoutYTheyLieOnAllOfTheWidth) {
+TEST(Pressures, WithoutYTheyActOnTheWholeWidth) {
   PressureParameters p = plain(Course::dead);
   p.y = {};
   EXPECT_NEAR(load_at(p, 0).force.z(), -5e3 * 1.2 * 2, rounding * 5e3);
 }
 
-double share(const PressureParameters& p, double time) {
+double fraction(const PressureParameters& p, double time) {
   return load_at(p, time).force.z() / load_at(plain(Course::dead), 0).force.z();
 }
 
 TEST(Pressures, Courses) {
   PressureParameters rise = plain(Course::rise);
   rise.begin = 0.1, rise.duration = 0.4;
-  EXPECT_EQ(share(rise, 0.1), 0);
-  EXPECT_NEAR(share(rise, 0.2), (1 - std::cos(std::numbers::pi / 4)) / 2, rounding);
-  EXPECT_NEAR(share(rise, 0.3), 0.5, rounding);
-  EXPECT_NEAR(share(rise, 0.5), 1, rounding);
-  EXPECT_NEAR(share(rise, 7), 1, rounding);
+  EXPECT_EQ(fraction(rise, 0.1), 0);
+  EXPECT_NEAR(fraction(rise, 0.2), (1 - std::cos(std::numbers::pi / 4)) / 2, rounding);
+  EXPECT_NEAR(fraction(rise, 0.3), 0.5, rounding);
+  EXPECT_NEAR(fraction(rise, 0.5), 1, rounding);
+  EXPECT_NEAR(fraction(rise, 7), 1, rounding);
   rise.duration = 0;
-  EXPECT_EQ(share(rise, 0.09), 0);
-  EXPECT_NEAR(share(rise, 0.11), 1, rounding);
+  EXPECT_EQ(fraction(rise, 0.09), 0);
+  EXPECT_NEAR(fraction(rise, 0.11), 1, rounding);
 
   PressureParameters pulse = plain(Course::pulse);
   pulse.begin = 0.1, pulse.duration = 0.4;
-  EXPECT_EQ(share(pulse, 0.05), 0);
-  EXPECT_NEAR(share(pulse, 0.2), 0.5, rounding);
-  EXPECT_NEAR(share(pulse, 0.3), 1, rounding);
-  EXPECT_EQ(share(pulse, 0.6), 0);
+  EXPECT_EQ(fraction(pulse, 0.05), 0);
+  EXPECT_NEAR(fraction(pulse, 0.2), 0.5, rounding);
+  EXPECT_NEAR(fraction(pulse, 0.3), 1, rounding);
+  EXPECT_EQ(fraction(pulse, 0.6), 0);
 
   PressureParameters sine = plain(Course::harmonic);
   sine.begin = 0.1, sine.frequency = 2;
-  EXPECT_EQ(share(sine, 0.05), 0);
-  EXPECT_NEAR(share(sine, 0.1 + 1.0 / 24), 0.5, rounding);
-  EXPECT_NEAR(share(sine, 0.1 + 3.0 / 8), -1, rounding);
+  EXPECT_EQ(fraction(sine, 0.05), 0);
+  EXPECT_NEAR(fraction(sine, 0.1 + 1.0 / 24), 0.5, rounding);
+  EXPECT_NEAR(fraction(sine, 0.1 + 3.0 / 8), -1, rounding);
 }
 
-TEST(Pressures, TablesAreLinearAndHoldAtTheirEnds) {
+TEST(Pressures, TablesAreLinearAndConstantBeyondTheirEnds) {
   const std::string path = testing::TempDir() + "pressures_test.csv";
   PressureParameters p = plain(Course::table);
   p.file = path;
   std::ofstream(path) << "time_s,factor\n0.1,0.5\n0.3,-1\n0.4,2\n";
-  EXPECT_NEAR(share(p, 0), 0.5, rounding);
-  EXPECT_NEAR(share(p, 0.2), -0.25, rounding);
-  EXPECT_NEAR(share(p, 0.35), 0.5, rounding);
-  EXPECT_NEAR(share(p, 1), 2, rounding);
+  EXPECT_NEAR(fraction(p, 0), 0.5, rounding);
+  EXPECT_NEAR(fraction(p, 0.2), -0.25, rounding);
+  EXPECT_NEAR(fraction(p, 0.35), 0.5, rounding);
+  EXPECT_NEAR(fraction(p, 1), 2, rounding);
   std::ofstream(path) << "time_s,factor\n";
   EXPECT_THROW(p.table(), InputError);
   std::remove(path.c_str());
 }
 
-TEST(Pressures, ThoseThatMoveTakeTheirForceAlongAndLeaveItBesideTheTop) {
+TEST(Pressures, MovingOnesActOnlyWithinTheTop) {
   PressureParameters p = plain(Course::table);
   p.course = Course::harmonic, p.frequency = 0.25, p.speed = 2;  // 1 at 1 s
-  const Load amid = load_at(p, 1);
-  EXPECT_NEAR(amid.middle, 3.7, rounding);
-  EXPECT_NEAR(amid.force.z(), -5e3 * 1.32, rounding * 5e3);
+  const Load inside = load_at(p, 1);
+  EXPECT_NEAR(inside.middle, 3.7, rounding);
+  EXPECT_NEAR(inside.force.z(), -5e3 * 1.32, rounding * 5e3);
   p.frequency = 1.0 / (4 * 2.15);  // 1 at 2.15 s: half of it is beyond 6 m
   EXPECT_NEAR(load_at(p, 2.15).force.z(), -5e3 * 0.66, 1e-9);
   p.frequency = 1.0 / 12;  // 1 at 3 s
   EXPECT_EQ(load_at(p, 3).force.norm(), 0);
 }
 
-TEST(Pressures, OnATopWithoutEndsTheyComeInAgain) {
+TEST(Pressures, OnAPeriodicTopTheyEnterAgain) {
   PressureParameters p = plain(Course::table);
   p.course = Course::harmonic, p.speed = 2;
   for (const double time : {2.15, 3.0, 5.0, 40.0}) {
     p.frequency = 1 / (4 * time);  // 1 now
     EXPECT_NEAR(load_at(p, time, true).force.z(), -5e3 * 1.32, 1e-8) << time;
   }
-  p.frequency = 1.0 / 12;  // 6 m on: where it began
+  p.frequency = 1.0 / 12;  // after 6 m: at its start
   EXPECT_NEAR(load_at(p, 3, true).middle, 1.7, 1e-9);
-  p.x = {-8, 5}, p.frequency = 1.0 / 4;  // longer than the top, which has two of most of it
+  p.x = {-8, 5}, p.frequency = 1.0 / 4;  // longer than the top, two images on most of it
   EXPECT_NEAR(load_at(p, 1, true).force.z(), -5e3 * 13 * 1.1, 1e-8);
 }
 
-TEST(Pressures, OneThatStandsBesideTheTopIsRefused) {
+TEST(Pressures, AFixedOneOutsideOfTheTopIsRefused) {
   PressureParameters p = plain(Course::dead);
   p.x = {7, 8};
   EXPECT_THROW(Pressures(par::Comm::world(), plate(), false, {p}), InputError);

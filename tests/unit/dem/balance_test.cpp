@@ -1,11 +1,11 @@
-// The split over ranks: it may change at any time and by any weights without changing a bit or
-// losing anything, it follows the work, and particles of very different size share it.
+// The partition over ranks: it may change at any time and by any weights without affecting results
+// or losing particles, it follows the work, and it includes particles of very different size.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
-#include "dem/grid.hpp"
+#include "dem/search/grid.hpp"
 #include "support/scene.hpp"
 #include "trackbed/geom/stone.hpp"
 #include "trackbed/par/partition.hpp"
@@ -23,7 +23,7 @@ dem::ContactLaw rough() {
   return law;
 }
 
-constexpr std::int64_t many = 1000000;  // particles, so that their number bounds no grid
+constexpr std::int64_t many = 1000000;  // particles, so that their number does not limit the grid
 
 // A skewed block with rounded edges, of about unit size.
 dem::Template stone() {
@@ -65,7 +65,7 @@ struct Heap {
     for (int k = 0; k < windows; ++k) particles.advance(50 * dt, 50);
     EXPECT_EQ(particles.trouble(), "");
   }
-  // Every contact's keys and history, sorted.
+  // Keys and history of every contact, sorted.
   std::vector<std::array<double, 6>> records(const par::Comm& comm) const {
     const std::string path = "balance_" + std::to_string(comm.size()) + ".h5";
     {
@@ -100,7 +100,7 @@ TEST(Balance, RandomSplitsLoseNothingAndChangeNoBit) {
     EXPECT_EQ(hash, kept.particles.state_hash());
     moved.particles.repartition([&](const auto& p) { return chance(p, round); });
     EXPECT_EQ(moved.records(world), before);
-    moved.particles.advance(0, 0);  // new lists alone
+    moved.particles.advance(0, 0);  // new lists only
     EXPECT_EQ(moved.records(world), before);
     EXPECT_EQ(moved.particles.state_hash(), hash);
     const dem::Totals has = moved.particles.totals();
@@ -116,7 +116,7 @@ TEST(Balance, RebalancingChangesNoBit) {
   Heap kept(par::Comm::self()), moved(world, 1.01);
   for (int k = 0; k < 10; ++k) {
     kept.run(6), moved.run(6);
-    // An uneven split, so that there is something to mend.
+    // An uneven partition, so that there is something to improve.
     moved.particles.repartition([](const auto& p) { return p.position.x() < 0.1 ? 1e4 : 1; });
     moved.particles.advance(0, 0);
     const double uneven = moved.particles.imbalance();
@@ -160,7 +160,7 @@ TEST(Balance, MoreRanksThanParticles) {
   EXPECT_EQ(run(par::Comm::world()), run(par::Comm::self()));
 }
 
-// All touching pairs of spheres, nearest images.
+// All pairs of spheres in contact, nearest images.
 std::set<std::pair<Id, Id>> brute_force(const std::vector<dem::NewParticle>& all,
                                         const dem::Domain& domain) {
   std::set<std::pair<Id, Id>> pairs;
@@ -210,7 +210,7 @@ TEST(Split, AThinBedIsCutAcrossItsLength) {
   const double bound[] = {0.01};
   const dem::Domain domain = test::box({0, 0, 0}, {4, 0.2, 0.2});
   dem::Grid grid(domain, bound, 0.002, many);
-  const double worst = grid.share_out(std::vector<double>(grid.cells(), 1), 4);
+  const double worst = grid.partition(std::vector<double>(grid.cells(), 1), 4);
   EXPECT_LT(worst, 1.1);
   EXPECT_EQ(worst, grid.worst(std::vector<double>(grid.cells(), 1), 4));
   for (int k = 0; k < 4; ++k) {
@@ -231,7 +231,7 @@ TEST(Split, FollowsRandomWork) {
       work[c] = uniform(static_cast<std::uint64_t>(ranks), c) < 0.5 ? 0 : c % 17 * 1.0;
       sum += work[c];
     }
-    grid.share_out(work, ranks);
+    grid.partition(work, ranks);
     std::vector<double> of_rank(static_cast<std::size_t>(ranks), 0);
     dem::Lattice cells = grid.levels()[0].lattice;
     for (std::size_t c = 0; c < work.size(); ++c) {
@@ -250,7 +250,7 @@ TEST(Split, AGraphWithFewerVerticesThanPartsIsLeftToBisection) {
   EXPECT_TRUE(par::partition_graph(graph, 3).empty());
   const double bound[] = {0.05};
   dem::Grid grid(test::box({0, 0, 0}, {0.1, 0.1, 0.1}), bound, 0.0, many);
-  EXPECT_EQ(grid.share_out({1.0}, 3), 3.0);  // one rank does it all
+  EXPECT_EQ(grid.partition({1.0}, 3), 3.0);  // one rank does all the work
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-// The law of one contact, called directly: what no trajectory shows cleanly.
+// The law of one contact, called directly, for properties that trajectories do not isolate.
 #include <gtest/gtest.h>
 
-#include "dem/laws.hpp"
+#include "dem/law/laws.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::dem {
@@ -12,17 +12,19 @@ using Stretch = Triple<double>;
 constexpr Coefficients<double> elastic{
     .k_n = 1e6, .k_s = 1e6, .c_n = 0, .c_s = 0, .mu = 0.5, .least = 0, .size = 1};
 
-// Force on i at this overlap, normal along z, with a spring that has not changed its stiffness.
+// Force on i at this overlap, normal along z, with a spring of constant stiffness.
 Stretch force(const Coefficients<double>& c, const Stretch& v, double delta, double dt, Stretch& xi,
               double twist = 0) {
   const Touch<double> touch{{0, 0, 1}, v, delta, twist};
-  const auto contact = contact_force(c, touch, NormalSpring<double>{c.k_n * delta}, 1.0, dt, xi);
+  const auto contact =
+      contact_force(c, touch, NormalSpring<double>{c.k_n * delta, 0, 0}, 1.0, dt, xi);
   return contact.friction - contact.normal * touch.n;
 }
 
 TEST(ContactLaw, HistoryTurnsWithThePair) {
-  // A stretched contact whose two particles turn together about the normal: the spring turns along,
-  // a quarter turn in 1000 steps, and never becomes longer, which would be work from nothing.
+  // A stretched contact whose two particles rotate together about the normal: the spring rotates
+  // with them, a quarter turn in 1000 steps, and never becomes longer, which would be work from
+  // nothing.
   Stretch xi{1e-5, 0, 0};
   const double dt = 1e-5, quarter = 0.5 * M_PI;
   double length = 1e-5;
@@ -44,7 +46,7 @@ TEST(ContactLaw, HistoryIsBroughtIntoTheTangentPlane) {
   EXPECT_EQ(xi.x, 1e-5);
 }
 
-// Softer springs along the contact allow more, dampers less; the least of all laws counts.
+// Softer tangential springs allow larger steps, dampers smaller ones; the least of all laws counts.
 TEST(ContactLaw, SteadyStepsAreThoseOfTheWorstLaw) {
   const auto law = [](double k_s, double zeta) {
     ContactLaw c;
@@ -65,20 +67,20 @@ TEST(ContactLaw, SteadyStepsAreThoseOfTheWorstLaw) {
 
 TEST(ContactLaw, FrictionStopsAtCoulombsLimit) {
   const double normal = elastic.k_n * 1e-4;
-  Stretch xi{3e-5, 4e-5, 0};  // its spring would carry half the normal force: just at the limit
+  Stretch xi{3e-5, 4e-5, 0};  // its spring carries half the normal force: just at the limit
   const Stretch holds = force(elastic, {}, 1.0001e-4, 1e-5, xi);
   EXPECT_NEAR(std::hypot(holds.x, holds.y), 0.5 * normal, 1e-9 * normal);
   xi = {6e-5, 8e-5, 0};
   const Stretch slips = force(elastic, {}, 1e-4, 1e-5, xi);
   EXPECT_NEAR(std::hypot(slips.x, slips.y), 0.5 * normal, 1e-12 * normal);
-  EXPECT_NEAR(xi.x, 3e-5, 1e-17);  // the history is what carries exactly this force
+  EXPECT_NEAR(xi.x, 3e-5, 1e-17);  // the history is the stretch that carries exactly this force
   EXPECT_NEAR(xi.y, 4e-5, 1e-17);
   EXPECT_LT(slips.x, 0);  // against the displacement
 }
 
-// However strong the dashpot: while the contact slides the friction is the limit, and the spring is
-// stretched along the slip and no further than the limit.
-TEST(ContactLaw, ADashpotNeverWindsTheSpringAgainstTheSlip) {
+// However strong the dashpot: while the contact slides the friction is at the limit, and the spring
+// is stretched along the slip and no further than the limit.
+TEST(ContactLaw, ADashpotNeverStretchesTheSpringAgainstTheSlip) {
   Coefficients<double> c = elastic;
   c.c_s = 1e4;
   Stretch xi{};
@@ -90,7 +92,7 @@ TEST(ContactLaw, ADashpotNeverWindsTheSpringAgainstTheSlip) {
   }
 }
 
-// Hertz: F = k_s xi keeps its size while the contact grows and falls with the contact's size.
+// Hertz: F = k_s xi is constant while the contact grows and falls with the contact's size.
 TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
   Coefficients<double> c = elastic;
   c.mu = 10;
@@ -99,8 +101,8 @@ TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
   const auto at = [&](double size) {
     c.size = size, c.k_n = c.k_s = 1e6 * size;
     const Touch<double> touch{{0, 0, 1}, {}, 1e-4, 0};
-    const auto contact =
-        contact_force(c, touch, NormalSpring<double>{c.k_n * 1e-4}, kept(before, size), 1e-6, xi);
+    const auto contact = contact_force(c, touch, NormalSpring<double>{c.k_n * 1e-4, 0, 0},
+                                       kept(before, size), 1e-6, xi);
     before = size;
     return contact.friction.x;
   };
@@ -111,9 +113,9 @@ TEST(ContactLaw, TheForceOfAHertzSpringNeverGrowsByItself) {
   EXPECT_NEAR(at(4), -2.5, 1e-12);
 }
 
-// Where a Hertz contact closes or opens its spring pushes, however coarse the step, and by no more
-// than it does where the contact is as deep as it moves in two steps.
-TEST(ContactLaw, AHertzSpringPushesAtItsEnds) {
+// Where a Hertz contact closes or opens its spring is in compression for any step, and its force is
+// at most that at an overlap of two steps' travel.
+TEST(ContactLaw, AHertzSpringIsInCompressionAtItsEnds) {
   Springs<double> spring{};
   spring.k_n = 1e9, spring.hertz = 1;
   constexpr double radius = 0.01, s = 1e-6, dt = 1e-6;

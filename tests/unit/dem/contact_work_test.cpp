@@ -1,22 +1,23 @@
-// Work of one contact over closed motions: whatever a contact has been through, it never returns
-// more work than it received. The motions are prescribed, so that nothing but the law is tested.
+// Work of one contact over closed motions: for any history, it never returns more work than it
+// received. The motions are prescribed, so that only the law is tested.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 
-#include "dem/laws.hpp"
+#include "dem/law/laws.hpp"
 #include "trackbed/core/hash.hpp"
 
 namespace trackbed::dem {
 namespace {
 
 constexpr double young = 1e9, radius = 0.02, root_mass = 0.2;  // Pa, m, sqrt(kg)
-constexpr double heavy = 1e9;     // sqrt(kg): bodies that are moved as prescribed
+constexpr double heavy = 1e9;     // sqrt(kg): bodies with prescribed motion
 constexpr double deepest = 1e-4;  // m
 
-// Laws of many nu and restitutions, one half linear; a third may attract, one half resists rolling.
+// Laws of many nu and restitutions, one half linear; a third with attraction, one half with rolling
+// resistance.
 std::vector<Law> some_laws() {
   std::vector<Law> laws;
   for (std::uint64_t k = 0; k < 48; ++k) {
@@ -37,7 +38,7 @@ std::vector<Law> some_laws() {
   return laws;
 }
 
-// Sine of the whole circle cut into `steps`.
+// Sine of the whole circle divided into `steps`.
 struct Circle {
   explicit Circle(int steps) : sine(static_cast<std::size_t>(steps)) {
     for (std::size_t k = 0; k < sine.size(); ++k)
@@ -60,8 +61,8 @@ struct Course {
   }
 };
 
-// What a contact is moved by: overlap, slip in two directions, spin of one body against the other
-// about the normal, mean spin about it, rolling in two directions; its spread changes.
+// Motion of a contact: overlap, slip in two directions, relative spin of the bodies about the
+// normal, mean spin about it, rolling in two directions; its spread changes.
 enum Part : std::size_t {
   overlap,
   slip_x,
@@ -87,7 +88,7 @@ struct Loop {
   }
 };
 
-// `key`: number of the loop. Slips and turns from far below to far above what a spring carries.
+// `key`: number of the loop. Slips and rotations from far below to far above what a spring carries.
 Loop random_loop(const std::vector<Law>& laws, std::uint64_t key, bool turns) {
   Loop loop{.law = laws[key % laws.size()], .part = {}, .time = 0};
   std::uint64_t draw = 100;
@@ -104,7 +105,7 @@ Loop random_loop(const std::vector<Law>& laws, std::uint64_t key, bool turns) {
   loop.part[turning].size = turns ? 0.3 * random() : 0;
   loop.part[roll_x].size = loop.part[roll_y].size = deepest / radius * decades(3);
   loop.part[spread].size = ring;
-  // Eight in a row take the same time: they share the lanes' step.
+  // Eight in a row take the same time, so that they have the step of the lanes in common.
   const double decade = 2 * uniform(99, key / lanes) - 1;
   loop.time = 30 * root_mass / std::sqrt(young * radius) * std::pow(10.0, decade);
   return loop;
@@ -122,7 +123,7 @@ struct Response {
   Real normal{}, torsion{};
 };
 
-// What moves it in a step, from one number or eight.
+// Motion in a step, from one number or eight.
 template <class Real>
 struct Move {
   Springs<Real> springs;
@@ -131,7 +132,7 @@ struct Move {
   Real delta, rate, twisting, turning, spread;
 };
 
-// One step of the law as the kernels take it (stone_law.hpp); `dt` is a number in each of them.
+// One step of the law as in the kernels (stone_law.hpp); `dt` is a number in each of them.
 template <class Real>
 Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
   const Real weight = Real{} + root_mass, moved = Real{} + heavy, r = Real{} + radius;
@@ -153,7 +154,7 @@ Response<Real> respond(const Move<Real>& m, double dt, Contact<Real>& h) {
 const Triple<double> normal{2.0 / 7, 3.0 / 7, 6.0 / 7}, along{6.0 / 7, 2.0 / 7, -3.0 / 7},
     across{-3.0 / 7, 6.0 / 7, -2.0 / 7};
 
-// The state of a loop at a step, from which differences make moves.
+// The state of a loop at a step; moves are differences of states.
 using State = std::array<double, parts>;
 
 State state_of(const Loop& loop, const Circle& circle, std::size_t step) {
@@ -176,7 +177,7 @@ Move<double> move_of(const Loop& loop, const State& before, const State& now, do
           now[spread]};
 }
 
-// Work put into a contact in one step, J, by the trapezoid rule, and the same of absolute values.
+// Work done on a contact in one step, J, by the trapezoid rule, and the sum of absolute values.
 struct Work {
   double sum = 0, size = 0;
   void add(const Response<double>& before, const Response<double>& after, const Move<double>& m,
@@ -190,9 +191,9 @@ struct Work {
   double returned() const { return size > 0 ? -sum / size : 0; }  // > 0: more than received
 };
 
-// Runs a loop; `see` is shown every move with the contact's state and response after it.
-template <class See>
-Work run(const Loop& loop, const Circle& circle, const See& see) {
+// Runs a loop; `visit` is called for every move with the contact's state and response after it.
+template <class Visit>
+Work run(const Loop& loop, const Circle& circle, const Visit& visit) {
   Work work;
   Contact<double> contact;
   Response<double> before;
@@ -208,7 +209,7 @@ Work run(const Loop& loop, const Circle& circle, const See& see) {
     else
       contact = {};
     work.add(before, after, m, dt);
-    see(m, contact, after);
+    visit(m, contact, after);
     before = after, last = now;
   }
   return work;
@@ -216,7 +217,7 @@ Work run(const Loop& loop, const Circle& circle, const See& see) {
 
 constexpr auto nothing = [](const auto&, const auto&, const auto&) {};
 
-// Largest share of the work that comes back from nothing in `loops` loops.
+// Largest fraction of the work that is returned in excess in `loops` loops.
 double most_returned(std::uint64_t loops, int steps, bool turns) {
   const std::vector<Law> laws = some_laws();
   const Circle circle(steps);
@@ -226,7 +227,7 @@ double most_returned(std::uint64_t loops, int steps, bool turns) {
   return most;
 }
 
-// Largest share of the work gained or lost by normal forces alone without damping, of one kind.
+// Largest fraction of the work gained or lost by normal forces alone without damping, of one kind.
 double largest_error(std::uint64_t loops, int steps, bool hertz) {
   const Circle circle(steps);
   std::vector<Law> laws = some_laws();
@@ -244,16 +245,16 @@ double largest_error(std::uint64_t loops, int steps, bool hertz) {
 }
 
 // The trapezoid rule's own error: it falls with the square of the step (next test). Measured over
-// these 1e5 loops: 12.0 / steps^2 as share of all the work done; half as much again for other
-// machines' sines. A law that makes energy returns 0.1 and more.
+// these 1e5 loops: 12.0 / steps^2 as a fraction of all the work done; half as much again for other
+// machines' sines. A law that generates energy returns 0.1 and more.
 double tolerance(int steps) { return 18.0 / (steps * steps); }
 
 TEST(ContactWork, NoClosedMotionReturnsMoreThanItReceived) {
   EXPECT_LT(most_returned(100000, 96, true), tolerance(96));
 }
 
-// So nothing is left of it in the limit.
-TEST(ContactWork, WhatSeemsToBeReturnedFallsWithTheSquareOfTheStep) {
+// So it vanishes in the limit.
+TEST(ContactWork, ExcessWorkFallsWithTheSquareOfTheStep) {
   const double coarse = most_returned(10000, 48, true), middle = most_returned(10000, 96, true),
                fine = most_returned(10000, 192, true);
   EXPECT_GT(fine, 0);
@@ -262,9 +263,9 @@ TEST(ContactWork, WhatSeemsToBeReturnedFallsWithTheSquareOfTheStep) {
   EXPECT_LT((4 * fine - middle) / 3, 0.05 * fine);  // Richardson
 }
 
-// Normal forces without damping neither return nor keep work. Second order for Hertz, whose force
-// is not linear in the overlap; third for linear springs, which err only where contacts open or
-// close, by the change of speed in a step.
+// Normal forces without damping neither generate nor absorb work. Second order for Hertz, whose
+// force is not linear in the overlap; third for linear springs, which have an error only where
+// contacts open or close, by the change of speed in a step.
 TEST(ContactWork, ElasticNormalForcesReturnAllTheirWork) {
   const auto ratio = [](bool hertz) {
     return largest_error(1000, 96, hertz) / largest_error(1000, 192, hertz);
@@ -273,7 +274,7 @@ TEST(ContactWork, ElasticNormalForcesReturnAllTheirWork) {
   EXPECT_NEAR(ratio(false), 8, 1.5);
 }
 
-// Eight loops in lanes against the same one by one.
+// Eight loops in lanes compared with the same loops one by one.
 void put(Lanes& lane, std::size_t k, double value) { lane[k] = value; }
 
 void put(Triple<Lanes>& lane, std::size_t k, const Triple<double>& v) {
@@ -298,7 +299,7 @@ void put(Contact<Lanes>& to, std::size_t k, const Contact<double>& c) {
   put(to.turn, k, c.turn), put(to.size, k, c.size), put(to.ring, k, c.ring);
 }
 
-// Everything that a step changes and gives, in one row.
+// All quantities that a step changes and returns, in one row.
 template <class Real>
 std::array<Real, 17> row(const Contact<Real>& c, const Response<Real>& f) {
   return {c.xi.x,
@@ -336,7 +337,7 @@ std::vector<Record> record(const Loop& loop, const Circle& circle) {
   return all;
 }
 
-TEST(ContactWork, EightInLanesHaveTheBitsOfOne) {
+TEST(ContactWork, EightInLanesAreBitwiseIdenticalToOne) {
   const std::vector<Law> laws = some_laws();
   constexpr int steps = 48;
   const Circle circle(steps);

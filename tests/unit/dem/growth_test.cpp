@@ -1,5 +1,5 @@
-// Particles that grow in place: no bit depends on ranks, on how often lists are made, or on a stop
-// in between; they end with the size they were given.
+// Growth of particles in place: results do not depend on ranks, on the frequency of rebuilds, or on
+// a restart; in the end the particles have the specified size.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,9 +10,9 @@ namespace trackbed {
 namespace {
 
 constexpr double dt = 2e-5;         // s
-constexpr double begin_size = 0.5;  // share
+constexpr double begin_size = 0.5;  // fraction
 constexpr int windows = 200, substeps = 4;
-constexpr Id grows_from = 1;  // the first one keeps its size
+constexpr Id grows_from = 1;  // the first one has a constant size
 
 dem::ContactLaw rough() {
   dem::ContactLaw law;
@@ -22,8 +22,8 @@ dem::ContactLaw rough() {
   return law;
 }
 
-// Pebbles and stones with corners on a floor, in a box that is periodic along x and y; so heavy
-// that they press on each other within the short time they grow.
+// Pebbles and stones with corners on a floor, in a box that is periodic along x and y; heavy enough
+// to be in contact within the short time of growth.
 struct Bed {
   Surface floor = test::floor_of(3, 2);
   dem::Particles particles;
@@ -65,18 +65,18 @@ class Growth : public testing::Test {
   par::Comm world = par::Comm::world(), self = par::Comm::self();
 };
 
-TEST_F(Growth, HasTheSameBitsOnAnyRanksAndWithAnyLists) {
+TEST_F(Growth, IsBitwiseIdenticalOnAnyRanksAndWithAnyLists) {
   Bed shared(world, skin), alone(self, skin), fresh(self, 1e-5);
   shared.pour(world), alone.pour(self), fresh.pour(self);
   for (Bed* bed : {&shared, &alone, &fresh}) bed->run(0, windows + 50);
   EXPECT_EQ(shared.particles.state_hash(), alone.particles.state_hash());
   EXPECT_EQ(fresh.particles.state_hash(), alone.particles.state_hash());
-  // Or the bits above would agree because nothing depends on lists.
+  // Otherwise the results above would agree because nothing depends on lists.
   EXPECT_LT(alone.particles.rebuilds(), fresh.particles.rebuilds() / 10);
   EXPECT_GT(alone.particles.totals().contacts, alone.particles.totals().particles);
 }
 
-TEST_F(Growth, GoesOnFromACheckpoint) {
+TEST_F(Growth, ContinuesFromACheckpoint) {
   const std::string path = "growth_" + std::to_string(world.size()) + ".h5";
   Bed whole(world, skin), first(world, skin), second(world, skin);
   whole.pour(world), first.pour(world);
@@ -112,7 +112,7 @@ TEST_F(Growth, EndsAtFullSizeAndKeepsMasses) {
   for (std::size_t i = 0; i < bed.particles.size(); ++i) {
     const dem::ParticleView p = bed.particles[i];
     const auto before = small.find(p.id);
-    if (before == small.end()) continue;  // it came from another rank
+    if (before == small.end()) continue;  // it was received from another rank
     const double times = p.id < grows_from ? 1 : 1 / begin_size;
     EXPECT_DOUBLE_EQ(p.scale / before->second.scale, times) << p.id;
     EXPECT_NEAR(p.volume / before->second.volume, times * times * times, 1e-12) << p.id;

@@ -1,4 +1,4 @@
-// Held particles keep velocity and spin whatever the forces, and act on others as if they were
+// Held particles keep velocity and spin for any forces, and act on others as if they were
 // infinitely heavy; the same on any number of ranks.
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ dem::NewParticle sphere_at(Id id, const Vec3& position, const Vec3& velocity) {
   return p;
 }
 
-// A driven clump among falling spheres turns about an axis that is none of its principal ones.
+// A driven clump among falling spheres rotates about an axis that is not a principal one.
 TEST(Held, KeepsVelocityAndSpinUnderForces) {
   const Vec3 velocity(0.1, -0.05, 0.02), spin(20, -10, 30);
   dem::NewParticle driven;
@@ -74,8 +74,8 @@ TEST(Held, KeepsVelocityAndSpinUnderForces) {
   EXPECT_LT(expected.angularDistance(p.attitude), 1e-10);
 }
 
-// With a damper of the ratio x of the critical one, a collision that may pull leaves
-// exp(-pi x / sqrt(1 - x^2)) of the speed: of the other's whole mass, if one of the two is held.
+// With a damper of the ratio x of the critical one, a collision with attraction leaves exp(-pi x /
+// sqrt(1 - x^2)) of the speed, with the whole mass of the other particle if one of the two is held.
 TEST(Held, IsInfinitelyHeavyInACollision) {
   const double zeta = 0.2;
   std::vector<dem::NewParticle> all{sphere_at(0, Vec3::Zero(), Vec3::Zero()),

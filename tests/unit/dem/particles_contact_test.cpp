@@ -43,8 +43,8 @@ double energy_error(double fraction, std::uint64_t seed) {
   const double dt = fraction * std::sqrt(p[0].mass / 1e6);
   const int steps = static_cast<int>(0.2 / dt);
   p.advance(steps * dt, steps);
-  EXPECT_EQ(p.totals().contacts, 0);                                       // apart again
-  EXPECT_LT((p[0].velocity - Vec3(0.5, 0, 0)).dot(Vec3(1, 0, 0)), -0.01);  // they have met
+  EXPECT_EQ(p.totals().contacts, 0);                                       // separate again
+  EXPECT_LT((p[0].velocity - Vec3(0.5, 0, 0)).dot(Vec3(1, 0, 0)), -0.01);  // they have collided
   return std::abs(p.totals().kinetic - before) / before;
 }
 
@@ -57,7 +57,7 @@ TEST(Contact, CollisionsOfClumpsKeepEnergyToSecondOrder) {
   constexpr double largest_mean = 2e-3;  // a few pebbles touch in turn; each like (dt w)^2 / 12
   EXPECT_LT(coarse / 12, largest_mean);
   const double order = std::log(coarse / fine) / std::log(4.0);
-  EXPECT_GT(order, 1.6);  // second, less what the opening and closing of contacts costs
+  EXPECT_GT(order, 1.6);  // second, less the effect of opening and closing contacts
 }
 
 TEST(Contact, FreeRotationKeepsEnergyAndMomentum) {
@@ -128,8 +128,8 @@ TEST(Contact, MomentumIsKept) {
   EXPECT_LT((p.totals().momentum - before).norm(), 1e-12);  // kg m/s, of about 1
 }
 
-// Two pairs of spheres side by side touch twice and are one neighbour of each other; the floor is a
-// neighbour of the lower one.
+// Two pairs of spheres side by side have two contacts and are one neighbour of each other; the
+// floor is a neighbour of the lower one.
 TEST(Contact, NeighboursAreCountedOnceContactsByPieces) {
   dem::Template pair;
   pair.pieces = {geom::ball({-0.6, 0, 0}, 0.5), geom::ball({0.6, 0, 0}, 0.5)};
@@ -180,7 +180,7 @@ TEST(Contact, AMissingLawIsNamed) {
   }
 }
 
-// A law's number has to fit into the byte that an entry of the list has for it.
+// A law's number must fit into the byte that a list entry has for it.
 TEST(Contact, MoreLawsThanAnEntryCanNameAreRefused) {
   dem::Physics physics;
   for (int m = 0; m < 23; ++m) {

@@ -1,5 +1,5 @@
-// The same bits on any number of ranks: each scene is run on all ranks together and on every rank
-// alone, and the hashes of the states are compared.
+// Bitwise identical results on any number of ranks: each scene is run on all ranks together and on
+// every rank alone, and the hashes of the states are compared.
 #include <gtest/gtest.h>
 
 #include "support/scene.hpp"
@@ -49,20 +49,20 @@ void expect_equal(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.totals.kinetic, b.totals.kinetic);
   EXPECT_EQ(a.totals.elastic, b.totals.elastic);
   EXPECT_EQ(a.totals.surface_force.z(), b.totals.surface_force.z());
-  EXPECT_GT(a.totals.contacts, 50);  // they have reached the floor and each other
+  EXPECT_GT(a.totals.contacts, 50);  // they have touched the floor and each other
 }
 
-TEST(Ranks, SpheresGiveTheSameBits) {
+TEST(Ranks, SpheresAreBitwiseIdentical) {
   expect_equal(pour(par::Comm::world(), false, false, false),
                pour(par::Comm::self(), false, false, false));
 }
 
-TEST(Ranks, ClumpsInAPeriodicBoxGiveTheSameBits) {
+TEST(Ranks, ClumpsInAPeriodicBoxAreBitwiseIdentical) {
   expect_equal(pour(par::Comm::world(), true, true, false),
                pour(par::Comm::self(), true, true, false));
 }
 
-TEST(Ranks, SpheresThatResistRollingGiveTheSameBits) {
+TEST(Ranks, SpheresWithRollingResistanceAreBitwiseIdentical) {
   const Outcome rolling = pour(par::Comm::world(), false, true, true, 0.2);
   expect_equal(rolling, pour(par::Comm::self(), false, true, false, 0.2));
   EXPECT_NE(rolling.hash, pour(par::Comm::world(), false, true, false).hash);
@@ -75,7 +75,7 @@ TEST(Ranks, RepartitionChangesNothing) {
 }
 
 TEST(Ranks, NodeLoadsAreExact) {
-  // Loads on a floor's nodes, summed over ranks, equal those of one rank to the bit.
+  // Loads on a floor's nodes, summed over ranks, are bitwise identical to those of one rank.
   const auto loads = [](const par::Comm& comm) {
     dem::Particles particles(comm, test::one_material(rough()), {},
                              test::box({-0.3, -0.3, -0.05}, {0.3, 0.3, 0.5}));

@@ -16,8 +16,8 @@ dem::ContactLaw rough() {
 
 constexpr double dt = 2e-5;  // s
 
-// A thrown particle that bounces, slides and rolls over a floor cut into 2 n^2 triangles.
-dem::ParticleView thrown(bool clump, int n, double half) {
+// A launched particle that bounces, slides and rolls over a floor cut into 2 n^2 triangles.
+dem::ParticleView launched(bool clump, int n, double half) {
   dem::Particles p(par::Comm::self(), test::one_material(rough()), {},
                    test::box(Vec3::Constant(-2), Vec3::Constant(2)));
   p.add_template(clump ? test::clump() : test::sphere());
@@ -37,9 +37,9 @@ dem::ParticleView thrown(bool clump, int n, double half) {
 
 TEST(Surface, TrianglesActAsOnePlane) {
   for (const bool clump : {false, true}) {
-    const dem::ParticleView whole = thrown(clump, 1, 1.9);
+    const dem::ParticleView whole = launched(clump, 1, 1.9);
     for (const int n : {7, 40}) {
-      const dem::ParticleView cut = thrown(clump, n, 0.5);
+      const dem::ParticleView cut = launched(clump, n, 0.5);
       EXPECT_LT((cut.position - whole.position).norm(), 1e-12) << n;  // m: rounding of 12,000 steps
       EXPECT_LT((cut.spin - whole.spin).norm(), 1e-9) << n;
     }
@@ -76,7 +76,7 @@ Vec3 force_at(Surface& surface, const Vec3& at) {
   return p[0].force;
 }
 
-TEST(Surface, AConvexEdgePushesOnce) {
+TEST(Surface, AConvexEdgeHasOneContact) {
   Surface bar = square_bar(0.1);
   const double delta = 1e-3, k = 2e5;
   EXPECT_NEAR(force_at(bar, {0.0999, 0, 0.12 - delta}).norm(), k * delta, 1e-6);
@@ -87,7 +87,7 @@ TEST(Surface, AConvexEdgePushesOnce) {
   EXPECT_NEAR(force_at(bar, {0.12 - delta, 0, 0}).x(), k * delta, 1e-6);
 }
 
-TEST(Surface, AConcaveEdgePushesTwice) {
+TEST(Surface, AConcaveEdgeHasTwoContacts) {
   Surface corner;
   corner.name = "corner";
   corner.position = {{0, -1, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {0, -1, 1}, {0, 1, 1}};
@@ -99,14 +99,14 @@ TEST(Surface, AConcaveEdgePushesTwice) {
   EXPECT_NEAR(force.z(), 2e5 * 2e-3, 1e-6);
 }
 
-TEST(Surface, ASlightlyBentFloorPushesOnce) {
+TEST(Surface, ASlightlyBentFloorHasOneContact) {
   Surface floor = test::floor_of(2, 0.5);
   for (Vec3& x : floor.position) x.z() = 1e-3 * std::abs(x.x());  // a valley along y
   const Vec3 force = force_at(floor, {0, 0.11, 0.0195});
   EXPECT_NEAR(force.norm(), 2e5 * 0.5e-3, 2e-2 * 100);  // within the slope's 2 %, not doubled
 }
 
-TEST(Surface, AMovingFloorCarriesTheSphereAndFeelsItsWeight) {
+TEST(Surface, AMovingFloorCarriesTheWeightOfTheSphere) {
   dem::Particles p(par::Comm::self(), test::one_material(rough()), {},
                    test::box(Vec3::Constant(-2), Vec3::Constant(2)));
   p.add_template(test::sphere());
@@ -128,11 +128,11 @@ TEST(Surface, AMovingFloorCarriesTheSphereAndFeelsItsWeight) {
   const double weight = p[0].mass * gravity;
   EXPECT_NEAR(p[0].position.z(), 2000 * rise + 0.02, 2 * weight / 2e5);
   EXPECT_NEAR(p[0].velocity.z(), rise / (10 * dt), 1e-6);
-  double felt = 0;
+  double total = 0;
   for (const NodeLoad& load : floor.load)
-    felt += static_cast<double>(load.force[2]) * floor.load_quantum / 10;
-  EXPECT_NEAR(felt, -weight, 1e-6 * weight);  // mean over the window's sub-steps
-  EXPECT_NEAR(p.surface_action().force.z() / 10, felt, 1e-10);
+    total += static_cast<double>(load.force[2]) * floor.load_quantum / 10;
+  EXPECT_NEAR(total, -weight, 1e-6 * weight);  // mean over the window's sub-steps
+  EXPECT_NEAR(p.surface_action().force.z() / 10, total, 1e-10);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
-// Resistance to rolling: what a sphere on a plane does by hand calculation, balance of moments and
-// energy, and what it must not do to blocks.
+// Rolling resistance: a sphere on a plane compared with hand calculation, balance of moments and
+// energy, and no disturbance of blocks.
 #include <gtest/gtest.h>
 
-#include "dem/couple.hpp"
+#include "dem/particles/couple.hpp"
 #include "support/stone_pairs.hpp"
 #include "support/stones.hpp"
 
@@ -45,7 +45,7 @@ struct Slope {
 
 constexpr double r = 0.02;  // m
 
-// A sphere that just touches the slope.
+// A sphere in contact with the slope without overlap.
 dem::NewParticle at_rest(double slope) {
   dem::NewParticle one;
   one.position = r * Vec3(slope, 0, 1) / std::hypot(1, slope) + Vec3(0.01, 0.007, -0.01 * slope);
@@ -58,7 +58,7 @@ dem::NewParticle rolling_at(double v) {
   return one;
 }
 
-// Both for linear springs and for Hertz's.
+// For linear and for Hertz springs.
 class RollingLaw : public testing::TestWithParam<bool> {
  protected:
   dem::Physics physics(dem::ContactLaw law) const {
@@ -70,12 +70,12 @@ class RollingLaw : public testing::TestWithParam<bool> {
 };
 
 TEST(Rolling, ASphereStopsWhereTheMomentHasUsedItsEnergy) {
-  // (m + I / r^2) dv/dt = -mu_r m g, I = 2/5 m r^2: the way is 7/5 v^2 / (2 mu_r g).
-  const double v = 0.3, way = 1.4 * v * v / (2 * mu_r * gravity);
+  // (m + I / r^2) dv/dt = -mu_r m g, I = 2/5 m r^2: the distance is 7/5 v^2 / (2 mu_r g).
+  const double v = 0.3, distance = 1.4 * v * v / (2 * mu_r * gravity);
   Slope scene(rolling(), test::sphere(r), rolling_at(v));
   const double start = scene.p[0].position.x(), x = scene.x_after(1.5);
-  constexpr double margin = 2e-3;  // of the way: the first contact, and the springs wound up
-  EXPECT_NEAR(x - start, way, margin * way);
+  constexpr double margin = 2e-3;  // of the distance: first contact, stretch of the springs
+  EXPECT_NEAR(x - start, distance, margin * distance);
   EXPECT_LT(scene.p[0].velocity.norm(), 1e-9);
   EXPECT_EQ(scene.x_after(0.5), x) << "it creeps";
 }
@@ -83,7 +83,7 @@ TEST(Rolling, ASphereStopsWhereTheMomentHasUsedItsEnergy) {
 TEST(Rolling, ASphereRestsOnASlopeBelowTheLimitWithoutCreep) {
   Slope scene(rolling(), test::sphere(r), at_rest(0.9 * mu_r), 0.9 * mu_r);
   const double early = scene.x_after(1), late = scene.x_after(20);
-  EXPECT_NEAR(early, at_rest(0.9 * mu_r).position.x(), 1e-4);  // m, less than the springs give
+  EXPECT_NEAR(early, at_rest(0.9 * mu_r).position.x(), 1e-4);  // m, below the springs' stretch
   EXPECT_NEAR(late, early, 1e-12);                             // m, in a million sub-steps
 }
 
@@ -95,7 +95,7 @@ TEST(Rolling, ASphereRollsDownASlopeAboveTheLimit) {
   EXPECT_NEAR(scene.x_after(seconds) - start, 0.5 * a * c * seconds * seconds, 2e-3 * a);
 }
 
-// Two spheres of unlike size that overlap, without friction: all torque is that of rolling.
+// Two spheres of different size that overlap, without friction: all torque is that of rolling.
 struct TwoSpheres {
   dem::Particles p;
   TwoSpheres(const Vec3& spin_i, const Vec3& spin_j)
@@ -146,7 +146,7 @@ dem::Particles crowd(const dem::Physics& physics) {
 
 TEST_P(RollingLaw, EnergyNeverGrows) {
   dem::ContactLaw law = rolling(0.3);
-  law.zeta_n = law.zeta_s = law.zeta_r = 0;  // friction and rolling alone take energy
+  law.zeta_n = law.zeta_s = law.zeta_r = 0;  // only friction and rolling dissipate energy
   dem::Particles p = crowd(physics(law));
   p.advance(1e-9, 1);  // some overlap from the start
   const double first = p.totals().kinetic + p.totals().elastic;
@@ -196,7 +196,7 @@ TEST_P(RollingLaw, AngularMomentumIsKept) {
 INSTANTIATE_TEST_SUITE_P(Laws, RollingLaw, testing::Bool());
 
 TEST(Rolling, AManySidedStoneRollsLessFar) {
-  const auto way = [](std::uint64_t seed, double mu) {
+  const auto distance = [](std::uint64_t seed, double mu) {
     dem::NewParticle one = rolling_at(0.5);
     one.scale = 2 * r;
     Slope scene(rolling(mu), test::stone(seed, 60, 0.25), one, 0.1);
@@ -205,7 +205,7 @@ TEST(Rolling, AManySidedStoneRollsLessFar) {
   };
   double freely = 0, hindered = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    freely += way(seed, 0), hindered += way(seed, 0.3);
+    freely += distance(seed, 0), hindered += distance(seed, 0.3);
   }
   EXPECT_GT(freely, 5 * 0.3);  // m
   EXPECT_LT(hindered, 0.3 * freely);
@@ -234,24 +234,24 @@ TEST(Rolling, ACoupleOnATriangleIsTheMomentAndWorksOnItsSpin) {
   const dem::Couple couple(s, 0, 0);
   EXPECT_LT((couple.spin() - spin).norm(), 1e-14);
   const auto forces = couple.forces(moment);
-  Vec3 sum = Vec3::Zero(), felt = Vec3::Zero();
+  Vec3 sum = Vec3::Zero(), resultant = Vec3::Zero();
   double work = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    sum += forces[k], felt += s.position[k].cross(forces[k]);
+    sum += forces[k], resultant += s.position[k].cross(forces[k]);
     work += forces[k].dot(s.motion[k]);
   }
   EXPECT_LT(sum.norm(), 1e-13);
-  EXPECT_LT((felt - moment).norm(), 1e-14);
+  EXPECT_LT((resultant - moment).norm(), 1e-14);
   EXPECT_NEAR(work, moment.dot(spin), 1e-13);
 }
 
-TEST(Rolling, TheFloorFeelsTheMoment) {
+TEST(Rolling, TheFloorGetsTheOppositeMoment) {
   for (const bool stone : {false, true}) {
     dem::NewParticle one = rolling_at(0.2);
     one.scale = stone ? 2 * r : 1;
     Slope scene(rolling(), stone ? test::stone(1, 60, 0.1) : test::sphere(r), one);
     scene.x_after(0.1);
-    // A stone that is thinner than the height it begins at may be on its way down.
+    // A stone that is thinner than its initial height may still be falling.
     for (int k = 0; k < 20000 && scene.p.totals().contacts == 0; ++k) scene.p.advance(dt, 1);
     scene.floor.clear_load();
     scene.p.advance(dt, 1);

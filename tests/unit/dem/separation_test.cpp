@@ -1,15 +1,15 @@
-// Distance and depth of convex cores against brute force.
+// Distance and depth of convex cores compared with brute force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "dem/features.hpp"
+#include "dem/shape/features.hpp"
 #include "support/stone_pairs.hpp"
 
 namespace trackbed {
 namespace {
 
-// A core of a random stone, box, plate, bar or point of about 1 m, turned and moved.
+// A core of a random stone, box, plate, bar or point of about 1 m, rotated and moved.
 struct Body {
   dem::Core core;
   std::vector<dem::Vec4> corners;
@@ -46,7 +46,7 @@ Body body(std::uint64_t key, const Vec3& centre) {
 }
 
 double between_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  // The distance to the second is convex along the first: thirds.
+  // The distance to the second is convex along the first: search by thirds.
   const auto from = [&](double s) {
     const Vec3 p = a + s * (b - a);
     const double t = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
@@ -60,7 +60,7 @@ double between_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   return from(0.5 * (low + high));
 }
 
-// Least distance over all features; right for cores that are apart.
+// Least distance over all features; valid for separate cores.
 double brute_distance(const Body& a, const Body& b) {
   double least = 1e300;
   for (std::size_t i = 0; i < a.corners.size(); ++i)
@@ -127,7 +127,7 @@ TEST(Separation, WidestSlabIsTheDistance) {
 }
 
 TEST(Separation, CoresThatOverlapHaveNoEmptySlab) {
-  // GJK says "apart" exactly where the separating axes do, if one of the cores has an inside.
+  // GJK finds a separation exactly where the separating axes do, if one of the cores has an inside.
   int deep = 0;
   for (std::uint64_t key = 0; key < 600; ++key) {
     const Body a = body(key % 2 ? 5 * key : 5 * key + 4, Vec3::Zero());
@@ -141,7 +141,7 @@ TEST(Separation, CoresThatOverlapHaveNoEmptySlab) {
   EXPECT_GT(deep, 100);
 }
 
-TEST(Separation, SeparatingAxisIsTheSmallestWayOut) {
+TEST(Separation, SeparatingAxisIsTheSmallestSeparation) {
   int deep = 0;
   for (std::uint64_t key = 0; key < 300; ++key) {
     const Body a = body(key % 2 ? 5 * key : 5 * key + 4, Vec3::Zero());
@@ -151,7 +151,7 @@ TEST(Separation, SeparatingAxisIsTheSmallestWayOut) {
     ++deep;
     const double brute = brute_width(a, b);
     EXPECT_GE(slab.width, brute - 1e-12) << key;
-    EXPECT_NEAR(slab.width, brute, 1e-5) << key;  // what the refinement of directions reaches
+    EXPECT_NEAR(slab.width, brute, 1e-5) << key;  // accuracy of the refinement of directions
     for (dem::Vec4& c : b.corners) c.set(c.vec3() + (1e-9 - slab.width) * slab.normal);
     EXPECT_GT(dem::slab_width(a.placed(), b.placed(), slab.normal), 0) << key;
   }

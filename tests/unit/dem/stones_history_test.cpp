@@ -1,4 +1,4 @@
-// Friction between stones: its history through a change of features, torsion of faces, rest.
+// Friction between stones: its history through a change of features, torsion of faces, equilibrium.
 #include <gtest/gtest.h>
 
 #include "support/stone_pairs.hpp"
@@ -9,34 +9,34 @@ namespace {
 constexpr double k = 1e6;      // N/m
 constexpr double size = 0.04;  // m
 constexpr double r = test::rounding * size;
-constexpr double heavy = 1e15;  // times the mass of a stone: does not move
+constexpr double heavy = 1e15;  // times the mass of a stone: fixed
 
 dem::Template fixed(dem::Template t) {
   t.volume *= heavy;
   return t;
 }
 
-// Stones of one material; a press that pushes them softly, so that its force hardly changes.
-struct Press {
+// Stones of one material; a soft ball that loads them, so that its force hardly changes.
+struct SoftLoad {
   double stiffness = 100;  // N/m
   double depth = 0.01;     // m
 };
 
-dem::Physics rough(double friction, double zeta, const Press& press = {}) {
+dem::Physics rough(double friction, double zeta, const SoftLoad& load = {}) {
   dem::ContactLaw law;
   law.k_n = k, law.k_s = 0.8 * k;
   law.friction = friction, law.zeta_n = law.zeta_s = zeta;
   dem::Physics physics = test::one_material(law);
-  physics.materials.push_back({.name = "press"});
-  for (const char* other : {"stone", "press"}) {
-    dem::ContactLaw soft{.first = "press", .second = other};
-    soft.k_n = press.stiffness, soft.k_s = 0, soft.friction = 0;
+  physics.materials.push_back({.name = "soft"});
+  for (const char* other : {"stone", "soft"}) {
+    dem::ContactLaw soft{.first = "soft", .second = other};
+    soft.k_n = load.stiffness, soft.k_s = 0, soft.friction = 0;
     physics.laws.push_back(soft);
   }
   return physics;
 }
 
-// A box on a fixed box, pressed down on its centre by a fixed ball: a weight of k_press depth.
+// A box on a fixed box, loaded at its centre by a fixed ball: a load of k depth.
 struct Pile {
   dem::Particles p;
   double mass;  // kg, of the upper box
@@ -45,7 +45,7 @@ struct Pile {
        double zeta, double friction = 0.5)
       : p(par::Comm::self(), rough(friction, zeta), loose(),
           test::box(Vec3::Constant(-1), Vec3::Ones())) {
-    const double ball = 0.03;  // m; more than the depth of the press
+    const double ball = 0.03;  // m; more than the depth of the loading ball
     p.add_template(fixed(lower)), p.add_template(upper), p.add_template(fixed(test::sphere(ball)));
     std::vector<dem::NewParticle> all(3);
     for (int n = 0; n < 3; ++n)
@@ -54,7 +54,7 @@ struct Pile {
     all[1] = on_top;
     all[1].id = all[1].shape = 1;
     all[2].material = 1;
-    all[2].position = Vec3(0, 0, on_top.position.z() + 0.3 * size + ball - Press{}.depth);
+    all[2].position = Vec3(0, 0, on_top.position.z() + 0.3 * size + ball - SoftLoad{}.depth);
     p.add(all);
     mass = p[1].mass;
   }
@@ -86,17 +86,17 @@ dem::NewParticle lying(double gap, const Quat& attitude = Quat::Identity()) {
 }
 
 TEST(StoneRest, ABoxOnABoxComesToRest) {
-  // Dropped with a turn about the vertical, so that no feature lies on another.
+  // Dropped with a rotation about the vertical, so that no feature coincides with another.
   const Quat turn(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   Pile pile(block(), block(), lying(1e-4, turn), 0.3);
-  const double weight = Press{}.stiffness * Press{}.depth;  // N
-  const double dropped = weight * 1e-4;                     // J
+  const double weight = SoftLoad{}.stiffness * SoftLoad{}.depth;  // N
+  const double dropped = weight * 1e-4;                           // J
   double most = 0;
   for (int s = 0; s < 400; ++s) {
     pile.p.advance(50 * pile.dt(0.1), 50);
     most = std::max(most, pile.kinetic(block()));
   }
-  EXPECT_GT(most, 0.05 * dropped);  // has moved
+  EXPECT_GT(most, 0.05 * dropped);  // it has moved
   EXPECT_LT(pile.kinetic(block()), 1e-12 * dropped);
   const double up = (pile.p[1].attitude * Vec3::UnitZ()).z();
   EXPECT_NEAR(up, 1, 1e-9);  // flat
@@ -110,7 +110,7 @@ TEST(StoneRest, ATiltedBoxTiltsBack) {
     Pile pile(block(), block(), lying(lift, tilt), 0.3);
     for (int s = 0; s < 400; ++s) pile.p.advance(100 * pile.dt(0.1), 100);
     EXPECT_GT((pile.p[1].attitude * Vec3::UnitZ()).z(), 1 - 1e-9);
-    EXPECT_LT(pile.kinetic(block()), 1e-12 * Press{}.stiffness * Press{}.depth * lift);
+    EXPECT_LT(pile.kinetic(block()), 1e-12 * SoftLoad{}.stiffness * SoftLoad{}.depth * lift);
   }
 }
 
@@ -126,14 +126,14 @@ TEST(StoneFriction, FacesStopRelativeSpin) {
   }
   EXPECT_LE(largest, 5);
   EXPECT_NEAR(pile.p[1].spin.z(), 0, 1e-6);
-  // Without friction it goes on.
+  // Without friction it continues.
   Pile smooth(block(), block(), n, 0.3, 0);
   for (int s = 0; s < 600; ++s) smooth.p.advance(100 * dt, 100);
   EXPECT_GT(smooth.p[1].spin.z(), 4.9);
 }
 
-// Largest jump of the force on a stone that is thrown along another and presses on it, over the
-// largest force; how far the normal has turned.
+// Largest jump of the force on a stone that slides over another in contact, over the largest force;
+// rotation of the normal.
 struct Slide {
   double jump = 0, force = 0, friction = 0, turned = 0;
 };
@@ -153,17 +153,17 @@ Slide slide(double share, std::uint64_t seed) {
   Vec3 last = Vec3::Zero(), first = Vec3::Zero();
   for (int s = 0; s < count; ++s) {
     pile.p.advance(dt, 1);
-    Vec3 felt = Vec3::Zero();
+    Vec3 force = Vec3::Zero();
     pile.p.contacts([&](const dem::ContactView& c) {
-      if (c.first == 0 && c.second == 1) felt = -c.force;
+      if (c.first == 0 && c.second == 1) force = -c.force;
     });
-    if (felt.norm() > 0 && first.isZero()) first = felt;
-    result.jump = std::max(result.jump, (felt - last).norm());
-    result.force = std::max(result.force, felt.norm());
-    if (felt.norm() > 0)
+    if (force.norm() > 0 && first.isZero()) first = force;
+    result.jump = std::max(result.jump, (force - last).norm());
+    result.force = std::max(result.force, force.norm());
+    if (force.norm() > 0)
       result.turned =
-          std::max(result.turned, std::acos(felt.dot(first) / felt.norm() / first.norm()));
-    last = felt;
+          std::max(result.turned, std::acos(force.dot(first) / force.norm() / first.norm()));
+    last = force;
   }
   return result;
 }
@@ -172,7 +172,7 @@ TEST(StoneFriction, HistorySurvivesAChangeOfFeatures) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Slide coarse = slide(0.04, seed), fine = slide(0.01, seed);
     EXPECT_GT(coarse.turned, 0.25);            // rad
-    EXPECT_LT(fine.jump, 0.35 * coarse.jump);  // a jump of its own would not fall with the step
+    EXPECT_LT(fine.jump, 0.35 * coarse.jump);  // a real jump would not fall with the step
   }
 }
 

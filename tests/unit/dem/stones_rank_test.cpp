@@ -1,6 +1,6 @@
-// A crowd of stones, boxes, compounds and spheres pressed together by rough, damped collisions,
-// rolling resisted: the same bits on any number of ranks, with any skin, through repartitions and
-// through a checkpoint written while they touch.
+// Stones, boxes, compounds and spheres in rough, damped collisions with rolling resistance: bitwise
+// identical results on any number of ranks, with any skin, through repartitions and through a
+// checkpoint written during contact.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace {
 constexpr double dt = 2e-5;  // s, a tenth of sqrt(m/k)
 constexpr int windows = 40;
 
-// `hard`: so fast that their cores meet.
+// `hard`: so fast that their cores overlap.
 dem::Particles crowd(const par::Comm& comm, double skin, bool hard = false) {
   dem::ContactLaw law;
   law.k_n = 1e6, law.k_s = 0.8e6;
@@ -59,12 +59,12 @@ void expect_equal(const Outcome& a, const Outcome& b) {
   EXPECT_GT(a.totals.contacts, 60);
 }
 
-TEST(StoneCrowd, RanksGiveTheSameBits) {
+TEST(StoneCrowd, RanksAreBitwiseIdentical) {
   expect_equal(run(par::Comm::world()), run(par::Comm::self()));
 }
 
-// The law of cores that overlap goes by other ways than that of roundings.
-TEST(StoneCrowd, CoresInOneAnotherGiveTheSameBits) {
+// The law of overlapping cores uses other paths than that of roundings.
+TEST(StoneCrowd, OverlappingCoresAreBitwiseIdentical) {
   const auto fly = [](const par::Comm& comm, std::int64_t* deep) {
     dem::Particles p = crowd(comm, 0, true);
     for (int w = 0; w < windows; ++w) {

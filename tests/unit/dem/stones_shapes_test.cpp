@@ -1,4 +1,4 @@
-// Pairs of other pieces than polyhedra: balls, capsules, plates, and flat cores in a plane model.
+// Pairs of pieces other than polyhedra: balls, capsules, plates, and flat cores in a plane model.
 #include <gtest/gtest.h>
 
 #include "support/stone_pairs.hpp"
@@ -47,7 +47,7 @@ void expect_near(const Vec3& a, const Vec3& b, double wanted) {
 
 constexpr double delta = 0.01 * r, rounding = 1e-9 * k * delta;
 
-TEST(StoneShapes, ABallOnFaceEdgeAndCornerFeelsTheDistance) {
+TEST(StoneShapes, TheForceOnABallAtFaceEdgeAndCornerFollowsTheDistance) {
   const Vec3 half(0.5, 0.4, 0.3);
   const dem::Template box = shape_of(test::cuboid_core(half));
   // On a face at the diagonal between its triangles and beside it, on an edge, at a corner.
@@ -65,7 +65,7 @@ TEST(StoneShapes, ABallOnFaceEdgeAndCornerFeelsTheDistance) {
 TEST(StoneShapes, CrossedCapsulesTouchOnce) {
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
   const dem::Particles p = two(capsule(0.5), capsule(0.5), {0.1, 0.05, 2 * r - delta}, turn);
-  // Off the middle of both the distance is a little more: `centring`^2 / 4 of the reach at most.
+  // Off the middle of both the distance is slightly larger: `centring`^2 / 4 of the reach at most.
   constexpr double off = 0.25e-4 * 2 * r;
   EXPECT_LT(p[1].force.z(), k * delta + rounding);
   EXPECT_GT(p[1].force.z(), k * (delta - off));
@@ -89,7 +89,7 @@ TEST(StoneShapes, FlatCoresStayInTheirPlane) {
   for (int n = 0; n < 40; ++n) {
     const Quat turn(Eigen::AngleAxisd(0.157 * n, Vec3::UnitY()));
     for (const dem::Template& other : {plate(), capsule(0.4), ball()}) {
-      const double depth = n % 2 ? 0.1 : 0.55;  // the latter: cores in one another
+      const double depth = n % 2 ? 0.1 : 0.55;  // the latter: overlapping cores
       const Vec3 at = (n % 3 ? 1 : -1) * Vec3(0.1, 0, 0.3 + r - depth * r - (depth > 0.5 ? r : 0));
       dem::Particles p = two(plate(), other, at, turn, Dimension::plane);
       for (std::size_t i = 0; i < 2; ++i) {
@@ -108,7 +108,7 @@ TEST(StoneShapes, FlatCoresStayInTheirPlane) {
   }
 }
 
-TEST(StoneShapes, FlatCoresFeelTheGradient) {
+TEST(StoneShapes, TheForceOnFlatCoresIsTheGradient) {
   constexpr double step = 1e-6 * r;
   for (int n = 0; n < 60; ++n) {
     const double angle = 0.105 * n;
@@ -127,8 +127,8 @@ TEST(StoneShapes, FlatCoresFeelTheGradient) {
     const Vec3 slope(energy(step, 0, 0) - energy(-step, 0, 0),
                      energy(0, step, 0) - energy(0, -step, 0),
                      energy(0, 0, step) - energy(0, 0, -step));
-    const Vec3 felt(p[1].force.x(), p[1].force.z(), p[1].torque.y());
-    expect_near(felt, -slope / (2 * step), 1e-5 * felt.norm() + 1e-6 * k * r);
+    const Vec3 found(p[1].force.x(), p[1].force.z(), p[1].torque.y());
+    expect_near(found, -slope / (2 * step), 1e-5 * found.norm() + 1e-6 * k * r);
   }
 }
 

@@ -1,5 +1,5 @@
-// Bricks on a slope: Coulomb's friction holds them below its angle without creep, and lets them
-// slide beyond it with the acceleration that is left, alone and two upon each other.
+// Bricks on a slope: below its angle Coulomb's friction holds them without creep, above it they
+// slide with the remaining acceleration, alone and one upon the other.
 #include <gtest/gtest.h>
 
 #include "support/stones.hpp"
@@ -19,7 +19,7 @@ dem::ContactLaw rough() {
   return law;
 }
 
-// A pile of bricks on a plane that falls towards +x.
+// A pile of bricks on a plane that descends towards +x.
 struct Slope {
   dem::Particles particles;
   Surface plane;
@@ -63,14 +63,14 @@ TEST(StonesOnSlope, BelowTheAngleOfFrictionTheyStayWhereTheyAre) {
     for (int k = 0; k < count; ++k) rest.push_back(slope.along(static_cast<std::size_t>(k)));
     slope.run(1);
     for (std::size_t k = 0; k < rest.size(); ++k) {
-      EXPECT_NEAR(rest[k], 0.013, 1e-4) << k;           // m: the springs' stretch
+      EXPECT_NEAR(rest[k], 0.013, 1e-4) << k;           // m: the stretch of the springs
       EXPECT_NEAR(slope.along(k), rest[k], 1e-9) << k;  // no creep
       EXPECT_LT(slope.particles[k].velocity.norm(), 1e-9) << k;
     }
   }
 }
 
-TEST(StonesOnSlope, BeyondItTheySlideWithWhatFrictionLeaves) {
+TEST(StonesOnSlope, BeyondItTheySlideWithTheRemainingAcceleration) {
   for (const int count : {1, 2}) {
     const double degrees = 37, angle = degrees * M_PI / 180;
     const double left = gravity * (std::sin(angle) - mu * std::cos(angle));

@@ -1,5 +1,5 @@
-// Stones on surfaces: the same bits on any number of ranks, at any time of rebuild, after a
-// restart.
+// Stones on surfaces: bitwise identical results on any number of ranks, for any time of rebuild,
+// after a restart.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -55,14 +55,14 @@ std::uint64_t hash_after(const par::Comm& comm, double skin) {
   return heap.particles.state_hash();
 }
 
-TEST(StoneSurfaceRanks, TheSameBits) {
+TEST(StoneSurfaceRanks, AreBitwiseIdentical) {
   const std::uint64_t together = hash_after(par::Comm::world(), 0);
   EXPECT_EQ(together, hash_after(par::Comm::self(), 0));
-  EXPECT_EQ(together, hash_after(par::Comm::world(), 0.012));  // m, other times of rebuild
+  EXPECT_EQ(together, hash_after(par::Comm::world(), 0.012));  // m, rebuilds at other times
 }
 
 // A wedge of ground that is higher at one end, periodic along it: a stone that crosses the side
-// comes down on the other end, whenever lists were made. Stones have a speed along x.
+// lands on the other end, whenever lists were made. Stones have a speed along x.
 std::uint64_t crossing(const par::Comm& comm, double skin) {
   dem::Domain domain = test::box({-0.3, -0.3, -0.05}, {0.3, 0.3, 0.4});
   domain.periodic = {true, false, false};
@@ -84,19 +84,19 @@ std::uint64_t crossing(const par::Comm& comm, double skin) {
   EXPECT_EQ(particles.trouble(), "");
   for (std::size_t b = 0; b < particles.size(); ++b)
     furthest = std::max(furthest, particles[b].position.x());
-  EXPECT_GT(comm.max(furthest), 0.35);  // they did cross
+  EXPECT_GT(comm.max(furthest), 0.35);  // they have crossed
   EXPECT_GT(particles.totals().contacts, 5);
   return particles.state_hash();
 }
 
-TEST(StoneSurfaceRanks, CrossingAPeriodicSideGivesTheSameBitsAtAnyTimeOfRebuild) {
+TEST(StoneSurfaceRanks, CrossingAPeriodicSideIsBitwiseIdenticalAtAnyTimeOfRebuild) {
   const std::uint64_t alone = crossing(par::Comm::self(), 0);
   EXPECT_EQ(alone, crossing(par::Comm::world(), 0));
   EXPECT_EQ(alone, crossing(par::Comm::world(), 0.012));
   EXPECT_EQ(alone, crossing(par::Comm::world(), 2e-4));
 }
 
-TEST(StoneSurfaceRanks, ARestartGivesTheSameBits) {
+TEST(StoneSurfaceRanks, ARestartIsBitwiseIdentical) {
   const par::Comm world = par::Comm::world();
   const std::string path = "stones_surface_" + std::to_string(world.size()) + ".h5";
   Heap whole(world, 0, true);

@@ -1,5 +1,5 @@
 // Stones on surfaces: a face acts as one plane however it is cut; energy is kept when the closest
-// feature changes; what rests stays at rest.
+// feature changes; stones at rest stay at rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,16 +69,16 @@ double lean(const dem::ParticleView& p) {
 }
 
 TEST(StoneOnSurface, TrianglesActAsOnePlane) {
-  const auto thrown = [](int n) {
+  const auto launched = [](int n) {
     dem::NewParticle one = lying(0.03);
     one.velocity = Vec3(0.5, 0.3, -0.4), one.spin = Vec3(3, -2, 5);
     Stage stage(test::brick(half, rounding), one, test::floor_of(n, 0.8), rough(0.1));
     stage.run(0.2);
     return stage.stone();
   };
-  const dem::ParticleView whole = thrown(1);
+  const dem::ParticleView whole = launched(1);
   for (const int n : {7, 40}) {
-    const dem::ParticleView cut = thrown(n);
+    const dem::ParticleView cut = launched(n);
     EXPECT_LT((cut.position - whole.position).norm(), 1e-12) << n;  // m: rounding
     EXPECT_LT((cut.spin - whole.spin).norm(), 1e-9) << n;
   }
@@ -104,7 +104,7 @@ TEST(StoneOnSurface, ADroppedBrickComesToRestAndTiltsBack) {
 }
 
 // Relative change of energy in one elastic collision without gravity: of a face, an edge or a
-// corner of a brick, or of an irregular stone as it comes.
+// corner of a brick, or of an irregular stone in a random attitude.
 enum class Hit { face, edge, corner, stone };
 double collision(Hit hit, std::uint64_t key, double share) {
   const auto some = [&](std::uint64_t n) { return uniform(n, key) - 0.5; };
@@ -137,8 +137,9 @@ TEST(StoneOnSurface, ElasticCollisionsKeepTheirEnergy) {
     const double order = std::log(coarse[count / 2] / fine[count / 2]) / std::log(4.0);
     std::printf("hit %d: median %.2g, largest %.2g (a quarter: %.2g), order %.2f\n",
                 static_cast<int>(hit), coarse[count / 2], coarse.back(), fine.back(), order);
-    // A face that strikes all but flat rocks from one corner to the next within a sub-step: the
-    // force changes its point by (p - 1) times the way, on an effective mass of a fifth of m.
+    // A face that strikes nearly flat rocks from one corner to the next within a sub-step: the
+    // point of the force moves by (p - 1) times the displacement, on an effective mass of a fifth
+    // of m.
     EXPECT_LT(coarse[count / 2], hit == Hit::face ? 3e-3 : 5e-4);
     EXPECT_LT(coarse.back(), hit == Hit::face ? 1.5e-2 : 5e-3);
     EXPECT_LT(fine.back(), 1e-3);
@@ -151,8 +152,8 @@ TEST(StoneOnSurface, ElasticCollisionsKeepTheirEnergy) {
 double error_over_the_rim(int n, double share) {
   dem::NewParticle one;
   const dem::Template brick = test::brick(half, rounding);
-  // As deep as four equal corners carry it, so that it does not bounce on the block: many small
-  // bounces add up errors of the second order by chance.
+  // At the depth at which four equal corners carry it, so that it does not bounce on the block:
+  // many small bounces accumulate errors of the second order by chance.
   const double sunk = density * brick.volume * gravity / (std::cbrt(4.0) * elastic().k_n);
   one.position = Vec3(0.07, 0.011, 0.1 + half.z() - sunk);
   one.velocity = Vec3(0.3, 0, 0), one.attitude = Quat(1, 0, 0, 0.15).normalized();
@@ -194,7 +195,7 @@ TEST(StoneOnSurface, ABrickRestsHalfOverAnEdgeAndOnACorner) {
 }
 
 TEST(StoneOnSurface, ACornerOfTheSurfaceHoldsAFace) {
-  // A brick lies with the middle of its face on the corner of a block set on its tip.
+  // The middle of a face of a brick is on the corner of a block set on its tip.
   Surface tip = test::block_of(Vec3::Constant(0.1), 1);
   const Quat up = Quat::FromTwoVectors(Vec3::Ones(), Vec3::UnitZ());
   for (Vec3& x : tip.position) x = up * x;
@@ -207,8 +208,8 @@ TEST(StoneOnSurface, ACornerOfTheSurfaceHoldsAFace) {
   EXPECT_LT(stage.stone().torque.norm(), 1e-9);
 }
 
-TEST(StoneOnSurface, ASlidingBrickStopsWhereCoulombSays) {
-  const double v = 0.5, mu = 0.5, way = v * v / (2 * mu * gravity);
+TEST(StoneOnSurface, ASlidingBrickStopsAtCoulombsDistance) {
+  const double v = 0.5, mu = 0.5, distance = v * v / (2 * mu * gravity);
   for (const int n : {1, 40}) {
     dem::NewParticle one = lying(half.z());
     one.velocity = Vec3(v, 0, 0);
@@ -216,7 +217,7 @@ TEST(StoneOnSurface, ASlidingBrickStopsWhereCoulombSays) {
     stage.run(0.05);
     EXPECT_NEAR(stage.stone().velocity.x(), v - mu * gravity * 0.05, 0.02 * v) << n;
     stage.run(0.5);
-    EXPECT_NEAR(stage.stone().position.x() - 0.013, way, 0.02 * way) << n;
+    EXPECT_NEAR(stage.stone().position.x() - 0.013, distance, 0.02 * distance) << n;
     EXPECT_LT(stage.particles.totals().kinetic, 1e-12 * stage.stone().mass) << n;
   }
 }
@@ -230,8 +231,8 @@ TEST(StoneOnSurface, ASpinningBrickIsStopped) {
   EXPECT_LT(lean(stage.stone()), 1e-6);
 }
 
-TEST(StoneOnSurface, WhatHasBeenPressedThroughComesBack) {
-  // A core whose corners, or all of it, lie below the surface.
+TEST(StoneOnSurface, AStoneBelowTheSurfaceComesBack) {
+  // A core whose corners, or all of it, are below the surface.
   for (const double depth : {0.003, 0.02}) {
     dem::NewParticle one = lying(half.z() - depth);
     one.attitude = Quat(1, 0.1, 0.05, 0).normalized();
@@ -251,7 +252,7 @@ TEST(StoneOnSurface, WhatHasBeenPressedThroughComesBack) {
 }
 
 TEST(StoneOnSurface, ACornerThatIsLostBehindASurfaceIsReported) {
-  // Too soft for its speed: half of the brick goes through the floor.
+  // Too soft for its speed: half of the brick penetrates the floor.
   dem::NewParticle one = lying(half.z() + 0.001);
   one.attitude = Quat(1, 0.2, 0.1, 0).normalized(), one.position.z() += 0.01;
   one.velocity = Vec3(0, 0, -10);

@@ -1,5 +1,5 @@
 // Pairs of stones: the force is the gradient of the energy and continuous, momentum is kept, and
-// how a shape is written down does not matter.
+// the description of a shape does not matter.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -47,14 +47,14 @@ std::vector<dem::NewParticle> pair_at(const Vec3& second, const Quat& qa = Quat:
   return pair;
 }
 
-struct Felt {
+struct Wrenches {
   Vec3 force[2], torque[2];
   double energy;
 };
 
-// What two particles at rest in this pose feel.
-Felt feel(const dem::Template& a, const dem::Template& b,
-          const std::vector<dem::NewParticle>& pair) {
+// Wrenches of two particles at rest in this pose.
+Wrenches wrenches_of(const dem::Template& a, const dem::Template& b,
+                     const std::vector<dem::NewParticle>& pair) {
   dem::Particles p = two(a, b, pair, elastic());
   p.advance(1e-30, 1);
   return {{p[0].force, p[1].force}, {p[0].torque, p[1].torque}, p.totals().elastic};
@@ -91,13 +91,13 @@ std::vector<dem::NewParticle> overlapping(const dem::Template& a, const dem::Tem
   return pair;
 }
 
-// Largest difference of force and torque (over a length) from the slope of the energy, of the
+// Largest difference of force and torque (over a length) from the gradient of the energy, over the
 // force.
 double off_the_slope(const dem::Template& a, const dem::Template& b,
                      const std::vector<dem::NewParticle>& pair) {
   constexpr double step = 1e-5 * r;  // m; its square and the rounding of U / step are below 1e-6
-  const Felt felt = feel(a, b, pair);
-  EXPECT_GT(felt.energy, 0);
+  const Wrenches found = wrenches_of(a, b, pair);
+  EXPECT_GT(found.energy, 0);
   double off = 0;
   for (std::size_t n = 0; n < 2; ++n)
     for (int axis = 0; axis < 6; ++axis) {
@@ -111,11 +111,11 @@ double off_the_slope(const dem::Template& a, const dem::Template& b,
           moved[n].attitude =
               Quat(Eigen::AngleAxisd((side ? step : -step) / size, Vec3::Unit(axis % 3))) *
               moved[n].attitude;
-        energy[side] = feel(a, b, moved).energy;
+        energy[side] = wrenches_of(a, b, moved).energy;
       }
       const double slope = (energy[0] - energy[1]) / (2 * step);
-      const double own = axis < 3 ? felt.force[n][axis] : felt.torque[n][axis - 3] / size;
-      off = std::max(off, std::abs(own - slope) / felt.force[0].norm());
+      const double own = axis < 3 ? found.force[n][axis] : found.torque[n][axis - 3] / size;
+      off = std::max(off, std::abs(own - slope) / found.force[0].norm());
     }
   return off;
 }
@@ -138,16 +138,15 @@ TEST(StonePair, TheForceIsTheGradientOfTheEnergyWhereCoresOverlap) {
   }
 }
 
-// Largest jump of the force between poses `count` of which lie on a path through many features.
-// Where the cores touch only the energy goes on without a jump (`CoresPassIntoEachOther...`): those
-// poses are left out.
+// Largest jump of the force between `count` poses on a path through many features. Where the cores
+// touch only the energy is continuous (`CoresPassIntoEachOther...`): those poses are left out.
 double largest_jump(const dem::Template& a, const dem::Template& b, std::uint64_t key, int count) {
   const auto begin = overlapping(a, b, key);
   const Vec3 along = draw(60, key).normalized(), about = draw(70, key).normalized();
   const Vec3 n = begin[1].position.normalized();
   const Vec3 side = (along - along.dot(n) * n).normalized();
   double jump = 0;
-  Felt last = feel(a, b, begin);
+  Wrenches last = wrenches_of(a, b, begin);
   bool apart = true;
   for (int s = 1; s <= count; ++s) {
     const double t = static_cast<double>(s) / count;
@@ -156,11 +155,11 @@ double largest_jump(const dem::Template& a, const dem::Template& b, std::uint64_
     pair[1].attitude = Quat(Eigen::AngleAxisd(0.1 * t, about)) * pair[1].attitude;
     const bool apart_before = apart;
     apart = test::gap_of(a, pair[0], b, pair[1]) > -1.99 * r;
-    const Felt felt = feel(a, b, pair);
+    const Wrenches found = wrenches_of(a, b, pair);
     if (apart && apart_before)
-      jump = std::max({jump, (felt.force[0] - last.force[0]).norm(),
-                       (felt.torque[0] - last.torque[0]).norm() / size});
-    last = felt;
+      jump = std::max({jump, (found.force[0] - last.force[0]).norm(),
+                       (found.torque[0] - last.torque[0]).norm() / size});
+    last = found;
   }
   return jump;
 }
@@ -169,14 +168,14 @@ TEST(StonePair, TheForceIsContinuousAlongPaths) {
   for (std::uint64_t key = 0; key < 24; ++key) {
     const dem::Template a = shape(key), b = shape(key + 3);
     const double coarse = largest_jump(a, b, key, 50), fine = largest_jump(a, b, key, 200);
-    EXPECT_LT(fine, 0.35 * coarse) << key;  // a quarter, and what the coarse steps missed
+    EXPECT_LT(fine, 0.35 * coarse) << key;  // a quarter, and peaks that the coarse steps missed
     // A step of the path is 2 r / 50; the stiffest direction has p - 1 + n^(2/p) springs.
     EXPECT_LT(coarse, 8 * k * (2 * r + 0.1 * size) / 50) << key;
   }
 }
 
 TEST(StonePair, TheForceIsContinuousWhereEdgesBecomeParallel) {
-  // Two boxes with all edges parallel, one tilted to and fro about each axis.
+  // Two boxes with all edges parallel, one tilted in both directions about each axis.
   const dem::Template box = test::cuboid({0.5, 0.4, 0.3}), bar = test::cuboid({0.7, 0.35, 0.3});
   for (const dem::Template* other : {&box, &bar})
     for (int axis = 0; axis < 3; ++axis) {
@@ -187,7 +186,7 @@ TEST(StonePair, TheForceIsContinuousWhereEdgesBecomeParallel) {
           const double angle = 4e-4 * (2.0 * s / count - 1);
           const Quat tilt(Eigen::AngleAxisd(angle, Vec3::Unit(axis)));
           const auto pair = pair_at({0, 0, 0.6 * size - 0.05 * r}, Quat::Identity(), tilt);
-          const Vec3 torque = feel(box, *other, pair).torque[1];
+          const Vec3 torque = wrenches_of(box, *other, pair).torque[1];
           if (s > 0) jump = std::max(jump, (torque - last).norm());
           last = torque;
         }
@@ -256,28 +255,29 @@ TEST(StonePair, HowAFaceIsGivenDoesNotMatter) {
   for (std::uint64_t key = 0; key < 40; ++key) {
     const dem::Template other = key % 2 ? test::stone(key) : box;
     const auto pair = overlapping(box, other, 3 * key);
-    const Felt wanted = feel(box, other, pair);
+    const Wrenches wanted = wrenches_of(box, other, pair);
     ASSERT_GT(wanted.energy, 0);
     for (const dem::Template* same : {&more, &cut}) {
-      const Felt felt = feel(*same, other, pair);
-      EXPECT_NEAR(felt.energy, wanted.energy, 1e-9 * wanted.energy) << key << (same == &cut);
-      EXPECT_LT((felt.force[0] - wanted.force[0]).norm(), 1e-9 * wanted.force[0].norm()) << key;
-      EXPECT_LT((felt.torque[1] - wanted.torque[1]).norm(), 1e-9 * size * wanted.force[0].norm());
+      const Wrenches found = wrenches_of(*same, other, pair);
+      EXPECT_NEAR(found.energy, wanted.energy, 1e-9 * wanted.energy) << key << (same == &cut);
+      EXPECT_LT((found.force[0] - wanted.force[0]).norm(), 1e-9 * wanted.force[0].norm()) << key;
+      EXPECT_LT((found.torque[1] - wanted.torque[1]).norm(), 1e-9 * size * wanted.force[0].norm());
     }
   }
 }
 
-TEST(StonePair, DeepPenetrationGivesBackWhatWasStored) {
-  // What is left is the integrator's: where one way out takes over from another the force changes
-  // fast. The error falls with the step (a quarter of it: mean 2e-3, largest 1e-2 of 60).
+TEST(StonePair, DeepPenetrationReturnsTheStoredEnergy) {
+  // The rest is the integrator's error: where one direction of separation replaces another the
+  // force changes fast. The error falls with the step (a quarter of it: mean 2e-3, largest 1e-2 of
+  // 60).
   constexpr double mean_bound = 0.02, bound = 0.06;  // of the energy stored
   double mean = 0;
   constexpr int cases = 24;
   for (std::uint64_t key = 0; key < cases; ++key) {
     const dem::Template a = shape(key), b = shape(key + 1);
     auto pair = overlapping(a, b, key);
-    pair[1].position *= 0.6;  // cores deep in one another
-    const Felt felt = feel(a, b, pair);
+    pair[1].position *= 0.6;  // deeply overlapping cores
+    const Wrenches found = wrenches_of(a, b, pair);
     dem::Particles p = two(a, b, pair, elastic());
     const double dt = 0.02 * std::sqrt(p[0].mass / k);
     double most = 0;
@@ -286,17 +286,18 @@ TEST(StonePair, DeepPenetrationGivesBackWhatWasStored) {
       most = std::max(most, p.totals().kinetic);
     }
     EXPECT_EQ(p.totals().contacts, 0) << key;
-    EXPECT_GT(p.core_overlaps(), 10) << key;      // counted in each sub-step
-    EXPECT_GT(felt.energy, 0.5 * k * 9 * r * r);  // deeper than the roundings reach, 2 r
-    EXPECT_LT(most, (1 + bound) * felt.energy) << key;
-    EXPECT_GT(p.totals().kinetic, (1 - bound) * felt.energy) << key;
-    mean += std::abs(p.totals().kinetic / felt.energy - 1) / cases;
+    EXPECT_GT(p.core_overlaps(), 10) << key;       // counted in each sub-step
+    EXPECT_GT(found.energy, 0.5 * k * 9 * r * r);  // deeper than the roundings reach, 2 r
+    EXPECT_LT(most, (1 + bound) * found.energy) << key;
+    EXPECT_GT(p.totals().kinetic, (1 - bound) * found.energy) << key;
+    mean += std::abs(p.totals().kinetic / found.energy - 1) / cases;
   }
   EXPECT_LT(mean, mean_bound);
 }
 
-// From apart: that cores come close must be noticed on the way, with features found before.
-TEST(StonePair, CoresThatRunIntoEachOtherComeBack) {
+// Initially separate: the approach of the cores must be detected during the motion, with features
+// found before.
+TEST(StonePair, CollidingCoresSeparateAgain) {
   constexpr double bound = 0.01;  // of the energy; 4e-3 at this step, 5e-4 at a tenth of it
   constexpr int cases = 12;
   int deep = 0;
@@ -319,7 +320,7 @@ TEST(StonePair, CoresThatRunIntoEachOtherComeBack) {
     deep += p.core_overlaps() > 10;
     EXPECT_NEAR(p.totals().kinetic / before, 1, bound) << key;
   }
-  EXPECT_GE(deep, cases / 2);  // others hit off the middle and turn away
+  EXPECT_GE(deep, cases / 2);  // others collide off-centre and turn away
 }
 
 // A prism over a regular polygon.
@@ -335,7 +336,7 @@ dem::Template prism(int corners) {
 
 TEST(StonePair, FacesOfManyCornersLoseNone) {
   // Each corner of one against all triangles of the other's face: about 20 * 20 features, more than
-  // fit into a byte. One that was lost would take its energy with it.
+  // fit into a byte. A lost one would take its energy with it.
   const dem::Template a = prism(20);
   auto pair = pair_at((0.6 * size + 2 * r) * Vec3::UnitZ(), Quat::Identity(),
                       Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ())));
@@ -344,17 +345,17 @@ TEST(StonePair, FacesOfManyCornersLoseNone) {
   double work = 0, energy = 0, before = 0;
   for (int s = 1; s <= count; ++s) {
     pair[1].position.z() -= step;
-    const Felt felt = feel(a, a, pair);
-    work += 0.5 * step * (before + felt.force[1].z());
-    before = felt.force[1].z(), energy = felt.energy;
+    const Wrenches found = wrenches_of(a, a, pair);
+    work += 0.5 * step * (before + found.force[1].z());
+    before = found.force[1].z(), energy = found.energy;
   }
-  // The trapezoid is exact for a linear spring, which faces that stay parallel are.
+  // The trapezoid rule is exact for a linear spring, as for faces that stay parallel.
   EXPECT_NEAR(energy / work, 1, 1e-3);
 }
 
 TEST(StonePair, CoresPassIntoEachOtherWithoutAJumpOfEnergy) {
   constexpr double step = 1e-4 * r;  // m; by itself it changes the energy by less than `wanted`
-  constexpr double wanted = 0.01;    // of the energy; the cores are felt from 1e-3 reach apart
+  constexpr double wanted = 0.01;    // of the energy; core overlap is treated from 1e-3 reach apart
   for (std::uint64_t key = 0; key < 48; ++key) {
     const dem::Template a = shape(key), b = shape(key + 1);
     auto pair = overlapping(a, b, key);
@@ -367,14 +368,14 @@ TEST(StonePair, CoresPassIntoEachOtherWithoutAJumpOfEnergy) {
     double energy[2];
     for (int side = 0; side < 2; ++side) {
       pair[1].position = (apart + (side ? -step : step)) * along;
-      energy[side] = feel(a, b, pair).energy;
+      energy[side] = wrenches_of(a, b, pair).energy;
     }
     EXPECT_NEAR(energy[1] / energy[0], 1, wanted) << key;
   }
 }
 
-// One of nine stones, so that others come after it in its lane and in other lanes.
-TEST(StonePair, WhatIsNotANumberEndsTheRun) {
+// One of nine stones, so that others follow it in its lane and in other lanes.
+TEST(StonePair, ValuesThatAreNotNumbersEndTheRun) {
   const dem::Template a = prism(4);
   std::vector<dem::NewParticle> row(9);
   for (std::size_t n = 0; n < row.size(); ++n) {
@@ -384,7 +385,7 @@ TEST(StonePair, WhatIsNotANumberEndsTheRun) {
   row[2].velocity.x() = std::numeric_limits<double>::quiet_NaN();
   dem::Particles p = two(a, a, row, elastic());
   p.advance(1e-5, 2);
-  EXPECT_EQ(p.trouble(), "place or attitude of particle 2 is not a number: take smaller steps");
+  EXPECT_EQ(p.trouble(), "position or attitude of particle 2 is not a number: use smaller steps");
 }
 
 }  // namespace

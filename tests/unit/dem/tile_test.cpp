@@ -1,4 +1,5 @@
-// Copies of a periodic cell side by side: each feels what the cell felt and goes on as it did.
+// Copies of a periodic cell side by side: each has the forces of the cell and moves as the cell
+// did.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,7 +14,7 @@ constexpr double dt = 2e-5;      // s
 constexpr double length = 0.18;  // m, of the cell
 constexpr double k_n = 5e5;      // N/m
 constexpr std::int64_t copies = 3;
-// A place along three cells has this error, m; a contact makes it an error of force.
+// Rounding error of a position along three cells, m, which a contact converts to an error of force.
 constexpr double place = 2.2e-16 * copies * length;
 
 dem::ContactLaw rough() {
@@ -40,13 +41,14 @@ struct Bed {
     d.periodic = {ends == Ends::periodic, true, false};
     return d;
   }
-  // Pushed along x, so that many leave the cell through its end and are unwrapped behind it.
+  // With a velocity along x, so that many leave the cell through its end and have unwrapped
+  // positions beyond it.
   void pour(const par::Comm& comm, double begin) {
     particles.add_template(test::irregular(0.016, 0.0015, 1));
     particles.add_template(test::brick({0.015, 0.012, 0.009}, 0.0015));
     auto all = test::lattice({4, 4, 4}, 0.045, 1, 2);
     for (auto& p : all) {
-      p.id = 3 * p.id + 5;  // gaps, as stones leave that were taken away
+      p.id = 3 * p.id + 5;  // with gaps, as after the removal of stones
       p.position += Vec3(begin, -0.09, 0);
       p.velocity.x() += 0.7;
     }
@@ -73,11 +75,11 @@ std::map<Id, Seen> look(const dem::Particles& particles) {
   return all;
 }
 
-// The cell after it has come to rest so far that friction holds it; its file.
+// The cell after motion has ceased to such a degree that friction holds it; its file.
 class Tiling : public testing::Test {
  protected:
   static constexpr double begin = -0.07;  // m, of the cell
-  // Of force: brings the stones so near to rest that errors of rounding do not grow by sliding.
+  // Of force: brings the stones so close to rest that rounding errors do not grow by sliding.
   static constexpr double damping = 0.7;
   par::Comm world = par::Comm::world(), self = par::Comm::self();
   Bed cell{self, begin, begin + length};
@@ -105,7 +107,8 @@ class Tiling : public testing::Test {
   }
 
   void lay(const par::Comm& comm, Bed& bed, const std::map<std::string, std::string>& names = {}) {
-    // All ranks of a communicator open one file: that of rank 0, which outlives the others' use.
+    // All ranks of a communicator open one file: that of rank 0, which exists as long as the others
+    // use it.
     const std::string name = comm.broadcast(comm.root() ? path() : "");
     const dem::Tiling tiling{copies, begin, length, {0}, names};
     bed.particles.tile(io::File(comm, name, io::Mode::read), "/dem", tiling);
@@ -115,15 +118,15 @@ class Tiling : public testing::Test {
   }
 };
 
-TEST_F(Tiling, EveryCopyFeelsAndMovesAsTheCell) {
+TEST_F(Tiling, EveryCopyHasTheForcesAndMotionOfTheCell) {
   Bed bed(world, 1, 1 + copies * length);
   lay(world, bed);
   const std::map<Id, Seen> before = look(cell.particles);
   double force = 0;  // N, the largest
   for (const auto& [id, seen] : before) force = std::max(force, seen.force.norm());
-  // Right after the copying a contact has the errors of a few features' places. Later they grow,
+  // Right after copying a contact has the errors of a few features' positions. Later they grow,
   // wherever a stone still slides or rolls: to 4e-10 m in 200 steps. Without histories forces are
-  // off by up to 0.16 N at once.
+  // wrong by up to 0.16 N at once.
   for (const auto& [steps, allowed] : {std::pair{1, 50.0}, std::pair{200, 1e7}}) {
     cell.run(steps), bed.run(steps);
     const std::map<Id, Seen> one = look(cell.particles);
@@ -142,11 +145,11 @@ TEST_F(Tiling, EveryCopyFeelsAndMovesAsTheCell) {
     EXPECT_EQ(many.contacts, copies * few.contacts);
     EXPECT_NEAR(many.elastic / (copies * few.elastic), 1, steps == 1 ? 1e-9 : 1e-6);
   }
-  // The tolerance is worth something: forces are many orders of magnitude above it.
+  // The tolerance is meaningful: forces are many orders of magnitude above it.
   EXPECT_GT(force, 1e6 * 50 * place * k_n);
 }
 
-// What makes the cell a test at all: contacts across its border, stones that have left it.
+// Preconditions of the test: contacts across the cell's border, stones that have left it.
 TEST_F(Tiling, TheCellHasContactsAcrossItsBorder) {
   cell.run(1);  // contacts are known once there are lists
   int across = 0, outside = 0;
@@ -164,7 +167,7 @@ TEST_F(Tiling, TheCellHasContactsAcrossItsBorder) {
   EXPECT_GT(outside, 5);
 }
 
-// The springs of the floor's friction are found under its name here.
+// The springs of the floor's friction are assigned to its name in this run.
 TEST_F(Tiling, AFloorMayHaveAnotherName) {
   double elastic[2];
   cell.run(1);
@@ -191,7 +194,7 @@ TEST_F(Tiling, OneCopyIsTheCell) {
   EXPECT_NEAR(bed.particles.totals().elastic / cell.particles.totals().elastic, 1, 1e-9);
 }
 
-TEST_F(Tiling, TheSameBitsOnAnyNumberOfRanks) {
+TEST_F(Tiling, IsBitwiseIdenticalOnAnyNumberOfRanks) {
   for (const Ends ends : {Ends::periodic, Ends::open}) {
     Bed together(world, 0, copies * length, ends), alone(self, 0, copies * length, ends);
     lay(world, together), lay(self, alone);
@@ -200,8 +203,8 @@ TEST_F(Tiling, TheSameBitsOnAnyNumberOfRanks) {
   }
 }
 
-// A checkpoint before the first window holds the histories that wait.
-TEST_F(Tiling, ARestartGivesTheSameBits) {
+// A checkpoint before the first window contains the waiting histories.
+TEST_F(Tiling, ARestartIsBitwiseIdentical) {
   Bed whole(self, 0, copies * length), resumed(self, 0, copies * length);
   lay(self, whole);
   const std::string kept = path() + ".kept";

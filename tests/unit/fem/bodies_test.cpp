@@ -1,11 +1,11 @@
-// Solid bodies: what is exact for any mesh, and what goes through a checkpoint.
+// Solid bodies: results that are exact for any mesh, and checkpoints.
 #include "trackbed/fem/bodies.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/bodies_system.hpp"
+#include "fem/bodies/bodies_system.hpp"
 #include "unit/io/scratch.hpp"
 
 namespace trackbed::fem {
@@ -86,7 +86,7 @@ TEST(Bodies, ForcesMakeMomentumAndSpin) {
   Bodies bodies = one();
   const Vec3 force(30, -20, 50);
   const Patch corner{.x = {0.1, 0.15}, .y = {0.4, 0.5}};
-  const Bodies::Push push{bodies.over(0, Side::upper, corner), force};
+  const Bodies::PatchLoad push{bodies.over(0, Side::upper, corner), force};
   constexpr double dt = 1e-4;
   constexpr int steps = 50;
   for (int k = 0; k < steps; ++k) bodies.advance(dt, 0, std::span(&push, 1), {});
@@ -99,16 +99,17 @@ TEST(Bodies, ForcesMakeMomentumAndSpin) {
   EXPECT_LT((now.spin - spin).norm(), rounding * spin.norm());
 }
 
-TEST(Bodies, ForcesOnSurfacesCountAsPushes) {
+TEST(Bodies, SurfaceForcesActAsPointForces) {
   Bodies pushed = one(), pressed = one();
-  const Bodies::Push push{pushed.over(0, Side::lower, {.x = {0, 0}, .y = {0.5, 0.5}}), {0, 0, 40}};
+  const Bodies::PatchLoad push{pushed.over(0, Side::lower, {.x = {0, 0}, .y = {0.5, 0.5}}),
+                               {0, 0, 40}};
   std::vector<Vec3> force(pressed.surfaces()[0].nodes(), Vec3::Zero());
   std::size_t found = 0;
   for (std::size_t n = 0; n < force.size(); ++n) {
     const Vec3 at = pressed.surfaces()[0].position[n] - Vec3(1, 0, 0.3);
-    const bool amid = std::abs(at.x()) < 0.1 && std::abs(at.y() - 0.5) < 1e-9;
-    if (!amid || std::abs(at.z()) > 1e-9) continue;
-    force[n].z() = 20, ++found;  // the point lies amid two nodes
+    const bool at_middle = std::abs(at.x()) < 0.1 && std::abs(at.y() - 0.5) < 1e-9;
+    if (!at_middle || std::abs(at.z()) > 1e-9) continue;
+    force[n].z() = 20, ++found;  // the point is midway between two nodes
   }
   ASSERT_EQ(found, 2u);
   for (int k = 0; k < 20; ++k) {
@@ -120,16 +121,16 @@ TEST(Bodies, ForcesOnSurfacesCountAsPushes) {
   EXPECT_LT((pushed.motion(0).displacement - pressed.motion(0).displacement).norm(), 1e-15);
 }
 
-TEST(Bodies, WeightsOfAPatchHaveItsMiddle) {
+TEST(Bodies, WeightsOfAPatchHaveItsCentre) {
   const Bodies bodies = one();
   const Patch patch{.x = {-0.08, 0.02}, .y = {0.03, 0.4}};
   double sum = 0;
   for (const NodeWeight& one : bodies.over(0, Side::upper, patch)) sum += one.weight;
   EXPECT_NEAR(sum, 1, rounding);
-  // Turned about z, a point moves by spin x arm.
+  // In rotation about z a point moves by rotation x arm.
   Bodies turning = one();
-  const Bodies::Push there{turning.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0, 0}}),
-                           {0, 1e3, 0}};
+  const Bodies::PatchLoad there{turning.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0, 0}}),
+                                {0, 1e3, 0}};
   for (int k = 0; k < 10; ++k) turning.advance(1e-3, 0, std::span(&there, 1), {});
   const BodyMotion now = turning.motion(0);
   const Vec3 arm(-0.03, 0.215, 0.1);
@@ -139,11 +140,11 @@ TEST(Bodies, WeightsOfAPatchHaveItsMiddle) {
   EXPECT_LT((found - rigid).norm(), bends * rigid.norm());
 }
 
-TEST(Bodies, PadsPullBothAlike) {
+TEST(Bodies, PadForcesOnBothBodiesAreOpposite) {
   Bodies bodies = stack({1e6, 2e6, 5e6}, {3e3, 3e3, 4e3});
   bodies.place(Vec3::Zero());
-  const Bodies::Push push{bodies.over(1, Side::upper, {.x = {0.02, 0.1}, .y = {0.2, 0.3}}),
-                          {100, 50, -200}};
+  const Bodies::PatchLoad push{bodies.over(1, Side::upper, {.x = {0.02, 0.1}, .y = {0.2, 0.3}}),
+                               {100, 50, -200}};
   constexpr double dt = 1e-4;
   constexpr int steps = 300;
   for (int k = 0; k < steps; ++k) bodies.advance(dt, 0, std::span(&push, 1), {});
@@ -162,9 +163,9 @@ TEST(Bodies, PadsPullBothAlike) {
   }
 }
 
-// Turned about its middle by 1 rad, as small displacements have it, a pad of k N/m stores half of
-// k L^2/12; bodies that turn as a whole store nothing.
-TEST(Bodies, PadsResistTurningAsAnEvenBedding) {
+// In a rotation about its middle by 1 rad, in the theory of small displacements, a pad of k N/m
+// stores half of k L^2/12; a common rotation of both bodies stores nothing.
+TEST(Bodies, PadsResistRotationAsAUniformBedding) {
   const std::vector<BodyMesh> meshes = {{bar("lower"), 0}, {bar("upper", 0.2), 4 * 9 * 3}};
   const Vec3 stiffness(1e6, 2e6, 5e6);
   const Patch patch{.x = {-0.05, 0.12}, .y = {-0.3, 0.1}};
@@ -186,7 +187,7 @@ TEST(Bodies, PadsResistTurningAsAnEvenBedding) {
   }
 }
 
-TEST(Bodies, HeldFacesStay) {
+TEST(Bodies, FixedFacesDoNotMove) {
   BodiesParameters p;
   p.bodies = {bar()};
   p.held = {{.body = 0, .axis = 1, .low = true, .components = {true, true, true}}};
@@ -199,8 +200,8 @@ TEST(Bodies, HeldFacesStay) {
   EXPECT_LT(bodies.displacement(end).z(), 0);
 }
 
-// A cantilever that stands under a force at its end: M c / I amid elements and at their borders.
-TEST(Bodies, BendingStressIsThatOfTheMomentAtBordersToo) {
+// A cantilever under a static force at its end: M c / I in the middle of elements and at borders.
+TEST(Bodies, BendingStressFollowsFromTheMomentAlsoAtBorders) {
   BodiesParameters p;
   p.bodies = {{.name = "cantilever",
                .low = {-0.1, 0, 0},
@@ -211,8 +212,8 @@ TEST(Bodies, BendingStressIsThatOfTheMomentAtBordersToo) {
   Bodies bodies(p);
   bodies.place(Vec3::Zero());
   const double force = -5e3, length = 2.6, inertia = std::pow(0.2, 4) / 12;
-  const Bodies::Push push{bodies.over(0, Side::upper, {.x = {-0.1, 0.1}, .y = {length, length}}),
-                          {0, 0, force}};
+  const Bodies::PatchLoad push{
+      bodies.over(0, Side::upper, {.x = {-0.1, 0.1}, .y = {length, length}}), {0, 0, force}};
   for (int k = 0; k < 200; ++k) bodies.advance(1, 0, std::span(&push, 1), {});
   for (const double y : {0.65, 0.7, 1.3, 1.35, 1.9, 2.0}) {
     const double exact = force * (length - y) * 0.1 / inertia;
@@ -222,11 +223,11 @@ TEST(Bodies, BendingStressIsThatOfTheMomentAtBordersToo) {
   }
 }
 
-TEST(Bodies, StoppedAndResumedGiveTheSameBits) {
+TEST(Bodies, StoppedAndResumedIsBitwiseIdentical) {
   const par::Comm world = par::Comm::world();
   Bodies straight = one(), first = one(), second = one();
-  const Bodies::Push push{straight.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.2, 0.4}}),
-                          {100, 200, -5e3}};
+  const Bodies::PatchLoad push{straight.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.2, 0.4}}),
+                               {100, 200, -5e3}};
   const auto go = [&](Bodies& bodies, int steps) {
     for (int k = 0; k < steps; ++k) bodies.advance(2e-5, g, std::span(&push, 1), {});
   };
@@ -246,7 +247,7 @@ TEST(Bodies, StoppedAndResumedGiveTheSameBits) {
   EXPECT_EQ(straight.stress(0, {0, 0, 0}), second.stress(0, {0, 0, 0}));
 }
 
-TEST(Bodies, AnotherStepIsTakenInTheSameRun) {
+TEST(Bodies, TimeStepMayChangeWithinARun) {
   Bodies bodies = one();
   for (const double dt : {1e-3, 5e-4, 2e-3}) bodies.advance(dt, g, {}, {});
   EXPECT_NEAR(bodies.motion(0).displacement.z(), -g * 3.5e-3 * 3.5e-3 / 2, 1e-15);
@@ -255,8 +256,8 @@ TEST(Bodies, AnotherStepIsTakenInTheSameRun) {
 TEST(Bodies, TroubleNamesTheBody) {
   Bodies bodies = one();
   EXPECT_EQ(bodies.trouble(), "");
-  const Bodies::Push push{bodies.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0.5, 0.5}}),
-                          {0, 0, 1e6}};
+  const Bodies::PatchLoad push{bodies.over(0, Side::upper, {.x = {0.15, 0.15}, .y = {0.5, 0.5}}),
+                               {0, 0, 1e6}};
   for (int k = 0; k < 10; ++k) bodies.advance(1e-3, 0, std::span(&push, 1), {});
   EXPECT_NE(bodies.trouble().find("bar has turned by"), std::string::npos) << bodies.trouble();
 }
@@ -272,40 +273,41 @@ TEST(Bodies, FieldsAreOnTheFirstRank) {
   EXPECT_EQ(grid.cell_data[0].values.size(), world.root() ? 6u * 48 : 0u);
 }
 
-// A push moves other places, too, and as far as a push there would move its own (Betti).
-TEST(Bodies, PlacesMoveEachOther) {
+// A force also displaces other places, by as much as a force there displaces its own (Betti).
+TEST(Bodies, CompliancesAreReciprocal) {
   Bodies bodies = one();
   constexpr double dt = 2e-4, force = 3e3;
   const NodeWeights at = bodies.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}}),
                     there = bodies.over(0, Side::upper, {.x = {0, 0.2}, .y = {0, 0.1}});
-  const Bodies::Push push{at, {0, 0, force}};
+  const Bodies::PatchLoad push{at, {0, 0, force}};
   bodies.advance(dt, g, {}, {});
   const double rate = bodies.velocity(there).z();
-  bodies.push(std::span(&push, 1));
+  bodies.add_loads(std::span(&push, 1));
   const double gained = bodies.velocity(there).z() - rate, wanted = bodies.mobility(dt, there, at);
   EXPECT_NEAR(gained, force * wanted, rounding * std::abs(gained));
   EXPECT_NEAR(bodies.mobility(dt, at, there), wanted, rounding * std::abs(wanted));
   EXPECT_LT(std::abs(wanted), 0.9 * bodies.mobility(dt, at));
 }
 
-// What is pushed after a step counts as what was pushed in it, and moves a place as it says.
-TEST(Bodies, PushesAfterAStepAreThoseOfItsEnd) {
+// A force applied after a step acts as one applied in it, with the predicted displacement.
+TEST(Bodies, ForcesAfterAStepActAtItsEnd) {
   Bodies before = one(), after = one(), without = one();
   constexpr double dt = 2e-4, force = 3e3;
   const NodeWeights at = after.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}});
-  const Bodies::Push push{at, {0, 0, force}};
+  const Bodies::PatchLoad push{at, {0, 0, force}};
   for (Bodies* bodies : {&before, &after, &without}) bodies->advance(dt, g, {}, {});
   for (int n = 0; n < 20; ++n) {
     before.advance(dt, g, std::span(&push, 1), {});
     after.advance(dt, g, {}, {});
     if (n == 0) without.advance(dt, g, {}, {});
     const double rate = after.velocity(at).z();
-    after.push(std::span(&push, 1));
+    after.add_loads(std::span(&push, 1));
     const double gained = after.velocity(at).z() - rate;
     EXPECT_NEAR(gained, force * after.mobility(dt, at), rounding * gained);
-    if (n == 0)
+    if (n == 0) {
       EXPECT_NEAR(after.trapezoidal(dt, at).z() - without.trapezoidal(dt, at).z(), dt / 2 * gained,
                   rounding * dt * gained);
+    }
   }
   const double way = before.displacement(at).z();
   EXPECT_NEAR(after.displacement(at).z(), way, rounding * std::abs(way));
@@ -314,11 +316,11 @@ TEST(Bodies, PushesAfterAStepAreThoseOfItsEnd) {
               rounding * std::abs(way));
 }
 
-TEST(Bodies, TheTrapezoidalPlaceFollowsTheVelocities) {
+TEST(Bodies, TheTrapezoidalDisplacementFollowsTheVelocities) {
   Bodies bodies = one();
   constexpr double dt = 1e-4;
   const NodeWeights at = bodies.over(0, Side::upper, {.x = {0, 0.1}, .y = {0.1, 0.3}});
-  const Bodies::Push push{at, {0, 0, 5e3}};
+  const Bodies::PatchLoad push{at, {0, 0, 5e3}};
   bodies.advance(dt, g, {}, {});
   double place = bodies.trapezoidal(dt, at).z(), rate = bodies.velocity(at).z(), off = 0;
   for (int n = 0; n < 50; ++n) {

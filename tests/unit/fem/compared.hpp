@@ -1,4 +1,4 @@
-// Two grounds that should move alike where they have nodes at the same place.
+// Comparison of two grounds that should have equal motions at common nodes.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace trackbed::fem {
 
-// Nodal forces of a traction (Pa) on the top: each node has its share of the zones around. Of a
-// ground that has not moved: areas and places are those of the present shape.
+// Nodal forces of a traction (Pa) on the top: each node gets its fraction of the adjacent elements.
+// For a ground that has not moved: areas and positions are those of the present shape.
 using Traction = std::function<Vec3(const Vec3&)>;
-inline std::vector<Vec3> drawn(Ground& ground, const Traction& traction) {
+inline std::vector<Vec3> traction_forces(Ground& ground, const Traction& traction) {
   std::vector<Vec3> force = pressure(ground, 1);
   for (std::size_t n = 0; n < force.size(); ++n)
     force[n] = -force[n].z() * traction(ground.top().position[n]);
@@ -22,8 +22,8 @@ inline std::vector<Vec3> none(Ground& ground) {
   return std::vector<Vec3>(ground.top().nodes(), Vec3::Zero());
 }
 
-// Of the top's displacements along each axis while a wave passes: how far nodes are apart, and the
-// largest, m. 60 windows of 1 ms. Collective.
+// Top displacements along each axis while a wave passes: largest difference between nodes, and
+// largest value, m. 60 windows of 1 ms. Collective.
 struct Spread {
   double apart = 0, largest = 0;
 };
@@ -45,9 +45,9 @@ inline Spread spread_in_a_wave(const par::Comm& comm, Ground& ground) {
   return found;
 }
 
-// Largest difference of displacement, velocity and vertical stress of the own top nodes of one
-// ground and those of the whole of another, built on each rank alone, at `partner` of their place;
-// each over the largest of the own ground. Collective.
+// Largest difference of displacement, velocity and vertical stress between the own top nodes of one
+// ground and the nodes at `partner` of their positions of another one, which is built on each rank
+// alone; relative to the largest values of the own ground. Collective.
 inline double apart(const par::Comm& comm, Ground& own, Ground& whole,
                     const std::function<Vec3(const Vec3&)>& partner) {
   std::array<double, 3> largest{}, difference{};

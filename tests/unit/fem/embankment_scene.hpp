@@ -1,13 +1,13 @@
-// Embankments of sections, and how they rest.
+// Embankments of sections, and their static equilibrium.
 #pragma once
 
 #include <array>
 #include <functional>
 #include <vector>
 
-#include "fem/linear_system.hpp"
-#include "fem/stiffness.hpp"
-#include "fem/terms.hpp"
+#include "fem/boundary/terms.hpp"
+#include "fem/kernel/stiffness.hpp"
+#include "fem/solver/linear_system.hpp"
 #include "trackbed/fem/ground.hpp"
 
 namespace trackbed::fem {
@@ -16,10 +16,10 @@ namespace trackbed::fem {
 inline GroundParameters embankment() {
   GroundParameters p;
   p.x = {0, 6}, p.y = {-10, 10};
-  p.zones_x = 3, p.zones_y = 10;
-  p.layers = {{.name = "capping", .thickness = 1, .solid = {120e6, 0.3, 2000}, .zones = 1},
-              {.name = "fill", .thickness = 1, .solid = {80e6, 0.3, 1900}, .zones = 1},
-              {.name = "soil", .thickness = 2, .solid = {40e6, 0.35, 1800}, .zones = 2}};
+  p.elements_x = 3, p.elements_y = 10;
+  p.layers = {{.name = "capping", .thickness = 1, .solid = {120e6, 0.3, 2000}, .elements = 1},
+              {.name = "fill", .thickness = 1, .solid = {80e6, 0.3, 1900}, .elements = 1},
+              {.name = "soil", .thickness = 2, .solid = {40e6, 0.35, 1800}, .elements = 2}};
   p.sections = {{.x = 0, .crest = 3}};
   p.embankment_layers = 2;
   p.base = Base::fixed;
@@ -27,7 +27,7 @@ inline GroundParameters embankment() {
   return p;
 }
 
-// The same as a box: crest and foot are where the ground ends.
+// The same as a box: crest and foot are at the ends of the ground.
 inline GroundParameters upright(const std::vector<double>& y) {
   GroundParameters p = embankment();
   p.y = y;
@@ -36,24 +36,24 @@ inline GroundParameters upright(const std::vector<double>& y) {
 }
 
 // Elements of layers, for operators without a Ground.
-inline std::vector<ZoneElement> elements_of_zones(const Mesh& mesh) {
-  std::vector<ZoneElement> all;
+inline std::vector<ElementMatrices> matrices_of_elements(const Mesh& mesh) {
+  std::vector<ElementMatrices> all;
   if (mesh.imported) return all;
   for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s)
-    all.push_back(zone_element(mesh.solids.size[s], mesh.solids.solid[s], Dimension::space,
-                               PlaneState::strain));
+    all.push_back(element_matrices(mesh.solids.size[s], mesh.solids.solid[s], Dimension::space,
+                                   PlaneState::strain));
   return all;
 }
 
-// A mesh, and its displacements at rest under its weight and `force` (N, by node). Collective.
+// A mesh, and its static displacements under its weight and `force` (N, by node). Collective.
 struct Rest {
   using Force = std::function<void(const Mesh&, Nodal&)>;
   explicit Rest(const GroundParameters& p, const Force& add = {})
       : mesh(par::Comm::world(), p, Dimension::space, 1), u(3, mesh.nodes()) {
-    const Stiffness stiffness(mesh, elements_of_zones(mesh));
+    const Stiffness stiffness(mesh, matrices_of_elements(mesh));
     const Terms terms(mesh, p, stiffness);
     LinearSystem::Spec spec{std::vector<double>(mesh.solids.solid.size(), 1.0),
-                            Nodal(3, mesh.nodes()), terms.held_at_rest, p.tolerance};
+                            Nodal(3, mesh.nodes()), terms.held_static, p.tolerance};
     for (const Spring& spring : terms.springs)
       for (int c = 0; c < 3; ++c) spec.diagonal[c][spring.node] += spring.stiffness;
     Nodal force(3, mesh.nodes());
@@ -61,7 +61,7 @@ struct Rest {
     if (add) add(mesh, force);
     LinearSystem(mesh, stiffness, spec).solve(force, u);
   }
-  // m, of the node nearest to a place; the same on every rank.
+  // Displacement of the node nearest to a place, m; the same on every rank.
   Vec3 at(const Vec3& place) const {
     double least = 1e300;
     std::int32_t nearest = -1;

@@ -1,6 +1,6 @@
-// An embankment of sections: its mesh, what stands on its sides, and that it moves as a ground of
-// tetrahedra does on any number of ranks.
-#include "fem/embankment.hpp"
+// An embankment of sections: its mesh, the boundary conditions of its sides, and its motion as a
+// ground of tetrahedra on any number of ranks.
+#include "fem/mesh/embankment.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "fem/tetrahedron.hpp"
+#include "fem/shape/tetrahedron.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/pushed_top.hpp"
@@ -28,8 +28,8 @@ GroundParameters changing() {
   return p;
 }
 
-// m^3 below the top: of sections with one slope the sides are even, and the prismatoid's rule
-// (ends and four times the middle) exact between two of them.
+// Volume below the top, m^3: with one slope the sides are plane, and the prismatoid rule (ends and
+// four times the middle) is exact between two sections.
 double volume_of(const GroundParameters& p, double depth) {
   const auto area = [&](double x) {
     const CrossSection s = p.section_at(x);
@@ -58,14 +58,14 @@ TEST(Embankment, HasTheVolumeOfItsSections) {
     EXPECT_NEAR(report.top_low.y(), -widest, 1e-12);
   }
   GroundParameters half = changing();
-  half.y = {0, 10}, half.zones_y = 5;
+  half.y = {0, 10}, half.elements_y = 5;
   EXPECT_NEAR(look_at_mesh(half).volume, volume_of(changing(), 4) / 2, 1e-9);
 }
 
-// As a mesh file it would pass all checks: elements hang together, none is turned inside out, and
-// its borders lie outside.
-// Also where height and slope change together: slopes between would bend it outwards.
-TEST(Embankment, HasAFootThatGoesStraight) {
+// As a mesh file it would pass all checks: elements are connected, none is inverted, and its
+// borders are outside. Also where height and slope change together: intermediate slopes would bend
+// it outwards.
+TEST(Embankment, HasAStraightFoot) {
   GroundParameters p = embankment();
   p.y = {-7.5, 7.5};
   p.sections = {{.x = 0, .crest = 2, .height = 2.5, .slope = 2},
@@ -73,7 +73,7 @@ TEST(Embankment, HasAFootThatGoesStraight) {
   for (const double x : {0.0, 1.0, 3.0, 6.0}) EXPECT_NEAR(p.section_at(x).foot(), 7, 1e-12) << x;
   const MeshReport report = look_at_mesh(p);
   EXPECT_EQ(report.high.y(), 7.5);
-  // Widths and heights are both linear, so the embankment goes with x^2.
+  // Widths and heights are both linear, so the volume is quadratic in x.
   const auto area = [&](double x) {
     const CrossSection s = p.section_at(x);
     return s.height * (s.crest + s.foot()) + 15 * (4 - s.height);
@@ -81,15 +81,15 @@ TEST(Embankment, HasAFootThatGoesStraight) {
   EXPECT_NEAR(report.volume, 6.0 / 6 * (area(0) + 4 * area(3) + area(6)), 0.01 * report.volume);
 }
 
-TEST(Embankment, HasACrestAmidFewColumns) {
+TEST(Embankment, HasACrestWithinFewColumns) {
   GroundParameters p = embankment();
-  p.y = {-100, 10}, p.zones_y = 3;
+  p.y = {-100, 10}, p.elements_y = 3;
   const MeshReport report = look_at_mesh(p);
   EXPECT_NEAR(report.top_high.y() - report.top_low.y(), 6, 1e-12);
   EXPECT_NEAR(report.volume, volume_of(p, 4), 1e-10 * report.volume);
 }
 
-TEST(Embankment, IsAMeshThatAFileMayHold) {
+TEST(Embankment, IsAValidMeshFile) {
   for (const GroundParameters& p : {embankment(), changing(), upright({-3, 3})}) {
     const SolidMesh mesh = embankment_mesh(p);
     GmshFile file;
@@ -116,7 +116,7 @@ TEST(Embankment, IsAMeshThatAFileMayHold) {
     GroundParameters of;
     of.solids = {{"soil", {}}};
     of.borders = {{"fixed", BorderKind::fixed}, {"roller", BorderKind::roller}};
-    const SolidMesh read = solid_mesh_of(of, file);  // throws if anything is wrong
+    const SolidMesh read = solid_mesh_of(of, file);  // throws on any error
     ASSERT_EQ(read.borders.size(), mesh.borders.size());
     for (std::size_t f = 0; f < mesh.borders.size(); ++f) {
       const SolidMesh::Face &one = read.borders[f], &other = mesh.borders[f];
@@ -126,47 +126,47 @@ TEST(Embankment, IsAMeshThatAFileMayHold) {
       EXPECT_EQ(one.low, other.low);
     }
     EXPECT_EQ(read.top.size(), mesh.top.size());
-    // What is left open are slopes and natural ground: none of a box.
+    // Free faces are slopes and natural ground; a box has none.
     EXPECT_EQ(read.open.empty(), p.sections.front().slope == 0);
   }
 }
 
-// Each side what the deck says, and a quiet one is dashpots of the impedances of its directions
-// (Lysmer, Kuhlemeyer 1969), not what holds it.
-TEST(Embankment, IsHeldAsTheDeckSays) {
+// Each side has the condition of the deck; viscous sides are dashpots of the impedances of their
+// directions (Lysmer, Kuhlemeyer 1969), without constraints.
+TEST(Embankment, HasTheBoundaryConditionsOfTheDeck) {
   GroundParameters p = upright({-3, 3});
   const Elastic soil{50e6, 0.3, 2000};
   for (Layer& layer : p.layers) layer.solid = soil;
-  const std::array<BorderKind, 4> kinds = {BorderKind::roller, BorderKind::quiet, BorderKind::free,
-                                           BorderKind::fixed};
-  const std::array<Sides, 4> sides = {Sides::roller, Sides::quiet, Sides::free, Sides::fixed};
+  const std::array<BorderKind, 4> kinds = {BorderKind::roller, BorderKind::viscous,
+                                           BorderKind::free, BorderKind::fixed};
+  const std::array<Sides, 4> sides = {Sides::roller, Sides::viscous, Sides::free, Sides::fixed};
   const double modulus = 50e6 * 0.7 / (1.3 * 0.4), shear = 50e6 / 2.6;  // Pa
   for (std::size_t turn = 0; turn < 4; ++turn) {
     const auto at = [&](std::size_t side) { return (side + turn) % 4; };
     p.side_x_low = sides[at(0)], p.side_x_high = sides[at(1)];
     p.side_y_low = sides[at(2)], p.side_y_high = sides[at(3)];
-    p.base = turn % 2 == 0 ? Base::fixed : Base::quiet;
-    std::array<double, 3> quiet{};  // N s/m, along the axes
+    p.base = turn % 2 == 0 ? Base::fixed : Base::viscous;
+    std::array<double, 3> viscous{};  // N s/m, along the axes
     for (const SolidMesh::Face& face : embankment_mesh(p).borders) {
       const auto side = static_cast<std::size_t>(2 * face.axis + (face.low ? 0 : 1));
-      const BorderKind base = turn % 2 == 0 ? BorderKind::fixed : BorderKind::quiet;
+      const BorderKind base = turn % 2 == 0 ? BorderKind::fixed : BorderKind::viscous;
       EXPECT_EQ(face.holds, side == 4 ? base : kinds[at(side)]) << turn << ' ' << side;
     }
     for (std::size_t side = 0; side < 5; ++side) {
-      if (side == 4 ? turn % 2 == 0 : kinds[at(side)] != BorderKind::quiet) continue;
+      if (side == 4 ? turn % 2 == 0 : kinds[at(side)] != BorderKind::viscous) continue;
       const double area = Vec3(6 * 4, 6 * 4, 6 * 6)[side / 2];  // m^2
       for (std::size_t c = 0; c < 3; ++c)
-        quiet[c] += area * std::sqrt(soil.density * (c == side / 2 ? modulus : shear));
+        viscous[c] += area * std::sqrt(soil.density * (c == side / 2 ? modulus : shear));
     }
     const Mesh mesh(Comm::self(), p, Dimension::space, 1);
     const Terms terms(mesh, p, Stiffness(mesh, {}));
     for (int c = 0; c < 3; ++c) {
       double sum = 0;
       for (std::size_t n = 0; n < mesh.nodes(); ++n) sum += terms.damping[c][n];
-      const double exact = quiet[static_cast<std::size_t>(c)];
+      const double exact = viscous[static_cast<std::size_t>(c)];
       EXPECT_NEAR(sum, exact, 1e-9 * exact) << turn << ' ' << c;
     }
-    // What is quiet moves, what is not does as its kind says.
+    // Viscous sides move, others according to their kind.
     for (std::size_t n = 0; n < mesh.nodes(); ++n) {
       const Vec3 x = mesh.position(static_cast<std::int32_t>(n));
       const std::array<bool, 5> on = {x.x() < 1e-9, x.x() > 6 - 1e-9, x.y() < -3 + 1e-9,
@@ -176,7 +176,7 @@ TEST(Embankment, IsHeldAsTheDeckSays) {
         if (!on[side]) continue;
         const BorderKind kind = side < 4        ? kinds[at(side)]
                                 : turn % 2 == 0 ? BorderKind::fixed
-                                                : BorderKind::quiet;
+                                                : BorderKind::viscous;
         if (kind == BorderKind::fixed) held |= 7;
         if (kind == BorderKind::roller) held |= 1 << (side / 2);
       }
@@ -185,7 +185,7 @@ TEST(Embankment, IsHeldAsTheDeckSays) {
   }
 }
 
-TEST(Embankment, HasLayersAndBlocksWhereTheyAre) {
+TEST(Embankment, HasLayersAndBlocksInPlace) {
   GroundParameters p = changing();
   p.blocks = {{.name = "wedge", .outline = {0, 0, 2, 0, 2, -4, 0, -4}, .solid = {1e9, 0.2, 2200}}};
   const SolidMesh mesh = embankment_mesh(p);
@@ -196,20 +196,20 @@ TEST(Embankment, HasLayersAndBlocksWhereTheyAre) {
       nodes[k] = mesh.position[static_cast<std::size_t>(mesh.element[e][k])];
     volume[static_cast<std::size_t>(mesh.solid[e])] += tetrahedron_volume(nodes);
   }
-  // Of the first 2 m, where nothing changes yet: the block has the whole section.
+  // The first 2 m are uniform: the block has the whole section.
   EXPECT_NEAR(volume[3], 2 * (2 * (6 + 3) + 20 * 2), 1e-9);
-  // Capping keeps its metre, the fill is thinner where the height is less: its foot is that of
-  // 3 + 1.5 * 2 = 6 and 4.5 + 1.5 * 1.6 = 6.9 m.
+  // The capping layer keeps its metre, the fill is thinner where the height is smaller: its foot is
+  // at 3 + 1.5 * 2 = 6 and 4.5 + 1.5 * 1.6 = 6.9 m.
   const auto capping = [](double crest) { return 2 * crest + 1.5; };
   EXPECT_NEAR(volume[0], 4 * (capping(3) + capping(4.5)) / 2, 1e-9);
   EXPECT_NEAR(volume[0] + volume[1] + volume[2] + volume[3], look_at_mesh(p).volume, 1e-9);
   EXPECT_LT(volume[1], 4 * 2 * (6 + 4.5) / 2 * 1.01);
 }
 
-TEST(Embankment, IsItsOwnImageAndMovesSo) {
+TEST(Embankment, IsSymmetricAndMovesSymmetrically) {
   const GroundParameters p = changing();
   const SolidMesh mesh = embankment_mesh(p);
-  double far = 0;  // m, of an image from the nearest node
+  double far = 0;  // m, distance of an image from the nearest node
   for (const Vec3& at : mesh.position) {
     double least = 1;
     for (const Vec3& other : mesh.position)
@@ -226,16 +226,16 @@ TEST(Embankment, IsItsOwnImageAndMovesSo) {
   }
 }
 
-// On rollers along the axis half of it moves as the whole.
-TEST(Embankment, IsHalfOfItselfOnTheAxis) {
+// With rollers along the axis half of it moves as the whole.
+TEST(Embankment, HalfWithRollersMovesAsTheWhole) {
   GroundParameters half = changing();
-  half.y = {0, 10}, half.zones_y = 5;
+  half.y = {0, 10}, half.elements_y = 5;
   const Rest whole(changing()), one_side(half);
   for (const Vec3& place : {Vec3(2, 3, 0), Vec3(4, 0, 0), Vec3(6, 10, -2)})
     EXPECT_LT((whole.at(place) - one_side.at(place)).norm(), 1e-8 * whole.at(place).norm());
 }
 
-TEST(Embankment, SinksLessAboveAWedge) {
+TEST(Embankment, SettlesLessAboveAWedge) {
   GroundParameters p = embankment();
   const double without = Rest(p).at({0, 0, 0}).z();
   p.blocks = {{.name = "wedge", .outline = {0, 0, 4, 0, 0, -3}, .solid = {5e9, 0.2, 2000}}};
@@ -252,13 +252,13 @@ TEST(Embankment, HasTheModulusOfATableAlongTheTrack) {
   p.layers[0].young_file = fmt::format("embankment_young_{}.csv", Comm::world().size());
   if (Comm::world().root())
     std::ofstream(p.layers[0].young_file) << "x_m,young_Pa\n0,120e6\n6,12e6\n";
-  Comm::world().sum(1.0);  // no rank reads before it is written
+  Comm::world().sum(1.0);  // no rank reads before the file is written
   EXPECT_LT(Rest(p).at({6, 0, 0}).z(), 1.02 * before);
 }
 
-TEST(Embankment, HasTheSameBitsOnAnyNumberOfRanksAndAfterAStop) {
+TEST(Embankment, IsBitwiseIdenticalOnAnyNumberOfRanksAndAfterAStop) {
   GroundParameters p = changing();
-  p.base = Base::quiet, p.sides = Sides::quiet, p.rayleigh_mass = 2;
+  p.base = Base::viscous, p.sides = Sides::viscous, p.rayleigh_mass = 2;
   const Comm world = Comm::world();
   Ground alone(Comm::self(), p, Dimension::space, 1), shared(world, p, Dimension::space, 1);
   Ground second(world, p, Dimension::space, 1);
@@ -268,8 +268,8 @@ TEST(Embankment, HasTheSameBitsOnAnyNumberOfRanksAndAfterAStop) {
   EXPECT_TRUE(by_one.starts_with("a tetrahedron at x = ")) << by_one;
   const double dt = 2.5 * shared.stable_step();
   for (Ground* ground : {&alone, &shared}) {
-    ground->settle(push(ground->top(), 0));
-    for (int w = 1; w < 10; ++w) ground->advance(dt, push(ground->top(), w));
+    ground->settle(uneven_load(ground->top(), 0));
+    for (int w = 1; w < 10; ++w) ground->advance(dt, uneven_load(ground->top(), w));
   }
   const std::string path = fmt::format("embankment_on_{}.h5", world.size());
   {
@@ -281,7 +281,7 @@ TEST(Embankment, HasTheSameBitsOnAnyNumberOfRanksAndAfterAStop) {
     second.load(file, "ground");
   }
   for (Ground* ground : {&alone, &shared, &second})
-    for (int w = 10; w < 15; ++w) ground->advance(dt, push(ground->top(), w));
+    for (int w = 10; w < 15; ++w) ground->advance(dt, uneven_load(ground->top(), w));
   const std::vector<double> one = shape_of(Comm::self(), alone);
   EXPECT_EQ(one, shape_of(world, shared));
   EXPECT_EQ(one, shape_of(world, second));

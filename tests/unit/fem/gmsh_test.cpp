@@ -1,9 +1,9 @@
-// Mesh files: what is read, what is refused and in which words, and that no bytes whatever do harm.
-#include "fem/gmsh.hpp"
+// Mesh files: valid files, messages of refusals, and robustness against arbitrary bytes.
+#include "fem/mesh/gmsh.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fem/solid_mesh.hpp"
+#include "fem/mesh/solid_mesh.hpp"
 #include "trackbed/core/error.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
@@ -24,7 +24,7 @@ GroundParameters parameters() {
   return p;
 }
 
-// All sentences about a text, one per line; empty if it is a ground.
+// All messages on a text, one per line; empty if it is a valid ground.
 std::string problems(const std::string& text, const GroundParameters& p = parameters()) {
   try {
     solid_mesh_of(p, parse_gmsh(text, "box.msh"));
@@ -55,8 +55,8 @@ TEST(Gmsh, BothFormatsAreTheSameGround) {
   EXPECT_EQ(four.depth(), 1);
 }
 
-// Windows' line ends, comments between sections, a solid without a name.
-TEST(Gmsh, OddFilesAreRead) {
+// Line ends of Windows, comments between sections, a solid without a name.
+TEST(Gmsh, UnusualFilesAreRead) {
   std::string text = "$Comments\nmade by hand $Nodes\n$EndComments\n";
   for (const char c : box().text_4()) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
   EXPECT_EQ(problems(text), "");
@@ -104,7 +104,7 @@ struct Damage {
 };
 class Damaged : public ::testing::TestWithParam<Damage> {};
 
-TEST_P(Damaged, IsRefusedInWords) {
+TEST_P(Damaged, IsRefusedWithAMessage) {
   const std::string found = problems(GetParam().text);
   EXPECT_TRUE(found.starts_with("box.msh:")) << found;
   EXPECT_NE(found.find(GetParam().wanted), found.npos) << found;
@@ -115,7 +115,7 @@ TetBox turned() {
   std::swap(odd.tetrahedron[3][0], odd.tetrahedron[3][1]);
   return odd;
 }
-TetBox in_two() {  // elements of the second cell get their own nodes where the first one has some
+TetBox in_two() {  // elements of the second cell get separate nodes where the first one has some
   TetBox odd = box();
   for (std::size_t e = 6; e < 12; ++e)
     for (int& n : odd.tetrahedron[e])
@@ -152,18 +152,18 @@ TetBox inner() {
 std::vector<Damage> damages() {
   const std::string four = box().text_4(), two = box().text_2();
   return {
-      {with(four, "4.1 0 8", "4.0 0 8"), "box.msh:2: format 4.0 is not read"},
+      {with(four, "4.1 0 8", "4.0 0 8"), "box.msh:2: format 4.0 is not supported"},
       {with(four, "4.1 0 8", "4.1 1 8"), "box.msh:2: the file is binary"},
-      {"solid cube\nfacet", "box.msh:1: a section such as $Nodes should begin here"},
+      {"solid cube\nfacet", "box.msh:1: a section such as $Nodes is expected here"},
       {"\n", "has no $MeshFormat"},
       {four.substr(0, four.find("$Elements")), "has no $Elements"},
-      {four.substr(0, four.size() / 2), "ends too early; is it whole?"},
-      {with(four, "$EndNodes", "$EndNode"), "stands where $EndNodes should be"},
-      {with(two, "$Nodes\n45", "$Nodes\n4500000"), "which the rest of the file cannot hold"},
+      {four.substr(0, four.size() / 2), "ends too early; is it complete?"},
+      {with(four, "$EndNodes", "$EndNode"), "found where $EndNodes is expected"},
+      {with(two, "$Nodes\n45", "$Nodes\n4500000"), "more than the remaining file can contain"},
       {with(two, "\n2 0.5 0 -1", "\n1 0.5 0 -1"), "node 1 is given twice"},
-      {with(two, "\n2 0.5 0 -1", "\n2 nan 0 -1"), "\"nan\" stands where a coordinate should be"},
+      {with(two, "\n2 0.5 0 -1", "\n2 nan 0 -1"), "\"nan\" found where a coordinate is expected"},
       {with(two, "\n45 2 1 0", "\n46 2 1 0"), "which is not in $Nodes"},
-      {with(two, "\n21 11 2", "\n21 99 2"), "99 is no kind of element that is known here"},
+      {with(two, "\n21 11 2", "\n21 99 2"), "99 is not a known element type"},
       {with(two, "\n21 11 2 1 1", "\n21 11 2 0 1"), "element 21 is in no physical volume"},
       {with(four, "1 0 0 0 1 1 1 1 1 2 1 -2", "1 0 0 0 1 1 1 2 1 1 2 1 -2"),
        "is in more than one physical volume (and 11 more)"},
@@ -172,19 +172,19 @@ std::vector<Damage> damages() {
       {with(two, "\"soil\"", "\"soul\""), "has no physical volume \"soil\", which the deck names"},
       {with(two, "\"y0\"", "\"why\""), "\"why\" has no [[ground.border]] of that name"},
       {with(two, "\"top\"", "\"lid\""), "has no physical surface \"top\", which the deck names"},
-      {turned().text_4(), "is turned inside out or flat"},
-      {in_two().text_2(), "they are not connected: the ground has a gap there"},
-      {in_two().text_2(), "does not hang together with element"},
+      {turned().text_4(), "is inverted or flat"},
+      {in_two().text_2(), "but not connected with it: the ground has a gap there"},
+      {in_two().text_2(), "is not connected with element"},
       {loose().text_4(), "node 46 is in no tetrahedron"},
-      {sunken().text_4(), "the top must lie at z = 0"},
+      {sunken().text_4(), "the top must be at z = 0"},
       {leaning().text_4(), "of border \"x0\" is not normal to x, y or z"},
       {inner().text_4(), "is a triangle between two elements"},
-      {inner().text_4(), "is a triangle that an earlier one covers"},
+      {inner().text_4(), "is a triangle identical to an earlier one"},
   };
 }
 INSTANTIATE_TEST_SUITE_P(, Damaged, ::testing::ValuesIn(damages()));
 
-// One sentence for each kind of element, not one for each element.
+// One message for each kind of element, not for each element.
 TEST(Gmsh, LinearTetrahedraAreRefused) {
   const std::string linear =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 -1\n"
@@ -192,19 +192,17 @@ TEST(Gmsh, LinearTetrahedraAreRefused) {
       "$EndElements\n";
   const std::string found = problems(linear);
   EXPECT_NE(found.find("box.msh:14: element 1 is a 3-node triangle"), found.npos) << found;
-  EXPECT_NE(found.find("box.msh:15: element 2 is a 4-node tetrahedron, as 2 in all: linear "
+  EXPECT_NE(found.find("box.msh:15: element 2 is a 4-node tetrahedron, as are 2 in total: linear "
                        "tetrahedra lock"),
             found.npos)
       << found;
   EXPECT_EQ(std::count(found.begin(), found.end(), '\n'), 2);
 }
 
-TEST(Gmsh, AFileThatIsNotThereIsASentence) {
-  EXPECT_THROW(read_gmsh("no_such_file.msh"), InputError);
-}
+TEST(Gmsh, AMissingFileIsReported) { EXPECT_THROW(read_gmsh("no_such_file.msh"), InputError); }
 
-// Cut anywhere, or with any byte changed: a ground or a sentence that names the file.
-TEST(Gmsh, FuzzedFilesAreGroundsOrSentences) {
+// Truncated anywhere, or with any byte changed: a ground or a message that names the file.
+TEST(Gmsh, FuzzedFilesAreGroundsOrErrors) {
   std::uint64_t seed = 1;
   const auto next = [&](std::size_t below) {
     seed = seed * 6364136223846793005ull + 1442695040888963407ull;
@@ -220,13 +218,13 @@ TEST(Gmsh, FuzzedFilesAreGroundsOrSentences) {
   };
   for (const std::string& whole : {box().text_4(), box().text_2()}) {
     for (std::size_t end = 0; end < whole.size(); end += 1 + next(9)) look(whole.substr(0, end));
-    for (int round = 0; round < 1500; ++round) {
+    for (int trial = 0; trial < 1500; ++trial) {
       std::string text = whole;
       for (std::size_t flips = 1 + next(4); flips > 0; --flips)
-        text[next(text.size())] = static_cast<char>(round % 2 == 0 ? next(256) : '0' + next(10));
+        text[next(text.size())] = static_cast<char>(trial % 2 == 0 ? next(256) : '0' + next(10));
       look(text);
     }
-    for (int round = 0; round < 300; ++round) {  // pieces left out or doubled
+    for (int trial = 0; trial < 300; ++trial) {  // parts omitted or repeated
       const std::size_t from = next(whole.size()), length = next(60);
       look(whole.substr(0, from) + whole.substr(std::min(whole.size(), from + length)));
       look(whole.substr(0, from) + whole.substr(from > length ? from - length : 0));

@@ -1,4 +1,4 @@
-// A ground that is saved and loaded goes on with the same bits, on any number of ranks.
+// A ground that is saved and loaded continues bitwise identically, on any number of ranks.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ using par::Comm;
 
 GroundParameters scene() {
   GroundParameters p = box({3, 1, 1}, {13, 4, 5}, {80e6, 0.3, 1900});
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.rayleigh_stiffness = 1e-5;
   return p;
 }
@@ -39,7 +39,7 @@ std::uint64_t bits(const Comm& comm, const Ground& ground) {
 class Saved : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Saved, ::testing::Values(Dimension::plane, Dimension::space));
 
-TEST_P(Saved, GroundGoesOnWithTheSameBits) {
+TEST_P(Saved, GroundContinuesBitwiseIdentically) {
   const Comm world = Comm::world();
   const std::string path = "ground_checkpoint_on_" + std::to_string(world.size()) + ".h5";
   Ground straight(world, scene(), GetParam(), 1.0);
@@ -80,9 +80,9 @@ INSTANTIATE_TEST_SUITE_P(, SavedImplicit,
                          ::testing::Values(Integrator::newmark, Integrator::hht, Integrator::bossak,
                                            Integrator::generalized_alpha));
 
-TEST_P(SavedImplicit, GoesOnWithTheSameBits) {
-  // The next implicit step needs the acceleration and the last window's load, which no explicit one
-  // does. Same bits on the same number of ranks; the test runs on each rank alone.
+TEST_P(SavedImplicit, ContinuesBitwiseIdentically) {
+  // The next implicit step needs the acceleration and the load of the last window, an explicit one
+  // does not. Bitwise identical on the same number of ranks; the test runs on each rank separately.
   const Comm self = Comm::self();
   const std::string path = "ground_newmark_" + std::to_string(Comm::world().rank()) + ".h5";
   GroundParameters parameters = scene();

@@ -1,4 +1,4 @@
-// The deck section [ground]: what is read, what is refused and in which words.
+// The deck section [ground]: values read, and messages of refusals.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -32,10 +32,10 @@ std::string problems(const std::string& text) {
 
 constexpr const char* good = R"([ground]
 x = [0, 17]
-zones_x = 300
-zones_z = 100
-base = "quiet"
-sides = "quiet"
+elements_x = 300
+elements_z = 100
+base = "viscous"
+sides = "viscous"
 plane = "strain"
 integrator = "newmark"
 [[ground.layer]]
@@ -54,9 +54,9 @@ young = 1e9
 
 TEST(GroundDeck, IsRead) {
   const GroundParameters p = read(good);
-  EXPECT_EQ(p.zones_x, 300);
-  EXPECT_EQ(p.base, Base::quiet);
-  EXPECT_EQ(p.sides, Sides::quiet);
+  EXPECT_EQ(p.elements_x, 300);
+  EXPECT_EQ(p.base, Base::viscous);
+  EXPECT_EQ(p.sides, Sides::viscous);
   EXPECT_EQ(p.plane, PlaneState::strain);
   EXPECT_EQ(p.integrator, Integrator::newmark);
   ASSERT_EQ(p.layers.size(), 2u);
@@ -66,7 +66,7 @@ TEST(GroundDeck, IsRead) {
   EXPECT_EQ(p.blocks[0].outline.size(), 8u);
 }
 
-TEST(GroundDeck, RefusesWhatCannotBe) {
+TEST(GroundDeck, RefusesInvalidValues) {
   const std::string text = good;
   EXPECT_EQ(problems(text), "");
   std::string softer_than_nothing = text;
@@ -77,8 +77,8 @@ TEST(GroundDeck, RefusesWhatCannotBe) {
   const auto with = [&](const std::string& line) {
     return problems("[ground]\n" + line + "\n[[ground.layer]]\nthickness = 1\n");
   };
-  EXPECT_EQ(with("zones_z = 3"), "");
-  EXPECT_NE(with("zones_z = 0").find("zones_z"), std::string::npos);
+  EXPECT_EQ(with("elements_z = 3"), "");
+  EXPECT_NE(with("elements_z = 0").find("elements_z"), std::string::npos);
   EXPECT_NE(with("x = [3, 1]").find("must end beyond its begin"), std::string::npos);
   EXPECT_NE(with("x = [3]"), "");
   EXPECT_NE(with("safety = 1.2").find("safety"), std::string::npos);
@@ -94,25 +94,25 @@ TEST(GroundDeck, RefusesWhatCannotBe) {
             std::string::npos);
 }
 
-// The file itself is looked at when the ground is built.
-TEST(GroundDeck, AMeshTakesThePlaceOfLayers) {
+// The file itself is checked when the ground is built.
+TEST(GroundDeck, AMeshReplacesLayers) {
   std::ofstream("any.msh") << "$MeshFormat";
   const std::string head = "[ground]\nmesh = \"any.msh\"\n";
   const std::string groups =
       "[[ground.solid]]\nname = \"clay\"\nyoung = 20e6\n[[ground.border]]\nname = \"bottom\"\n"
-      "holds = \"quiet\"\n";
+      "holds = \"viscous\"\n";
   const GroundParameters p = read(head + "mesh_top = \"crest\"\n" + groups);
   EXPECT_TRUE(p.mesh.ends_with("any.msh"));
   EXPECT_EQ(p.mesh_top, "crest");
   ASSERT_EQ(p.solids.size(), 1u);
   EXPECT_EQ(p.solids[0].solid.young, 20e6);
   ASSERT_EQ(p.borders.size(), 1u);
-  EXPECT_EQ(p.borders[0].holds, BorderKind::quiet);
+  EXPECT_EQ(p.borders[0].holds, BorderKind::viscous);
   const auto refused = [&](const std::string& text, const std::string& words) {
     EXPECT_NE(problems(text).find(words), std::string::npos) << problems(text);
   };
-  refused(head + "zones_x = 3\n" + groups, "zones_x = 3: has no effect with ground.mesh");
-  refused(head + "sides = \"quiet\"\n" + groups, "its surfaces are [[ground.border]]");
+  refused(head + "elements_x = 3\n" + groups, "elements_x = 3: has no effect with ground.mesh");
+  refused(head + "sides = \"viscous\"\n" + groups, "its surfaces are [[ground.border]]");
   refused(head + groups + "[[ground.layer]]\nthickness = 1\n", "its volumes are [[ground.solid]]");
   refused(head + groups + groups, "is the name of an earlier one");
   refused(head + groups + "[[ground.border]]\nname = \"top\"\n", "is the name of an earlier one");
@@ -122,16 +122,16 @@ TEST(GroundDeck, AMeshTakesThePlaceOfLayers) {
           "has no effect without mesh");
 }
 
-// A layer that no zone's centre lies in would be left out.
-TEST(GroundDeck, LayersHaveZones) {
+// A layer without the centre of an element would have no effect.
+TEST(GroundDeck, LayersHaveElements) {
   const auto with = [](const std::string& found, const std::string& put) {
     std::string text = good;
     return problems(text.replace(text.find(found), found.size(), put));
   };
-  EXPECT_NE(with("thickness = 0.6", "thickness = 0.02").find("holds the centre of no zone"),
+  EXPECT_NE(with("thickness = 0.6", "thickness = 0.02").find("contains the centre of no element"),
             std::string::npos);
   EXPECT_EQ(with("thickness = 0.6", "thickness = 0.06"), "");
-  EXPECT_NE(with("thickness = 0.6", "thickness = 0.6\nzones = 8").find("need `zones` each"),
+  EXPECT_NE(with("thickness = 0.6", "thickness = 0.6\nelements = 8").find("need `elements` each"),
             std::string::npos);
 }
 

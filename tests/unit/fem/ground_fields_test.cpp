@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "fem/mohr_coulomb.hpp"
+#include "fem/material/mohr_coulomb.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -27,7 +27,7 @@ INSTANTIATE_TEST_SUITE_P(, Fields, ::testing::Values(Dimension::plane, Dimension
 // Uniform pressure q on a column without lateral motion: s3 = -q - weight, s1 = s2 = nu/(1-nu) s3.
 TEST_P(Fields, PrincipalStressesOfAColumn) {
   GroundParameters p = column(20);
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   Ground ground(Comm::world(), p, GetParam(), 1.0);
   ground.settle(pressure(ground, 5e3));
   const io::Grid grid = ground.fields();
@@ -44,11 +44,11 @@ TEST_P(Fields, PrincipalStressesOfAColumn) {
     EXPECT_NEAR(principals.values[3 * c + 2], vertical, 2);
     EXPECT_NEAR(shear.values[c], -0.5 * (1 - k0) * vertical, 2);
   }
-  EXPECT_THROW(field(grid, "so far"), std::runtime_error);
+  EXPECT_THROW(field(grid, "up to now"), std::runtime_error);
   EXPECT_THROW(field(grid, "equivalent plastic strain"), std::runtime_error);
 }
 
-// Values by element, whatever rank holds it: by the place of its first point.
+// Values by element for any distribution to ranks: by the position of its first point.
 using ByPlace = std::map<std::array<std::int64_t, 3>, std::vector<double>>;
 
 ByPlace by_place(const io::Grid& grid, const std::vector<std::string>& names) {
@@ -69,11 +69,11 @@ ByPlace by_place(const io::Grid& grid, const std::vector<std::string>& names) {
 GroundParameters shaken() {
   GroundParameters p = box({3, 1, 1}, {12, 3, 5}, {80e6, 0.3, 1900});
   p.plane = PlaneState::strain;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   return p;
 }
 
-std::vector<Vec3> push(const Surface& top, int window) {
+std::vector<Vec3> uneven_load(const Surface& top, int window) {
   std::vector<Vec3> force(top.nodes());
   for (std::size_t n = 0; n < force.size(); ++n)
     force[n] = {300 * std::sin(0.3 * static_cast<double>(n) + window), 0,
@@ -81,19 +81,19 @@ std::vector<Vec3> push(const Surface& top, int window) {
   return force;
 }
 
-// Of every point, ghosts too: what each integrator makes of its accelerations in one step,
+// At every point, including ghosts: each integrator obtains from its accelerations in one step
 //   v_1 = v_0 + h/2 (a_0 + a_1)
-// under a load that stays: explicit steps begin with the load of their window.
-TEST_P(Fields, AccelerationIsThatOfTheVelocity) {
+// under a constant load: explicit steps begin with the load of their window.
+TEST_P(Fields, AccelerationAgreesWithTheVelocity) {
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
     GroundParameters p = shaken();
     p.integrator = integrator;
     Ground ground(Comm::world(), p, GetParam(), 1.0);
     const double h = integrator == Integrator::explicit_ ? ground.stable_step() : 1e-3;
-    ground.settle(push(ground.top(), 0));
-    ground.advance(h, push(ground.top(), 1));
+    ground.settle(uneven_load(ground.top(), 0));
+    ground.advance(h, uneven_load(ground.top(), 1));
     const auto before = ground.fields().point_data;
-    ground.advance(h, push(ground.top(), 1));
+    ground.advance(h, uneven_load(ground.top(), 1));
     const auto after = ground.fields().point_data;
     ASSERT_EQ(after[2].name, "acceleration (m/s^2)");
     double off = 0, most = 0;
@@ -107,22 +107,22 @@ TEST_P(Fields, AccelerationIsThatOfTheVelocity) {
   }
 }
 
-// What is shown is the largest and least of what was shown at each instant; later instants count
-// once they are taken, and a new begin forgets.
+// The extremes are the largest and least values of all instants that were taken; a new begin resets
+// them.
 TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
   const Comm world = Comm::world();
   Ground ground(world, shaken(), GetParam(), 1.0);
-  ground.settle(push(ground.top(), 0));
+  ground.settle(uneven_load(ground.top(), 0));
   const auto columns = [&] { return ground.fields().cell_data.size(); };
   const std::size_t without = columns();
   ground.take_extremes();
-  EXPECT_GT(columns(), without) << "the first instant begins";
+  EXPECT_GT(columns(), without) << "the first instant starts the extremes";
   ground.begin_extremes();
   const double dt = 3 * ground.stable_step();
   ByPlace most;
   for (int w = 0; w < 12; ++w) {
-    ground.advance(dt, push(ground.top(), w));
-    if (w % 3 == 2) continue;  // not every window is an instant
+    ground.advance(dt, uneven_load(ground.top(), w));
+    if (w % 3 == 2) continue;  // not every window is taken
     ground.take_extremes();
     for (const auto& [place, row] : by_place(
              ground.fields(),
@@ -144,10 +144,11 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
     const io::File file(world, path, io::Mode::read);
     alone.load(file, "ground");
   }
-  const auto shown = by_place(ground.fields(), {"so far"});
-  const auto all = by_place(alone.fields(), {"so far: largest principal", "so far: least principal",
-                                             "so far: largest shear", "so far: largest vertical",
-                                             "so far: least vertical"});
+  const auto shown = by_place(ground.fields(), {"up to now"});
+  const auto all =
+      by_place(alone.fields(), {"up to now: largest principal", "up to now: least principal",
+                                "up to now: largest shear", "up to now: largest vertical",
+                                "up to now: least vertical"});
   for (const auto& [place, row] : most) {
     const auto& found = all.at(place);
     for (std::size_t q = 0; q < row.size(); ++q)
@@ -156,7 +157,7 @@ TEST_P(Fields, ExtremesAreThoseOfTheInstants) {
   }
   EXPECT_GT(world.max(static_cast<std::int64_t>(most.size())), 0);
   alone.begin_extremes();
-  EXPECT_TRUE(std::isnan(by_place(alone.fields(), {"so far"}).begin()->second[0]));
+  EXPECT_TRUE(std::isnan(by_place(alone.fields(), {"up to now"}).begin()->second[0]));
   alone.end_extremes();
   EXPECT_EQ(alone.fields().cell_data.size(), without);
 }

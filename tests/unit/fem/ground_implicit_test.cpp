@@ -1,5 +1,5 @@
-// Implicit steps and the static start on several ranks: agreement to the solver's tolerance,
-// agreement with the explicit scheme, rest, failure of a solve.
+// Implicit steps and static solves on several ranks: agreement to the solver's tolerance, agreement
+// with the explicit scheme, static equilibrium, failure of a solve.
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
@@ -18,7 +18,7 @@ using par::Comm;
 GroundParameters scene(Integrator integrator) {
   GroundParameters p = box({3, 1, 2}, {12, 4, 8}, {80e6, 0.35, 1900});
   p.layers = {{"a", 0.7, {80e6, 0.35, 1900}}, {"b", 1.3, {200e6, 0.3, 2000}}};
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.base_stiffness = 1e8;
   p.rayleigh_mass = 2, p.rayleigh_stiffness = 2e-5;
   p.integrator = integrator;
@@ -68,8 +68,8 @@ INSTANTIATE_TEST_SUITE_P(, Implicit, ::testing::Values(Dimension::plane, Dimensi
 TEST_P(Implicit, RanksAgreeToTheTolerance) {
   const auto p = scene(Integrator::newmark);
   Ground alone(Comm::self(), p, GetParam(), 1.0), spread(Comm::world(), p, GetParam(), 1.0);
-  // At the height of the load, so that the difference is seen against the full displacement. The
-  // operator is conditioned like 1 + beta (dt w_max)^2, here a few hundred.
+  // At the peak of the load, so that the difference is relative to the full displacement. The
+  // condition number of the operator is about 1 + beta (dt w_max)^2, here a few hundred.
   const double end = 0.012, bound = 1e3 * p.tolerance;
   const auto a = run(Comm::self(), alone, 1e-3, end), b = run(Comm::world(), spread, 1e-3, end);
   EXPECT_LT(largest_difference(a, b), bound);
@@ -78,8 +78,9 @@ TEST_P(Implicit, RanksAgreeToTheTolerance) {
   EXPECT_TRUE(std::isinf(spread.stable_step()));
 }
 
-// Both are second order: their difference falls fourfold when Newmark's step halves. Both loads are
-// taken at the ends of windows; the explicit one holds it, so its windows are kept short.
+// Both are second order: their difference decreases fourfold when Newmark's step is halved. Both
+// loads are taken at the ends of windows; the explicit scheme keeps it constant, so its windows are
+// short.
 TEST_P(Implicit, ConvergesToTheExplicitSolution) {
   Ground reference(Comm::world(), scene(Integrator::explicit_), GetParam(), 1.0);
   const auto exact = run(Comm::world(), reference, 5e-6);
@@ -91,8 +92,8 @@ TEST_P(Implicit, ConvergesToTheExplicitSolution) {
   EXPECT_NEAR(std::log2(with_1ms / with_half), 2, 0.35) << with_1ms << ' ' << with_half;
 }
 
-// Under a smooth load the last acceleration as the guess takes 5.0 iterations in a plane and in
-// space, the parabola through three of them 3.9 and 4.1.
+// Under a smooth load the last acceleration as initial guess needs 5.0 iterations in a plane and in
+// space, the parabola through the last three 3.9 and 4.1.
 TEST_P(Implicit, GuessFollowsTheMotion) {
   GroundParameters p = scene(Integrator::newmark);
   p.tolerance = 1e-8;
@@ -104,7 +105,7 @@ TEST_P(Implicit, GuessFollowsTheMotion) {
 constexpr std::array integrators = {Integrator::newmark, Integrator::hht, Integrator::bossak,
                                     Integrator::generalized_alpha};
 
-// All of them, of a ground with springs, dashpots and damping of both kinds.
+// All integrators, with springs, dashpots and damping of both kinds.
 TEST_P(Implicit, EveryIntegratorConvergesToTheSameMotion) {
   const auto error = [&](Integrator integrator, double dt, const std::vector<double>& exact) {
     Ground ground(Comm::world(), scene(integrator), GetParam(), 1.0);
@@ -129,10 +130,10 @@ TEST_P(Implicit, SettledGroundStaysAtRest) {
   }
 }
 
-// In long steps that damp, a load that stays, or falls to next to nothing, soon leaves nothing to
-// balance, and the last acceleration is a guess far worse than none: the solver must neither take
-// that for divergence nor go on once what is left is rounding.
-TEST_P(Implicit, NothingLeftToBalanceTakesFewIterations) {
+// In long damped steps under a constant or nearly vanishing load the residual soon vanishes, and
+// the last acceleration is a much worse initial guess than zero: the solver must neither take that
+// for divergence nor continue once the residual is rounding.
+TEST_P(Implicit, VanishingResidualTakesFewIterations) {
   for (const Integrator integrator : {Integrator::generalized_alpha, Integrator::bossak})
     for (const double rest : {1.0, 1e-12}) {
       GroundParameters p = scene(integrator);
@@ -148,15 +149,15 @@ TEST_P(Implicit, NothingLeftToBalanceTakesFewIterations) {
       for (Vec3& force : load) force *= rest;
       const double left = advance(30), before = spent();
       EXPECT_NEAR(left / loaded, rest, 1e-8);
-      // Ten more windows would take some eighty. Not none: speeds that are left move the ground by
-      // roundings, and once those add up a solve takes them back.
+      // Ten more windows would need some eighty. Not zero: remaining velocities displace the ground
+      // by rounding errors, which a solve corrects once they accumulate.
       advance(10);
       EXPECT_LT(spent() - before, 20) << rest;
       EXPECT_GT(before, 20);
     }
 }
 
-// sigma_z on top is the pressure, once the ground has followed it.
+// sigma_z at the top is the pressure once the response is static.
 TEST_P(Implicit, SurfaceStressIsThePressure) {
   GroundParameters p = scene(Integrator::newmark);
   p.sides = Sides::roller;
@@ -164,10 +165,10 @@ TEST_P(Implicit, SurfaceStressIsThePressure) {
   const auto load = pressure(ground, 2e3);
   for (int w = 0; w < 60; ++w) ground.advance(0.05, load);
   for (const auto n : ground.own_top())
-    EXPECT_NEAR(ground.top_state(n).sigma_z, -2e3, 20) << n;  // 1 %: what still swings
+    EXPECT_NEAR(ground.top_state(n).sigma_z, -2e3, 20) << n;  // 1 %: remaining vibration
 }
 
-// Options reach the solver, and its failure is an error of the run.
+// Options are passed to the solver, and its failure is an error of the run.
 TEST(Petsc, SolverThatStopsShortIsARunError) {
   Petsc::ensure();
   PetscOptionsSetValue(nullptr, "-ground_ksp_max_it", "1");

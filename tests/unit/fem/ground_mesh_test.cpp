@@ -1,11 +1,11 @@
-// A ground of tetrahedra through the door: rest, steps of all integrators on any number of ranks,
-// restart, fields.
+// A ground of tetrahedra by its interface: static equilibrium, steps of all integrators on any
+// number of ranks, restart, fields.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/flat_top.hpp"
-#include "fem/terms.hpp"
+#include "fem/boundary/terms.hpp"
+#include "fem/mesh/flat_top.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/mesh_scene.hpp"
 #include "unit/fem/pushed_top.hpp"
@@ -17,7 +17,7 @@ using par::Comm;
 
 constexpr Elastic soil{60e6, 0.3, 1900};
 
-// Two solids, a quiet base on springs, quiet sides along x, no two edges parallel inside.
+// Two solids, a viscous base with springs, viscous sides along x, no parallel edges inside.
 GroundParameters two_layers(const std::string& name) {
   const Vec3 size(2, 1.5, 1);
   const std::array<int, 3> cells = {4, 3, 3};
@@ -31,7 +31,7 @@ GroundParameters two_layers(const std::string& name) {
   }
   GroundParameters p = of_mesh(box, name, soil);
   p.solids[1].solid = {120e6, 0.25, 2000, 5, 2e-5};
-  p.borders[0].holds = p.borders[1].holds = p.borders[4].holds = BorderKind::quiet;
+  p.borders[0].holds = p.borders[1].holds = p.borders[4].holds = BorderKind::viscous;
   p.rayleigh_mass = 2;
   p.tolerance = 1e-11;
   return p;
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(, Steps,
                                            Integrator::hht, Integrator::bossak,
                                            Integrator::generalized_alpha));
 
-// Explicit steps to the bit, implicit ones to the solver's tolerance times the steps.
+// Explicit steps are bitwise identical, implicit ones agree to the solver's tolerance times steps.
 TEST_P(Steps, AreTheSameOnAnyNumberOfRanks) {
   GroundParameters p = two_layers("steps" + std::to_string(static_cast<int>(GetParam())));
   p.integrator = GetParam();
@@ -61,8 +61,8 @@ TEST_P(Steps, AreTheSameOnAnyNumberOfRanks) {
     dt = 2.5 * shared.stable_step();
   }
   for (Ground* ground : {&alone, &shared}) {
-    ground->settle(push(ground->top(), 0));
-    for (int w = 1; w < 20; ++w) ground->advance(dt, push(ground->top(), w));
+    ground->settle(uneven_load(ground->top(), 0));
+    for (int w = 1; w < 20; ++w) ground->advance(dt, uneven_load(ground->top(), w));
     EXPECT_EQ(ground->trouble(), "");
   }
   const std::vector<double> one = shape_of(Comm::self(), alone);
@@ -76,16 +76,16 @@ TEST_P(Steps, AreTheSameOnAnyNumberOfRanks) {
   EXPECT_EQ(shared.totals().nodes, 9 * 7 * 7);
 }
 
-// On as many ranks as there are, then on one alone: the bits of a run that did not stop.
-TEST_P(Steps, GoOnFromACheckpoint) {
+// On all ranks, then on one: bitwise identical to an uninterrupted run.
+TEST_P(Steps, ContinueFromACheckpoint) {
   GroundParameters p = two_layers("restart" + std::to_string(static_cast<int>(GetParam())));
   p.integrator = GetParam();
   const Comm world = Comm::world();
   Ground whole(world, p, Dimension::space, 1), second(world, p, Dimension::space, 1);
   const double dt = GetParam() == Integrator::explicit_ ? 2.5 * whole.stable_step() : 5e-4;
-  whole.settle(push(whole.top(), 0));
+  whole.settle(uneven_load(whole.top(), 0));
   whole.begin_extremes();
-  for (int w = 1; w < 6; ++w) whole.advance(dt, push(whole.top(), w)), whole.take_extremes();
+  for (int w = 1; w < 6; ++w) whole.advance(dt, uneven_load(whole.top(), w)), whole.take_extremes();
   const std::string path =
       fmt::format("ground_mesh_{}_on_{}.h5", static_cast<int>(GetParam()), world.size());
   {
@@ -98,17 +98,18 @@ TEST_P(Steps, GoOnFromACheckpoint) {
     second.load(file, "ground"), alone.load(file, "ground");
   }
   for (int w = 6; w < 12; ++w)
-    for (Ground* ground : {&whole, &second, &alone}) ground->advance(dt, push(ground->top(), w));
+    for (Ground* ground : {&whole, &second, &alone})
+      ground->advance(dt, uneven_load(ground->top(), w));
   const std::vector<double> one = shape_of(world, whole), other = shape_of(world, second);
   EXPECT_EQ(one, other);
   const std::vector<double> by_one = shape_of(Comm::self(), alone);
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], by_one[k], 1e-8 * size_of(one));
-  EXPECT_EQ(second.fields().cell_data.back().name, "so far: least vertical stress (Pa)");
+  EXPECT_EQ(second.fields().cell_data.back().name, "up to now: least vertical stress (Pa)");
 }
 
-// Weight and what lies on it: sigma_z = rho g z - q, sigma_x = sigma_y = nu/(1-nu) sigma_z,
-// exact in quadratic elements however they are shaped.
-TEST(GroundOfTetrahedra, WeightPressesAsTheDepth) {
+// Weight and a surface load: sigma_z = rho g z - q, sigma_x = sigma_y = nu/(1-nu) sigma_z, exact in
+// quadratic elements of any shape.
+TEST(GroundOfTetrahedra, StressOfWeightIsProportionalToDepth) {
   const Vec3 size(2, 1, 1);
   const std::array<int, 3> cells = {3, 2, 2};
   GroundParameters p =
@@ -132,35 +133,36 @@ TEST(GroundOfTetrahedra, WeightPressesAsTheDepth) {
   EXPECT_EQ(Comm::world().sum(static_cast<std::int64_t>(grid.cells.size() / 10)), 72);
 }
 
-// A middle off its edge at the border of the top; files of six digits are no reason.
-TEST(GroundOfTetrahedra, CurvedEdgesOfTheTopAreToldOf) {
+// A mid-side node off its edge at the border of the top; rounding to six digits is accepted.
+TEST(GroundOfTetrahedra, CurvedEdgesOfTheTopGiveAWarning) {
   TetBox box({2, 1, 1}, {2, 1, 1});
   const auto warnings = [&](double off, const std::string& name) {
     for (Vec3& at : box.node)
       if (at.x() == 0.5 && std::abs(at.y()) < 0.1 && at.z() == 0) at.y() = off;
     GroundParameters p = of_mesh(box, name, soil);
-    p.borders[2].holds = BorderKind::fixed;  // no plane any more
+    p.borders[2].holds = BorderKind::fixed;  // no longer plane
     return look_at_mesh(p).warnings;
   };
   EXPECT_TRUE(warnings(0, "straight_top").empty());
   EXPECT_TRUE(warnings(5e-4, "six_digits").empty());
-  const std::vector<std::string> told = warnings(-0.02, "curved_top");
-  ASSERT_EQ(told.size(), 1);
-  EXPECT_NE(told[0].find("1 edges of the top are curved"), std::string::npos) << told[0];
-  EXPECT_NE(told[0].find("(0.5, -0.02, 0) m by 2 % of its length"), std::string::npos) << told[0];
+  const std::vector<std::string> reported = warnings(-0.02, "curved_top");
+  ASSERT_EQ(reported.size(), 1);
+  EXPECT_NE(reported[0].find("1 edges of the top are curved"), std::string::npos) << reported[0];
+  EXPECT_NE(reported[0].find("(0.5, -0.02, 0) m by 2 % of its length"), std::string::npos)
+      << reported[0];
 }
 
-// A column without lateral motion under 10 kPa: it sinks by q H (1 + nu)(1 - 2 nu) / (E (1 - nu)),
-// and sigma_z = -q at its top. On flat triangles as stones press; exact in quadratic elements.
+// A column without lateral motion under 10 kPa: settlement q H (1 + nu)(1 - 2 nu) / (E (1 - nu)),
+// and sigma_z = -q at its top. On flat triangles, as stones load them; exact in quadratic elements.
 TEST(GroundOfTetrahedra, PressureOnItsTrianglesIsUniform) {
   const Vec3 size(1, 1, 2);
   const std::array<int, 3> cells = {3, 2, 3};
   GroundParameters p =
-      of_mesh(TetBox(size, cells, shaken(size, cells, 0.15)), "pressed", {50e6, 0.3, 2000});
+      of_mesh(TetBox(size, cells, shaken(size, cells, 0.15)), "compressed", {50e6, 0.3, 2000});
   p.integrator = Integrator::bossak, p.alpha = -0.3;
   p.tolerance = 1e-12;
   Ground ground(Comm::world(), p, Dimension::space, 1);
-  const std::vector<Vec3> force = pressed(ground.top(), [](const Vec3&) { return 10e3; });
+  const std::vector<Vec3> force = pressure_forces(ground.top(), [](const Vec3&) { return 10e3; });
   for (int w = 0; w < 20; ++w) ground.advance(5, force);
   const double exact = 10e3 * 2 * 1.3 * 0.4 / (50e6 * 0.7);
   for (const std::int32_t n : ground.own_top()) {
@@ -169,7 +171,7 @@ TEST(GroundOfTetrahedra, PressureOnItsTrianglesIsUniform) {
   }
 }
 
-// Forces on the surface and on the nodes below: the same sum, moment and work.
+// Forces on the surface and on the nodes below have equal sum, moment and work.
 TEST(GroundOfTetrahedra, ForcesOfTheSurfaceKeepMomentAndWork) {
   const Vec3 size(2, 1, 1);
   const std::array<int, 3> cells = {3, 2, 2};
@@ -206,7 +208,7 @@ TEST(GroundOfTetrahedra, ForcesOfTheSurfaceKeepMomentAndWork) {
   }
 }
 
-// What stones see: flat triangles that look up, of the size of the top.
+// The contact surface of stones: flat triangles with upward normals and the area of the top.
 TEST(GroundOfTetrahedra, TopIsASurfaceOfTriangles) {
   const Vec3 size(2, 1, 1);
   const std::array<int, 3> cells = {3, 2, 2};

@@ -14,18 +14,18 @@ inline std::string dimension_name(const ::testing::TestParamInfo<Dimension>& inf
   return info.param == Dimension::plane ? "plane" : "space";
 }
 
-inline GroundParameters box(const Vec3& size, std::array<std::int64_t, 3> zones,
+inline GroundParameters box(const Vec3& size, std::array<std::int64_t, 3> elements,
                             const Elastic& solid) {
   GroundParameters p;
   p.x = {0, size.x()};
   p.y = {0, size.y()};
-  p.zones_x = zones[0], p.zones_y = zones[1], p.zones_z = zones[2];
+  p.elements_x = elements[0], p.elements_y = elements[1], p.elements_z = elements[2];
   p.layers = {{"all", size.z(), solid}};
   return p;
 }
 
-// Uniform vertical pressure (Pa) as nodal forces of the top face: a quarter of each zone's share to
-// each of its corners (two triangles in turn make a zone).
+// Uniform vertical pressure (Pa) as nodal forces of the top face: a quarter of each element's force
+// to each of its corners (two consecutive triangles form an element).
 inline std::vector<Vec3> pressure(Ground& ground, double pressure) {
   const Surface& top = ground.top();
   std::vector<Vec3> force(top.nodes(), Vec3::Zero());
@@ -42,8 +42,8 @@ inline std::vector<Vec3> pressure(Ground& ground, double pressure) {
 }
 
 // A column of the reference case: E 50 MPa, nu 0.3, rho 2000, H 10 m, no lateral motion.
-inline GroundParameters column(std::int64_t zones) {
-  GroundParameters p = box({1, 1, 10}, {1, 1, zones}, {50e6, 0.3, 2000});
+inline GroundParameters column(std::int64_t elements) {
+  GroundParameters p = box({1, 1, 10}, {1, 1, elements}, {50e6, 0.3, 2000});
   p.plane = PlaneState::strain;
   p.base = Base::fixed;
   return p;

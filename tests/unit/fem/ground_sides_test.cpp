@@ -1,11 +1,11 @@
-// Sides of a kind of their own: a plane of symmetry halves the model, what one side does stays at
-// that side, and the promises of bits hold.
+// Sides with individual conditions: a plane of symmetry halves the model, effects of one side stay
+// at that side, and bitwise identity holds.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/free_field.hpp"
-#include "fem/terms.hpp"
+#include "fem/boundary/free_field.hpp"
+#include "fem/boundary/terms.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/compared.hpp"
 #include "unit/fem/wave.hpp"
@@ -27,13 +27,13 @@ GroundParameters symmetric(Integrator integrator) {
   p.blocks = {{"block", true, {-1, 0, 1, 0, 1, -1, -1, -1}, {900e6, 0.2, 2400}}};
   p.rayleigh_mass = 3, p.rayleigh_stiffness = 2e-5;
   p.plane = PlaneState::strain;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.integrator = integrator;
   p.tolerance = 1e-12;
   return p;
 }
 
-// Even along x and y but for what points across, Pa.
+// Traction symmetric in x and y, with antisymmetric components across the planes, Pa.
 Vec3 even(const Vec3& at) {
   const double x = std::abs(at.x()), y = std::abs(at.y());
   return 1e3 * Vec3(at.x() * (1 + y), at.y() * (2 - 0.3 * x), -20 + 5 * x + 3 * y * x);
@@ -46,7 +46,7 @@ double half_from_whole(const GroundParameters& whole, const GroundParameters& ha
   EXPECT_DOUBLE_EQ(all.stable_step(), part.stable_step());
   double worst = 0;
   for (Ground* ground : {&all, &part}) ground->settle(none(*ground));
-  const auto on_all = drawn(all, even), on_part = drawn(part, even);
+  const auto on_all = traction_forces(all, even), on_part = traction_forces(part, even);
   for (int w = 0; w < 40; ++w) {
     all.advance(4e-4, w < 15 ? on_all : none(all));
     part.advance(4e-4, w < 15 ? on_part : none(part));
@@ -63,7 +63,7 @@ TEST_P(SidesIn, RollerAlongTheTrackIsAPlaneOfSymmetry) {
   for (const Integrator integrator : {Integrator::explicit_, Integrator::generalized_alpha}) {
     const GroundParameters whole = symmetric(integrator);
     GroundParameters half = whole;
-    half.x = {0, 4}, half.zones_x = 4;
+    half.x = {0, 4}, half.elements_x = 4;
     half.side_x_low = Sides::roller;
     EXPECT_LT(half_from_whole(whole, half, GetParam()), bound(integrator));
     half.side_x_low = Sides::as_sides;
@@ -78,7 +78,7 @@ TEST(SidesAcross, RollerIsAPlaneOfSymmetry) {
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
     const GroundParameters whole = symmetric(integrator);
     GroundParameters half = whole;
-    half.y = {0, 2}, half.zones_y = 2;
+    half.y = {0, 2}, half.elements_y = 2;
     half.side_y_low = Sides::roller;
     EXPECT_LT(half_from_whole(whole, half, Dimension::space), bound(integrator));
     half.y = {-2, 0};
@@ -87,13 +87,13 @@ TEST(SidesAcross, RollerIsAPlaneOfSymmetry) {
   }
 }
 
-// One on each side of the whole, one in the half.
-TEST(SidesAcross, BlocksHaveTheirPlace) {
+// A block on each side of the whole, one in the half.
+TEST(SidesAcross, BlocksAreInPlace) {
   GroundParameters whole = symmetric(Integrator::explicit_);
   whole.blocks.push_back(whole.blocks[0]);
   whole.blocks[0].y = {1, 2}, whole.blocks[1].y = {-2, -1};
   GroundParameters half = whole;
-  half.y = {0, 2}, half.zones_y = 2;
+  half.y = {0, 2}, half.elements_y = 2;
   half.side_y_low = Sides::roller;
   half.blocks.pop_back();
   EXPECT_LT(half_from_whole(whole, half, Dimension::space), bound(Integrator::explicit_));
@@ -101,8 +101,8 @@ TEST(SidesAcross, BlocksHaveTheirPlace) {
   EXPECT_GT(half_from_whole(whole, half, Dimension::space), 1e-3);
 }
 
-// The wave is symmetric about a plane along the track however it shakes, about one across only
-// upwards.
+// The wave is symmetric about a plane along the track for any direction, about one across only if
+// vertical.
 TEST(SidesAcross, RollerIsAPlaneOfSymmetryOfAWave) {
   const Comm comm = Comm::world();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
@@ -110,25 +110,25 @@ TEST(SidesAcross, RollerIsAPlaneOfSymmetryOfAWave) {
     whole.sides = Sides::free_field;
     whole.base_motion = wave_table(comm, "both", {80, 0.008}, 2.0, 3.0, 2e-4);
     GroundParameters half = whole;
-    half.y = {0, 2}, half.zones_y = 2;
+    half.y = {0, 2}, half.elements_y = 2;
     half.side_y_low = Sides::roller;
     EXPECT_LT(half_from_whole(whole, half, Dimension::space), bound(integrator));
     whole.base_motion = wave_table(comm, "upwards", {80, 0.008}, 0, 3.0, 2e-4);
     half = whole;
-    half.x = {0, 4}, half.zones_x = 4;
+    half.x = {0, 4}, half.elements_x = 4;
     half.side_x_low = Sides::roller;
     EXPECT_LT(half_from_whole(whole, half, Dimension::space), bound(integrator));
   }
 }
 
-// Weight and dead load: the stresses at rest of the half are those of the whole.
-TEST(SidesAcross, RestOfTheHalfIsThatOfTheWhole) {
+// Weight and dead load: the static stresses of the half are those of the whole.
+TEST(SidesAcross, StaticSolutionOfTheHalfIsThatOfTheWhole) {
   GroundParameters whole = symmetric(Integrator::newmark), half = whole;
-  half.y = {0, 2}, half.zones_y = 2;
+  half.y = {0, 2}, half.elements_y = 2;
   half.side_y_low = Sides::roller;
   Ground all(Comm::self(), whole, Dimension::space, 1),
       part(Comm::self(), half, Dimension::space, 1);
-  for (Ground* ground : {&all, &part}) ground->settle(drawn(*ground, even));
+  for (Ground* ground : {&all, &part}) ground->settle(traction_forces(*ground, even));
   const io::Grid full = all.fields(), cut = part.fields();
   const auto centre = [](const io::Grid& grid, std::size_t cell) {
     Vec3 sum = Vec3::Zero();
@@ -150,25 +150,25 @@ TEST(SidesAcross, RestOfTheHalfIsThatOfTheWhole) {
   EXPECT_LT(worst, 1e-7 * largest);
 }
 
-// Where two sides meet: held is what either holds, dashpots are those of quiet ones alone.
-TEST(SidesAcross, EachKeepsToItself) {
+// At the edge of two sides constraints of both hold, dashpots are those of viscous ones only.
+TEST(SidesAcross, EachActsOnlyOnItself) {
   GroundParameters p = box({4, 4, 4}, {2, 2, 2}, {80e6, 0.3, 1900});
   p.side_x_low = Sides::fixed, p.side_x_high = Sides::free;
-  p.side_y_low = Sides::roller, p.side_y_high = Sides::quiet;
+  p.side_y_low = Sides::roller, p.side_y_high = Sides::viscous;
   const Mesh mesh(Comm::self(), p, Dimension::space, 1);
   const Stiffness stiffness(
-      mesh, {zone_element({2, 2, 2}, p.layers[0].solid, Dimension::space, PlaneState::stress)});
+      mesh, {element_matrices({2, 2, 2}, p.layers[0].solid, Dimension::space, PlaneState::stress)});
   const Terms terms(mesh, p, stiffness);
-  const auto at = [&](std::int64_t i, std::int64_t j) {  // amid the height
+  const auto at = [&](std::int64_t i, std::int64_t j) {  // at mid-height
     return static_cast<std::size_t>(mesh.local_node(mesh.lattice.node({i, j, 1})));
   };
-  // Bits held in motion, then at rest.
+  // Constraints in motion, then in the static solve.
   using Bits = std::array<int, 2>;
   const auto held = [&](std::int64_t i, std::int64_t j) {
-    return Bits{terms.held[at(i, j)], terms.held_at_rest[at(i, j)]};
+    return Bits{terms.held[at(i, j)], terms.held_static[at(i, j)]};
   };
   const Impedance of = impedance(p.layers[0].solid, false);
-  const auto quiet = [&](std::int64_t i, std::int64_t j, double area) {
+  const auto viscous = [&](std::int64_t i, std::int64_t j, double area) {
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(terms.damping[c][static_cast<std::ptrdiff_t>(at(i, j))],
                   area * (c == 1 ? of.normal : of.tangential), 1e-6);
@@ -178,15 +178,15 @@ TEST(SidesAcross, EachKeepsToItself) {
     EXPECT_EQ(held(i, 0), (Bits{2, 2}));
     EXPECT_EQ(held(i, 1), (Bits{0, 0}));
     EXPECT_EQ(held(i, 2), (Bits{0, 2}));
-    quiet(i, 0, 0), quiet(i, 1, 0);
+    viscous(i, 0, 0), viscous(i, 1, 0);
   }
-  quiet(0, 2, 2), quiet(1, 2, 4), quiet(2, 2, 2);
-  quiet(2, 0, 0);
+  viscous(0, 2, 2), viscous(1, 2, 4), viscous(2, 2, 2);
+  viscous(2, 0, 0);
 }
 
-// The columns beside one side do nothing to the side next to it: a level ground between rollers
-// along the track moves as one.
-TEST_P(SidesIn, FreeFieldBesideRollersIsNotFelt) {
+// The columns beside one side have no effect on the adjacent side: a level ground between rollers
+// along the track moves uniformly.
+TEST_P(SidesIn, FreeFieldBesideRollersHasNoEffect) {
   const Comm comm = Comm::world();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
     GroundParameters p = symmetric(integrator);
@@ -202,18 +202,18 @@ TEST_P(SidesIn, FreeFieldBesideRollersIsNotFelt) {
   }
 }
 
-// Forces of the columns across the track on free sides would be those of a ground that goes on.
-TEST(SidesAcross, ColumnsPushOnlyTheirOwnSide) {
+// Forces of the columns on free sides across the track would be those of a continuous ground.
+TEST(SidesAcross, ColumnsActOnlyOnTheirOwnSide) {
   for (const Sides across : {Sides::free, Sides::free_field}) {
     GroundParameters p = symmetric(Integrator::explicit_);
     p.sides = Sides::free_field;
     p.side_y_low = p.side_y_high = across;
-    p.base_motion = wave_table(Comm::world(), "pushing", {80, 0.008}, 2.0, 3.0, 2e-4);
+    p.base_motion = wave_table(Comm::world(), "columns", {80, 0.008}, 2.0, 3.0, 2e-4);
     const Mesh mesh(Comm::self(), p, Dimension::space, 1);
-    std::vector<ZoneElement> elements;
+    std::vector<ElementMatrices> elements;
     for (std::size_t s = 0; s < mesh.solids.solid.size(); ++s)
       elements.push_back(
-          zone_element(mesh.solids.size[s], mesh.solids.solid[s], Dimension::space, p.plane));
+          element_matrices(mesh.solids.size[s], mesh.solids.solid[s], Dimension::space, p.plane));
     const Stiffness stiffness(mesh, elements);
     FreeField columns(mesh, p, stiffness);
     for (int step = 1; step <= 40; ++step) columns.explicit_step(2e-4, step * 2e-4);
@@ -236,12 +236,12 @@ TEST(SidesAcross, ColumnsPushOnlyTheirOwnSide) {
 GroundParameters mixed(Integrator integrator) {
   GroundParameters p = symmetric(integrator);
   p.side_x_low = Sides::fixed, p.side_x_high = Sides::free_field;
-  p.side_y_low = Sides::roller, p.side_y_high = Sides::quiet;
+  p.side_y_low = Sides::roller, p.side_y_high = Sides::viscous;
   p.base_motion = wave_table(Comm::world(), "mixed", {80, 0.008}, 2.0, 3.0, 2e-4);
   return p;
 }
 
-TEST_P(SidesIn, MixedHaveTheSameBitsOnAnyRankCount) {
+TEST_P(SidesIn, MixedAreBitwiseIdenticalOnAnyRankCount) {
   const Comm world = Comm::world();
   const GroundParameters p = mixed(Integrator::explicit_);
   Ground alone(Comm::self(), p, GetParam(), 1.0), spread(world, p, GetParam(), 1.0);
@@ -253,10 +253,10 @@ TEST_P(SidesIn, MixedHaveTheSameBitsOnAnyRankCount) {
   EXPECT_GT(alone.totals().kinetic, 0);
 }
 
-TEST_P(SidesIn, MixedGoOnWithTheSameBits) {
+TEST_P(SidesIn, MixedContinueBitwiseIdentically) {
   const Comm world = Comm::world(), self = Comm::self();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::hht}) {
-    const bool one = integrator != Integrator::explicit_;  // implicit bits hang on the ranks
+    const bool one = integrator != Integrator::explicit_;  // implicit results depend on the ranks
     const Comm& comm = one ? self : world;
     const GroundParameters p = mixed(integrator);
     const std::string path =

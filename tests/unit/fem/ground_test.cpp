@@ -1,4 +1,4 @@
-// Ground through its door on several ranks: bits, rest, surface, energy.
+// Ground by its interface on several ranks: bitwise identity, equilibrium, surface, energy.
 #include "trackbed/fem/ground.hpp"
 
 #include <gtest/gtest.h>
@@ -13,17 +13,17 @@ namespace {
 
 using par::Comm;
 
-// A ground with everything that could depend on ranks: two layers off the zone borders, a block,
-// damping of both kinds, quiet base with springs, quiet sides.
+// A ground with everything that could depend on ranks: two layers with borders within elements, a
+// block, damping of both kinds, viscous base with springs, viscous sides.
 GroundParameters mixed() {
   GroundParameters p;
   p.x = {0, 4};
   p.y = {-1, 1};
-  p.zones_x = 21, p.zones_y = 5, p.zones_z = 8;
+  p.elements_x = 21, p.elements_y = 5, p.elements_z = 8;
   p.layers = {{"top", 0.33, {120e6, 0.3, 1900}}, {"sub", 1.1, {60e6, 0.4, 1700}}};
   p.blocks = {{"wall", true, {-1, 0.1, 1.3, 0.1, 0.7, -2, -1, -2}, {30e9, 0.2, 2500}}};
   p.base_stiffness = 1e7;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.rayleigh_mass = 5, p.rayleigh_stiffness = 1e-5;
   return p;
 }
@@ -62,7 +62,7 @@ std::uint64_t bits(const Comm& comm, const Ground& ground) {
 class EveryDimension : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, EveryDimension, ::testing::Values(Dimension::plane, Dimension::space));
 
-TEST_P(EveryDimension, ExplicitRunHasTheSameBitsOnAnyRankCount) {
+TEST_P(EveryDimension, ExplicitRunIsBitwiseIdenticalOnAnyRankCount) {
   Ground alone(Comm::self(), mixed(), GetParam(), 1.3);
   Ground spread(Comm::world(), mixed(), GetParam(), 1.3);
   EXPECT_EQ(alone.stable_step(), spread.stable_step());
@@ -76,7 +76,7 @@ TEST_P(EveryDimension, ExplicitRunHasTheSameBitsOnAnyRankCount) {
   EXPECT_GT(largest, 1e-9);  // something moved
 }
 
-TEST_P(EveryDimension, SettledGroundNeitherCreepsNorJumps) {
+TEST_P(EveryDimension, SettledGroundStaysAtRest) {
   GroundParameters p = mixed();
   for (const double stiffness : {0.0, 1e7}) {
     p.base_stiffness = stiffness;
@@ -93,7 +93,7 @@ TEST_P(EveryDimension, SettledGroundNeitherCreepsNorJumps) {
   }
 }
 
-// Settling a deformed ground keeps its shape: the surface does not jump under the stones.
+// The static solve of a deformed ground keeps its shape: the surface has no jump below the stones.
 TEST_P(EveryDimension, SettlingKeepsTheShape) {
   Ground ground(Comm::world(), mixed(), GetParam(), 1.3);
   run(ground, 5);
@@ -109,7 +109,7 @@ TEST_P(EveryDimension, SettlingKeepsTheShape) {
   }
 }
 
-TEST_P(EveryDimension, TopFaceLooksUpAndEveryNodeHasOneOwner) {
+TEST_P(EveryDimension, TopFaceHasUpwardNormalsAndEveryNodeHasOneOwner) {
   Ground ground(Comm::world(), mixed(), GetParam(), 1.3);
   const Surface& top = ground.top();
   const std::size_t across = GetParam() == Dimension::plane ? 2 : 6;
@@ -132,8 +132,8 @@ TEST_P(EveryDimension, TopFaceLooksUpAndEveryNodeHasOneOwner) {
   EXPECT_EQ(Comm::world().sum(mine), static_cast<std::int64_t>(top.nodes()));
 }
 
-// Undamped and closed: after a push energy stays within the (w h)^2 wobble of the scheme.
-TEST_P(EveryDimension, EnergyIsKeptWithoutDamping) {
+// Undamped and closed: after a load pulse the energy is constant within the (w h)^2 error.
+TEST_P(EveryDimension, EnergyIsConservedWithoutDamping) {
   GroundParameters p = mixed();
   p.rayleigh_mass = p.rayleigh_stiffness = 0;
   p.base = Base::fixed;
@@ -153,14 +153,14 @@ TEST_P(EveryDimension, EnergyIsKeptWithoutDamping) {
     high = std::max(high, now.kinetic + now.elastic);
   }
   const double energy = start.kinetic + start.elastic;
-  // Two sides: more than rounding (the scheme is not exact), far less than any drift.
+  // Two bounds: more than rounding (the scheme is not exact), far less than any drift.
   EXPECT_GT(high - low, 1e-12 * energy);
   EXPECT_LT(high - low, 0.05 * energy);
   EXPECT_EQ(ground.trouble(), "");
 }
 
 // The printed step is stable and 8 % above it is not. Without lateral contraction the bound by the
-// stiffest zone is sharp but for the end of the column (1 %); with it up to 36 % are given away.
+// stiffest element is sharp except for the end of the column (1 %); with it up to 36 % are lost.
 TEST_P(EveryDimension, CriticalStepIsCritical) {
   GroundParameters p = box({2, 1, 1}, {6, 3, 8}, {50e6, 0.0, 2000});
   p.base = Base::fixed;
@@ -178,7 +178,7 @@ TEST_P(EveryDimension, CriticalStepIsCritical) {
   }
 }
 
-TEST(Ground, MoreRanksThanZonesWork) {
+TEST(Ground, MoreRanksThanElementsWork) {
   GroundParameters p = box({1, 1, 1}, {1, 1, 1}, {50e6, 0.3, 2000});
   Ground ground(Comm::world(), p, Dimension::space, 1.0);
   run(ground, 2);

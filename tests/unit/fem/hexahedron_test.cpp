@@ -1,9 +1,9 @@
-// The element alone: patch test on distorted elements, rigid motions, bending, incompressibility.
+// A single hexahedron: patch test on distorted elements, rigid motions, bending, incompressibility.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/element.hpp"
+#include "fem/shape/element.hpp"
 
 namespace trackbed::fem {
 namespace {
@@ -18,7 +18,7 @@ Corners brick(const Vec3& size) {
   return corners;
 }
 
-// Corner moves of a brick that keep it convex but skew every face.
+// Corner displacements of a brick that keep it convex and skew every face.
 Corners skewed() {
   Corners corners = brick({1.0, 1.2, 0.8});
   for (int k = 0; k < 8; ++k)
@@ -47,8 +47,8 @@ TEST(Hexahedron, RigidMotionsAreFreeAndSixInNumber) {
   EXPECT_GT(values(6), 1e-3 * values(23));  // no spurious zero-energy mode
 }
 
-// Linear displacement gives the constant stress exactly, whatever the shape.
-TEST(Hexahedron, DistortedElementHoldsConstantStress) {
+// Linear displacement gives the constant stress exactly, for any shape.
+TEST(Hexahedron, DistortedElementHasConstantStress) {
   const Voigt d = elasticity({100e6, 0.3, 2000});
   const Hexahedron element(skewed(), d);
   Mat3 gradient;
@@ -62,8 +62,8 @@ TEST(Hexahedron, DistortedElementHoldsConstantStress) {
     EXPECT_LT((element.stress(at) * u - exact).norm(), 1e3 * rounding * exact.norm());
 }
 
-// Energy patch test: two distorted elements that share a face, linear motion prescribed outside,
-// give no net force on the shared face's nodes from the stress jump.
+// Energy patch test: two distorted elements with a common face under prescribed linear motion
+// outside have no net force on the nodes of the common face from the stress jump.
 TEST(Hexahedron, DistortedPatchIsInEquilibrium) {
   Corners left = brick({1, 1, 1}), right = brick({1, 1, 1});
   for (int k = 0; k < 8; ++k) right[static_cast<std::size_t>(k)].x() += 1;
@@ -74,7 +74,7 @@ TEST(Hexahedron, DistortedPatchIsInEquilibrium) {
   }
   const Voigt d = elasticity({100e6, 0.49, 2000});
   const Hexahedron a(left, d), b(right, d);
-  // Uniaxial stress along y and z free: only the x faces carry load, so the shared face balances.
+  // Uniaxial stress, free along y and z: only the x faces are loaded, so the common face balances.
   Mat3 gradient = Vec3(1e-3, -0.49e-3, -0.49e-3).asDiagonal();
   const auto fa = (a.stiffness() * motion(left, gradient, Vec3::Zero())).eval();
   const auto fb = (b.stiffness() * motion(right, gradient, Vec3::Zero())).eval();
@@ -114,20 +114,22 @@ TEST(Hexahedron, OnlyOneModeStiffensWhenIncompressible) {
   EXPECT_LT(values(22), 2);
 }
 
-TEST(ZoneElement, PlaneStressStretchesByYoungsModulus) {
+TEST(ElementMatrices, PlaneStressStretchesByYoungsModulus) {
   const Elastic solid{200e9, 0.3, 7800};
   const Vec3 size(0.5, 0.1, 0.25);
-  const ZoneElement zone = zone_element(size, solid, Dimension::plane, PlaneState::stress);
+  const ElementMatrices element =
+      element_matrices(size, solid, Dimension::plane, PlaneState::stress);
   Eigen::VectorXd u(8);
   for (int k = 0; k < 4; ++k) {
     u(2 * k) = 1e-3 * ((k & 1) != 0 ? size.x() : 0);
     u(2 * k + 1) = -0.3e-3 * ((k >> 1) != 0 ? size.z() : 0);
   }
-  const Eigen::VectorXd stress = zone.centre_stress * u;
+  const Eigen::VectorXd stress = element.centre_stress * u;
   EXPECT_NEAR(stress(0), 200e6, 1);
   EXPECT_NEAR(stress(1), 0, 1);
   EXPECT_NEAR(stress(2), 0, 1);
-  const ZoneElement strain = zone_element(size, solid, Dimension::plane, PlaneState::strain);
+  const ElementMatrices strain =
+      element_matrices(size, solid, Dimension::plane, PlaneState::strain);
   EXPECT_GT(std::abs((strain.centre_stress * u)(1)), 1e6);
 }
 

@@ -1,7 +1,7 @@
-// Study: iterations and milliseconds of an implicit step against its length, for the
-// preconditioners worth a choice, in a ground of 35000 hexahedra and one of 30000 plane zones.
-// Prints rows for the table in docs/decisions/ground_elements.md; run it on 1 and 2 ranks. Fails if
-// the default is far from the best.
+// Study: iterations and milliseconds of an implicit step against its length, for suitable
+// preconditioners, in a ground of 35000 hexahedra and one of 30000 plane elements. Prints rows for
+// the table in docs/decisions/ground_elements.md; to be run on 1 and 2 ranks. Fails if the default
+// is far from the best.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <petscsys.h>
@@ -20,7 +20,8 @@ namespace {
 
 using par::Comm;
 
-// 0.25 m zones below 10 m of track, layers of a railway line; a bogie's load that passes at 50 m/s.
+// 0.25 m elements below 10 m of track, layers of a railway line; the load of a bogie passing at 50
+// m/s.
 GroundParameters line(Dimension dimension) {
   const bool flat = dimension == Dimension::plane;
   GroundParameters p =
@@ -28,14 +29,14 @@ GroundParameters line(Dimension dimension) {
   p.layers = {{"surface", 0.7, {500e6, 0.33, 1950}},
               {"bottom", 2.3, {200e6, 0.35, 1900}},
               {"subgrade", flat ? 7 : 4.25, {150e6, 0.35, 1850}}};
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.rayleigh_stiffness = 1e-4;
   p.integrator = Integrator::bossak;
   p.alpha = -0.1;
   return p;
 }
 
-// Seconds of a step: the shortest of 20 after the first, which sets up, as the machine is shared.
+// Seconds of a step: the shortest of 20 after the first (setup), as the machine is shared.
 double seconds(Dimension dimension, double dt, const std::string& preconditioner) {
   const Comm comm = Comm::world();
   Petsc::ensure();

@@ -1,4 +1,4 @@
-// Solids with a damping of their own, and a modulus that changes along the track.
+// Solids with individual damping, and a modulus that changes along the track.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,14 +17,14 @@ using par::Comm;
 GroundParameters layered(Integrator integrator) {
   GroundParameters p = box({4, 2, 2}, {16, 4, 8}, {});
   p.layers = {{"top", 0.7, {80e6, 0.35, 1900}}, {"sub", 1.3, {200e6, 0.3, 2000}}};
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.base_stiffness = 1e8;
   p.integrator = integrator;
   p.tolerance = 1e-12;
   return p;
 }
 
-// An uneven pressure that rises and falls smoothly in 12.5 ms.
+// A non-uniform pressure that rises and falls smoothly in 12.5 ms.
 std::vector<double> run(const Comm& comm, Ground& ground, int windows = 25) {
   auto unit = pressure(ground, 1e3);
   for (std::size_t n = 0; n < unit.size() / 3; ++n) unit[n] *= 2;
@@ -62,7 +62,7 @@ class Materials : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Materials, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-// Damping named by every solid is that of the ground: to rounding, as sums are made otherwise.
+// Equal damping in every solid is that of the ground, up to rounding by another order of sums.
 TEST_P(Materials, DampingOfEachSolidIsThatOfTheGround) {
   const Comm comm = Comm::world();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::bossak}) {
@@ -78,7 +78,7 @@ TEST_P(Materials, DampingOfEachSolidIsThatOfTheGround) {
   }
 }
 
-// Between none and all; the same bits on any number of ranks; explicit and implicit agree.
+// Between none and all; bitwise identical on any number of ranks; explicit and implicit agree.
 TEST_P(Materials, OneLayerIsDamped) {
   const Comm comm = Comm::world();
   GroundParameters p = layered(Integrator::explicit_);
@@ -98,7 +98,7 @@ TEST_P(Materials, OneLayerIsDamped) {
   EXPECT_LT(difference(run(comm, p, GetParam(), 100), run(comm, implicit, GetParam(), 100)), 0.03);
 }
 
-// The step of a transition zone: 1/2 (1 + tanh((x - 2) / 0.5)) of the way from 80 MPa to 30 GPa.
+// A smooth step of the modulus: 1/2 (1 + tanh((x - 2) / 0.5)) of the change from 80 MPa to 30 GPa.
 double step_at(double x) { return 80e6 + 0.5 * (1 + std::tanh((x - 2) / 0.5)) * (30e9 - 80e6); }
 
 std::string step_table() {
@@ -113,8 +113,8 @@ std::string step_table() {
   return path;
 }
 
-// As a ground of one block per column of zones, but for the rounding of the factors by which the
-// kernel tells columns apart; the same bits on any number of ranks (explicit).
+// Equal to a ground of one block per column of elements, except for the rounding of the factors of
+// the columns in the kernel; bitwise identical on any number of ranks (explicit).
 TEST_P(Materials, ModulusAlongTheTrack) {
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
     GroundParameters table = layered(integrator), blocks = table;
@@ -133,7 +133,7 @@ TEST_P(Materials, ModulusAlongTheTrack) {
   }
 }
 
-// Its columns are solids of their own to the force kernel, not to who looks at the fields.
+// Its columns are separate solids in the force kernel, but not in the fields.
 TEST_P(Materials, FieldsNameTheLayerWhateverItsModulus) {
   GroundParameters p = layered(Integrator::explicit_);
   p.layers[0].young_file = step_table();
@@ -152,7 +152,7 @@ TEST_P(Materials, FieldsNameTheLayerWhateverItsModulus) {
   }
 }
 
-TEST(Modulus, RefusesWhatIsNone) {
+TEST(Modulus, RefusesInvalidTables) {
   const auto words = [](const std::string& rows) {
     const std::string path = fmt::format("no_young_{}.csv", Comm::world().rank());
     std::ofstream(path) << "x_m,young_Pa\n" << rows;

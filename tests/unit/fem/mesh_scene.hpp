@@ -1,4 +1,4 @@
-// Small grounds of tetrahedra, and the mesh files they come from.
+// Small grounds of tetrahedra, and their mesh files.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,8 +15,8 @@
 
 namespace trackbed::fem {
 
-// A box from z = -size.z to 0, each cell cut into six tetrahedra along its diagonal. `move` shifts
-// nodes from their places: corners alone, with straight edges, or all of them.
+// A box from z = -size.z to 0, each cell divided into six tetrahedra along its diagonal. `move`
+// shifts nodes from their places: corners only, with straight edges, or all nodes.
 struct TetBox {
   enum class Edges { straight, curved };
   using Move = std::function<Vec3(const Vec3&)>;
@@ -30,7 +30,7 @@ struct TetBox {
   static constexpr std::array<const char*, 6> sides = {"x0", "x1", "y0", "y1", "bottom", "top"};
   std::vector<Vec3> node;
   std::vector<std::array<int, 10>> tetrahedron;  // Gmsh's order
-  std::vector<int> volume;                       // of each: 0 unless a test says otherwise
+  std::vector<int> volume;                       // of each tetrahedron: 0 unless a test sets it
   std::vector<std::string> volumes = {"soil"};
   std::vector<Face> face;
 
@@ -71,7 +71,7 @@ inline TetBox::TetBox(const Vec3& size, std::array<int, 3> cells, const Move& mo
           for (std::size_t step = 0; step < 3; ++step)
             for (std::size_t later = step + 1; later < 4; ++later)
               corner[later][static_cast<std::size_t>(orders[order][step])] += 2;
-          if (order > 2) std::swap(corner[1], corner[2]);  // the odd ones are left-handed
+          if (order > 2) std::swap(corner[1], corner[2]);  // odd permutations are left-handed
           std::array<Place, 10> ten;
           std::copy(corner.begin(), corner.end(), ten.begin());
           for (std::size_t e = 0; e < 6; ++e)
@@ -115,7 +115,7 @@ inline std::string names_of(const TetBox& box) {
 }
 }  // namespace detail
 
-// One entity for each group, of the same number.
+// One entity for each group, with the same number.
 inline std::string TetBox::text_4() const {
   std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + detail::names_of(*this);
   text += fmt::format("$Entities\n0 0 6 {}\n", volumes.size());
@@ -166,13 +166,13 @@ inline std::string TetBox::text_2() const {
   return text + "$EndElements\n";
 }
 
-// All borders rollers but a fixed bottom; written once per number of ranks and name.
+// All borders rollers except a fixed bottom; written once per number of ranks and name.
 inline GroundParameters of_mesh(const TetBox& box, const std::string& name, const Elastic& solid) {
   const par::Comm world = par::Comm::world();
   GroundParameters p;
   p.mesh = fmt::format("{}_on_{}.msh", name, world.size());
   if (world.root()) std::ofstream(p.mesh) << box.text_4();
-  world.max(0.0);  // nobody reads before it is written
+  world.max(0.0);  // no rank reads before the file is written
   for (const std::string& volume : box.volumes) p.solids.push_back({volume, solid});
   for (std::size_t s = 0; s < 5; ++s)
     p.borders.push_back({box.sides[s], s == 4 ? BorderKind::fixed : BorderKind::roller});
@@ -181,8 +181,8 @@ inline GroundParameters of_mesh(const TetBox& box, const std::string& name, cons
 }
 
 // Nodal forces, N, of a pressure (Pa, at the middle of each triangle) on a surface.
-inline std::vector<Vec3> pressed(const Surface& top,
-                                 const std::function<double(const Vec3&)>& pressure) {
+inline std::vector<Vec3> pressure_forces(const Surface& top,
+                                         const std::function<double(const Vec3&)>& pressure) {
   std::vector<Vec3> force(top.nodes(), Vec3::Zero());
   for (const auto& t : top.triangles) {
     const auto at = [&](std::size_t k) { return top.position[static_cast<std::size_t>(t[k])]; };
@@ -193,8 +193,8 @@ inline std::vector<Vec3> pressed(const Surface& top,
   return force;
 }
 
-// Moves nodes inside a box, and along its faces, by some `share` of a cell.
-inline TetBox::Move shaken(const Vec3& size, std::array<int, 3> cells, double share) {
+// Moves nodes inside a box, and along its faces, by a `fraction` of a cell.
+inline TetBox::Move shaken(const Vec3& size, std::array<int, 3> cells, double fraction) {
   return [=](const Vec3& home) {
     const double z = home.z() + size.z();
     Vec3 at = home;
@@ -203,7 +203,7 @@ inline TetBox::Move shaken(const Vec3& size, std::array<int, 3> cells, double sh
       const bool border = x < 1e-9 || x > size[a] - 1e-9;
       const double cell = size[a] / cells[static_cast<std::size_t>(a)];
       if (!border)
-        at[a] += share * cell * std::sin(7.1 * home.x() + 5.3 * home.y() + 3.7 * z + 1.9 * a);
+        at[a] += fraction * cell * std::sin(7.1 * home.x() + 5.3 * home.y() + 3.7 * z + 1.9 * a);
     }
     return at;
   };

@@ -1,11 +1,11 @@
-// What acts on the nodes of a ground of tetrahedra: dashpots of quiet borders, mass damping of each
-// solid, and the longest explicit step.
+// Terms at the nodes of a ground of tetrahedra: dashpots of viscous borders, mass damping of each
+// solid, and the critical explicit step.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fem/terms.hpp"
+#include "fem/boundary/terms.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
 namespace trackbed::fem {
@@ -16,15 +16,15 @@ using std::numbers::pi;
 
 constexpr Elastic soil{50e6, 0.3, 2000};
 
-// A shaft of 1 m across, free around, that stands on a quiet base.
+// A shaft of 1 m diameter with free sides on a viscous base.
 GroundParameters shaft(const std::string& name) {
-  const auto round = [](const Vec3& at) {
+  const auto circular = [](const Vec3& at) {
     const double x = 2 * at.x() - 1, y = 2 * at.y() - 1;
     return Vec3(0.5 * x * std::sqrt(1 - y * y / 2), 0.5 * y * std::sqrt(1 - x * x / 2), at.z());
   };
-  GroundParameters p = of_mesh(TetBox({1, 1, 4}, {2, 2, 12}, round), name, soil);
+  GroundParameters p = of_mesh(TetBox({1, 1, 4}, {2, 2, 12}, circular), name, soil);
   for (MeshBorder& border : p.borders) border.holds = BorderKind::free;
-  p.borders[4].holds = BorderKind::quiet;
+  p.borders[4].holds = BorderKind::viscous;
   p.base_stiffness = 0;
   p.integrator = Integrator::explicit_;
   return p;
@@ -35,7 +35,7 @@ TEST(TermsOfTetrahedra, DashpotsHaveTheImpedancesOfTheirDirections) {
   for (const std::size_t side : {std::size_t{0}, std::size_t{3}, std::size_t{4}}) {
     GroundParameters p = of_mesh(TetBox({2, 1, 3}, {2, 1, 2}), fmt::format("side_{}", side), soil);
     for (MeshBorder& border : p.borders) border.holds = BorderKind::free;
-    p.borders[side].holds = BorderKind::quiet;
+    p.borders[side].holds = BorderKind::viscous;
     const Mesh mesh(Comm::self(), p, Dimension::space, 1);
     const Terms terms(mesh, p, Stiffness(mesh, {}));
     const int normal = static_cast<int>(side / 2);
@@ -50,9 +50,9 @@ TEST(TermsOfTetrahedra, DashpotsHaveTheImpedancesOfTheirDirections) {
   }
 }
 
-// A twist of its top runs down a round shaft as a shear wave and leaves through the base: dashpots
-// of normal impedance would throw back ((a - 1)/(a + 1))^2 = 9 % of its energy, a = c_p/c_s.
-TEST(TermsOfTetrahedra, ShearWaveLeavesThroughAQuietBase) {
+// A twist of its top travels down a circular shaft as a shear wave and leaves through the base:
+// dashpots of normal impedance would reflect ((a - 1)/(a + 1))^2 = 9 % of its energy, a = c_p/c_s.
+TEST(TermsOfTetrahedra, ShearWaveLeavesThroughAViscousBase) {
   Ground ground(Comm::world(), shaft("shaft"), Dimension::space, 1);
   std::vector<Vec3> twist(ground.top().nodes(), Vec3::Zero());
   for (const auto& t : ground.top().triangles)
@@ -105,14 +105,14 @@ TEST(TermsOfTetrahedra, MassDampingIsThatOfEachSolid) {
   }
 }
 
-// A column that is let go swings with c_p / 4 H; the energy of all its modes decays as exp(-alpha
-// t) with its solids' damping, 5/s, not the ground's, 2/s.
+// A column released from a deflection vibrates with c_p / 4 H; the energy of all its modes decays
+// as exp(-alpha t) with the damping of its solids, 5/s, not of the ground, 2/s.
 TEST(TermsOfTetrahedra, FreeVibrationDecaysByTheSolidsMassDamping) {
   GroundParameters p = halves("decay");
   for (MeshSolid& solid : p.solids) solid.solid.rayleigh_mass = 5;
   Ground ground(Comm::world(), p, Dimension::space, 1);
   std::vector<Vec3> none(ground.top().nodes(), Vec3::Zero());
-  ground.settle(pressed(ground.top(), [](const Vec3&) { return 10e3; }));
+  ground.settle(pressure_forces(ground.top(), [](const Vec3&) { return 10e3; }));
   const double period = 4 * 2 / std::sqrt(50e6 * 0.7 / (1.3 * 0.4) / 2000);
   constexpr int windows = 100;  // of a period
   std::array<double, 5> kinetic{};
@@ -125,14 +125,14 @@ TEST(TermsOfTetrahedra, FreeVibrationDecaysByTheSolidsMassDamping) {
   EXPECT_NEAR(kinetic[4] / kinetic[0], exact, 0.02 * exact);
 }
 
-// Of M^-1 (K + springs) over freedoms that move, rad/s: by power iteration.
+// Largest frequency of M^-1 (K + springs) over free degrees of freedom, rad/s: power iteration.
 double largest_frequency(const Mesh& mesh, const Stiffness& stiffness, const Terms& terms) {
   Nodal u(3, mesh.nodes()), f(3, mesh.nodes());
   for (int c = 0; c < 3; ++c)
     for (std::size_t n = 0; n < mesh.nodes(); ++n)
       u[c][n] = std::sin(12.9898 * static_cast<double>(n) + 78.233 * c);
   double squared = 0;
-  for (int round = 0; round < 2000; ++round) {
+  for (int iteration = 0; iteration < 2000; ++iteration) {
     stiffness.apply(u, f);
     for (const Spring& s : terms.springs)
       for (int c = 0; c < 3; ++c) f[c][s.node] += s.stiffness * u[c][s.node];
@@ -151,7 +151,7 @@ double largest_frequency(const Mesh& mesh, const Stiffness& stiffness, const Ter
   return std::sqrt(squared);
 }
 
-// One tetrahedron, free: its own frequency is that of the mesh.
+// One free tetrahedron: its frequency is that of the mesh.
 GroundParameters one_tetrahedron() {
   TetBox box({1, 1, 1}, {1, 1, 1});
   box.node = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(1.2, 0, 0), Vec3(0.2, 0.1, -0.8)};
@@ -174,21 +174,21 @@ double bound_of(const GroundParameters& p, double& largest) {
   return critical_step_of_tetrahedra(mesh, p, stiffness, limit);
 }
 
-TEST(TermsOfTetrahedra, CriticalStepIsNoLongerThanTheMeshBears) {
+TEST(TermsOfTetrahedra, CriticalStepIsNotAboveTheLimitOfTheMesh) {
   double largest = 0;
   const double alone = bound_of(one_tetrahedron(), largest);
   EXPECT_NEAR(alone, largest, 1e-6 * largest);
   const Vec3 size(2, 1, 1);
   const std::array<int, 3> cells = {3, 2, 2};
   GroundParameters p = of_mesh(TetBox(size, cells, shaken(size, cells, 0.2)), "bound", soil);
-  p.borders[4].holds = BorderKind::quiet, p.base_stiffness = 5e9;  // stiffer than the solid
+  p.borders[4].holds = BorderKind::viscous, p.base_stiffness = 5e9;  // stiffer than the solid
   p.integrator = Integrator::explicit_;
   const double bound = bound_of(p, largest);
   EXPECT_LT(bound, largest);
   EXPECT_GT(bound, 0.5 * largest);
 }
 
-// Kicked once and left alone.
+// Energy after an initial impulse.
 double energy_after(double safety, int steps) {
   GroundParameters p = one_tetrahedron();
   p.safety = safety;

@@ -1,5 +1,5 @@
-// The return to the surface of Mohr and Coulomb: properties over many random stresses and solids.
-#include "fem/mohr_coulomb.hpp"
+// Return mapping to the Mohr-Coulomb surface: properties for many random stresses and solids.
+#include "fem/material/mohr_coulomb.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace trackbed::fem {
 namespace {
 
-// Of the largest number met: eigenvectors and a system of three.
+// Relative to the largest value: eigenvectors and a system of three.
 constexpr double rounding = 1e-10;
 
 double passive(double angle) {
@@ -25,7 +25,7 @@ struct Case {
 };
 
 // Solids from liquid-like to rock, with and without friction, dilation and tension; stresses from
-// well within the surface to far beyond it, with equal principal values now and then.
+// well within the surface to far beyond it, sometimes with equal principal values.
 class Cases {
  public:
   Case next() {
@@ -59,7 +59,7 @@ class Cases {
   std::mt19937_64 random_{7};
 };
 
-TEST(MohrCoulomb, BringsBackWhatIsBeyondAndNothingElse) {
+TEST(MohrCoulomb, ReturnsOnlyStressesBeyondTheSurface) {
   Cases cases;
   int within = 0, beyond = 0;
   for (int n = 0; n < 100000; ++n) {
@@ -79,7 +79,7 @@ TEST(MohrCoulomb, BringsBackWhatIsBeyondAndNothingElse) {
     EXPECT_GT(before, 0);
     const Principal after = principal(stress);
     ASSERT_LE(surface.beyond(after.value), rounding * size) << n;
-    // What flowed took the stress off, did work, and the sum of principal axes stays put.
+    // The plastic strain explains the stress change, its work is positive, principal axes are kept.
     EXPECT_LT((one.stress - elasticity(one.solid) * plastic - stress).norm(), rounding * size) << n;
     EXPECT_GE(stress.dot(plastic), -rounding * size * plastic.norm()) << n;
     Vec6 again = stress, nothing;
@@ -90,8 +90,8 @@ TEST(MohrCoulomb, BringsBackWhatIsBeyondAndNothingElse) {
   EXPECT_GT(beyond, 10000);
 }
 
-// With the flow along the normal no admissible stress does more work on the flow (Hill 1948): the
-// returned stress is the closest in energy, so it is the only answer.
+// With associated flow no admissible stress does more work on the plastic strain (Hill 1948): the
+// returned stress is the closest in energy, so it is unique.
 TEST(MohrCoulomb, AssociatedFlowDissipatesMost) {
   Cases cases;
   int count = 0;
@@ -102,7 +102,7 @@ TEST(MohrCoulomb, AssociatedFlowDissipatesMost) {
     Vec6 stress = one.stress, plastic;
     if (!surface.bring_back(stress, plastic)) continue;
     Vec6 other = cases.next().stress, none;
-    // Rounding is that of the stresses met, which may return to nothing.
+    // Rounding is relative to the trial stresses, which may return to zero.
     const double size = one.stress.norm() + other.norm() + one.strength.cohesion;
     surface.bring_back(other, none);
     EXPECT_LE(plastic.dot(other - stress), 1e-9 * size * plastic.norm()) << n;
@@ -111,7 +111,7 @@ TEST(MohrCoulomb, AssociatedFlowDissipatesMost) {
   EXPECT_GT(count, 5000);
 }
 
-// The cones that spare the principal values lie within the surface, and are not empty.
+// The cones that avoid the principal values are within the surface, and not empty.
 TEST(MohrCoulomb, ConesLieWithin) {
   Cases cases;
   int held = 0;
@@ -133,7 +133,8 @@ TEST(MohrCoulomb, ConesLieWithin) {
   EXPECT_GT(held, 5000);
 }
 
-// Each region by hand: c 10 kPa, phi 30 (N 3), psi 0, tension 5 kPa, G and lambda equal (nu 1/4).
+// Hand calculation of each region: c 10 kPa, phi 30 (N 3), psi 0, tension 5 kPa, G = lambda
+// (nu 1/4).
 TEST(MohrCoulomb, RegionsByHand) {
   Strength strength{Yield::mohr_coulomb, 10e3, 30, 0, 5e3};
   const MohrCoulomb surface({25e6, 0.25, 2000}, strength);
@@ -144,26 +145,25 @@ TEST(MohrCoulomb, RegionsByHand) {
     EXPECT_TRUE(surface.bring_back(stress, plastic));
     return Vec3(stress.head<3>());
   };
-  // Main plane: flow (1, 0, -1), so mean and middle stress stay.
+  // Main plane: flow direction (1, 0, -1), so mean and middle stress are unchanged.
   const Vec3 main = back(-100e3, -250e3, -500e3);
   EXPECT_NEAR(3 * main.x() - main.z(), limit, 1e-6);
   EXPECT_NEAR(main.x() + main.z(), -600e3, 1e-6);
   EXPECT_NEAR(main.y(), -250e3, 1e-6);
-  // Edge of triaxial compression: both smaller ones stay equal.
+  // Edge of triaxial compression: both smaller ones remain equal.
   const Vec3 edge = back(-500e3, -100e3, -100e3);
   EXPECT_NEAR(edge.y(), edge.z(), 1e-6);
   EXPECT_NEAR(3 * edge.y() - edge.x(), limit, 1e-6);
   EXPECT_NEAR(edge.sum(), -700e3, 1e-6);
-  // All beyond the cut-off: its corner.
+  // All beyond the tension cut-off: its corner.
   EXPECT_LT((back(50e3, 60e3, 70e3) - Vec3::Constant(5e3)).norm(), 1e-6);
-  // One tension: its own direction, the others follow by Poisson's ratio.
+  // One tension: returned along its direction, the others follow by Poisson's ratio.
   const Vec3 cut = back(25e3, -10e3, -10e3);
   EXPECT_NEAR(cut.x(), 5e3, 1e-6);
   EXPECT_NEAR(cut.y(), -10e3 - 20e3 / 3, 1e-6);
 }
 
-// A path of strain that turns round, in few or many returns: they converge on each other with order
-// one at least.
+// A strain path that reverses, in few or many returns: they converge with order one at least.
 TEST(MohrCoulomb, SubStepsConverge) {
   const Elastic solid{50e6, 0.3, 2000};
   const MohrCoulomb surface(solid, {Yield::mohr_coulomb, 10e3, 35, 5, 2e3});

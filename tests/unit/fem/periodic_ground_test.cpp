@@ -1,5 +1,5 @@
-// Both ends of a ground are one: what happens there is what happens elsewhere, and a short periodic
-// ground is a long one of many copies.
+// Both ends of a periodic ground are one: results are invariant to a shift along it, and a short
+// periodic ground equals a long one of many copies.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,20 +28,20 @@ GroundParameters repeated(Integrator integrator) {
   p.layers[1].solid.rayleigh_stiffness = 3e-5;
   p.rayleigh_mass = 3, p.rayleigh_stiffness = 2e-5;
   p.plane = PlaneState::strain;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   repeat(p, 0), repeat(p, 1);
   p.integrator = integrator;
   p.tolerance = 1e-12;
   return p;
 }
 
-// Back into one period.
+// Shifted back into one period.
 double home(double at, double length) { return at - length * std::floor(at / length + 1e-9); }
 Vec3 shifted(const Vec3& at, double x, double y) {
   return {home(at.x() + x, 6), home(at.y() + y, 4), at.z()};
 }
 
-// Some traction without any symmetry, the same at both ends, Pa.
+// A traction without symmetry, the same at both ends, Pa.
 Vec3 uneven(const Vec3& at) {
   const double x = home(at.x(), 6), y = home(at.y(), 4);
   return 1e3 * Vec3(std::sin(x + 2 * y), std::cos(1.3 * x), -30 * std::exp(-(x - 1) * (x - 1) - y));
@@ -51,8 +51,8 @@ class PeriodicIn : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, PeriodicIn, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-// Largest difference of a ground and of one whose load is moved, at places as far apart; and what
-// is lost by yielding.
+// Largest difference between a ground and one with a shifted load, at places with the same shift;
+// and the energy dissipated by yielding.
 struct Moved {
   double apart, plastic;  // -, J
 };
@@ -61,7 +61,7 @@ Moved moved(const GroundParameters& p, Dimension dimension, double size) {
   const bool plane = dimension == Dimension::plane;
   Ground fixed(comm, p, dimension, 1.0), far(Comm::self(), p, dimension, 1.0);
   const auto load = [&](Ground& ground, double x, double y) {
-    return drawn(ground, [&](const Vec3& at) -> Vec3 {
+    return traction_forces(ground, [&](const Vec3& at) -> Vec3 {
       return size * uneven(plane ? Vec3(home(at.x() + x, 6), 0, 0) : shifted(at, x, y));
     });
   };
@@ -80,7 +80,7 @@ Moved moved(const GroundParameters& p, Dimension dimension, double size) {
   return {worst, far.totals().plastic};
 }
 
-TEST_P(PeriodicIn, MovedLoadGivesTheMovedAnswer) {
+TEST_P(PeriodicIn, ShiftedLoadGivesTheShiftedResponse) {
   EXPECT_LT(moved(repeated(Integrator::explicit_), GetParam(), 1).apart, 1e-10);
   EXPECT_LT(moved(repeated(Integrator::newmark), GetParam(), 1).apart, 1e-7);
   EXPECT_LT(moved(repeated(Integrator::hht), GetParam(), 1).apart, 1e-7);
@@ -92,43 +92,43 @@ GroundParameters weak(Integrator integrator) {
   return p;
 }
 
-// What flows at the seam flows as elsewhere.
-TEST_P(PeriodicIn, MovedLoadGivesTheMovedAnswerWhereTheGroundYields) {
+// Yielding at the seam is the same as elsewhere.
+TEST_P(PeriodicIn, ShiftedLoadGivesTheShiftedResponseOfAYieldingGround) {
   const Moved steps = moved(weak(Integrator::explicit_), GetParam(), 1.5);
   EXPECT_LT(steps.apart, 1e-8);
   EXPECT_GT(steps.plastic, 1);
-  const Moved rounds = moved(weak(Integrator::newmark), GetParam(), 1.5);
-  EXPECT_LT(rounds.apart, 1e-4);  // Newton's
-  EXPECT_GT(rounds.plastic, 1);
+  const Moved implicit = moved(weak(Integrator::newmark), GetParam(), 1.5);
+  EXPECT_LT(implicit.apart, 1e-4);  // tolerance of Newton's method
+  EXPECT_GT(implicit.plastic, 1);
 }
 
-// Steps reach one zone each: until those from the ends are there, the one amid seven copies is the
-// periodic ground.
+// Steps propagate by one element each: until effects of the ends arrive, the middle one of seven
+// copies equals the periodic ground.
 TEST_P(PeriodicIn, IsOneOfManyCopies) {
   const Comm comm = Comm::world();
   GroundParameters p = repeated(Integrator::explicit_);
   repeat(p, 0);
   p.side_y_low = p.side_y_high = Sides::as_sides;
   GroundParameters many = p;
-  many.x = {-18, 24}, many.zones_x = 7 * 12;
+  many.x = {-18, 24}, many.elements_x = 7 * 12;
   many.side_x_low = many.side_x_high = Sides::as_sides;
   Ground one(comm, p, GetParam(), 1.0), all(Comm::self(), many, GetParam(), 1.0);
   const double dt = one.stable_step();
   for (Ground* ground : {&one, &all}) {
-    const auto load = drawn(*ground, [](const Vec3& at) -> Vec3 {
+    const auto load = traction_forces(*ground, [](const Vec3& at) -> Vec3 {
       return {0, 0, 1e3 * std::min(0.0, std::abs(home(at.x(), 6) - 5) - 1)};
     });
     for (int w = 0; w < 35; ++w) ground->advance(dt, load);
   }
   EXPECT_LT(apart(comm, one, all, [](const Vec3& at) { return at; }), 1e-11);
-  // By then what the load sends out has gone round: 35 steps of 0.6 zones.
+  // By then the waves of the load have travelled around the period: 35 steps of 0.6 elements.
   EXPECT_GT(35 * dt * 183, 0.5 * 6);
 }
 
-// Without room to spread each zone bears what is above it, as between rollers.
-TEST_P(PeriodicIn, WeightRestsAsInAColumn) {
-  for (const std::int64_t zones : {1, 3}) {
-    GroundParameters p = box({2, 2, 5}, {zones, zones, 10}, {50e6, 0.3, 2000});
+// Without lateral strain each element carries the weight above it, as between rollers.
+TEST_P(PeriodicIn, WeightActsAsInAColumn) {
+  for (const std::int64_t elements : {1, 3}) {
+    GroundParameters p = box({2, 2, 5}, {elements, elements, 10}, {50e6, 0.3, 2000});
     p.plane = PlaneState::strain;
     p.base = Base::fixed;
     p.tolerance = 1e-12;
@@ -147,22 +147,22 @@ TEST_P(PeriodicIn, WeightRestsAsInAColumn) {
             std::max(worst, std::abs(grid.cell_data[1].values[6 * c + component] - share * exact));
     }
     EXPECT_LT(Comm::world().max(worst), 1e-6 * 150e3);
-    const std::int64_t nodes = GetParam() == Dimension::plane ? zones : zones * zones;
+    const std::int64_t nodes = GetParam() == Dimension::plane ? elements : elements * elements;
     EXPECT_EQ(ground.totals().nodes, nodes * 11);
     EXPECT_EQ(ground.totals().unknowns, nodes * 10 * (GetParam() == Dimension::plane ? 2 : 3));
   }
 }
 
-// One zone across, periodic, is plane strain.
+// One element across, periodic, is plane strain.
 TEST(PeriodicAcross, IsPlaneStrain) {
   const Comm comm = Comm::world();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::bossak}) {
     GroundParameters p = repeated(integrator);
-    p.y = {-0.5, 0.5}, p.zones_y = 1;
+    p.y = {-0.5, 0.5}, p.elements_y = 1;
     p.side_x_low = p.side_x_high = Sides::as_sides;
     Ground plane(Comm::self(), p, Dimension::plane, 1.0), space(comm, p, Dimension::space, 1.0);
     for (Ground* ground : {&plane, &space}) {
-      const auto load = drawn(
+      const auto load = traction_forces(
           *ground, [](const Vec3& at) -> Vec3 { return 1e3 * Vec3(at.x(), 0, -10 - at.x()); });
       for (int w = 0; w < 30; ++w) ground->advance(4e-4, load);
     }
@@ -171,8 +171,8 @@ TEST(PeriodicAcross, IsPlaneStrain) {
   }
 }
 
-// A level ground moves as one under a wave, whatever the other sides are.
-TEST_P(PeriodicIn, LevelGroundIsNotFeltByAWave) {
+// A level ground moves uniformly under a wave, for any condition of the other sides.
+TEST_P(PeriodicIn, LevelGroundMovesUniformlyUnderAWave) {
   const Comm comm = Comm::world();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark})
     for (const int axes : {1, 2, 3}) {
@@ -190,13 +190,13 @@ TEST_P(PeriodicIn, LevelGroundIsNotFeltByAWave) {
     }
 }
 
-TEST_P(PeriodicIn, SameBitsOnAnyRankCount) {
+TEST_P(PeriodicIn, IsBitwiseIdenticalOnAnyRankCount) {
   const Comm world = Comm::world();
   for (const bool yields : {false, true}) {
     GroundParameters p = yields ? weak(Integrator::explicit_) : repeated(Integrator::explicit_);
     Ground alone(Comm::self(), p, GetParam(), 1.0), spread(world, p, GetParam(), 1.0);
     for (Ground* ground : {&alone, &spread}) {
-      if (yields) ground->settle(drawn(*ground, uneven));  // exact sums
+      if (yields) ground->settle(traction_forces(*ground, uneven));  // exact sums
       for (int w = 0; w < 25; ++w) ground->advance(5e-4, load_of(ground->top(), w));
     }
     EXPECT_EQ(bits(Comm::self(), alone), bits(world, spread));
@@ -209,8 +209,8 @@ TEST_P(PeriodicIn, SameBitsOnAnyRankCount) {
   }
 }
 
-// Damping of mass acts through the mass of both ends; masses of the surface add up to those of the
-// uppermost half row of zones.
+// Mass damping acts on the mass of both ends; masses of the surface add up to those of the
+// uppermost half row of elements.
 TEST_P(PeriodicIn, MassIsShared) {
   const Comm comm = Comm::world();
   Ground ground(comm, repeated(Integrator::explicit_), GetParam(), 4.0);
@@ -220,21 +220,21 @@ TEST_P(PeriodicIn, MassIsShared) {
     sum += mass, most = std::max(most, mass), least = std::min(least, mass);
   }
   EXPECT_NEAR(comm.sum(sum), 1700 * 6 * 4 * 0.25, 1e-8);
-  // A place shown four times has a quarter, in a plane (two faces each) a half of the others'.
+  // A place listed four times has a quarter, in a plane (two faces) a half of the mass of others.
   EXPECT_NEAR(comm.max(most) / -comm.max(-least), GetParam() == Dimension::plane ? 2 : 4, 1e-9);
 }
 
-TEST_P(PeriodicIn, GoesOnWithTheSameBits) {
+TEST_P(PeriodicIn, ContinuesBitwiseIdentically) {
   const Comm world = Comm::world(), self = Comm::self();
   for (const Integrator integrator : {Integrator::explicit_, Integrator::hht})
     for (const bool yields : {false, true}) {
-      const bool one = integrator != Integrator::explicit_;  // implicit bits hang on the ranks
+      const bool one = integrator != Integrator::explicit_;  // implicit results depend on the ranks
       const Comm& comm = one ? self : world;
       const GroundParameters p = yields ? weak(integrator) : repeated(integrator);
       const std::string path =
           fmt::format("periodic_{}_{}.h5", world.size(), one ? world.rank() + 1 : 0);
       Ground straight(comm, p, GetParam(), 1.0), resumed(comm, p, GetParam(), 1.0);
-      straight.settle(drawn(straight, uneven));
+      straight.settle(traction_forces(straight, uneven));
       for (int w = 0; w < 8; ++w) straight.advance(4e-4, load_of(straight.top(), w));
       {
         io::File file(comm, path, io::Mode::create);

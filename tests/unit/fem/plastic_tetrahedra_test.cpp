@@ -1,11 +1,11 @@
-// Tetrahedra that yield: forces, bits on any number of ranks, restart, implicit steps.
+// Yielding tetrahedra: forces, bitwise identity on any number of ranks, restart, implicit steps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "fem/plastic_step.hpp"
+#include "fem/kernel/plastic_step.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/file.hpp"
 #include "unit/fem/embankment_scene.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 using par::Comm;
 
-// Fill and soil yield under what presses on the crest; the capping does not.
+// Fill and soil yield under the load on the crest; the capping layer does not.
 GroundParameters soft() {
   GroundParameters p = embankment();
   p.sections = {{.x = 0, .crest = 3}, {.x = 6, .crest = 4, .slope = 1.6}};
@@ -39,7 +39,7 @@ std::vector<Vec3> load(const Surface& top, double pressure) {
   return force;
 }
 
-// The force of plastic strain is that of the points' matrices, and the tangent its derivative.
+// The force of plastic strain is that of the matrices of the points, the tangent its derivative.
 TEST(PlasticTetrahedra, TangentIsTheDerivativeOfTheForce) {
   GroundParameters p = soft();
   p.layers[1].strength.dilation_angle = 0;
@@ -66,13 +66,13 @@ TEST(PlasticTetrahedra, TangentIsTheDerivativeOfTheForce) {
   const Nodal after = force_at(length), before = force_at(-length);
   force_at(0);
   EXPECT_GT(step.flowing(), 50u);
-  EXPECT_EQ(step.lost(), 0u);
+  EXPECT_EQ(step.unsolved(), 0u);
   Nodal found(3, mesh.nodes());
-  step.tangent([&](std::size_t zone, const Eigen::MatrixXd& k) {
+  step.tangent([&](std::size_t element, const Eigen::MatrixXd& k) {
     Eigen::VectorXd mine(30);
-    for (int f = 0; f < 30; ++f) mine[f] = way[f % 3][mesh.corner(zone, f / 3)];
+    for (int f = 0; f < 30; ++f) mine[f] = way[f % 3][mesh.corner(element, f / 3)];
     const Eigen::VectorXd force = k * mine;
-    for (int f = 0; f < 30; ++f) found[f % 3][mesh.corner(zone, f / 3)] += force[f];
+    for (int f = 0; f < 30; ++f) found[f % 3][mesh.corner(element, f / 3)] += force[f];
   });
   double off = 0, size = 0;
   for (int c = 0; c < 3; ++c)
@@ -84,31 +84,31 @@ TEST(PlasticTetrahedra, TangentIsTheDerivativeOfTheForce) {
   EXPECT_LT(off, 1e-4 * size);
 }
 
-// Work of the load = kinetic + elastic + lost by yielding, if nothing else takes energy: to the
-// order of the step. With weight, from a rest that has not yielded; pressed, and drawn until
-// elements open, whose weight moves to their mass.
+// Work of the load = kinetic + elastic + dissipated energy, without other dissipation: to the order
+// of the step. With weight, from an elastic static state; compressed, and in tension until elements
+// open, whose weight is carried by their inertia.
 TEST(PlasticTetrahedra, EnergyIsBalanced) {
   const auto error = [](double safety, double pressure) {
     GroundParameters p = soft();
     p.rayleigh_mass = 0;
     p.safety = safety;
     Ground ground(Comm::self(), p, Dimension::space, 1);
-    const std::vector<Vec3> quiet = load(ground.top(), 0), push = load(ground.top(), pressure);
-    ground.settle(quiet);
+    const std::vector<Vec3> viscous = load(ground.top(), 0), push = load(ground.top(), pressure);
+    ground.settle(viscous);
     double work = 0;
     EXPECT_EQ(ground.totals().plastic, 0);
     for (int w = 0; w < 150; ++w) {
-      const std::vector<Vec3>& force = w < 80 ? push : quiet;
+      const std::vector<Vec3>& force = w < 80 ? push : viscous;
       ground.advance(1e-3, force);
       for (std::size_t n = 0; n < force.size(); ++n)
-        work += (force[n] - quiet[n]).dot(ground.top().motion[n]);
+        work += (force[n] - viscous[n]).dot(ground.top().motion[n]);
     }
     const GroundTotals end = ground.totals();
     EXPECT_GT(end.plastic, 0.15 * work);
     return std::abs(end.kinetic + end.elastic + end.plastic - work) / work;
   };
-  // Order one, as the return is: a fifth of the step, less than half of the error.
-  // Where elements open forces set in at once: more of it in a step.
+  // Order one, as the return mapping: a fifth of the step, less than half of the error.
+  // Where elements open, forces start suddenly: a larger error in a step.
   for (const auto& [pressure, most] : {std::pair{60e3, 3e-4}, {-30e3, 1e-3}}) {
     const double coarse = error(0.5, pressure), fine = error(0.1, pressure);
     EXPECT_LT(coarse, most);
@@ -116,14 +116,14 @@ TEST(PlasticTetrahedra, EnergyIsBalanced) {
   }
 }
 
-// `kilopascals` more in each window, until something yields.
+// `kilopascals` more in each window, until elements yield.
 void check_bits(double kilopascals) {
   const GroundParameters p = soft();
   const Comm world = Comm::world();
   Ground alone(Comm::self(), p, Dimension::space, 1), shared(world, p, Dimension::space, 1);
   Ground second(world, p, Dimension::space, 1);
   const double dt = 2.5 * shared.stable_step();
-  // Of the top as it was: where a ground shows it hangs on its last window.
+  // Loads of the same top, as its position depends on the last window.
   const std::vector<Vec3> one_kilopascal = load(shared.top(), 1e3);
   const auto force = [&](int w) {
     std::vector<Vec3> all = one_kilopascal;
@@ -153,10 +153,10 @@ void check_bits(double kilopascals) {
   EXPECT_EQ(shared.trouble(), "");
 }
 
-TEST(PlasticTetrahedra, SameBitsOnRanksAndThroughACheckpoint) { check_bits(4); }
-TEST(PlasticTetrahedra, SameBitsOnceDrawnOpen) { check_bits(-1.5); }
+TEST(PlasticTetrahedra, IsBitwiseIdenticalOnRanksAndThroughACheckpoint) { check_bits(4); }
+TEST(PlasticTetrahedra, IsBitwiseIdenticalInTension) { check_bits(-1.5); }
 
-// A load brought on at once and held, with much damping: both kinds of steps come to rest alike.
+// A load applied suddenly and kept, with much damping: both kinds of steps have the same end state.
 TEST(PlasticTetrahedra, ImplicitStepsAgreeWithExplicitOnes) {
   GroundParameters p = soft();
   p.rayleigh_mass = 60;

@@ -1,6 +1,6 @@
-// Zones that yield: the kernel against plain matrices, bits on ranks and through checkpoints, the
-// balance of energy, and a rest that is not elastic.
-#include "fem/plasticity.hpp"
+// Yielding elements: the kernel against element matrices, bitwise identity on ranks and through
+// checkpoints, the energy balance, and a static state that is not elastic.
+#include "fem/kernel/plasticity.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(, Plastic, ::testing::Values(Dimension::plane, Dimensio
 
 TEST_P(Plastic, PatternsAreTheMatrices) {
   const bool flat = GetParam() == Dimension::plane;
-  const ZonePoints points = zone_points({0.3, 0.2, 0.1}, {50e6, 0.3, 2000}, GetParam());
+  const ElementPoints points = element_points({0.3, 0.2, 0.1}, {50e6, 0.3, 2000}, GetParam());
   const int corners = flat ? 4 : 8, parts = points.components, freedoms = flat ? 2 : 3;
   std::mt19937_64 random(3);
   const auto compare = [&](const Eigen::MatrixXd& matrix, int rows, int columns) {
@@ -30,7 +30,7 @@ TEST_P(Plastic, PatternsAreTheMatrices) {
     EXPECT_LE(map.entries(), static_cast<std::size_t>(matrix.size() / (flat ? 4 : 8)));
     Eigen::VectorXd x(columns * corners);
     for (double& value : x) value = std::uniform_real_distribution<double>(-1, 1)(random);
-    // Components apart, in lane 5.
+    // Separate components, in lane 5.
     Lane in[48], out[48];
     for (int c = 0; c < columns; ++c)
       for (int p = 0; p < corners; ++p) {
@@ -52,13 +52,13 @@ TEST_P(Plastic, PatternsAreTheMatrices) {
   compare(points.recovery.transpose(), freedoms, parts);
 }
 
-// Free strain of a whole zone, as of heat: no stress where nothing holds the corners.
-TEST_P(Plastic, EvenPlasticStrainIsFreeOfStress) {
+// Uniform strain of a whole element, as thermal strain: no stress with free corners.
+TEST_P(Plastic, UniformPlasticStrainIsFreeOfStress) {
   const bool flat = GetParam() == Dimension::plane;
   const Vec3 size(0.3, 0.2, 0.1);
   const Elastic solid{50e6, 0.3, 2000};
-  const ZonePoints points = zone_points(size, solid, GetParam());
-  const ZoneElement zone = zone_element(size, solid, GetParam(), PlaneState::strain);
+  const ElementPoints points = element_points(size, solid, GetParam());
+  const ElementMatrices element = element_matrices(size, solid, GetParam(), PlaneState::strain);
   const int corners = flat ? 4 : 8, freedoms = flat ? 2 : 3, parts = points.components;
   Eigen::VectorXd u(freedoms * corners), e(parts * corners);
   for (int k = 0; k < corners; ++k) {
@@ -72,11 +72,11 @@ TEST_P(Plastic, EvenPlasticStrainIsFreeOfStress) {
   const double scale = 50e6 * 1e-3;
   EXPECT_LT((points.recovery * u + points.relief * e).cwiseAbs().maxCoeff(), 1e-9 * scale);
   const Eigen::VectorXd force =
-      zone.stiffness * u - points.weighted(points.recovery).transpose() * e;
+      element.stiffness * u - points.weighted(points.recovery).transpose() * e;
   EXPECT_LT(force.cwiseAbs().maxCoeff(), 1e-9 * scale);
 }
 
-TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
+TEST_P(Plastic, IsBitwiseIdenticalOnRanksAndThroughACheckpoint) {
   const Comm world = Comm::world(), self = Comm::self();
   const std::string path = "plastic_on_" + std::to_string(world.size()) +
                            (GetParam() == Dimension::plane ? "_plane.h5" : "_space.h5");
@@ -109,12 +109,12 @@ TEST_P(Plastic, SameBitsOnRanksAndThroughACheckpoint) {
   go(one, 8, 15);
   EXPECT_EQ(bits(world, resumed), bits(self, alone));
   EXPECT_EQ(bits(self, one), bits(self, alone));
-  // Sums over ranks in another order.
+  // Sums over ranks have another order.
   EXPECT_NEAR(resumed.totals().plastic, alone.totals().plastic, 1e-12 * alone.totals().plastic);
 }
 
-// Layers that could yield but do not: the bits of elastic ones.
-TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
+// Layers with a strength that is not reached are bitwise identical to elastic ones.
+TEST_P(Plastic, StrongLayersAreBitwiseIdenticalToElasticOnes) {
   const Comm self = Comm::self();
   GroundParameters strong = yielding_scene(), elastic = yielding_scene();
   for (Strength* s : {&strong.layers[0].strength, &strong.blocks[0].strength}) {
@@ -132,7 +132,7 @@ TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
   }
   EXPECT_EQ(bits(self, a), bits(self, b));
   EXPECT_EQ(a.totals().plastic, 0);
-  // Both solvers of rest agree to their tolerance.
+  // Both static solvers agree to their tolerance.
   const auto one = a.fields(), other = b.fields();
   double most = 0, difference = 0;
   for (std::size_t k = 0; k < one.cell_data[1].values.size(); ++k) {
@@ -143,8 +143,8 @@ TEST_P(Plastic, StrongLayersHaveTheBitsOfElasticOnes) {
   EXPECT_LT(difference, 1e-5 * most);
 }
 
-// Work of the load = kinetic + elastic + lost by yielding, if nothing else takes energy: to the
-// order of the step. With weight and a rest that has yielded.
+// Work of the load = kinetic + elastic + dissipated energy, without other dissipation: to the order
+// of the step. With weight and a static state that has yielded.
 TEST_P(Plastic, EnergyIsBalanced) {
   const Comm self = Comm::self();
   const auto error = [&](double safety) {
@@ -154,30 +154,30 @@ TEST_P(Plastic, EnergyIsBalanced) {
     p.rayleigh_stiffness = 0;
     p.safety = safety;
     Ground ground(self, p, GetParam(), 1.0);
-    const auto quiet = settled(ground.top()), push = load_of(ground.top(), 5);
-    ground.settle(quiet);
+    const auto viscous = settled(ground.top()), push = load_of(ground.top(), 5);
+    ground.settle(viscous);
     double work = 0;
     const double lost = ground.totals().plastic, dt = 1e-4;
     for (int w = 0; w < 150; ++w) {
-      const auto& load = w < 40 ? push : quiet;
+      const auto& load = w < 40 ? push : viscous;
       ground.advance(dt, load);
       for (std::size_t n = 0; n < load.size(); ++n)
-        work += (load[n] - quiet[n]).dot(ground.top().motion[n]);
+        work += (load[n] - viscous[n]).dot(ground.top().motion[n]);
     }
     const GroundTotals end = ground.totals();
     EXPECT_GT(end.plastic - lost, 0.1 * work);
     return std::abs(end.kinetic + end.elastic + end.plastic - lost - work) / work;
   };
-  // Order one, as the return is: a fifth of the step, less than half of the error.
+  // Order one, as the return mapping: a fifth of the step, less than half of the error.
   const double coarse = error(0.1), fine = error(0.02);
   EXPECT_LT(coarse, 0.0135);
   EXPECT_LT(fine, 0.004);
   EXPECT_LT(fine, 0.5 * coarse);
 }
 
-// K0 = nu/(1 - nu) below the active pressure of Rankine: the rest yields to it. Cut off at no
-// tension, the top has none.
-TEST_P(Plastic, RestYieldsToTheActivePressure) {
+// K0 = nu/(1 - nu) is below the active pressure of Rankine: the static state yields to it. With a
+// tension cut-off at zero the top has no tension.
+TEST_P(Plastic, StaticStateYieldsToTheActivePressure) {
   GroundParameters p = box({1, 1, 4}, {2, 2, 32}, {50e6, 0.1, 2000});
   p.plane = PlaneState::strain;
   p.base = Base::fixed;
@@ -197,26 +197,28 @@ TEST_P(Plastic, RestYieldsToTheActivePressure) {
     most = std::max({most, std::abs(grid.cell_data[1].values[6 * c + 2] - vertical),
                      std::abs(grid.cell_data[1].values[6 * c] - std::min(elastic, active))});
   }
-  // A zone in which the surface is met halfway has a mean between both: an eighth of what weighs in
-  // it.
+  // An element in which the surface is reached halfway has a mean between both: an eighth of the
+  // weight of an element.
   EXPECT_LT(Comm::world().max(most), weight * 4.0 / 32 / 8);
 }
 
-TEST(Rest, RefusesWhatCannotStand) {
+TEST(Rest, RefusesAnUnstableCut) {
   GroundParameters p = box({4, 1, 4}, {8, 1, 8}, {50e6, 0.3, 2000});
   p.plane = PlaneState::strain;
   p.base = Base::fixed;
   p.sides = Sides::free;
-  // A cut of 4 m stands up to 4 c/weight tan(45 + phi/2): 5 kPa are too little, 50 kPa enough.
+  // Largest height of a cut: 4 c/weight tan(45 + phi/2); 4 m need more than 5 kPa, less than 50
+  // kPa.
   p.layers[0].strength = {Yield::mohr_coulomb, 50e3, 20, 0, 10e3};
   const std::vector<Vec3> none(2 * 9, Vec3::Zero());
   Ground(Comm::world(), p, Dimension::plane, 1.0).settle(none);
   p.layers[0].strength.cohesion = 5e3;
   try {
     Ground(Comm::world(), p, Dimension::plane, 1.0).settle(none);
-    FAIL() << "a cut of 4 m of soft soil stands";
+    FAIL() << "a cut of 4 m of soft soil is stable";
   } catch (const RunError& error) {
-    EXPECT_NE(std::string(error.what()).find("no rest of the ground"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("static solve of the ground did not converge"),
+              std::string::npos);
   }
 }
 

@@ -1,4 +1,4 @@
-// An uneven load on the top of a ground, and where the top then is.
+// A non-uniform load on the top of a ground, and the resulting displacements.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace trackbed::fem {
 
-inline std::vector<Vec3> push(const Surface& top, int window) {
+inline std::vector<Vec3> uneven_load(const Surface& top, int window) {
   std::vector<Vec3> force(top.nodes());
   for (std::size_t n = 0; n < force.size(); ++n)
     force[n] = {30 * std::sin(0.3 * static_cast<double>(n) + window), 0,

@@ -1,7 +1,7 @@
-// Study: iterations and seconds of the static solve of a layered ground against its size, for the
-// solvers worth a choice. Prints rows for the table in docs/decisions/ground_elements.md; run it on
-// 1, 2 and 4 ranks. Fails if iterations grow as the zones along an edge do: then the multigrid is
-// none.
+// Study: iterations and seconds of the static solve of a layered ground against its size, for
+// suitable solvers. Prints rows for the table in docs/decisions/ground_elements.md; to be run on 1,
+// 2 and 4 ranks. Fails if iterations grow with the number of elements along an edge, as then the
+// multigrid is ineffective.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <petscsys.h>
@@ -20,13 +20,13 @@ namespace {
 
 using par::Comm;
 
-// Iterations of one static solve of a cube of three layers, `zones` along each edge.
-double iterations(std::int64_t zones, const std::string& preconditioner) {
+// Iterations of one static solve of a cube of three layers, `elements` along each edge.
+double iterations(std::int64_t elements, const std::string& preconditioner) {
   Petsc::ensure();
   PetscOptionsClear(nullptr);
   if (!preconditioner.empty())
     PetscOptionsSetValue(nullptr, "-ground_pc_type", preconditioner.c_str());
-  GroundParameters p = box({10, 10, 10}, {zones, zones, zones}, {});
+  GroundParameters p = box({10, 10, 10}, {elements, elements, elements}, {});
   p.layers = {{"surface", 0.6, {500e6, 0.33, 1950}},
               {"bottom", 2.4, {200e6, 0.35, 1900}},
               {"subgrade", 7, {150e6, 0.35, 1850}}};

@@ -1,5 +1,5 @@
-// The linear solver is the user's choice: what comes after -- (PETSc options with the prefix
-// ground_) takes effect, and every good choice gives the same displacement.
+// Choice of the linear solver: PETSc options after -- (prefix ground_) take effect, and every
+// suitable solver gives the same displacement.
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
@@ -18,7 +18,7 @@ namespace {
 using par::Comm;
 using Options = std::vector<std::pair<std::string, std::string>>;
 
-// Options for the time of a test; what the ground suggested besides goes with them.
+// Options for the duration of a test; defaults set by the ground are removed with them.
 struct Chosen {
   explicit Chosen(const Options& options) {
     Petsc::ensure();
@@ -31,7 +31,7 @@ struct Chosen {
   Chosen& operator=(const Chosen&) = delete;
 };
 
-// Static displacement of the top under an uneven load, and the iterations it took.
+// Static displacement of the top under a non-uniform load, and the number of iterations.
 struct Solved {
   std::vector<double> displacement;
   double iterations;
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(, Solvers, ::testing::Values(Dimension::plane, Dimensio
 
 TEST_P(Solvers, GiveTheSameDisplacement) {
   const Solved expected = solve({{"pc_type", "hypre"}}, GetParam());
-  // Elasticity as a system: unknowns of a node together, rigid motions from the near null space.
+  // Elasticity as a system: unknowns by node, rigid motions from the near null space.
   const Options systems = {{"pc_type", "hypre"},
                            {"pc_hypre_type", "boomeramg"},
                            {"pc_hypre_boomeramg_nodal_coarsen", "4"},
@@ -80,9 +80,9 @@ TEST_P(Solvers, GiveTheSameDisplacement) {
           std::max(difference, std::abs(solved.displacement[n] - expected.displacement[n]));
       size = std::max(size, std::abs(expected.displacement[n]));
     }
-    // The tolerance times the condition of a ground of 8 zones' depth, some hundred.
+    // The tolerance times the condition of a ground of 8 elements' depth, some hundred.
     EXPECT_LT(difference / size, 1e-7) << name;
-    // Each is another solver: no two take as many iterations.
+    // All solvers differ: no two need the same number of iterations.
     EXPECT_NE(solved.iterations, expected.iterations) << name;
     if (std::string(name) == "mumps") {
       EXPECT_EQ(solved.iterations, 1);
@@ -90,14 +90,14 @@ TEST_P(Solvers, GiveTheSameDisplacement) {
   }
 }
 
-// The same system is solved in every step; a single solve in a plane is another matter.
+// The same system is solved in every step; a single solve in a plane has another default.
 TEST_P(Solvers, LongStepsTakeGamgByDefault) {
   const Solved chosen = solve({}, GetParam()), gamg = solve({{"pc_type", "gamg"}}, GetParam());
   EXPECT_EQ(chosen.iterations, gamg.iterations);
   EXPECT_EQ(chosen.displacement, gamg.displacement);
 }
 
-// PETSc calls one application of any preconditioner converged.
+// For PETSc a single application of any preconditioner counts as converged.
 TEST(Solver, ThatSolvesNothingIsRefused) {
   EXPECT_THROW(solve({{"ksp_type", "preonly"}, {"pc_type", "jacobi"}}, Dimension::plane), RunError);
 }

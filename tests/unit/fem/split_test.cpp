@@ -1,26 +1,26 @@
-// Shares of ranks follow what elements cost: those that may yield, those below the stones.
-#include "fem/split.hpp"
+// The partition follows the cost of elements: yielding ones, and those below the stones.
+#include "fem/mesh/split.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <numeric>
 
-#include "fem/mesh.hpp"
+#include "fem/mesh/mesh.hpp"
 #include "unit/fem/embankment_scene.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::fem {
 namespace {
 
-// METIS allows 3 % for itself; a cut lies between elements, and nodes on it go to the lower rank.
+// METIS has a tolerance of 3 %; cuts are between elements, their nodes belong to the lower rank.
 constexpr double uneven = 1.12;
 
-// Of what this rank writes out, which is its own but for borders: largest share over the mean.
-// Collective.
-double worst_share(const Mesh& mesh, const std::function<double(std::size_t zone)>& cost) {
+// Elements written by this rank, which are its own except at borders: largest fraction over the
+// mean. Collective.
+double worst_fraction(const Mesh& mesh, const std::function<double(std::size_t element)>& cost) {
   double mine = 0;
-  for (std::size_t z = 0; z < mesh.zone.size(); ++z)
+  for (std::size_t z = 0; z < mesh.element.size(); ++z)
     if (mesh.writes(z)) mine += cost(z);
   return mesh.comm.max(mine) * mesh.comm.size() / mesh.comm.sum(mine);
 }
@@ -36,43 +36,43 @@ const Strength& strength_of(const Mesh& mesh, std::size_t z) {
   return mesh.solids.strength[static_cast<std::size_t>(mesh.solid[z])];
 }
 
-TEST(Split, ZonesThatMayYieldWeighMore) {
+TEST(Split, YieldingElementsHaveALargerWeight) {
   GroundParameters p = box({24, 2, 2}, {96, 8, 8}, {80e6, 0.3, 1900});
   p.blocks = {soft_half(24, 2)};
   const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
   const Lattice& lattice = mesh.lattice;
   const auto cost = [&](std::size_t z) {
-    const bool top = lattice.zone_index(mesh.zone[z])[2] + 1 == lattice.zones[2];
-    return zone_cost.of(strength_of(mesh, z), top);
+    const bool top = lattice.element_index(mesh.element[z])[2] + 1 == lattice.elements[2];
+    return brick_cost.of(strength_of(mesh, z), top);
   };
-  EXPECT_LT(worst_share(mesh, cost), uneven);
+  EXPECT_LT(worst_fraction(mesh, cost), uneven);
   if (mesh.comm.size() > 1) {
-    EXPECT_GT(worst_share(mesh, [](std::size_t) { return 1; }), uneven);
+    EXPECT_GT(worst_fraction(mesh, [](std::size_t) { return 1; }), uneven);
   }
 }
 
-TEST(Split, TetrahedraThatMayYieldWeighMore) {
+TEST(Split, YieldingTetrahedraHaveALargerWeight) {
   GroundParameters p = embankment();
-  p.x = {0, 96}, p.zones_x = 64;
+  p.x = {0, 96}, p.elements_x = 64;
   p.blocks = {soft_half(96, 4)};
   const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
   const auto cost = [&](std::size_t z) { return tetrahedron_cost.of(strength_of(mesh, z), false); };
-  EXPECT_LT(worst_share(mesh, cost), uneven);
+  EXPECT_LT(worst_fraction(mesh, cost), uneven);
   if (mesh.comm.size() > 1) {
-    EXPECT_GT(worst_share(mesh, [](std::size_t) { return 1; }), uneven);
+    EXPECT_GT(worst_fraction(mesh, [](std::size_t) { return 1; }), uneven);
   }
 }
 
-// By far the most have none: half an embankment on a thin layer that goes on beside it for twice
-// its width, so that one end of the ground has all of the interface. Weights as measured, not as
-// the program has them.
-TEST(Split, TetrahedraBelowStonesWeighLittleMore) {
+// The most uneven case: half an embankment on a thin layer that extends beside it by twice its
+// width, so that one end of the ground has the whole interface. Measured weights, not those of the
+// program.
+TEST(Split, TetrahedraBelowStonesHaveALittleMoreWeight) {
   constexpr double measured = 0.2, far_too_much = 2, even = 1.06;
   GroundParameters p = embankment();
-  p.x = {0, 4}, p.zones_x = 4;
-  p.y = {0, 96}, p.zones_y = 384;
+  p.x = {0, 4}, p.elements_x = 4;
+  p.y = {0, 96}, p.elements_y = 384;
   p.layers.erase(p.layers.begin() + 1);
-  p.layers[1].zones = 1, p.embankment_layers = 1;
+  p.layers[1].elements = 1, p.embankment_layers = 1;
   p.sections = {{.x = 0, .crest = 32, .slope = 0}};
   const Mesh mesh(par::Comm::world(), p, Dimension::space, 1);
   const auto cost_with = [&](double interface) {
@@ -83,20 +83,20 @@ TEST(Split, TetrahedraBelowStonesWeighLittleMore) {
       return 1 + (above == 3 ? interface : 0);
     };
   };
-  EXPECT_LT(worst_share(mesh, cost_with(measured)), even);
+  EXPECT_LT(worst_fraction(mesh, cost_with(measured)), even);
   if (mesh.comm.size() > 1) {
-    EXPECT_GT(worst_share(mesh, cost_with(far_too_much)), even);
+    EXPECT_GT(worst_fraction(mesh, cost_with(far_too_much)), even);
   }
 }
 
-// A row of elements of which the first fifth lies below stones.
-TEST(Split, InterfaceWeighsMore) {
+// A row of elements, the first fifth below stones.
+TEST(Split, InterfaceHasALargerWeight) {
   constexpr int elements = 1000, below = elements / 5;
   std::vector<std::int32_t> corners;
   std::vector<double> cost;
   for (std::int32_t e = 0; e < elements; ++e) {
     corners.push_back(e), corners.push_back(e + 1);
-    cost.push_back(zone_cost.of({}, e < below));
+    cost.push_back(brick_cost.of({}, e < below));
   }
   const auto owner = split_nodes({corners, 2, 1}, cost, corners, elements + 1, 2);
   double first = 0;

@@ -1,5 +1,5 @@
-// The matrix-free force against plain element matrices, and the mesh it runs on.
-#include "fem/stiffness.hpp"
+// The matrix-free force against element matrices, and its mesh.
+#include "fem/kernel/stiffness.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "fem/mesh.hpp"
+#include "fem/mesh/mesh.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::fem {
@@ -34,15 +34,15 @@ GroundParameters with_table(std::int64_t nx) {
 class Kernel : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Kernel, ::testing::Values(Dimension::plane, Dimension::space));
 
-// Row lengths around the vector width and the longest run, so that every remainder occurs; below 0:
-// with moduli from a table.
+// Row lengths around the vector width and the longest run, so that every remainder occurs;
+// negative: with moduli from a table.
 TEST_P(Kernel, ForceIsThatOfTheElementMatrices) {
   for (const std::int64_t number : {1, 7, 8, 9, 16, 63, 64, 65, 131, -7, -9, -64, -131}) {
     const std::int64_t nx = std::abs(number);
     Mesh mesh(Comm::world(), number > 0 ? two_layers(nx) : with_table(nx), GetParam(), 1.0);
-    std::vector<ZoneElement> elements;
+    std::vector<ElementMatrices> elements;
     for (const Elastic& s : mesh.solids.solid)
-      elements.push_back(zone_element(mesh.lattice.size, s, GetParam(), PlaneState::stress));
+      elements.push_back(element_matrices(mesh.lattice.size, s, GetParam(), PlaneState::stress));
     const Stiffness stiffness(mesh, elements);
     const int d = mesh.lattice.components();
     Nodal u(d, mesh.nodes()), f(d, mesh.nodes()), expected(d, mesh.nodes());
@@ -50,7 +50,7 @@ TEST_P(Kernel, ForceIsThatOfTheElementMatrices) {
       for (std::size_t n = 0; n < mesh.nodes(); ++n)
         u[c][n] = std::sin(0.37 * static_cast<double>(mesh.node[n]) + 1.3 * c);
     stiffness.apply(u, f);
-    for (std::size_t z = 0; z < mesh.zone.size(); ++z) {
+    for (std::size_t z = 0; z < mesh.element.size(); ++z) {
       const auto& k = elements[static_cast<std::size_t>(mesh.solid[z])].stiffness;
       for (int a = 0; a < k.rows(); ++a)
         for (int b = 0; b < k.cols(); ++b)
@@ -68,9 +68,9 @@ TEST_P(Kernel, ForceIsThatOfTheElementMatrices) {
 
 TEST_P(Kernel, RigidShiftGivesNoForceAtAll) {
   Mesh mesh(Comm::world(), two_layers(11), GetParam(), 1.0);
-  std::vector<ZoneElement> elements;
+  std::vector<ElementMatrices> elements;
   for (const Elastic& s : mesh.solids.solid)
-    elements.push_back(zone_element(mesh.lattice.size, s, GetParam(), PlaneState::strain));
+    elements.push_back(element_matrices(mesh.lattice.size, s, GetParam(), PlaneState::strain));
   const Stiffness stiffness(mesh, elements);
   Nodal u(mesh.lattice.components(), mesh.nodes()), f = u;
   u.fill(0.123);
@@ -84,13 +84,13 @@ TEST(Mesh, SolidsFollowLayersAndBlocks) {
   EXPECT_EQ(region_at(p, {1.9, 0, -0.39}), 0);
   EXPECT_EQ(region_at(p, {1.9, 0, -0.41}), 1);
   EXPECT_EQ(region_at(p, {0.8, 0, -0.2}), 2);
-  EXPECT_EQ(region_at(p, {0.55, 0, -0.9}), 1);  // beside the wedge's tip
+  EXPECT_EQ(region_at(p, {0.55, 0, -0.9}), 1);  // beside the tip of the wedge
   GroundParameters without = p;
   without.blocks[0].present = false;
   EXPECT_EQ(region_at(without, {0.8, 0, -0.2}), 0);
   GroundParameters twice = p;
   twice.blocks.push_back({"d", true, {0, 0, 2, 0, 2, -0.3, 0, -0.3}, {}});
-  EXPECT_EQ(region_at(twice, {0.8, 0, -0.2}), 3);  // the later one wins
+  EXPECT_EQ(region_at(twice, {0.8, 0, -0.2}), 3);  // the later one has priority
 }
 
 TEST_P(Kernel, EveryNodeHasOneOwnerAndGhostsFollowIt) {

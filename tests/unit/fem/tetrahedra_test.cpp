@@ -1,12 +1,12 @@
-// The ten-node tetrahedron alone: shape functions, rigid motions, constant stress, shares of mass
-// and load; and the forces of many against their matrices.
+// The ten-node tetrahedron alone: shape functions, rigid motions, constant stress, fractions of
+// mass and load; and the forces of many against their matrices.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/element.hpp"
-#include "fem/stiffness.hpp"
-#include "fem/tetrahedron.hpp"
+#include "fem/kernel/stiffness.hpp"
+#include "fem/shape/element.hpp"
+#include "fem/shape/tetrahedron.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
 namespace trackbed::fem {
@@ -37,9 +37,9 @@ TEST(Tetrahedron, ShapeFunctionsAreOneAtTheirNode) {
   EXPECT_NEAR(load[0], -1.0 / 120, rounding);
   EXPECT_NEAR(load[5], 1.0 / 30, rounding);
   double mass = 0;
-  for (int k = 0; k < 10; ++k) mass += tetrahedron_mass_share(k);
+  for (int k = 0; k < 10; ++k) mass += tetrahedron_mass_fraction(k);
   EXPECT_NEAR(mass, 1, rounding);
-  for (int face = 0; face < 4; ++face) {  // seen from outside they turn left
+  for (int face = 0; face < 4; ++face) {  // counterclockwise seen from outside
     const auto& f = tetrahedron_faces[static_cast<std::size_t>(face)];
     const auto at = [&](std::size_t k) { return unit[static_cast<std::size_t>(f[k])]; };
     const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
@@ -49,11 +49,11 @@ TEST(Tetrahedron, ShapeFunctionsAreOneAtTheirNode) {
   }
 }
 
-TEST(Tetrahedron, MeanRatioIsOneIfEdgesAreEqualAndFallsAsItIsSquashed) {
+TEST(Tetrahedron, MeanRatioIsOneForEqualEdgesAndDecreasesWhenFlattened) {
   TenNodes nodes = {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)};
   EXPECT_NEAR(tetrahedron_mean_ratio(nodes), 1, rounding);
   for (Vec3& at : nodes) at.z() *= 1e-4;
-  // Volume 1e-4 as large, of the six squared edges of 8 four become 4 and two stay.
+  // Volume times 1e-4; of the six squared edges of 8 four become 4 and two are unchanged.
   EXPECT_NEAR(tetrahedron_mean_ratio(nodes), std::pow(1e-4, 2.0 / 3) * 48 / 32, 1e-9);
 }
 
@@ -68,7 +68,7 @@ TEST(Tetrahedron, OnlyRigidMotionsAreFree) {
   }
 }
 
-// The kernel against the matrices, and these against Hooke's law as the hexahedra have it.
+// The kernel against the matrices, and these against Hooke's law of the hexahedra.
 TEST(Tetrahedra, ForcesAreThoseOfTheMatrices) {
   const Mesh mesh(par::Comm::self(), curved("forces"), Dimension::space, 1);
   const Stiffness stiffness(mesh, {});
@@ -78,7 +78,7 @@ TEST(Tetrahedra, ForcesAreThoseOfTheMatrices) {
       u[c][n] = 1e-3 * std::sin(1.3 * static_cast<double>(n) + c);
   stiffness.apply(u, f);
   double most = 0;
-  for (std::size_t e = 0; e < mesh.zone.size(); ++e) {
+  for (std::size_t e = 0; e < mesh.element.size(); ++e) {
     Eigen::VectorXd of(30);
     for (int k = 0; k < 30; ++k) of[k] = u[k % 3][mesh.corner(e, k / 3)];
     const Eigen::VectorXd force = stiffness.matrix(mesh, e) * of;
@@ -103,7 +103,7 @@ TEST(Tetrahedra, LinearMotionIsConstantStress) {
   Vec6 strain;
   strain << e(0, 0), e(1, 1), e(2, 2), 2 * e(0, 1), 2 * e(1, 2), 2 * e(2, 0);
   const Vec6 exact = elasticity(solid) * strain;
-  for (std::size_t z = 0; z < mesh.zone.size(); ++z)
+  for (std::size_t z = 0; z < mesh.element.size(); ++z)
     for (const Vec3& xi : {tetrahedron_centre(), tetrahedron_face_centre(1)})
       EXPECT_LT((stiffness.tetrahedra().stress(z, xi, u) - exact).norm(), 1e-12 * exact.norm());
 }

@@ -1,4 +1,4 @@
-// A wave that comes up through the base, for tests: its table, and the same as functions of time.
+// An upward wave through the base, for tests: its table, and functions of time.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,11 +23,11 @@ struct Ricker {
 };
 
 // Writes a table of 1.5 wave lengths to both sides with peak accelerations along x and z (m/s^2),
-// in rows of `dt`; the name of the file. Collective.
+// in rows of `dt`; returns the name of the file. Collective.
 inline std::string wave_table(const par::Comm& comm, const std::string& name, const Ricker& wave,
                               double along_x, double along_z, double dt) {
   const std::string path = fmt::format("{}_on_{}.csv", name, comm.size());
-  comm.sum(std::int64_t{1});  // nobody reads one of this name any more
+  comm.sum(std::int64_t{1});  // no rank still reads an older file of this name
   if (comm.root()) {
     std::ofstream file(path);
     file << "time_s,vx_m_s,vz_m_s\n";
@@ -37,7 +37,7 @@ inline std::string wave_table(const par::Comm& comm, const std::string& name, co
       file << fmt::format("{},{},{}\n", wave.centre + r * dt, along_x * v, along_z * v);
     }
   }
-  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  comm.sum(std::int64_t{1});  // no rank reads before the file is written
   return path;
 }
 

@@ -1,4 +1,4 @@
-// A ground of which much yields, for explicit and implicit steps.
+// A ground with large yielding regions, for explicit and implicit steps.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,8 @@
 
 namespace trackbed::fem {
 
-// Two layers, the upper one and a corner of the lower one weak; an uneven load in hard pushes.
+// Two layers, the upper one and a corner of the lower one weak; a non-uniform load in strong
+// pulses.
 inline GroundParameters yielding_scene() {
   GroundParameters p = box({3, 1, 1}, {13, 4, 5}, {80e6, 0.3, 1900});
   p.layers = {{"weak", 0.55, {60e6, 0.3, 1900}}, {"strong", 0.45, {80e6, 0.3, 1900}}};
@@ -17,7 +18,7 @@ inline GroundParameters yielding_scene() {
   block.strength = {Yield::mohr_coulomb, 15e3, 0, 0, 5e3};
   p.blocks = {block};
   p.plane = PlaneState::strain;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   p.rayleigh_stiffness = 1e-5;
   return p;
 }
@@ -31,7 +32,7 @@ inline std::vector<Vec3> load_of(const Surface& top, int window) {
   return force;
 }
 
-// What the ground is let go under: less than a third of the pushes.
+// The static load at release: less than a third of the pulses.
 inline std::vector<Vec3> settled(const Surface& top) {
   std::vector<Vec3> force = load_of(top, 1);
   for (Vec3& each : force) each *= 0.3;

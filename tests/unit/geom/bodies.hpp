@@ -1,4 +1,4 @@
-// Meshes that tests take apart.
+// Meshes for the tests of decomposition and of mass properties.
 #pragma once
 
 #include <array>

@@ -42,7 +42,7 @@ Points random_points(int count, std::uint64_t seed) {
 
 const Quat oblique(Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.5).normalized()));
 
-TEST(Hull, BoxHasSixFacesHoweverItLies) {
+TEST(Hull, BoxHasSixFacesInAnyAttitude) {
   Points points = moved(box({2, 3, 5}), oblique, {100, -20, 3});
   points.push_back(points[0]);                    // twice
   points.push_back((points[0] + points[1]) / 2);  // within an edge
@@ -62,8 +62,8 @@ TEST(Hull, BoxHasSixFacesHoweverItLies) {
                 0, rounding);
 }
 
-// Points strewn over the faces and edges of a box lie a rounding error off them.
-TEST(Hull, SeesThroughRoundingErrors) {
+// Points scattered over the faces and edges of a box are off them by rounding errors.
+TEST(Hull, ToleratesRoundingErrors) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Points points = box(Vec3::Ones());
     for (Vec3 p : random_points(100, seed)) {
@@ -109,7 +109,7 @@ TEST(Hull, FlatAndThinOnes) {
   EXPECT_NEAR(plate.faces[0].normal.dot(plate.faces[1].normal), -1, rounding);
 }
 
-TEST(Hull, RefusesWhatIsNoPoint) {
+TEST(Hull, RefusesInvalidPoints) {
   EXPECT_THROW(convex_hull({}), std::invalid_argument);
   EXPECT_THROW(convex_hull({Vec3(0, 0, std::numeric_limits<double>::quiet_NaN())}),
                std::invalid_argument);
@@ -154,8 +154,8 @@ TEST(Rounded, Box) {
   EXPECT_NEAR(surface_area(piece),
               2 * (a * b + b * c + c * a) + 2 * pi * r * (a + b + c) + 4 * pi * r * r, 1e-10);
   EXPECT_NEAR((s.centre - Vec3(7, -3, 2)).norm(), 0, rounding);
-  // Integral of x^2: slabs in x across which the section does not change, and the two rounded ends,
-  // where it is a rounded rectangle of radius rho = sqrt(r^2 - t^2) at x = a/2 + t.
+  // Integral of x^2: slabs in x of constant section, and the two rounded ends, where it is a
+  // rounded rectangle of radius rho = sqrt(r^2 - t^2) at x = a/2 + t.
   const auto square = [&](double along, double p, double q) {
     const double inner = along * along * along / 12 * (p * q + 2 * r * (p + q) + pi * r * r);
     double ends = 0;
@@ -190,8 +190,8 @@ TEST(Rounded, BallCapsuleAndPlate) {
   EXPECT_NEAR(piece_solid(plate).volume, 2 * 2 * r + pi * r * r * 3 + caps, rounding);
 }
 
-// The rounded solid of a many-cornered ball is nearly the ball of the larger radius; the exact
-// parts must also add up to a figure that a raster of lines finds.
+// The rounded solid of a ball with many corners is nearly the ball of the larger radius; the sum of
+// the exact parts must also agree with a raster of lines.
 TEST(Rounded, AgreesWithTheRasterOfLines) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Piece piece{convex_hull(random_points(14, seed)), 0.15};
@@ -208,7 +208,7 @@ TEST(Rounded, CompoundOfOverlappingBoxes) {
   const Piece lying{convex_hull(moved(box({3, 1, 1}), Quat::Identity(), {1.5, 0.5, 0.5})), 0};
   const Piece standing{convex_hull(moved(box({1, 1, 3}), Quat::Identity(), {0.5, 0.5, 1.5})), 0};
   const Solid s = union_solid(std::vector{lying, standing}, 192);
-  constexpr double cells = 1e-3;  // the faces fall on the raster's lines to a cell
+  constexpr double cells = 1e-3;  // the faces coincide with the raster's lines to a cell
   EXPECT_NEAR(s.volume, 5, 5 * cells);
   EXPECT_NEAR((s.centre - Vec3(1.1, 0.5, 1.1)).norm(), 0, cells);
   // About y: x^2 + z^2 by blocks, less the centre's.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <numbers>
 
-#include "geom/part.hpp"
+#include "geom/mesh/part.hpp"
 #include "trackbed/core/hash.hpp"
 #include "trackbed/geom/mesh.hpp"
 #include "unit/geom/bodies.hpp"
@@ -25,7 +25,7 @@ TEST(Depths, OfACube) {
   EXPECT_NEAR(found[3], -std::sqrt(2), rounding);
 }
 
-TEST(ReducedHull, HasTheCornersAskedForAndStaysInside) {
+TEST(ReducedHull, HasTheRequestedCornersAndStaysInside) {
   const Mesh sphere = ball_mesh();
   double before = 0;
   for (const int vertices : {4, 8, 16, 32, 64}) {
@@ -47,7 +47,7 @@ TEST(Decompose, AnLIsTwoBoxes) {
   ASSERT_EQ(one.pieces.size(), 1u);
   EXPECT_NEAR(one.volume_error, 7.0 / 5 - 1, rounding);  // the hull
   const Decomposition two = decompose(letter(), 8, 24);
-  ASSERT_EQ(two.pieces.size(), 2u);  // both convex: no more are made
+  ASSERT_EQ(two.pieces.size(), 2u);  // both convex: the cutting stops
   EXPECT_NEAR(two.volume_error, 0, raster);
   double volume = 0;
   for (const Convex& piece : two.pieces) volume += steiner_of(piece).volume;
@@ -60,12 +60,12 @@ TEST(Decompose, FewCornersKeepTheVolume) {
   EXPECT_NEAR(ball.volume_error, 0, 1e-9);
 }
 
-TEST(Decompose, WhatIsConvexStaysWhole) {
+TEST(Decompose, ConvexBodiesAreNotCut) {
   EXPECT_EQ(decompose(cube(), 8, 24).pieces.size(), 1u);
   EXPECT_EQ(decompose(ball_mesh(), 8, 1000).pieces.size(), 1u);
 }
 
-// Three planes that meet inside the body make a corner that no triangle of it has.
+// Three planes that intersect inside the body make a corner that is on none of its triangles.
 TEST(Decompose, FindsCornersInsideTheBody) {
   const Mesh body = cube();
   Part octant = whole_part(body);
@@ -81,10 +81,10 @@ Mesh bitten_ball() {
   return body;
 }
 
-// Planes through edges that earlier cuts have made: rounding decides on which side their ends are,
-// for the triangles on both sides of them alike. The areas of a closed surface add up to 0.
+// Planes through edges made by earlier cuts: the side of their ends is determined by rounding,
+// equally for the triangles on both sides. The areas of a closed surface add up to 0.
 TEST(Decompose, PartsStayClosed) {
-  // A corner of three planes that lies on the surface to rounding may count as outside.
+  // A corner of three planes that is on the surface to rounding may count as outside.
   constexpr double corner = 1e-5;  // of the volume
   const Mesh body = bitten_ball();
   Part part = whole_part(body);
@@ -102,14 +102,14 @@ TEST(Decompose, PartsStayClosed) {
       for (const auto* triangles : {&side.skin, &side.caps})
         for (const auto& [p, q, r] : *triangles) area += (q - p).cross(r - p);
       EXPECT_LT(area.norm(), rounding) << k;
-      EXPECT_GT(side.hollow(), -corner * side.volume) << k;
+      EXPECT_GT(side.concavity(), -corner * side.volume) << k;
     }
     EXPECT_NEAR(above.volume + below.volume, part.volume, rounding) << k;
     part = above.volume > below.volume ? std::move(above) : std::move(below);
   }
 }
 
-// Ranks cut each for itself: what lies where in their memories must not matter.
+// Each rank decomposes for itself: the result must not depend on memory addresses.
 TEST(Decompose, DoesNotDependOnAddresses) {
   const Mesh body = bitten_ball();
   const Decomposition made = decompose(body, 4, 1000);
@@ -142,7 +142,7 @@ TEST(Decompose, MorePartsComeNearer) {
 TEST(Clump, OfABallIsTheBall) {
   const Clump made = clump(ball_mesh(), 1);
   ASSERT_EQ(made.spheres.size(), 1u);
-  EXPECT_NEAR(made.spheres[0].radius, 1, 0.01);  // the mesh lies inside the ball
+  EXPECT_NEAR(made.spheres[0].radius, 1, 0.01);  // the mesh is inside the ball
   EXPECT_LT(made.surface_furthest, 0.05);        // grid of a fortieth of the size
 }
 

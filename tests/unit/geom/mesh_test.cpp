@@ -1,4 +1,4 @@
-// Meshes: what is read, mended and refused.
+// Meshes: reading, repair and refusal.
 #include "trackbed/geom/mesh.hpp"
 
 #include <fmt/format.h>
@@ -106,8 +106,8 @@ TEST(Import, EveryFormatGivesTheSameBody) {
   EXPECT_NEAR(volume(binary_stl(body), MeshFormat::stl), 5e-9, 1e-20);
 }
 
-// Words of a remark or a name are none of the format, whatever they say.
-TEST(Import, PassesOverRemarksAndNames) {
+// Words of a comment or a name are not part of the format.
+TEST(Import, SkipsCommentsAndNames) {
   const auto volume = [](std::string bytes, const std::string& after, const std::string& line,
                          MeshFormat format) {
     bytes.insert(bytes.find(after) + after.size(), line);
@@ -126,7 +126,7 @@ TEST(Import, PassesOverRemarksAndNames) {
   }
 }
 
-TEST(Import, MendsWhatItCan) {
+TEST(Import, RepairsMinorDefects) {
   Mesh body = letter();
   for (auto& t : body.triangles) std::swap(t[0], t[1]);  // inside out
   EXPECT_GT(mesh_solid(import_mesh(obj(body), MeshFormat::obj, 1, "").mesh).volume, 4.999);
@@ -136,7 +136,7 @@ TEST(Import, MendsWhatItCan) {
   const Import mixed = import_mesh(obj(body), MeshFormat::obj, 1, "");
   EXPECT_NEAR(mesh_solid(mixed.mesh).volume, 5, rounding);
   ASSERT_EQ(mixed.repairs.size(), 1u);
-  EXPECT_EQ(mixed.repairs[0], "1 facets without area or given twice left out");
+  EXPECT_EQ(mixed.repairs[0], "1 facets without area or duplicate facets were removed");
   Mesh open = ball_mesh();
   open.triangles.pop_back();
   const Import closed = import_mesh(obj(open), MeshFormat::obj, 1, "");
@@ -152,8 +152,8 @@ TEST(Import, MendsWhatItCan) {
   EXPECT_EQ(clean.repairs.at(0), "1 specks left out");
 }
 
-// Two triangles given as one facet that comes back to a corner they share: cut apart there.
-TEST(Import, SaysThatFacetsWereCut) {
+// Two triangles given as one facet that returns to a corner they share: it is split there.
+TEST(Import, ReportsSplitFacets) {
   Mesh body = letter();
   const auto [a, b, c] = body.triangles[0];
   const auto [d, e, f] = body.triangles[4];
@@ -165,27 +165,27 @@ TEST(Import, SaysThatFacetsWereCut) {
   const Import cut = import_mesh(text, MeshFormat::obj, 1, "");
   EXPECT_NEAR(mesh_solid(cut.mesh).volume, 5, rounding);
   ASSERT_EQ(cut.repairs.size(), 1u);
-  EXPECT_EQ(cut.repairs[0], "facets that touch themselves were cut: 1 more");
+  EXPECT_EQ(cut.repairs[0], "self-touching facets were split: 1 more facets");
 }
 
-TEST(Import, SaysWhyItRefuses) {
+TEST(Import, GivesTheReasonOfARefusal) {
   Mesh body = letter();
   body.triangles.resize(body.triangles.size() - 2);  // a side is missing
   EXPECT_NE(reason(obj(body)).find("not closed: a hole has a border of"), std::string::npos);
   body = cube();
   for (Vec3& p : body.vertices) p.z() = 0;
-  EXPECT_EQ(reason(obj(body)), "it is flat");
+  EXPECT_EQ(reason(obj(body)), "the mesh is flat");
   body = letter();
   body.vertices[4] = body.vertices[10] = Vec3(2, 0.5, -1);  // a corner through the far side
-  EXPECT_EQ(reason(obj(body)), "it cuts through itself");
+  EXPECT_EQ(reason(obj(body)), "the mesh intersects itself");
   body = letter();
   for (const Vec3& p : cube().vertices) body.vertices.push_back(p + Vec3(5, 0, 0));
   for (auto [a, b, c] : cube().triangles) body.triangles.push_back({a + 12, b + 12, c + 12});
-  EXPECT_EQ(reason(obj(body)), "there are 2 separate surfaces; one body per file");
+  EXPECT_EQ(reason(obj(body)), "the mesh has 2 separate surfaces; a file must contain one body");
   body = letter();
   body.triangles[0][0] = 99;
   EXPECT_NE(reason(obj(body)), "accepted");
-  EXPECT_EQ(reason(ply(body), MeshFormat::ply), "a facet names a vertex that is not there");
+  EXPECT_EQ(reason(ply(body), MeshFormat::ply), "a facet refers to a vertex that does not exist");
   body = letter();
   body.vertices[0].x() = 1e300;
   EXPECT_EQ(reason(obj(body)), "a coordinate is not a number or beyond 1000 km");
@@ -196,7 +196,7 @@ TEST(Import, SaysWhyItRefuses) {
   EXPECT_NE(reason(obj(letter()), MeshFormat::ply), "accepted");
 }
 
-// Whatever the bytes are, there is a mesh with a volume or a reason.
+// Any bytes result in a mesh with a volume or in a reason.
 TEST(Import, SurvivesDamagedFiles) {
   struct Sample {
     std::string bytes;

@@ -1,5 +1,5 @@
-// Proportions of stones: callipers on known bodies and against all directions, and stones that have
-// the proportions asked for, rounding included.
+// Proportions of stones: callipers on known bodies and compared with all directions, and stones
+// that have the required proportions, rounding included.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr double pi = std::numbers::pi;
 constexpr double rounding_error = 1e-12;  // of bodies about 1 large
 const Quat oblique(Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.5).normalized()));
 
-// Measured without looking at faces or edges.
+// Measured without using faces or edges.
 double extent(const std::vector<Piece>& pieces, const Vec3& direction) {
   double low = 1e300, high = -low;
   for (const Piece& piece : pieces)
@@ -65,8 +65,8 @@ TEST(Callipers, KnownBodies) {
                2.4 + 0.5, 5.5, rounding_error);
 }
 
-// A small ball beside a large one is as thick and as wide as that in many attitudes; two of them
-// within reach of a plane aside make a body of one thickness direction.
+// A small ball beside a large one does not change thickness and width in many attitudes; two of
+// them near a plane on one side give a body with a single direction of thickness.
 TEST(Callipers, SpheresOfDifferentRadii) {
   constexpr double search = 1e-6;
   const std::vector<Piece> pair{ball({0, 0, 0}, 1), ball(Vec3(0.6, 0, 0.8) * 2, 0.5)};
@@ -74,8 +74,8 @@ TEST(Callipers, SpheresOfDifferentRadii) {
   EXPECT_NEAR(box.thickness, 2, search);
   EXPECT_NEAR(box.width, 2, search);
   EXPECT_NEAR(greatest_extent(pair), 3.5, rounding_error);
-  // In a plane all but one, whose ball sticks out on one side: 1 + 0.5 thick there. Seen so, the
-  // four touch a rectangle of 5 by 4.2 with all sides.
+  // All in one plane but one, whose ball extends to one side: the thickness there is 1 + 0.5. In
+  // this view the four touch a rectangle of 5 by 4.2 with all sides.
   std::vector<Piece> frame;
   for (const double x : {-2.0, 2.0})
     for (const double y : {-1.6, 1.6}) frame.push_back(ball(oblique * Vec3(x, y, 0), 0.5));
@@ -105,7 +105,7 @@ TEST(Callipers, NoDirectionIsThinner) {
   }
 }
 
-// Measured from the corners along the axes that the stone lies in, and along others.
+// Measured from the corners along the axes of the stone, and along others.
 void expect_proportions(const Piece& stone, const StoneShape& shape) {
   constexpr double exact = 1e-9;
   const std::vector<Piece> pieces{stone};
@@ -121,7 +121,7 @@ void expect_proportions(const Piece& stone, const StoneShape& shape) {
   }
 }
 
-TEST(Proportions, AreThoseAskedForWhateverElseIs) {
+TEST(Proportions, AreTheRequestedOnes) {
   for (const int vertices : {6, 12, 24, 60})
     for (const double angularity : {0.0, 0.5, 1.0})
       for (const double rounding : {0.0, 0.02, 0.05, 0.1})
@@ -155,7 +155,7 @@ TEST(Proportions, StayWithTemplatesAndPieces) {
   }
 }
 
-// The shadow along the length fits between the jaws; no shadow is thinner than the stone.
+// The projection along the length fits between the jaws; no projection is thinner than the stone.
 TEST(Proportions, TheSieveLiesBetweenThicknessAndWidth) {
   constexpr double search = 1e-6;
   for (const double flatness : {0.4, 0.7, 0.9})
@@ -167,8 +167,8 @@ TEST(Proportions, TheSieveLiesBetweenThicknessAndWidth) {
     }
 }
 
-// Even over the range, hence a third of the spread's square in the mean, and what a stone has is
-// what was drawn.
+// Uniform over the range, hence a third of the spread's square in the mean, and the stone has the
+// proportions that were drawn.
 TEST(Proportions, ScatterByTheSpread) {
   const StoneShape shape{.elongation = 0.7, .flatness = 0.6, .spread = 0.2};
   constexpr int count = 400;
@@ -186,7 +186,7 @@ TEST(Proportions, ScatterByTheSpread) {
   EXPECT_NEAR(together, 0, 4 * variance / std::sqrt(count));
 }
 
-TEST(Proportions, ThatNoStoneHasAreRefused) {
+TEST(Proportions, ThatAreImpossibleAreRefused) {
   try {
     rounded_stone({1, 1, 1, 6}, 0, 1);
     FAIL();

@@ -64,7 +64,7 @@ TEST(Outline, HasTheWantedProportionsAndRepeats) {
       for (const Point& a : p)
         for (const Point& b : p) extent = std::max(extent, (a - b).norm());
       EXPECT_NEAR(extent, 1, rounding);
-      // The iteration stops at 1e-12; twelve scattered corners cannot always come near a circle.
+      // The iteration stops at 1e-12; twelve scattered corners cannot always approximate a circle.
       const double reached = elongation < 0.8 ? 1e-9 : 0.08;
       EXPECT_NEAR(smallest_width(p), elongation, reached) << seed;
       EXPECT_LT(polygon_solid(p).centre.norm(), rounding);
@@ -168,7 +168,7 @@ TEST(Union, Lamina) {
   EXPECT_NEAR(two.gyration.y(), r * r / 2 + d * d / 4, raster);
 }
 
-// A clump in the plane weighs what its disks cover: its hollow holds none of it.
+// A clump in the plane has the mass of its disks: there is none in its hollow.
 TEST(Union, PointsOfAClumpLieInItsDisks) {
   constexpr int count = 512;
   std::vector<Sphere> disks;
@@ -185,7 +185,7 @@ TEST(Union, PointsOfAClumpLieInItsDisks) {
     for (const Piece& piece : shape.pieces)
       nearest = std::min(nearest, (p - piece.core.vertices[0]).norm());
     outside += nearest > 0.5;
-    EXPECT_LT(nearest, 0.5 + 3.0 / 64);  // a cell of the raster, as long as the stone over 64
+    EXPECT_LT(nearest, 0.5 + 3.0 / 64);  // a cell of the raster: length of the stone over 64
   }
   EXPECT_LT(outside, count / 50);
 }

@@ -32,8 +32,8 @@ TEST(Openings, HoleAndSlotOfSpheres) {
   constexpr double search = 1e-6;
   EXPECT_NEAR(smallest_hole(pair), 2, search);
   const std::vector<Sphere> three{{Vec3(0, 0, 0), 1}, {Vec3(1, 0, 0), 1}, {Vec3(0, 2, 0), 1}};
-  // Seen along its longest side, of sqrt(5), the flat triangle shows its height 2/sqrt(5) on the
-  // diagonal of the square.
+  // Along its longest side, of sqrt(5), the projection of the flat triangle has its height
+  // 2/sqrt(5) on the diagonal of the square.
   EXPECT_NEAR(smallest_hole(three), 2 + 2 / std::sqrt(10.0), search);
   EXPECT_NEAR(smallest_slot({{Vec3(1, 0, 3), 0.25}}), 0.5, rounding);
 }
@@ -46,19 +46,19 @@ TEST(Openings, HoleOfStones) {
   EXPECT_NEAR(hole(box({1, 1, 1}), 0), 1, search);
   EXPECT_NEAR(hole(box({3, 2, 1.9}), 0), 2, search);
   EXPECT_NEAR(hole(box({3, 2, 1.9}), 0.1), 2.2, search);
-  // A thin plate goes through the diagonal.
+  // A thin plate passes through the diagonal.
   EXPECT_NEAR(hole(box({3, 2, 0.1}), 0), 2.1 / std::sqrt(2.0), search);
 }
 
-// A body whose best view is at a kink, where only few turns lower its square. The hole is the best
-// of 20 searches by random turns; a search with turns to one side of a diagonal stops 8e-4 above
-// it.
+// A body whose best direction is at a kink, where only few rotations reduce its square. The hole is
+// the best of 20 searches by random rotations; a search with rotations to one side of a diagonal
+// stops 8e-4 above it.
 TEST(Openings, HoleAtAKink) {
   std::vector<Sphere> corners;
   for (const Vec3& p : {Vec3(-0.1, 0.4, -0.6), Vec3(0, -0.2, -0.6), Vec3(0, 0.6, -0.8),
                         Vec3(-0.4, 0.3, 0.1), Vec3(0.2, 0.5, 0.4), Vec3(0.1, 0.1, -0.6)})
     corners.push_back({p, 0});
-  constexpr double hole = 0.576909, search = 2e-4;  // 26 turns stop 9e-5 above it
+  constexpr double hole = 0.576909, search = 2e-4;  // 26 rotations stop 9e-5 above it
   EXPECT_GT(smallest_hole(corners), (1 - search) * hole);
   EXPECT_LT(smallest_hole(corners), (1 + search) * hole);
 }
@@ -112,7 +112,7 @@ TEST(Templates, ArePrincipalAxesAboutTheCentreOfMass) {
                   face.offset, 1e-11);
 }
 
-TEST(Stone, HasTheCornersAskedFor) {
+TEST(Stone, HasTheRequestedCorners) {
   for (const int vertices : {6, 12, 24, 60, 200})
     for (const double angularity : {0.0, 0.5, 1.0})
       for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -128,8 +128,8 @@ TEST(Stone, HasTheCornersAskedFor) {
 
 TEST(Stone, SmoothOneIsAnEllipsoid) {
   const Convex core = stone({0.7, 0.8, 0, 200}, 1);
-  // The hull of 200 even points in a ball lacks 3 % of it. Its smallest widths, which are made as
-  // wide as asked, lack up to 2 % each of the diameter.
+  // The hull of 200 evenly spread points in a ball has 3 % less volume. Its smallest widths, which
+  // are stretched to the required ones, are up to 2 % below the diameter.
   const double volume = pi / 6 * 0.7 * 0.7 * 0.8;
   EXPECT_NEAR(steiner_of(core).volume, volume, 0.03 * volume);
 }
@@ -169,7 +169,7 @@ Measures of_scans() {
   return m;
 }
 
-// A stone lies on the scanner as it falls: boxes are those of stones turned at random.
+// A stone has a random attitude on the scanner: boxes are those of stones in random attitudes.
 Measures of_stones(const StoneShape& shape, double rounding) {
   Measures m;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -198,7 +198,7 @@ void compare(const char* name, const std::vector<double>& own, const std::vector
   EXPECT_NEAR(a.spread / b.spread, 1, 0.3) << name;
 }
 
-// Sharp, and rounded as `trackbed shapes` and beds do; what rounding takes fewer corners give back.
+// Sharp, and rounded as by `trackbed shapes` and in beds; fewer corners compensate for rounding.
 // Scans differ in their proportions, so these scatter, too.
 TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
   const Measures scan = of_scans();
@@ -210,8 +210,8 @@ TEST(Stone, ReachesTheStatisticsOfScannedOnes) {
     const Measures own = of_stones(shape, rounding);
     compare("sphericity", own.sphericity, scan.sphericity, 1);
     compare("volume over box", own.fill, scan.fill, 1);
-    // Boxes of the scans are nearer to cubes than those of any stones of this sphericity turned at
-    // random, so they were not: within three standard errors.
+    // Boxes of the scans are nearer to cubes than those of stones of this sphericity in random
+    // attitudes, so the attitudes were not random: within three standard errors.
     compare("least over largest side of the box", own.ratio, scan.ratio, 3);
   }
 }

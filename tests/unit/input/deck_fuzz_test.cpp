@@ -1,5 +1,4 @@
-// Whatever the text: a deck is read or refused with sentences, nothing else. And what is written as
-// effective input reads back to the same bits.
+// Any text is either read or rejected with messages. Effective input reads back bitwise identical.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -63,27 +62,27 @@ class Mutator {
   std::mt19937_64 random_{20240607};
 };
 
-TEST(DeckFuzz, ReadsOrRefusesAnyText) {
+TEST(DeckFuzz, ReadsOrRejectsAnyText) {
   Mutator mutator;
-  int read = 0, refused = 0;
+  int read = 0, rejected = 0;
   for (int i = 0; i < 2000; ++i) {
     const std::string text = mutator.mutate(valid);
     try {
       filled(text);
       ++read;
     } catch (const InputError& error) {
-      ++refused;
+      ++rejected;
       ASSERT_FALSE(error.problems().empty());
       for (const std::string& problem : error.problems())
         EXPECT_EQ(problem.substr(0, 10), "deck.toml:") << text;
     }
   }
-  // Both ways are really taken.
+  // Both outcomes occur.
   EXPECT_GT(read, 100);
-  EXPECT_GT(refused, 500);
+  EXPECT_GT(rejected, 500);
 }
 
-TEST(DeckFuzz, ReadsOrRefusesAnyOverride) {
+TEST(DeckFuzz, ReadsOrRejectsAnyOverride) {
   Mutator mutator;
   for (int i = 0; i < 2000; ++i) {
     const std::string text = mutator.mutate("layer.sand.young=[1.5, 'a', {b = 2}]");
@@ -91,14 +90,14 @@ TEST(DeckFuzz, ReadsOrRefusesAnyOverride) {
   }
 }
 
-// Every mantissa and sign, of a size that all units have.
+// Any mantissa and sign, with a magnitude that is allowed for all units.
 double any_number(std::mt19937_64& random) {
   const double mantissa = std::bit_cast<double>((random() >> 12) | 0x3ff0000000000000);
   const int exponent = static_cast<int>(random() % 26) - 9;
   return (random() % 2 == 0 ? 1 : -1) * std::ldexp(mantissa, exponent);
 }
 
-TEST(Effective, ReadsBackToTheSameBits) {
+TEST(Effective, ReadsBackBitwiseIdentical) {
   std::mt19937_64 random(7);
   for (int i = 0; i < 500; ++i) {
     Example e;
@@ -113,7 +112,7 @@ TEST(Effective, ReadsBackToTheSameBits) {
     for (Layer& layer : e.layers) layer.young = std::abs(any_number(random));
     const std::string text = effective(declaration_of(e));
     Example back;
-    back.layers.resize(1);  // the program's own list must give way to an empty one
+    back.layers.resize(1);  // the program's own list must be replaced by an empty one
     Deck::parse(text, "effective", {}).fill(declaration_of(back));
     ASSERT_EQ(effective(declaration_of(back)), text);
     const auto bits = [](const std::vector<double>& values) {

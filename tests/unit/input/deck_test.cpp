@@ -1,4 +1,4 @@
-// Values arrive; every problem is found, and said in exactly these words.
+// Values are read into the variables; every problem is reported with exactly these messages.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,7 +21,7 @@ TEST(Deck, FillsEveryKind) {
   EXPECT_EQ(e.times, std::vector<double>{0.1});
   EXPECT_EQ(e.tags, (Sentences{"p", "q"}));
   EXPECT_EQ(e.dem.skin, 1);
-  EXPECT_EQ(e.dem.safety, 0.2);  // not given
+  EXPECT_EQ(e.dem.safety, 0.2);  // default
   EXPECT_EQ(e.dem.law, Law::hertz);
   EXPECT_TRUE(e.dem.rolling);
   EXPECT_EQ(e.dem.steps, 1000000);
@@ -31,7 +31,7 @@ TEST(Deck, FillsEveryKind) {
   EXPECT_EQ(e.layers[1].depth, 4);
 }
 
-TEST(Deck, SaysAllProblemsAtOnceInTheOrderOfTheFile) {
+TEST(Deck, ReportsAllProblemsAtOnceInTheOrderOfTheFile) {
   EXPECT_EQ(problems_of("box = [1, 2]\n"
                         "[dem]\n"
                         "skn = 0.1\n"
@@ -59,7 +59,7 @@ TEST(Deck, SaysAllProblemsAtOnceInTheOrderOfTheFile) {
             }));
 }
 
-TEST(Deck, SaysWhatAValueMustBe) {
+TEST(Deck, ReportsWhatAValueMustBe) {
   EXPECT_EQ(problems_of("title = 5\ntags = ['a', 1]\nbox = 3\ntimes = [1, 'x']\ntable = 1\n"
                         "dem = 7\nlayer = [1, 2]\n"),
             (Sentences{
@@ -87,19 +87,19 @@ TEST(Deck, SaysWhatAValueMustBe) {
             }));
 }
 
-// Within the limits of the parameter, and yet no number to compute with: refused with what can be.
-TEST(Deck, RefusesWhatLosesAllDigits) {
+// Within the limits of the parameter, but outside of the range of usable magnitudes: rejected.
+TEST(Deck, RejectsUnusableMagnitudes) {
   EXPECT_EQ(problems_of("box = [1, -1e300, 1e-300]\n[dem]\nskin = 1e25\n"
                         "[[layer]]\nyoung = 1e25\n"),
             (Sentences{
-                "deck.toml:1: box[1] = -1e+300 is too large to be computed with beside other "
-                "values of 16 digits; at most 1e+06 m in size",
-                "deck.toml:1: box[2] = 1e-300 is too small to be computed with beside other values "
-                "of 16 digits; at least 1e-25 m in size, or 0",
-                "deck.toml:3: dem.skin = 1e+25 is too large to be computed with beside other "
-                "values of 16 digits; at most 1e+06 m in size",
-                "deck.toml:5: layer[0].young = 1e+25 is too large to be computed with beside other "
-                "values of 16 digits; at most 1e+15 Pa in size",
+                "deck.toml:1: box[1] = -1e+300 is too large for computations in double precision "
+                "(16 digits); its magnitude must be at most 1e+06 m",
+                "deck.toml:1: box[2] = 1e-300 is too small for computations in double precision "
+                "(16 digits); its magnitude must be at least 1e-25 m, or 0",
+                "deck.toml:3: dem.skin = 1e+25 is too large for computations in double precision "
+                "(16 digits); its magnitude must be at most 1e+06 m",
+                "deck.toml:5: layer[0].young = 1e+25 is too large for computations in double "
+                "precision (16 digits); its magnitude must be at most 1e+15 Pa",
             }));
   EXPECT_EQ(problems_of("box = [1, -1e6, 1e-12]\n"), Sentences{});
 }
@@ -115,7 +115,7 @@ TEST(Deck, FindsTheNearestNameElsewhereIfNoneIsNear) {
             }));
 }
 
-TEST(Deck, SaysSyntaxErrorsWithTheirLine) {
+TEST(Deck, ReportsSyntaxErrorsWithTheirLine) {
   const auto start = [](const std::string& text) {
     const Sentences problems = problems_of(text);
     return problems.size() == 1 ? problems[0].substr(0, problems[0].find(' ')) : "other";
@@ -138,11 +138,11 @@ TEST(Deck, TakesOverrides) {
   EXPECT_EQ(e.layers[0].depth, 3);
   EXPECT_EQ(e.layers[1].depth, 4);
   EXPECT_EQ(e.box, (std::vector<double>{4, 9, 6}));
-  EXPECT_EQ(filled("", {"dem.skin=3"}).dem.skin, 3);    // makes the section
+  EXPECT_EQ(filled("", {"dem.skin=3"}).dem.skin, 3);    // creates the section
   EXPECT_EQ(filled("", {"title=60E1"}).title, "60E1");  // a number in a deck
 }
 
-TEST(Deck, SaysWhatIsWrongOnTheCommandLine) {
+TEST(Deck, ReportsWhatIsWrongOnTheCommandLine) {
   EXPECT_EQ(problems_of("titel = 'a'\n[[layer]]\nname = 'sand'\nyoung = 1\n",
                         {"dem.safety=high", "dem.skn=1", "layer.clay.young=2", "layer.1.young=2",
                          "nonsense", "dem.safety.x=1", "layer.sand.depth=-1", "=3", "dm.skin=1"}),
@@ -151,7 +151,7 @@ TEST(Deck, SaysWhatIsWrongOnTheCommandLine) {
                 "command line: layer.clay.young: there is no element clay; it has sand",
                 "command line: layer.1.young: there is no element 1; it has sand",
                 "command line: \"nonsense\" must read key=value",
-                "command line: dem.safety.x: what comes before x is a value, not a section",
+                "command line: dem.safety.x: the name before x is a value, not a section",
                 "command line: \"\" is not the name of a parameter",
                 "command line: dem.safety = \"high\" must be a number",
                 "command line: dem.skn is not a parameter; did you mean dem.skin?",
@@ -162,13 +162,13 @@ TEST(Deck, SaysWhatIsWrongOnTheCommandLine) {
 
 TEST(Deck, ChecksRulesWhenTheValuesAreGood) {
   EXPECT_EQ(problems_of("[dem]\nsteps = 7\nsafety = 0.5\n"),
-            Sentences{"deck.toml:3: dem.safety = 0.5: half the step and 7 of them do not go "
-                      "together"});
+            Sentences{"deck.toml:3: dem.safety = 0.5: half the step and 7 steps cannot be "
+                      "combined"});
   EXPECT_EQ(problems_of("[dem]\nskin = -1\nsteps = 7\nsafety = 0.5\n"),
             Sentences{"deck.toml:2: dem.skin = -1 must be above 0 m"});
 }
 
-// Rules across sections: the line is that of the value they name, or of the section it is not in.
+// Rules across sections: the line is that of the named value, or of its section if it is not given.
 TEST(Deck, ChecksRulesAcrossSections) {
   struct Two {
     Example example;
@@ -181,7 +181,7 @@ TEST(Deck, ChecksRulesAcrossSections) {
              {.weight = Weight::warning, .reads = {"dem"}});
     }
   };
-  const auto said = [](const std::string& text) {
+  const auto problems = [](const std::string& text) {
     Two two;
     try {
       return Deck::parse(text, "deck.toml").fill([&](Section& s) { two.declare(s); });
@@ -189,18 +189,19 @@ TEST(Deck, ChecksRulesAcrossSections) {
       return error.problems();
     }
   };
-  EXPECT_EQ(said("box = 1\n[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = 4\n"),
+  EXPECT_EQ(problems("box = 1\n[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = 4\n"),
             (Sentences{"deck.toml:1: box = 1 must be a list of 3 numbers",
                        "deck.toml:6: layer[0].depth = 4: is too thin"}));
-  EXPECT_EQ(said("[dem]\nskin = 5\n[[layer]]\nyoung = 1\n"),
+  EXPECT_EQ(problems("[dem]\nskin = 5\n[[layer]]\nyoung = 1\n"),
             Sentences{"deck.toml:3: layer[0].depth: is too thin"});
-  EXPECT_EQ(said("[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = -4\n"),
+  EXPECT_EQ(problems("[dem]\nskin = 5\n[[layer]]\nyoung = 1\ndepth = -4\n"),
             Sentences{"deck.toml:5: layer[0].depth = -4 must be above 0 and at most 100 m"});
-  // A refused section leaves all that is in it in doubt.
-  EXPECT_EQ(said("dem = 5\n[[layer]]\nyoung = 1\ndepth = 0.001\n"),
+  // Rules that use parameters of a rejected section are skipped.
+  EXPECT_EQ(problems("dem = 5\n[[layer]]\nyoung = 1\ndepth = 0.001\n"),
             Sentences{"deck.toml:1: dem = 5 must be a section, [dem]"});
-  EXPECT_EQ(said("[dem]\nsteps = 1000\n"), Sentences{"deck.toml:2: dem.steps = 1000: are many"});
-  EXPECT_EQ(said("[dem]\nsteps = 1000\nskin = -1\n"),
+  EXPECT_EQ(problems("[dem]\nsteps = 1000\n"),
+            Sentences{"deck.toml:2: dem.steps = 1000: are many"});
+  EXPECT_EQ(problems("[dem]\nsteps = 1000\nskin = -1\n"),
             Sentences{"deck.toml:3: dem.skin = -1 must be above 0 m"});
 }
 
@@ -235,7 +236,7 @@ TEST(Deck, FindsFilesBesideTheDeck) {
   if (world.root()) fs::remove_all(folder);
 }
 
-TEST(Deck, KnowsWhereAParameterStands) {
+TEST(Deck, GivesTheLocationOfAParameter) {
   const Deck deck = Deck::parse("[dem]\nskin = 1\n[[layer]]\nname = 'sand'\nyoung = 1\n",
                                 "deck.toml", {"dem.safety=1"});
   EXPECT_EQ(deck.where("dem.skin"), "deck.toml:2: dem.skin");
@@ -246,7 +247,7 @@ TEST(Deck, KnowsWhereAParameterStands) {
   EXPECT_EQ(deck.where("layer[4].young"), "deck.toml: layer[4].young");
 }
 
-TEST(Nearest, CountsSwapsAndKnowsWhenNothingIsNear) {
+TEST(Nearest, CountsSwapsAndReturnsNothingIfNoNameIsNear) {
   EXPECT_EQ(nearest("yuong", {"depth", "young"}), "young");
   EXPECT_EQ(nearest("Skin", {"span", "skin"}), "skin");
   EXPECT_EQ(nearest("skn", {"law", "skin"}), "skin");

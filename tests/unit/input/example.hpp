@@ -12,7 +12,7 @@ struct Layer {
   double depth = 1;
 
   void declare(Section& s) {
-    s.text("name", name, "What overrides call it.");
+    s.text("name", name, "Name used by overrides.");
     s.number("young", young, {.unit = "Pa", .above = 0, .required = true}, "Young's modulus.");
     s.number("depth", depth, {.unit = "m", .above = 0, .at_most = 100}, "Thickness.");
   }
@@ -29,11 +29,11 @@ struct Contact {
 
   void declare(Section& s) {
     s.number("skin", skin, {.unit = "m", .above = 0}, "Reach of the neighbour list.");
-    s.number("safety", safety, {.above = 0, .at_most = 1}, "Share of the critical step.");
+    s.number("safety", safety, {.above = 0, .at_most = 1}, "Fraction of the critical step.");
     s.choice("law", law, {"linear", "hertz"}, "Force | overlap law.");
     s.flag("rolling", rolling, "Rolling resistance acts.");
     s.integer("steps", steps, {.at_least = 1}, "Sub-steps.");
-    s.rule("safety", safety != 0.5 || steps != 7, "half the step and 7 of them do not go together");
+    s.rule("safety", safety != 0.5 || steps != 7, "half the step and 7 steps cannot be combined");
   }
 };
 
@@ -46,9 +46,9 @@ struct Example {
   std::vector<Layer> layers;
 
   void declare(Section& s) {
-    s.text("title", title, "Said in every result.");
+    s.text("title", title, "Stored in every result.");
     s.numbers("box", box, {.unit = "m", .at_least = -1e300}, "Edges.", 3);
-    s.numbers("times", times, {.unit = "s"}, "When to look.");
+    s.numbers("times", times, {.unit = "s"}, "Sampling times.");
     s.texts("tags", tags, "Words.");
     s.file("table", table, "Loads over time.");
     s.table("dem", dem, "Stones.");

@@ -41,7 +41,7 @@ TEST(Reference, DescribesOneSection) {
   Example e;
   EXPECT_EQ(describe(declaration_of(e), "layer"),
             "[[layer]]\n  Ground, from the top.\n"
-            "\n  name = \"layer\"\n      text\n      What overrides call it.\n"
+            "\n  name = \"layer\"\n      text\n      Name used by overrides.\n"
             "\n  young = must be given Pa\n      number, above 0\n      Young's modulus.\n"
             "\n  depth = 1.0 m\n      number, above 0 and at most 100\n      Thickness.\n");
   EXPECT_NE(describe(declaration_of(e), "dem.skin").find("skin = 0.002 m"), std::string::npos);

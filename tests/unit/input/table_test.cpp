@@ -30,7 +30,7 @@ class Csv {
   }
 };
 
-TEST(Table, ReadsNamedColumnsInTheOrderAskedFor) {
+TEST(Table, ReadsNamedColumnsInTheRequestedOrder) {
   const Csv csv("# seat loads\ntime, note ,load\r\n0, 1, 2.5\n\n1e-3,2,-4e3\n\"2\",3,+1\n");
   EXPECT_EQ(csv.read({"load", "time"}), (Columns{{2.5, -4000, 1}, {0, 0.001, 2}}));
   std::vector<int> lines;
@@ -38,8 +38,8 @@ TEST(Table, ReadsNamedColumnsInTheOrderAskedFor) {
   EXPECT_EQ(lines, (std::vector<int>{3, 5, 6}));
 }
 
-// A mark that the text is UTF-8, as spreadsheets put it in front.
-TEST(Table, PassesOverAByteOrderMark) {
+// The byte order mark of UTF-8 that spreadsheets write at the start.
+TEST(Table, SkipsAByteOrderMark) {
   const std::string mark = "\xEF\xBB\xBF";
   EXPECT_EQ(Csv(mark + "time,load\r\n0,1\r\n").read({"time", "load"}), (Columns{{0}, {1}}));
   EXPECT_EQ(Csv(mark + "\"time\",load\n0,1\n").read({"time"}), Columns{{0}});
@@ -47,7 +47,7 @@ TEST(Table, PassesOverAByteOrderMark) {
   EXPECT_EQ(Csv(mark).problems({"time"}), Sentences{"table_test.csv: is empty"});
 }
 
-TEST(Table, SaysAllProblemsAtOnce) {
+TEST(Table, ReportsAllProblemsAtOnce) {
   const Csv csv("time,laod\n0,1\n1\n2,x\n3,\n4,nan\n5,6,7\n");
   EXPECT_EQ(csv.problems({"time", "load"}),
             (Sentences{"table_test.csv:1: there is no column load; is it laod?",
@@ -63,10 +63,10 @@ TEST(Table, SaysAllProblemsAtOnce) {
   EXPECT_THROW(read_table("no_such.csv", {"a"}), InputError);
 }
 
-// As spreadsheets write them where the decimal sign is a comma: one sentence, not one per row.
-TEST(Table, WantsCommasBetweenColumns) {
+// Spreadsheets in languages with decimal commas: one message, not one per row.
+TEST(Table, RequiresCommasBetweenColumns) {
   const std::string words =
-      " between columns; commas are wanted there, and points as decimal signs";
+      " between columns; use commas between columns and points as decimal signs";
   EXPECT_EQ(Csv("# loads\ntime;load\n0,5;1\n0,6;2\n").problems({"time", "load"}),
             Sentences{"table_test.csv:2: has semicolons" + words});
   EXPECT_EQ(Csv("time\tload\n0\t1\n").problems({"time", "load"}),
@@ -74,12 +74,13 @@ TEST(Table, WantsCommasBetweenColumns) {
   EXPECT_EQ(Csv("time,note;load\n0,1\n").read({"time"}), Columns{{0}});
 }
 
-TEST(Table, NamesRowsThatDoNotRise) {
+TEST(Table, ReportsRowsThatDoNotIncrease) {
   const Csv csv("load,time\n1,0\n1,0.2\n# later\n1,0.1\n1,0.1\n1,0.3\n");
   EXPECT_EQ(csv.problems({"time", "load"}), Sentences{});
-  EXPECT_EQ(csv.problems({"time", "load"}, "time"),
-            (Sentences{"table_test.csv:5: time must rise from row to row, but 0.1 follows 0.2",
-                       "table_test.csv:6: time must rise from row to row, but 0.1 follows 0.1"}));
+  EXPECT_EQ(
+      csv.problems({"time", "load"}, "time"),
+      (Sentences{"table_test.csv:5: time must increase from row to row, but 0.1 follows 0.2",
+                 "table_test.csv:6: time must increase from row to row, but 0.1 follows 0.1"}));
 }
 
 }  // namespace

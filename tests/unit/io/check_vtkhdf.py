@@ -1,4 +1,4 @@
-"""Opens what fields_test wrote on N ranks with VTK, as ParaView does: check_vtkhdf.py FOLDER N"""
+"""Opens the files of fields_test on N ranks with VTK, as in ParaView: check_vtkhdf.py FOLDER N"""
 
 import sys
 
@@ -12,7 +12,7 @@ def read(kind):
     reader = vtk.vtkHDFReader()
     path = f"{folder}/fields_{kind}_{ranks}.vtkhdf"
     if not reader.CanReadFile(path):
-        sys.exit(f"{path} is not taken for a VTKHDF file")
+        sys.exit(f"{path} is not recognised as a VTKHDF file")
     reader.SetFileName(path)
     reader.Update()
     return reader.GetOutput()
@@ -30,7 +30,7 @@ expect(cubes.GetNumberOfPoints(), points, "points")
 expect(cubes.GetNumberOfCells(), cells, "cells")
 if cells:
     expect({cubes.GetCellType(c) for c in range(cells)}, {vtk.VTK_HEXAHEDRON}, "cell types")
-    # Each cell has volume 1 only if every piece's point numbers are understood.
+    # Each cell has volume 1 only if the point numbers of every piece are correct.
     quality = vtk.vtkCellSizeFilter()
     quality.SetInputData(cubes)
     quality.Update()

@@ -1,4 +1,4 @@
-// Damage anywhere in a checkpoint ends in a sentence or harmlessly, never in a crash or in wrong
+// Damage anywhere in a checkpoint results in a message or is harmless, never in a crash or in wrong
 // numbers.
 #include <gtest/gtest.h>
 
@@ -25,14 +25,14 @@ class Damage : public ::testing::Test {
  protected:
   Damage() : scratch_("damage"), path_(scratch_ / "c.h5") {
     write_checkpoint(par::Comm::self(), scratch_.folder(), "c.h5", [](File& file) {
-      for (int i = 0; i < 12; ++i)  // enough for the larger way HDF5 stores a group
+      for (int i = 0; i < 12; ++i)  // enough for the second storage scheme of groups in HDF5
         file.write<double>("/dem/x" + std::to_string(i), content(), 3, {"m", "positions"});
       file.attribute("/dem", "time", 0.5);
     });
     std::ifstream in(path_, std::ios::binary);
     whole_.assign(std::istreambuf_iterator<char>(in), {});
   }
-  // True if the file was read, to the right values; false if it was refused.
+  // True if the file was read, with correct values; false if it was refused.
   bool reads(const std::string& bytes) {
     std::ofstream(path_, std::ios::binary) << bytes;
     try {
@@ -66,7 +66,7 @@ TEST_F(Damage, FlippedBitsAreRefusedOrHarmless) {
   int refused = 0;
   for (int i = 0; i < 400; ++i) {
     std::string bytes = whole_;
-    // Half of the hits in the first part, where the file's structure is dense.
+    // Half of the errors in the first part, where the structure of the file is dense.
     const std::size_t at =
         random_() % (i % 2 == 0 ? std::min<std::size_t>(8192, bytes.size()) : bytes.size());
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << (random_() % 8)));

@@ -1,4 +1,4 @@
-// A checkpoint is whole or not there, and any number of ranks reads it.
+// A checkpoint is complete or absent, and any number of ranks can read it.
 #include "trackbed/io/checkpoint.hpp"
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 par::Comm world() { return par::Comm::world(); }
 
-// The same whole content on any number of ranks.
+// The same content on any number of ranks.
 void fill(File& file, double start) {
-  const Share mine = share(101, world().rank(), world().size());
+  const RowRange mine = row_range(101, world().rank(), world().size());
   std::vector<double> x(2 * mine.count);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = start + static_cast<double>(2 * mine.begin + i);
   file.write<double>("/dem/x", x, 2, {"m", "positions"});
@@ -61,7 +61,7 @@ TEST(Checkpoint, IsReadByAnyNumberOfRanks) {
 }
 
 // Otherwise the number of ranks could not be changed at a restart.
-TEST(Checkpoint, TheNewestGoodOneIsFoundIfTheLatestIsNot) {
+TEST(Checkpoint, TheNewestValidOneIsFoundIfTheLatestIsNot) {
   const Scratch scratch("newest");
   for (const char* name : {"one.h5", "two.h5", "three.h5"}) write(scratch, name, 1);
   EXPECT_EQ(choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over).file,
@@ -72,7 +72,8 @@ TEST(Checkpoint, TheNewestGoodOneIsFoundIfTheLatestIsNot) {
     fs::last_write_time(scratch / "one.h5", now - std::chrono::hours(1));
     std::ofstream(scratch / "results.h5") << "no checkpoint";
   });
-  const Chosen newest = choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over);
+  const CheckpointChoice newest =
+      choose_checkpoint(world(), scratch.folder(), IfDamaged::pass_over);
   EXPECT_EQ(newest.file, scratch / "two.h5");
   ASSERT_EQ(newest.passed_over.size(), 1U);
   EXPECT_TRUE(newest.passed_over[0].starts_with(scratch / "three.h5" + ": "));
@@ -97,7 +98,7 @@ TEST(Checkpoint, HasChecksumsThatDoNotDependOnRanks) {
   EXPECT_EQ(file.integer_attribute("/dem/x", "checksum"), on_one_rank);
 }
 
-TEST(Checkpoint, SaysWhatIsWrongWithAFile) {
+TEST(Checkpoint, ReportsTheDefectOfAFile) {
   const Scratch scratch("refusals");
   const std::string path = scratch / "c.h5";
   EXPECT_EQ(refusal(path), path + ": does not exist");
@@ -165,14 +166,14 @@ TEST(Checkpoint, LeavesThePreviousOneWhenWritingFails) {
                                 }),
                RunError);
   EXPECT_FALSE(fs::exists(scratch / "two.h5.part"));
-  // What a killed writer leaves: half a file under the temporary names.
+  // Files left by a killed writer: incomplete, under the temporary names.
   on_root([&] {
     fs::copy_file(scratch / "one.h5", scratch / "two.h5.part");
     fs::resize_file(scratch / "two.h5.part", 300);
     std::ofstream(scratch / "latest.part") << "two";
   });
   EXPECT_EQ(open_latest(world(), scratch.folder()).number_attribute("/", "time"), 1);
-  write(scratch, "two.h5", 2);  // and the next writer is not disturbed by it
+  write(scratch, "two.h5", 2);  // the next writer is not affected by them
   EXPECT_EQ(open_latest(world(), scratch.folder()).number_attribute("/", "time"), 2);
 }
 

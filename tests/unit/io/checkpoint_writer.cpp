@@ -1,5 +1,5 @@
-// A writer to be killed: writes checkpoints 1, 2, 3 ... into a folder and says each finished one.
-// With `check` it opens the latest instead and says its number. See kill_writer.py.
+// A writer to be killed: writes checkpoints 1, 2, 3 ... into a folder and prints the number of each
+// finished one. With `check` it opens the latest instead and prints its number. See kill_writer.py.
 #include <cstdio>
 #include <vector>
 

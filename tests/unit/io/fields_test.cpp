@@ -1,4 +1,4 @@
-// Writes pictures that tests/unit/io/check_vtkhdf.py opens with VTK afterwards: see CMakeLists.txt.
+// Writes fields that tests/unit/io/check_vtkhdf.py opens with VTK afterwards: see CMakeLists.txt.
 #include "trackbed/io/fields.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every failure is one sentence on all ranks, and the program goes on.
+// Every failure results in one message on all ranks, and the program continues.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -32,7 +32,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(FileFailure, NamesAFileThatIsNotThere) {
+TEST(FileFailure, NamesAMissingFile) {
   EXPECT_EQ(failure_of([] { File(world(), "no/such/file.h5", Mode::read); }),
             "rank 0: no/such/file.h5: cannot be opened (No such file or directory)");
   EXPECT_EQ(failure_of([] { File(world(), "no/such/file.h5", Mode::create); }),
@@ -41,7 +41,7 @@ TEST(FileFailure, NamesAFileThatIsNotThere) {
             "rank 0: /: cannot be opened (not a regular file)");
 }
 
-TEST(FileFailure, NamesADatasetThatIsNotThereOrOfAnotherType) {
+TEST(FileFailure, NamesADatasetThatIsMissingOrOfAnotherType) {
   const Scratch scratch("missing");
   File file(world(), scratch / "a.h5", Mode::create);
   file.write<std::int32_t>("/x", std::vector<std::int32_t>(4, 1), 2, label);
@@ -56,8 +56,8 @@ TEST(FileFailure, NamesADatasetThatIsNotThereOrOfAnotherType) {
   EXPECT_TRUE(contains(group, start + "group /y cannot be listed")) << group;
 }
 
-// A file larger than the process may write stands for a full disk: the system calls fail in the
-// same places (EFBIG for ENOSPC).
+// A file larger than the limit of the process represents a full disk: the same system calls fail
+// (EFBIG for ENOSPC).
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) {
@@ -84,7 +84,7 @@ TEST(FileFailure, SurvivesADiskThatFillsUp) {
     const auto text = failure_of([&] { file.write<double>("/much", much, 1, label); });
     EXPECT_TRUE(contains(text, scratch / "full.h5: dataset /much cannot be written")) << text;
   }
-  // The next file is written as if nothing had happened.
+  // The next file is written without restriction.
   File file(world(), scratch / "next.h5", Mode::create);
   file.write<double>("/much", much, 1, label);
   file.close();
@@ -101,9 +101,8 @@ TEST(FileFailure, SurvivesADiskThatFillsUpWhileAppending) {
   EXPECT_TRUE(contains(text, scratch / "a.h5: dataset /history cannot be written")) << text;
 }
 
-// Somebody clears the folder while a checkpoint is written: HDF5 holds the file open and notices
-// nothing.
-TEST(FileFailure, SaysThatACheckpointWasRemovedOrCutWhileItWasWritten) {
+// The folder is deleted while a checkpoint is written: HDF5 has the file open and does not notice.
+TEST(FileFailure, ReportsACheckpointRemovedOrCutDuringWriting) {
   const Scratch scratch("removed");
   const std::string part = scratch / "a.h5.part";
   const auto text = failure_of([&] {

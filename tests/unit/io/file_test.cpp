@@ -1,4 +1,4 @@
-// What is written comes back to the bit, whatever the number of ranks on either side.
+// Data are bitwise identical after writing and reading, for any numbers of ranks.
 #include "trackbed/io/file.hpp"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ using Types = ::testing::Types<double, float, std::int64_t, std::uint64_t, std::
                                std::int8_t, std::uint8_t>;
 TYPED_TEST_SUITE(EveryType, Types);
 
-TYPED_TEST(EveryType, ComesBackToTheBitOnAnyRanks) {
+TYPED_TEST(EveryType, IsBitwiseIdenticalOnAnyRanks) {
   using T = TypeParam;
   const Scratch scratch(std::string("types_") + typeid(T).name());
   constexpr std::size_t columns = 3;
@@ -59,11 +59,11 @@ TYPED_TEST(EveryType, ComesBackToTheBitOnAnyRanks) {
   const File together(world(), scratch / "a.h5", Mode::read);
   EXPECT_EQ(together.extent("/dem/deep/x"), (std::vector<std::size_t>{total, columns}));
   EXPECT_EQ(together.read_all<T>("/dem/deep/x"), whole);
-  const Share mine = share(total, world().rank(), world().size());
-  EXPECT_EQ(together.read_share<T>("/dem/deep/x"),
+  const RowRange mine = row_range(total, world().rank(), world().size());
+  EXPECT_EQ(together.read_own_rows<T>("/dem/deep/x"),
             values<T>(mine.begin * columns, mine.count * columns));
   const File alone(par::Comm::self(), scratch / "a.h5", Mode::read);
-  EXPECT_EQ(alone.read_share<T>("/dem/deep/x"), whole);
+  EXPECT_EQ(alone.read_own_rows<T>("/dem/deep/x"), whole);
 }
 
 TEST(File, ReadsAnyRows) {
@@ -74,7 +74,7 @@ TEST(File, ReadsAnyRows) {
         "/x", values<double>(world().rank() == 0 ? 0 : 7, world().rank() == 0 ? 7 : 0), 1, label);
   }
   const File file(world(), scratch / "a.h5", Mode::read);
-  // Each rank another window, the last rank an empty one.
+  // Each rank reads other rows, the last rank none.
   const bool last = world().rank() == world().size() - 1 && world().size() > 1;
   const auto begin = static_cast<std::size_t>(world().rank());
   EXPECT_EQ(file.read_rows<double>("/x", begin, last ? 0 : 3), values<double>(begin, last ? 0 : 3));
@@ -94,14 +94,14 @@ TEST(File, TakesNoRowsAtAll) {
   EXPECT_EQ(file.extent("/none"), (std::vector<std::size_t>{0, 3}));
   EXPECT_EQ(file.extent("/grows"), (std::vector<std::size_t>{0, 1}));
   EXPECT_TRUE(file.read_all<double>("/none").empty());
-  EXPECT_TRUE(file.read_share<double>("/grows").empty());
+  EXPECT_TRUE(file.read_own_rows<double>("/grows").empty());
 }
 
 TEST(File, GrowsAndIsCutAndGrowsAgain) {
   const Scratch scratch("append");
   const std::string path = scratch / "a.h5";
   const auto append_as = [](File& file, std::size_t first, std::size_t rows) {
-    const Share mine = share(rows, world().rank(), world().size());
+    const RowRange mine = row_range(rows, world().rank(), world().size());
     file.append<double>("/history", values<double>(2 * (first + mine.begin), 2 * mine.count), 2,
                         label);
   };
@@ -125,7 +125,7 @@ TEST(File, GrowsAndIsCutAndGrowsAgain) {
   EXPECT_EQ(file.text_attribute("/history", "unit"), "m/s");
 }
 
-// Space reserved against a full disk is given back: thousands of small files are written per run.
+// Space reserved against a full disk is released: thousands of small files are written per run.
 TEST(File, TakesNoMoreDiskThanItHolds) {
   const Scratch scratch("size");
   File file(world(), scratch / "a.h5", Mode::create);
@@ -133,14 +133,14 @@ TEST(File, TakesNoMoreDiskThanItHolds) {
   file.close();
   struct stat status {};
   ASSERT_EQ(stat((scratch / "a.h5").c_str(), &status), 0);
-  constexpr std::int64_t block = 512, rounding = 16384;  // file systems round up to pages
+  constexpr std::int64_t block = 512, rounding = 16384;  // file systems round up to blocks
   EXPECT_LE(status.st_blocks * block, status.st_size + rounding);
   EXPECT_GE(status.st_size, 20 * 100 * 8);
-  // Two chunks of each rank's worth at the most.
+  // At most two chunks for each rank.
   EXPECT_LE(status.st_size, 20 * 100 * 8 * world().size() + 2 * 32768);
 }
 
-TEST(File, KeepsFactsBesideTheNumbers) {
+TEST(File, KeepsAttributes) {
   const Scratch scratch("attributes");
   {
     File file(world(), scratch / "a.h5", Mode::create);
@@ -165,8 +165,8 @@ TEST(File, KeepsFactsBesideTheNumbers) {
   EXPECT_THROW(file.text_attribute("/a/x", "nothing"), RunError);
 }
 
-// What a run of Open MPI's OMPIO leaves on its node when it is killed while it opens a file.
-TEST(File, OpensBesideWhatAKilledRunLeft) {
+// A semaphore left on its node by a run of Open MPI's OMPIO that was killed while it opened a file.
+TEST(File, OpensDespiteASemaphoreOfAKilledRun) {
   const std::string name = "left_on_" + std::to_string(world().size()) + ".h5";
   const Scratch scratch("left");
   sem_t* locked = sem_open(("/OMPIO_" + name).c_str(), O_CREAT, 0600, 0);
@@ -179,12 +179,12 @@ TEST(File, OpensBesideWhatAKilledRunLeft) {
   if (world().root()) sem_unlink(("/OMPIO_" + name).c_str());
 }
 
-TEST(File, SharesRowsEvenly) {
+TEST(File, SplitsRowsEvenly) {
   for (const std::size_t rows : {0UL, 1UL, 3UL, 100UL, 101UL})
     for (const int size : {1, 2, 3, 7}) {
       std::size_t next = 0;
       for (int rank = 0; rank < size; ++rank) {
-        const Share mine = share(rows, rank, size);
+        const RowRange mine = row_range(rows, rank, size);
         EXPECT_EQ(mine.begin, next);
         EXPECT_LE(mine.count, rows / static_cast<std::size_t>(size) + 1);
         next += mine.count;

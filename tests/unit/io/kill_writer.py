@@ -1,5 +1,5 @@
-"""Kills a writer of checkpoints at many instants: afterwards the latest one is whole and not older
-than the last one the writer called finished. Usage: kill_writer.py WRITER"""
+"""Kills a writer of checkpoints at many instants: afterwards the latest one is complete and not
+older than the last one that the writer reported. Usage: kill_writer.py WRITER"""
 
 import random
 import shutil
@@ -23,12 +23,12 @@ try:
         finished = max([int(line) for line in lines if line.endswith("\n")], default=0)
         found = subprocess.run([writer, "check", folder], capture_output=True, text=True)
         if found.returncode != 0:
-            sys.exit(f"kill {kill}: no whole checkpoint: {found.stderr}{found.stdout}")
-        # It may have been killed between the last step and saying so.
+            sys.exit(f"kill {kill}: no complete checkpoint: {found.stderr}{found.stdout}")
+        # It may have been killed between the last step and its report.
         if int(found.stdout) not in (finished, finished + 1):
             sys.exit(f"kill {kill}: latest is {found.stdout}, the writer had finished {finished}")
         with_checkpoint += finished > 0
     if with_checkpoint < kills // 2:
-        sys.exit("the writer hardly ever got to a checkpoint: the test shows nothing")
+        sys.exit("the writer hardly ever finished a checkpoint: the test proves nothing")
 finally:
     shutil.rmtree(folder)

@@ -1,4 +1,4 @@
-// Packings whose density, stress and fabric are known.
+// Packings with known density, stress and fabric.
 #include "trackbed/observe/regions.hpp"
 
 #include <gtest/gtest.h>
@@ -15,12 +15,12 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double k_n = 1e6, r = 0.05, density = 2500;  // N/m, m, kg/m^3
 constexpr double rounding = 1e-12;
-// Relative, of sums over ranks: each of N terms is off by 2^-61 of N times the largest at most
-// (core/exact_sum.hpp). Here N < 4e5, of which half are of one kind, and sums are over 80 of the
-// largest (whole balls): 4e5 2e5 2^-61/80 = 4e-10.
+// Relative, for sums over ranks: the error of each of N terms is at most 2^-61 of N times the
+// largest (core/exact_sum.hpp). Here N < 4e5, of which half are of one kind, and sums are over 80
+// of the largest (whole balls): 4e5 2e5 2^-61/80 = 4e-10.
 constexpr double sum_rounding = 1e-9;
-// Relative, of forces: an overlap is the difference of a few lengths of 0.1 m, known to 2^-56 m =
-// 1.4e-17 m each, and is 1e-4 m or more: 1e-12.
+// Relative, for forces: an overlap is the difference of a few lengths of 0.1 m, each accurate to
+// 2^-56 m = 1.4e-17 m, and is 1e-4 m or more: 1e-12.
 constexpr double overlap_rounding = 1e-11;
 
 dem::ContactLaw springs() {
@@ -39,12 +39,12 @@ observe::Region box(const std::vector<double>& x, const std::vector<double>& y,
 }
 
 // n^3 balls on a simple cubic lattice with spacing 2 r (1 - squeeze_a) along axis a, periodic in x
-// and y, between a floor and a lid that press as the balls press each other; moved across the
-// periodic sides as a whole.
+// and y, between a floor and a lid with the same contact force as between balls; displaced as a
+// whole across the periodic sides.
 struct Cubic {
   static constexpr int n = 6;
   Vec3 d;
-  double foot;  // m: the lowest balls press into the floor as into each other
+  double foot;  // m: the overlap with the floor is that between balls
   Surface floor, lid;
   dem::Particles particles;
 
@@ -76,7 +76,7 @@ struct Cubic {
     domain.periodic = {true, true, false};
     return domain;
   }
-  // Pa: k times overlap over the area of a ball's share of the section.
+  // Pa: k times overlap over the area per ball.
   Vec3 stress() const {
     const Vec3 force = k_n * (Vec3::Constant(2 * r) - d);
     return -Vec3(force.x() / (d.y() * d.z()), force.y() / (d.x() * d.z()),
@@ -84,25 +84,25 @@ struct Cubic {
   }
 };
 
-TEST(Regions, ACubicPackHasTheStressThatItsWallsFeel) {
+TEST(Regions, ACubicPackHasTheStressOnItsWalls) {
   const par::Comm world = par::Comm::world();
   const Cubic pack(world, {0.002, 0.003, 0.004}, {0.13, -1.7, 0});
   const Vec3 size = Cubic::n * pack.d;
-  // Whole periods across: wherever the box begins, and however it is cut, across lattice or not.
+  // Whole periods across: for any position of the box and any cut through the lattice.
   for (const double shift : {0.0, 0.0371, -2.0})
     for (const auto& z :
          {std::vector{pack.foot, size.z() - pack.foot}, {0.11, 0.35}, {0.05, 0.051}}) {
       auto region = box({shift, size.x() + shift}, {shift, size.y() + shift}, z);
-      const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+      const observe::Measurement m = observe::measure(world, pack.particles, region).at(0);
       const Vec3 wanted = pack.stress();
       EXPECT_NEAR(m.stress[2], wanted.z(), 1e-9 * std::abs(wanted.z())) << shift << " " << z[0];
       for (int k = 3; k < 6; ++k)
         EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], 0, 1e-9 * wanted.norm());
     }
-  // Whole lattice cells: all components, numbers and densities. Clear of centres of balls and of
-  // contacts, which else would be on either side by rounding.
+  // Whole lattice cells: all components, numbers and densities. Borders avoid centres of balls and
+  // contacts, which would otherwise be on either side by rounding.
   auto region = box({0, size.x()}, {0, size.y()}, {1.25 * pack.d.z(), 4.25 * pack.d.z()});
-  const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+  const observe::Measurement m = observe::measure(world, pack.particles, region).at(0);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(m.stress[static_cast<std::size_t>(k)], pack.stress()[k], 1e-9 * 1e6);
     EXPECT_NEAR(m.fabric[static_cast<std::size_t>(k)], 1.0 / 3, sum_rounding);
@@ -110,23 +110,23 @@ TEST(Regions, ACubicPackHasTheStressThatItsWallsFeel) {
   EXPECT_EQ(m.stones, 3 * Cubic::n * Cubic::n);
   EXPECT_NEAR(m.coordination, 6, rounding);
   EXPECT_NEAR(m.fabric[0] + m.fabric[1] + m.fabric[2], 1, rounding);
-  const double share = 4.0 / 3 * pi * r * r * r / pack.d.prod();
-  // What is cut off at one border is there at the other: no error of the points is left.
-  EXPECT_NEAR(m.porosity, 1 - share, sum_rounding);
-  EXPECT_NEAR(m.bulk_density, share * density, sum_rounding * share * density);
+  const double solid = 4.0 / 3 * pi * r * r * r / pack.d.prod();
+  // Parts cut off at one border are included at the other, so the errors of the points cancel.
+  EXPECT_NEAR(m.porosity, 1 - solid, sum_rounding);
+  EXPECT_NEAR(m.bulk_density, solid * density, sum_rounding * solid * density);
 }
 
 TEST(Regions, CellsAddUpToTheirRegion) {
   const par::Comm world = par::Comm::world();
   const Cubic pack(world);
   auto region = box({0.02, 0.5}, {0.03, 0.44}, {0.04, 0.47});
-  const observe::Measured whole = observe::measure(world, pack.particles, region).at(0);
+  const observe::Measurement whole = observe::measure(world, pack.particles, region).at(0);
   region.cells = {3, 2, 5};
-  const std::vector<observe::Measured> cells = observe::measure(world, pack.particles, region);
+  const std::vector<observe::Measurement> cells = observe::measure(world, pack.particles, region);
   ASSERT_EQ(cells.size(), 30u);
-  observe::Measured mean;
+  observe::Measurement mean;
   mean.porosity = 0;
-  for (const observe::Measured& c : cells) {
+  for (const observe::Measurement& c : cells) {
     mean.porosity += c.porosity / 30, mean.bulk_density += c.bulk_density / 30;
     mean.stones += c.stones, mean.contacts += c.contacts;
     for (std::size_t k = 0; k < 6; ++k) mean.stress[k] += c.stress[k] / 30;
@@ -140,7 +140,7 @@ TEST(Regions, CellsAddUpToTheirRegion) {
     EXPECT_NEAR(mean.stress[k], whole.stress[k], sum_rounding * size);
 }
 
-// One contact and a sphere about its middle of radius s < r: the branch lies in it over 2 s.
+// One contact and a sphere of radius s < r about its middle: 2 s of the branch are in it.
 TEST(Regions, ASphereTakesItsPartOfABranch) {
   const par::Comm world = par::Comm::world();
   dem::Particles particles(world, test::one_material(springs(), density), {.gravity = 0},
@@ -158,7 +158,7 @@ TEST(Regions, ASphereTakesItsPartOfABranch) {
   observe::Region region;
   region.kind = observe::RegionKind::sphere;
   region.centre = {0, 0, 0}, region.radius = s;
-  const observe::Measured m = observe::measure(world, particles, region).at(0);
+  const observe::Measurement m = observe::measure(world, particles, region).at(0);
   const double force = k_n * overlap, volume = 4.0 / 3 * pi * s * s * s;
   const double stress = force * 2 * s / volume;
   EXPECT_NEAR(m.stress[0], -stress * along.x() * along.x(), overlap_rounding * stress);
@@ -168,29 +168,29 @@ TEST(Regions, ASphereTakesItsPartOfABranch) {
   EXPECT_NEAR(m.fabric[3], along.x() * along.y(), rounding);
 }
 
-// One sphere may hold a force chain or none; over all places in a cell of the lattice their mean is
-// the stress of the pack.
+// One sphere may contain a force chain or none; the mean over all positions in a cell of the
+// lattice is the stress of the pack.
 TEST(Regions, SpheresHaveTheMeanStress) {
   const par::Comm world = par::Comm::world();
   const Cubic pack(world);
   observe::Region region;
   region.kind = observe::RegionKind::sphere;
   region.radius = 0.03;
-  constexpr int n = 16;  // the sum over places errs by 3 % with 8
+  constexpr int n = 16;  // with 8 the sum over positions has an error of 3 %
   Vec3 mean = Vec3::Zero();
   for (int i = 0; i < n * n * n; ++i) {
-    const Vec3 share(i % n + 0.5, i / n % n + 0.5, i / (n * n) + 0.5);
-    const Vec3 centre = pack.d.cwiseProduct(Vec3(2, 2, 2) + share / n);
+    const Vec3 place(i % n + 0.5, i / n % n + 0.5, i / (n * n) + 0.5);
+    const Vec3 centre = pack.d.cwiseProduct(Vec3(2, 2, 2) + place / n);
     region.centre = {centre.x(), centre.y(), centre.z()};
-    const observe::Measured m = observe::measure(world, pack.particles, region).at(0);
+    const observe::Measurement m = observe::measure(world, pack.particles, region).at(0);
     mean += Vec3(m.stress[0], m.stress[1], m.stress[2]) / (n * n * n);
   }
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(mean[k] / pack.stress()[k], 1, 0.02);
 }
 
-// Irregular stones in a crowd: the same bits on any ranks.
-TEST(Regions, RanksChangeNoBit) {
-  const auto figures = [](const par::Comm& comm) {
+// Irregular stones in contact: bitwise identical on any number of ranks.
+TEST(Regions, AreBitwiseIdenticalOnAnyRanks) {
+  const auto values = [](const par::Comm& comm) {
     dem::Domain domain = test::box({0, 0, -1}, {0.4, 0.32, 1});
     domain.periodic = {true, true, false};
     dem::Particles particles(comm, test::one_material(springs()), {}, domain);
@@ -202,7 +202,7 @@ TEST(Regions, RanksChangeNoBit) {
     observe::Region region;
     region.x = {0.07, 0.47}, region.y = {0, 0.3}, region.z = {0, 0.2}, region.cells = {3, 2, 2};
     std::vector<double> list;
-    for (const observe::Measured& m : observe::measure(comm, particles, region)) {
+    for (const observe::Measurement& m : observe::measure(comm, particles, region)) {
       list.insert(list.end(), {m.porosity, m.bulk_density, m.stones, m.coordination, m.contacts,
                                m.contact_force});
       list.insert(list.end(), m.stress.begin(), m.stress.end());
@@ -210,8 +210,7 @@ TEST(Regions, RanksChangeNoBit) {
     }
     return list;
   };
-  const std::vector<double> alone = figures(par::Comm::self()),
-                            shared = figures(par::Comm::world());
+  const std::vector<double> alone = values(par::Comm::self()), shared = values(par::Comm::world());
   EXPECT_EQ(alone, shared);
   double contacts = 0;
   for (std::size_t k = 4; k < alone.size(); k += 18) {
@@ -230,23 +229,23 @@ double area_below(const std::vector<Eigen::Vector2d>& polygon, double cut) {
   double area = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    // Depth below the cut runs straight along the edge; where it would be negative it is 0.
-    const double da = cut - a.y(), db = cut - b.y(), way = b.x() - a.x();
+    // The depth below the cut is linear along the edge; negative values count as 0.
+    const double da = cut - a.y(), db = cut - b.y(), width = b.x() - a.x();
     if (da >= 0 && db >= 0)
-      area += way * (da + db) / 2;
+      area += width * (da + db) / 2;
     else if (da > 0 || db > 0)
-      area += way * std::max(da, db) / std::abs(da - db) * std::max(da, db) / 2;
+      area += width * std::max(da, db) / std::abs(da - db) * std::max(da, db) / 2;
   }
   return area;
 }
 
-// Share of the stone that lies below z = cut, as regions see it. `volume`: m^3 of the stone.
-double share_below(const par::Comm& comm, const dem::Particles& particles, double volume,
-                   double cut) {
+// Volume fraction of the stone below z = cut, measured by regions. `volume`: of the stone, m^3.
+double fraction_below(const par::Comm& comm, const dem::Particles& particles, double volume,
+                      double cut) {
   const auto region = box({-0.1, 0.1}, {-0.1, 0.1}, {-0.1, cut});
   const dem::Domain& domain = particles.domain();
   const double across = domain.dimension == Dimension::plane ? domain.thickness : 0.2;
-  const observe::Measured m = observe::measure(comm, particles, region).at(0);
+  const observe::Measurement m = observe::measure(comm, particles, region).at(0);
   EXPECT_NEAR(m.bulk_density, density * (1 - m.porosity), rounding * density);
   return (1 - m.porosity) * 0.2 * across * (cut + 0.1) / volume;
 }
@@ -265,8 +264,8 @@ dem::Particles alone(const par::Comm& comm, const dem::Template& shape, const Qu
   return particles;
 }
 
-// A stone of pebbles is a ring of disks and weighs what its outline encloses: so does each part of
-// it. Cut straight at any height, in any attitude; the disks may leave gaps between them.
+// A stone of pebbles is a ring of disks with the mass of the area that its outline encloses; so is
+// each part of it, cut at any height in any attitude. The disks may leave gaps between them.
 TEST(Regions, PebblesAreSolidWithin) {
   const par::Comm world = par::Comm::world();
   constexpr double size = 0.06, pebble = 0.006;  // m
@@ -289,14 +288,14 @@ TEST(Regions, PebblesAreSolidWithin) {
         }
         for (double cut = -0.03; cut < 0.03; cut += 0.00171) {
           const double wanted = area_below(outline, cut) / solid.volume;
-          worst = std::max(worst,
-                           std::abs(share_below(world, stone, solid.volume * 0.7, cut) - wanted));
+          worst = std::max(
+              worst, std::abs(fraction_below(world, stone, solid.volume * 0.7, cut) - wanted));
         }
       }
-  EXPECT_LT(worst, 0.01);  // as points_within promises for laminas
+  EXPECT_LT(worst, 0.01);  // accuracy of points_within for laminas
 }
 
-// Two stones that touch with two pieces each are partners once.
+// Two stones that touch with two pieces each count once as partners.
 TEST(Regions, PartnersWithTwoContactsCountOnce) {
   const par::Comm world = par::Comm::world();
   dem::Particles stones(world, test::one_material(springs(), density), {.gravity = 0},
@@ -309,19 +308,19 @@ TEST(Regions, PartnersWithTwoContactsCountOnce) {
   stones.add(test::mine(world, pair));
   stones.advance(1e-12, 1);
   const auto all = box({-0.5, 0.5}, {-0.5, 0.5}, {-0.5, 0.5});
-  const observe::Measured m = observe::measure(world, stones, all).at(0);
+  const observe::Measurement m = observe::measure(world, stones, all).at(0);
   EXPECT_EQ(m.contacts, 2);
   EXPECT_NEAR(m.coordination, 1, rounding);
 }
 
-// The share of a ball in the cap of height h = z + r: h^2 (3 r - h)/(4 r^3).
-TEST(Regions, ABallIsCutWhereItIs) {
+// The volume fraction of a spherical cap of height h = z + r: h^2 (3 r - h)/(4 r^3).
+TEST(Regions, ABallIsCutAtItsPosition) {
   const par::Comm world = par::Comm::world();
   const dem::Particles ball = alone(world, test::sphere(r), Quat::Identity(), Dimension::space);
   const double volume = 4.0 / 3 * pi * r * r * r;
   for (double h = 0.001; h < 2 * r; h += 0.00171) {
     const double wanted = h * h * (3 * r - h) / (4 * r * r * r);
-    EXPECT_NEAR(share_below(world, ball, volume, h - r), wanted, 0.03);  // points_within
+    EXPECT_NEAR(fraction_below(world, ball, volume, h - r), wanted, 0.03);  // points_within
   }
 }
 

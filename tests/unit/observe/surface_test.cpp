@@ -1,4 +1,4 @@
-// The height of a bed seen from above, of balls whose tops are known.
+// The height of a bed seen from above, for balls with known tops.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ TEST(Surface, IsTheHighestPointInEachCell) {
   EXPECT_NEAR(row(rows, 2, 2)[1], -0.05, 1e-12);
   EXPECT_NEAR(row(rows, 2, 2)[2], 0.5 + r, 1e-12);
   EXPECT_NEAR(row(rows, 7, 5)[2], 0.3 + r, 1e-12);
-  EXPECT_NEAR(row(rows, 1, 3)[2], 0.4 + r, 1e-12);  // came in again at x = 0.15
+  EXPECT_NEAR(row(rows, 1, 3)[2], 0.4 + r, 1e-12);  // periodic image at x = 0.15
   EXPECT_TRUE(std::isnan(row(rows, 5, 0)[2]));
   const auto alone =
       tops(par::Comm::self(),
@@ -50,9 +50,9 @@ TEST(Surface, IsTheHighestPointInEachCell) {
     EXPECT_TRUE(rows[k] == alone[k] || (std::isnan(rows[k]) && std::isnan(alone[k])));
 }
 
-// A ball over the border of two cells is seen in both, lower where it is cut off-centre by less
-// than the spacing of its points.
-TEST(Surface, SeesStonesThatReachIntoANeighbour) {
+// A ball over the border of two cells is in both, and lower by less than the spacing of its points
+// where it is cut off-centre.
+TEST(Surface, IncludesStonesThatReachIntoANeighbour) {
   const auto rows = tops(par::Comm::world(), {{0.3, -0.05, 0.5}});
   EXPECT_NEAR(row(rows, 2, 2)[2], 0.5 + r, r / 4);  // points lie r/4 apart
   EXPECT_NEAR(row(rows, 3, 2)[2], 0.5 + r, r / 4);

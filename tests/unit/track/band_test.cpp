@@ -1,5 +1,5 @@
-// The band of a profile, by fast transforms against the plain sums of its lines.
-#include "track/band.hpp"
+// Band pass of a profile: fast transforms against direct sums of its spectral lines.
+#include "track/line/band.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 namespace trackbed::track {
 namespace {
 
-// Of values without a mean and a slope.
-double plain(const std::vector<double>& values, double step, double shortest, double longest) {
+// For values without mean and slope.
+double direct(const std::vector<double>& values, double step, double shortest, double longest) {
   const auto n = static_cast<double>(values.size());
   const double low = 1 / longest, high = 1 / shortest;
   double square = 0;
@@ -26,8 +26,8 @@ double plain(const std::vector<double>& values, double step, double shortest, do
 }
 
 // Waves in, above and below the band, symmetric about the middle; lengths that are prime and powers
-// of two. Beyond four times the border, which is left out, 1e-5 of the power passes.
-TEST(Band, IsThatOfThePlainSums) {
+// of two. Beyond four times the limit, which is omitted, 1e-5 of the power passes.
+TEST(Band, EqualsDirectSums) {
   for (const std::size_t n : {17U, 256U, 1009U, 1200U}) {
     std::vector<double> values;
     double mean = 0;
@@ -37,12 +37,12 @@ TEST(Band, IsThatOfThePlainSums) {
       mean += values.back() / static_cast<double>(n);
     }
     for (double& value : values) value -= mean;
-    const double wanted = plain(values, 0.1, 3, 25);
+    const double wanted = direct(values, 0.1, 3, 25);
     EXPECT_NEAR(band_rms(values, 0.1, 3, 25), wanted, 1e-4 * wanted) << n;
   }
 }
 
-TEST(Band, OfALongProfileTakesNoTime) {
+TEST(Band, IsFastForALongProfile) {
   std::vector<double> values;
   for (int i = 0; i < 2'000'003; ++i) values.push_back(1e-3 * std::sin(0.1 * i));
   EXPECT_NEAR(band_rms(values, 0.1, 3, 25), 1e-3 * std::sqrt(0.5), 1e-5);

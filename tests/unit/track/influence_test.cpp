@@ -1,5 +1,5 @@
-// What forces do to points of the rails, against solutions for the whole track.
-#include "track/influence.hpp"
+// Influence coefficients of the rails against solutions for the whole track.
+#include "track/passage/influence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double step = 2e-4;  // s
 
-// Relative to what the forces do to their own points: both solve one matrix by elimination.
+// Relative to the deflection at the force: both methods eliminate the same matrix.
 constexpr double rounding = 1e-12;
 
 LineParameters track(Dimension dimension) {
@@ -22,7 +22,7 @@ LineParameters track(Dimension dimension) {
   return p;
 }
 
-// Wheels off the track, in pairs on an element, at nodes and between them, in no order.
+// Wheels beyond the track, in pairs on an element, at nodes and between them, in arbitrary order.
 std::vector<RailPoint> wheels(const Line& line) {
   std::vector<RailPoint> points;
   for (const double x : {21.37, -2.0, 0.0, 0.11, 21.3, 21.45, 60.0, 59.93, 63.0, 23.4, 45.0, 0.2})
@@ -30,7 +30,7 @@ std::vector<RailPoint> wheels(const Line& line) {
   return points;
 }
 
-// The largest difference to unit forces on the whole track, in parts of the largest flexibility.
+// Largest difference to unit forces on the whole track, relative to the largest flexibility.
 double difference(const LineParameters& parameters) {
   const Line line(parameters);
   const std::vector<RailPoint> points = wheels(line);
@@ -51,13 +51,13 @@ double difference(const LineParameters& parameters) {
   return (found - expected).cwiseAbs().maxCoeff() / expected.maxCoeff();
 }
 
-TEST(Influence, IsThatOfTheWholeTrack) {
+TEST(Influence, EqualsASolveOfTheWholeTrack) {
   EXPECT_LT(difference(track(Dimension::plane)), rounding);
   EXPECT_LT(difference(track(Dimension::space)), rounding);
 }
 
-// Of 1e8 N/m below a pad of 1e25 N/m no digit is left: refused, not solved.
-TEST(Influence, RefusesStiffnessesTooFarApart) {
+// With 1e8 N/m below a pad of 1e25 N/m all digits are lost: it is refused.
+TEST(Influence, RefusesIllConditionedStiffnesses) {
   LineParameters p = track(Dimension::plane);
   p.pad.stiffness = 1e25;
   const Line line(p);
@@ -65,7 +65,7 @@ TEST(Influence, RefusesStiffnessesTooFarApart) {
   EXPECT_THROW(Newmark(line.system(), step), InputError);
 }
 
-TEST(Influence, KnowsWhatStandsBelowTheRails) {
+TEST(Influence, IncludesTheSupportsOfTheRails) {
   LineParameters p = track(Dimension::space);
   p.ballast.mass = 300;
   p.under_sleeper.stiffness = 200e6;
@@ -79,7 +79,7 @@ TEST(Influence, KnowsWhatStandsBelowTheRails) {
   EXPECT_LT(difference(p), rounding);
 }
 
-TEST(Influence, IsRightWithoutSleepersAndWithFreeEnds) {
+TEST(Influence, IsCorrectWithoutSleepersAndWithFreeEnds) {
   LineParameters p = track(Dimension::plane);
   p.track.support = Support::continuous;
   p.track.ends = RailEnds::free;
@@ -87,8 +87,8 @@ TEST(Influence, IsRightWithoutSleepersAndWithFreeEnds) {
   EXPECT_LT(difference(p), rounding);
 }
 
-// Waves that have faded beyond the range of numbers leave zeros, and no trouble.
-TEST(Influence, FadesAlongALongTrack) {
+// Negligible responses are set to zero, without underflow.
+TEST(Influence, DecaysAlongALongTrack) {
   LineParameters p = track(Dimension::space);
   p.track.length = 300;
   const Line line(p);

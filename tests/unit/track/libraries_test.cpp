@@ -1,5 +1,5 @@
-// Numbers of the libraries of rails and vehicles as their sources give them, and what is computed
-// from vehicles and flats alone.
+// Values of the libraries of rails and vehicles against their sources, and quantities that follow
+// from vehicles and flats only.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -37,8 +37,8 @@ VehicleParameters of(const std::string& name) {
   return complete(v);
 }
 
-// Axle loads, kN, and static deflections as published: masses and springs of half trains, single
-// springs and sides were put together rightly.
+// Axle loads, kN, and static deflections as published: values of half trains, single springs and
+// sides are combined correctly.
 TEST(Libraries, Vehicles) {
   const auto axle = [](const VehicleParameters& v) {
     return (v.body_mass + 2 * v.bogie_mass + 4 * v.wheelset_mass) / 4 * gravity / 1e3;
@@ -79,7 +79,7 @@ TEST(Libraries, PatternsOfForces) {
   EXPECT_NEAR(sum, 4 * 250e3 + 2 * 10 * 80e3, 1e-6);
 }
 
-// Six classes, cm^2 rad/m; the root mean square goes with their square roots.
+// Six classes, cm^2 rad/m; the root mean square is proportional to their square roots.
 TEST(Libraries, FraClasses) {
   constexpr std::array amount = {1.2107, 1.0181, 0.6816, 0.5376, 0.2095, 0.0339};
   constexpr std::array classes = {Spectrum::fra_1, Spectrum::fra_2, Spectrum::fra_3,
@@ -88,9 +88,10 @@ TEST(Libraries, FraClasses) {
     EXPECT_NEAR(rms_of(classes[i], 3, 25), 8.541e-3 * std::sqrt(amount[i] / amount[0]), 1e-6) << i;
 }
 
-// A body on one spring whose centre of mass lies e aside bounces and rolls at once:
+// For a body on one spring with a lateral offset e of its centre of mass, bounce and roll are
+// coupled:
 //   w^4 m I - w^2 (k (I + m e^2) + m k_r) + k k_r = 0,   k_r = k b^2/4, b the base of the springs.
-TEST(Vehicles, ALoadThatHasShiftedCouplesBounceAndRoll) {
+TEST(Vehicles, AShiftedLoadCouplesBounceAndRoll) {
   VehicleParameters v;
   v.kind = VehicleKind::sprung;
   v.length = 2;
@@ -112,7 +113,7 @@ TEST(Vehicles, ALoadThatHasShiftedCouplesBounceAndRoll) {
   }
 }
 
-// One flat meets the rail once in each turn of the wheel, and nowhere else.
+// A flat touches the rail once in each turn of the wheel, and nowhere else.
 TEST(Flats, StrikeOnceInATurn) {
   WheelRailParameters p;
   p.flat_axle = 2;

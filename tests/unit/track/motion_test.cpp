@@ -1,4 +1,4 @@
-// Where a train is: the integral of its speeds, and back.
+// Position of a train: the integral of its speeds, and its inverse.
 #include "trackbed/track/motion.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace trackbed::track {
 namespace {
 
-// Brakes to a stand, waits, goes on.
+// Brakes to a stop, waits, and accelerates.
 TrainParameters stop_and_go() {
   return {.vehicles = {"manchester_1"},
           .speed = 20,
@@ -20,7 +20,7 @@ TrainParameters stop_and_go() {
           .speeds = {20, 0, 0, 10}};
 }
 
-TEST(Motion, AtOneSpeedIsALine) {
+TEST(Motion, IsLinearAtConstantSpeed) {
   const Motion motion({.speed = 50, .start = 10});
   EXPECT_EQ(motion.x(0), 10);
   EXPECT_EQ(motion.x(0.4), 30);
@@ -43,19 +43,19 @@ TEST(Motion, IntegratesSpeeds) {
   EXPECT_EQ(motion.speed(30), 10);
 }
 
-TEST(Motion, IsFoundByPlace) {
+TEST(Motion, TimeAtAPositionIsTheInverse) {
   const Motion motion(stop_and_go());
   for (const double time : {0.0, 0.5, 1.0, 2.0, 4.5, 9.0, 12.0, 20.0})
     EXPECT_NEAR(motion.time_at(motion.x(time)), time, 1e-12);
-  EXPECT_NEAR(motion.time_at(55), 5, 1e-6);  // where it waits: when it comes there
+  EXPECT_NEAR(motion.time_at(55), 5, 1e-6);  // where it waits: the time of arrival
   TrainParameters stops = stop_and_go();
   stops.times.resize(2), stops.speeds.resize(2);
   EXPECT_DOUBLE_EQ(Motion(stops).time_at(55), 5);
   EXPECT_EQ(Motion(stops).time_at(55.1), INFINITY);
 }
 
-// With speeds that are all the same the numbers are those of one speed, to rounding.
-TEST(Motion, OfEqualSpeedsIsThatOfOne) {
+// With equal speeds at all times the results are those of a constant speed, to rounding.
+TEST(Motion, EqualSpeedsAreAConstantSpeed) {
   const TrainParameters one{.vehicles = {"manchester_1"}, .speed = 50, .start = 20};
   TrainParameters many = one;
   many.times = {0.01, 0.03}, many.speeds = {50, 50};
@@ -72,7 +72,7 @@ TEST(Motion, OfEqualSpeedsIsThatOfOne) {
   EXPECT_NEAR(a.duration(), b.duration(), 1e-13);
 }
 
-TEST(Motion, TablesThatAreNoneAreRefused) {
+TEST(Motion, InvalidTablesAreRefused) {
   using Names = std::set<std::string>;
   const auto broken = [](std::vector<double> times, std::vector<double> speeds, double speed = 50) {
     TrainParameters p;
@@ -84,7 +84,7 @@ TEST(Motion, TablesThatAreNoneAreRefused) {
   EXPECT_EQ(broken({20, 20}, {0, 50}), Names{"times"});
   EXPECT_EQ(broken({20}, {}), Names{"speeds"});
   EXPECT_EQ(broken({1}, {0}), Names{"speeds"});  // by 50 m/s2: a warning
-  EXPECT_EQ(broken({}, {}, 0), Names{});  // stands; for how long the run must say (track_doubts)
+  EXPECT_EQ(broken({}, {}, 0), Names{});  // stands; the duration is checked elsewhere (warnings)
   EXPECT_EQ(broken({20}, {10}, 0), Names{});
 }
 

@@ -1,4 +1,4 @@
-// A measured running surface from a file beside the deck.
+// A measured vertical profile from a file beside the deck.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ IrregularityParameters from(const std::string& name, const std::string& rows) {
   return p;
 }
 
-// Rows every 0.5 m of a straight slope and a level end: the cubic through them is the slope.
+// Rows every 0.5 m of a straight slope and a level end: the cubic reproduces the slope.
 TEST(ProfileFile, FollowsItsRows) {
   std::string rows;
   for (int i = 0; i <= 40; ++i) rows += fmt::format("{},{}\n", 0.5 * i, i <= 20 ? 1e-4 * i : 2e-3);
@@ -38,7 +38,7 @@ TEST(ProfileFile, FollowsItsRows) {
   std::filesystem::remove(p.file);
 }
 
-// It fades in from nothing over `fade`, so that the train does not begin on a step.
+// It fades in from zero over `fade`, so that the train does not start on a step.
 TEST(ProfileFile, FadesIn) {
   IrregularityParameters p = from("trackbed_level.csv", "0,1e-3\n10,1e-3\n20,1e-3\n");
   p.fade = 4;
@@ -49,8 +49,8 @@ TEST(ProfileFile, FadesIn) {
   std::filesystem::remove(p.file);
 }
 
-// Rows that are far apart where the rail is straight, close where it is not, as those of a
-// hand-over: the same as their polyline with a row each 5 mm, and no swing over the long stretches.
+// Rows that are far apart where the rail is straight and close elsewhere, as at the end of a
+// structure: equal to their polyline with a row each 5 mm, without overshoot in long intervals.
 TEST(ProfileFile, UnevenRowsAreTheirPolyline) {
   const std::vector<std::array<double, 2>> points = {{0, 0},     {9, 0},        {9.6, -2e-3},
                                                      {11, 1e-3}, {11.3, -1e-3}, {20, 0}};
@@ -76,8 +76,8 @@ TEST(ProfileFile, UnevenRowsAreTheirPolyline) {
   std::filesystem::remove(many.file);
 }
 
-// Even rows that begin anywhere are met exactly: a wave of 1 m from rows each 0.25 m, its cubic
-// between them as high as sin(pi/4) (1 + 1/4).
+// Equidistant rows with any start are reproduced exactly: a wave of 1 m from rows each 0.25 m, with
+// the cubic between them reaching sin(pi/4) (1 + 1/4).
 TEST(ProfileFile, EvenRowsNeedNotBeginAtZero) {
   const auto wave = [](double x) { return 1e-3 * std::sin(2 * std::numbers::pi * x); };
   std::string rows;
@@ -93,9 +93,9 @@ TEST(ProfileFile, EvenRowsNeedNotBeginAtZero) {
   std::filesystem::remove(p.file);
 }
 
-// The filter takes waves in the band, half the power of one at its border, and nothing of those far
-// from it. Waves fade in over 10 m that do not count.
-TEST(ProfileFile, TheFilterTakesD1) {
+// The filter passes waves in the band, half the power at its limits, and nothing far from it. The
+// 10 m over which waves fade in are excluded.
+TEST(ProfileFile, TheFilterPassesD1) {
   const auto d1 = [](double wavelength) {
     std::string rows;
     for (int i = 0; i <= 12000; ++i)
@@ -114,9 +114,9 @@ TEST(ProfileFile, TheFilterTakesD1) {
   EXPECT_LT(d1(100), 0.02);
 }
 
-// Of 4 km as drawn: the power of the spectrum times that of the filter, integrated numerically,
-// 1.019 times what sharp borders give. Short tracks of one spectrum differ.
-TEST(ProfileFile, D1IsThatOfWhatWasDrawn) {
+// Of a profile of 4 km: the power of the spectrum times that of the filter, integrated numerically,
+// 1.019 times the value with sharp limits. Short profiles of one spectrum differ.
+TEST(ProfileFile, D1IsThatOfTheProfile) {
   IrregularityParameters p;
   p.kind = IrregularityKind::spectrum;
   EXPECT_NEAR(Irregularity(p, 4000).d1_rms(), 1.00314e-3, 0.02e-3);

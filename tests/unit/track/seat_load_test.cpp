@@ -1,4 +1,4 @@
-// The load on a rail seat while axles pass, against the numbers of a locomotive on a main line.
+// The load on a rail seat under passing axles, against values of a locomotive on a main line.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,23 +22,24 @@ SeatLoadParameters locomotive() {
   return p;
 }
 
-TEST(SeatLoad, SingleAxleCarriesTheShareOfTheWinklerBed) {
-  // A beam on a Winkler bed of spacing a gives the seat below the load b a / 2 of it: 0.4628, so a
-  // seat load of 71.1 kN belongs to 153.64 kN on the rail. Both numbers are rounded to 4 digits.
+TEST(SeatLoad, SingleAxleGivesTheSeatLoadOfAWinklerBed) {
+  // On a Winkler bed with spacing a the seat below the load carries the fraction b a / 2: 0.4628,
+  // so that a seat load of 71.1 kN corresponds to 153.64 kN on the rail. Both are rounded to 4
+  // digits.
   SeatLoadParameters p = locomotive();
   p.axles = {0};
   const SeatLoad load(p, spacing);
-  const double share = p.decay * spacing / 2;
-  EXPECT_NEAR(share, 0.4628, 5e-5);
-  EXPECT_NEAR(load.at(0, 0) / share, 153.64e3, 10);
+  const double fraction = p.decay * spacing / 2;
+  EXPECT_NEAR(fraction, 0.4628, 5e-5);
+  EXPECT_NEAR(load.at(0, 0) / fraction, 153.64e3, 10);
   EXPECT_NEAR(load.at(0, 0), 71.1e3, 71.1e3 * rounding);
-  // All seats together carry the load: sampling the smooth kernel every 0.6 m adds less than 2 %.
+  // All seats together carry the load: sampling the smooth kernel every 0.6 m changes it by < 2 %.
   double sum = 0;
   for (int i = -50; i <= 50; ++i) sum += load.at(i * spacing, 0);
   EXPECT_NEAR(sum, 153.64e3, 0.02 * 153.64e3);
 }
 
-TEST(SeatLoad, AxlesHaveTheLoadsThatMakeThePeak) {
+TEST(SeatLoad, AxleLoadsCorrespondToThePeak) {
   SeatLoadParameters p = locomotive();
   p.start = -3;
   const std::vector<AxleLoad> axles = SeatLoad(p, spacing).axles(0.5);
@@ -53,12 +54,12 @@ TEST(SeatLoad, PeakOfThePassageIsThatOfAnAxle) {
   const SeatLoad load(locomotive(), spacing);
   double peak = 0;
   for (int k = 0; k < 20000; ++k) peak = std::max(peak, load.at(6, k * 1e-4));
-  // Neighbours 2.8 m away take off 1.7 % (uplift); nothing adds.
+  // Neighbours 2.8 m away reduce it by 1.7 % (uplift).
   EXPECT_LT(peak, 71.1e3);
   EXPECT_GT(peak, 0.98 * 71.1e3);
 }
 
-// Of a table of both seats: their sum, and what the left one has more than half of it.
+// A table of both seats: their sum, and the load of the left one minus half of it.
 TEST(SeatLoad, BothSeatsHaveTheirColumns) {
   const std::string path = testing::TempDir() + "both_seats.csv";
   std::ofstream(path) << "time_s,sleeper_0_left,sleeper_0_right,sleeper_1_left,sleeper_1_right\n"
@@ -69,14 +70,14 @@ TEST(SeatLoad, BothSeatsHaveTheirColumns) {
   p.gauge = 1.5;
   const SeatLoad load(p, spacing, 2);
   EXPECT_DOUBLE_EQ(load.at(0, 0.5, 0), 2500);
-  EXPECT_DOUBLE_EQ(load.left_more(0.5, 0), 750);
+  EXPECT_DOUBLE_EQ(load.left_excess(0.5, 0), 750);
   EXPECT_DOUBLE_EQ(load.at(0.6, 1, 1), 800);
-  EXPECT_DOUBLE_EQ(load.left_more(1, 1), -300);
-  EXPECT_EQ(load.left_more(1.1, 0), 0);
-  EXPECT_EQ(SeatLoad(locomotive(), spacing).left_more(0.1, 0), 0);
+  EXPECT_DOUBLE_EQ(load.left_excess(1, 1), -300);
+  EXPECT_EQ(load.left_excess(1.1, 0), 0);
+  EXPECT_EQ(SeatLoad(locomotive(), spacing).left_excess(0.1, 0), 0);
 }
 
-TEST(SeatLoad, NextSleeperFeelsTheSameLater) {
+TEST(SeatLoad, NextSleeperHasTheSameLoadLater) {
   const double shift = spacing / v;
   EXPECT_NEAR(shift, 32.14e-3, 5e-6);
   for (const SeatLoadKind kind : {SeatLoadKind::winkler, SeatLoadKind::power}) {
@@ -123,8 +124,8 @@ double local_maximum(const std::function<double(double)>& f, double from, double
 }
 
 TEST(SeatLoad, SpectrumPeaksAtBogieDistanceAndWheelbase) {
-  // Over the spectrum of one axle, so that only the pattern of axles is left: 1 % covers the 0.005
-  // Hz raster and the shift by which cos(pi f 2.8/v) moves the peak of cos(pi f 9/v).
+  // Divided by the spectrum of one axle, which leaves the effect of the axle positions: 1 % covers
+  // the 0.005 Hz raster and the shift of the peak of cos(pi f 9/v) by cos(pi f 2.8/v).
   SeatLoadParameters one = locomotive(), pair = locomotive(), bogies = locomotive();
   one.axles = {0}, pair.axles = {0, 2.8}, bogies.axles = {0, 9.0};
   const SeatLoad single(one, spacing), wheels(pair, spacing), centres(bogies, spacing);
@@ -190,9 +191,10 @@ TEST_F(SeatTable, TimesMustRise) {
   const SeatLoadParameters p = written("0,0\n0.2,1\n0.1,2\n");
   try {
     const SeatLoad load(p, spacing);
-    FAIL() << "a table that runs backwards was taken";
+    FAIL() << "a table with decreasing times was accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(error.problems().at(0).find("seat_table.csv:4: time_s must rise"), std::string::npos)
+    EXPECT_NE(error.problems().at(0).find("seat_table.csv:4: time_s must increase"),
+              std::string::npos)
         << error.what();
   }
 }

@@ -1,4 +1,4 @@
-// A run that was stopped and resumed from a file gives the bits of the one that was not.
+// A run resumed from a file is bitwise identical to an uninterrupted one.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 namespace trackbed::track {
 namespace {
 
-void push(Sleepers& sleepers, int windows) {
+void advance(Sleepers& sleepers, int windows) {
   std::vector<double> seat(sleepers.count(), 0);
   for (int k = 0; k < windows; ++k) {
     std::vector<std::vector<Vec3>> lists;
@@ -24,7 +24,7 @@ void push(Sleepers& sleepers, int windows) {
   }
 }
 
-TEST(SleepersFile, ResumedRunGivesTheSameBits) {
+TEST(SleepersFile, ResumedRunIsBitwiseIdentical) {
   const par::Comm world = par::Comm::world();
   const std::string path = "sleepers_" + std::to_string(world.size()) + ".h5";
   SleeperParameters parameters;
@@ -34,8 +34,8 @@ TEST(SleepersFile, ResumedRunGivesTheSameBits) {
       second(parameters, Dimension::plane, 1.3, 0);
   straight.place(0.4);
   first.place(0.4);
-  push(straight, 30);
-  push(first, 13);
+  advance(straight, 30);
+  advance(first, 13);
   {
     io::File file(world, path, io::Mode::create);
     first.save(file, "sleepers", world);
@@ -46,7 +46,7 @@ TEST(SleepersFile, ResumedRunGivesTheSameBits) {
   EXPECT_TRUE(second.placed());
   EXPECT_EQ(second.bottom(), 0.4);
   EXPECT_EQ(second.reaction(2), first.reaction(2));
-  push(second, 17);
+  advance(second, 17);
   for (std::size_t i = 0; i < straight.count(); ++i) {
     EXPECT_EQ(second.state(i).displacement, straight.state(i).displacement);
     EXPECT_EQ(second.state(i).rotation, straight.state(i).rotation);
@@ -58,13 +58,13 @@ TEST(SleepersFile, ResumedRunGivesTheSameBits) {
   }
 }
 
-// Without the angular acceleration, as files of before two rails are: it counts as none.
-TEST(SleepersFile, OfBeforeTwoRailsIsRead) {
+// Files of versions without two rails do not contain the angular acceleration: it is set to 0.
+TEST(SleepersFile, FilesWithoutAngularAccelerationAreRead) {
   const par::Comm world = par::Comm::world();
   const std::string path = "sleepers_older_" + std::to_string(world.size()) + ".h5";
   RigidSleepers first({}, Dimension::plane, 1.3, 0), second({}, Dimension::plane, 1.3, 0);
   first.place(0.4);
-  push(first, 13);
+  advance(first, 13);
   {
     io::File file(world, path, io::Mode::create);
     first.save(file, "sleepers", world);

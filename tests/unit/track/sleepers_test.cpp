@@ -18,7 +18,7 @@ SleeperParameters one_sleeper(std::vector<std::string> free) {
   return p;
 }
 
-// Node forces for the next window from the nodes at its start.
+// Node forces for the next window from the positions of the nodes at its start.
 using Force = std::function<Vec3(std::size_t node, const Vec3& place)>;
 void run(Sleepers& sleepers, double dt, int windows, const Force& force, double gravity) {
   const std::vector<double> seat(sleepers.count(), 0.0);
@@ -35,7 +35,7 @@ void run(Sleepers& sleepers, double dt, int windows, const Force& force, double 
 }
 Vec3 nothing(std::size_t, const Vec3&) { return Vec3::Zero(); }
 
-TEST(Sleepers, SurfaceIsClosedAndPointsOutwards) {
+TEST(Sleepers, SurfaceIsClosedWithOutwardNormals) {
   for (const double bevel : {0.0, 0.04}) {
     SleeperParameters p = one_sleeper({"z"});
     p.bevel = bevel;
@@ -44,7 +44,7 @@ TEST(Sleepers, SurfaceIsClosedAndPointsOutwards) {
     const Surface& surface = sleepers.surfaces()[0];
     EXPECT_EQ(surface.triangles.size(), bevel > 0 ? 20u : 12u);
     EXPECT_EQ(surface.material, 3);
-    // Divergence theorem: the volume enclosed is positive and right only if all normals point out.
+    // Divergence theorem: the enclosed volume is correct only if all normals point outwards.
     double volume = 0, low = 1e9, high = -1e9;
     Vec3 area = Vec3::Zero();
     for (const auto& t : surface.triangles) {
@@ -85,7 +85,7 @@ TEST(Sleepers, FreeFallIsExact) {
   EXPECT_NEAR(low, 1 - g * t * t / 2, rounding);
 }
 
-TEST(Sleepers, SeatForcePushesDown) {
+TEST(Sleepers, SeatForceActsDownwards) {
   RigidSleepers sleepers(one_sleeper({"z"}), Dimension::space, 1, 0);
   sleepers.place(0);
   const std::vector<double> seat{sleepers.mass() * 2};
@@ -94,8 +94,8 @@ TEST(Sleepers, SeatForcePushesDown) {
 }
 
 TEST(Sleepers, CoupleSpinsAboutTheLateralAxis) {
-  // Moment 100 Nm on I = m (w^2 + h^2)/12. Following forces keep the moment constant, so the angle
-  // is M t^2 / 2I; forces on two nodes of each end in pairs give no net force.
+  // Moment 100 Nm on I = m (w^2 + h^2)/12. Follower forces keep the moment constant, so that the
+  // angle is M t^2 / 2I; pairs of forces on two nodes of each end have no resultant.
   RigidSleepers sleepers(one_sleeper({"x", "z", "ry"}), Dimension::plane, 1.3, 0);
   sleepers.place(0);
   const double inertia = sleepers.mass() * (0.29 * 0.29 + 0.22 * 0.22) / 12, moment = 100;
@@ -115,9 +115,8 @@ TEST(Sleepers, CoupleSpinsAboutTheLateralAxis) {
 }
 
 // About a fixed centre a node moves through the angle w dt along a chord of 2 sin(w dt / 2) times
-// its arm, square to the arm it has in mid-window. So the forces' work on the motion shown to the
-// stones gives their torque exactly; arms of the window's start or end are wrong by the order of w
-// dt.
+// its arm, perpendicular to its arm at mid-window. So the work of the forces on the motion of the
+// surface gives their torque exactly; arms at the window's start or end have errors of order w dt.
 TEST(Sleepers, TorqueDoesTheWorkOfTheNodesInTheLastWindow) {
   RigidSleepers sleepers(one_sleeper({"ry"}), Dimension::plane, 1.3, 0);
   sleepers.place(0);
@@ -128,14 +127,14 @@ TEST(Sleepers, TorqueDoesTheWorkOfTheNodesInTheLastWindow) {
   for (std::size_t n = 0; n < surface.nodes(); ++n)
     forces.emplace_back(2e3 + 600 * static_cast<double>(n), 0, 1400 - 500 * static_cast<double>(n));
   double last = 0, turned = 0;                                 // s, rad
-  for (const double dt : {0.01, 0.01, 0.006, 0.012, 0.009}) {  // s: the kick is over both halves
+  for (const double dt : {0.01, 0.01, 0.006, 0.012, 0.009}) {  // s
     const double spin = sleepers.state(0).spin.y(), angle = spin * last;
     double work = 0;
     for (std::size_t n = 0; n < surface.nodes(); ++n) work += forces[n].dot(surface.motion[n]);
     sleepers.advance(dt, seat, {forces}, 0);
     if (last > 0) {
       const double kick = work / (2 * std::sin(angle / 2)) * (last + dt) / 2 / inertia;
-      // The chords are differences of places near 1 m, 1e-3 m long: a thousandth of the digits.
+      // The chords are differences of positions near 1 m, 1e-3 m long: three digits are lost.
       EXPECT_NEAR(sleepers.state(0).spin.y() - spin, kick, 1e3 * rounding);
       turned = std::max(turned, std::abs(angle));
     }
@@ -172,19 +171,20 @@ TEST(Sleepers, FrozenDirectionsStay) {
   EXPECT_NE(state.displacement.z(), 0);
 }
 
-// Held against whatever presses, then let go at rest: free fall begins from where it was carried.
-TEST(Sleepers, CarriedOnesGoTheirWayAndFallFromRest) {
+// Prescribed displacements are independent of forces; after release at rest, free fall starts
+// there.
+TEST(Sleepers, CarriedOnesFollowThePrescribedMotionAndFallFromRest) {
   RigidSleepers sleepers(one_sleeper({"z", "ry"}), Dimension::space, 1, 0);
   sleepers.place(0);
   run(sleepers, 1e-3, 10, nothing, g);  // falls
   const double fallen = sleepers.state(0).displacement.z();
-  const std::vector<Vec3> pushed(sleepers.surfaces()[0].nodes(), Vec3(10, 0, 50));
-  for (int k = 0; k < 5; ++k) sleepers.carry(1e-3, 2e-3, {pushed});
+  const std::vector<Vec3> forces(sleepers.surfaces()[0].nodes(), Vec3(10, 0, 50));
+  for (int k = 0; k < 5; ++k) sleepers.carry(1e-3, 2e-3, {forces});
   EXPECT_NEAR(sleepers.state(0).displacement.z() - fallen, 0.01, rounding);
   EXPECT_NEAR(sleepers.velocity_now(0).z(), 2, rounding);
   EXPECT_EQ(sleepers.state(0).rotation, Vec3(Vec3::Zero()));
-  EXPECT_NEAR(sleepers.reaction(0).z(), 50 * static_cast<double>(pushed.size()), 1e-9);
-  sleepers.carry(1e-3, 0, {pushed});
+  EXPECT_NEAR(sleepers.reaction(0).z(), 50 * static_cast<double>(forces.size()), 1e-9);
+  sleepers.carry(1e-3, 0, {forces});
   run(sleepers, 1e-3, 1, nothing, g);
   EXPECT_NEAR(sleepers.state(0).displacement.z() - fallen, 0.01 - g * 1e-6, rounding);
 }
@@ -208,12 +208,12 @@ TEST(Sleepers, OrderTwoOnSprings) {
   const Eigen::Vector2d exact = on_springs(12800);
   const double coarse = (on_springs(100) - exact).norm(), fine = (on_springs(200) - exact).norm();
   const double finest = (on_springs(400) - exact).norm();
-  // Order 2 between levels; the arms at mid-window and the reference leave a tenth.
+  // Order 2 between levels; the arms at mid-window and the reference cause deviations of up to 0.1.
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.1);
   EXPECT_NEAR(std::log2(fine / finest), 2, 0.1);
 }
 
-TEST(Sleepers, RepeatedRunsGiveTheSameBits) { EXPECT_EQ(on_springs(300), on_springs(300)); }
+TEST(Sleepers, RepeatedRunsAreBitwiseIdentical) { EXPECT_EQ(on_springs(300), on_springs(300)); }
 
 TEST(Sleepers, OverlapsFollowTheBox) {
   RigidSleepers sleepers(SleeperParameters{}, Dimension::space, 1, 0);

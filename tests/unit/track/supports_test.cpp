@@ -1,4 +1,4 @@
-// What zones and run-in make of the supports of a track alone.
+// Effect of zones and run-in on the supports of a track alone.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -18,7 +18,7 @@ LineParameters with(const Zones& zones) {
   return p;
 }
 
-// Of the spring on the ground below the sleeper at x, over that of a track without zones.
+// Stiffness of the spring on the ground below the sleeper at x over that of a track without zones.
 double bed(const LineParameters& p, double x) {
   LineParameters none = p;
   none.track.zones.clear();
@@ -27,9 +27,9 @@ double bed(const LineParameters& p, double x) {
          plain.ground_spring(plain.nearest_sleeper(x))[0];
 }
 
-// The sleeper on their border is in the second one alone, the last sleeper of the track in the zone
-// that ends there.
-TEST(Zones, ThatTouchAreOne) {
+// A sleeper on the common border belongs to the second zone only, the last sleeper of the track to
+// the zone that ends there.
+TEST(Zones, AdjacentZonesEqualOneZone) {
   const auto one = with({{.from = 0, .to = 24, .bed = 0.5}});
   const auto two = with({{.from = 0, .to = 12, .bed = 0.5}, {.from = 12, .to = 24, .bed = 0.5}});
   for (const double x : {0.0, 11.4, 12.0, 12.6, 24.0}) {
@@ -40,8 +40,8 @@ TEST(Zones, ThatTouchAreOne) {
   EXPECT_NEAR(bed(with({{.from = 12, .to = 18, .bed = 0.5}}), 12), 0.5, 1e-12);
 }
 
-// Factors multiply; of gaps the widest counts, whichever zone has it.
-TEST(Zones, ThatOverlap) {
+// Factors multiply; the largest gap counts, in any order of the zones.
+TEST(Zones, OverlappingZones) {
   const Zones over = {{.from = 0, .to = 12.3, .bed = 0.5, .gap = 1e-3},
                       {.from = 11.7, .to = 24, .bed = 0.5, .gap = 2e-4}};
   EXPECT_NEAR(bed(with(over), 12), 0.25, 1e-12);
@@ -56,7 +56,7 @@ TEST(Zones, ThatOverlap) {
   }
 }
 
-// Below a ballast mass as below none.
+// With a ballast mass as without.
 TEST(Zones, ScaleTheSpringBelowTheBallastMass) {
   LineParameters p = with({{.from = 9.5, .to = 14.5, .bed = 3}});
   p.ballast.mass = 500;
@@ -73,25 +73,26 @@ TEST(Zones, ScaleTheSpringBelowTheBallastMass) {
   EXPECT_NEAR(line.ground_spring(0)[0], 100 * p.ballast.below_stiffness, 1);
 }
 
-// Over the run-in a pad is stiffer by a factor, so it comes to its knee at as much less: at twice
-// that compression it has the same force everywhere.
-TEST(RunIn, KneesOfPadsComeEarlier) {
+// In the run-in the stiffness of a pad is multiplied by a factor and bilinear_at is divided by it:
+// at twice that compression the force is the same everywhere.
+TEST(RunIn, BilinearPadsBecomeStifferEarlier) {
   LineParameters p = with({});
   p.track.ends = RailEnds::free;
-  p.pad.knee = 1e-4;
-  p.pad.beyond = 500e6;
+  p.pad.bilinear_at = 1e-4;
+  p.pad.bilinear_stiffness = 500e6;
   const Line line(p);
   const Vector rest = Vector::Zero(line.system().mass.rows());
   ASSERT_EQ(line.stops().size(), line.sleepers());
   for (const std::size_t i : {std::size_t{0}, std::size_t{4}, std::size_t{20}}) {
     const double factor = line.ground_spring(i)[0] / p.ballast.stiffness;
     EXPECT_EQ(factor > 1, i < 10);
-    EXPECT_NEAR(line.stops()[i].gap, p.pad.knee / factor, 1e-15);
-    EXPECT_NEAR(line.stops()[i].stiffness, (p.pad.beyond - p.pad.stiffness) * factor, 1);
-    Vector pressed = rest;
-    pressed[line.sleeper_unknown(i)] = 2 * p.pad.knee / factor;
-    const double force = (p.pad.stiffness + p.pad.beyond) * p.pad.knee;
-    EXPECT_NEAR(line.seat_force(i, pressed, rest), force, 1e-9 * force) << i;
+    EXPECT_NEAR(line.stops()[i].gap, p.pad.bilinear_at / factor, 1e-15);
+    EXPECT_NEAR(line.stops()[i].stiffness, (p.pad.bilinear_stiffness - p.pad.stiffness) * factor,
+                1);
+    Vector compressed = rest;
+    compressed[line.sleeper_unknown(i)] = 2 * p.pad.bilinear_at / factor;
+    const double force = (p.pad.stiffness + p.pad.bilinear_stiffness) * p.pad.bilinear_at;
+    EXPECT_NEAR(line.seat_force(i, compressed, rest), force, 1e-9 * force) << i;
   }
 }
 

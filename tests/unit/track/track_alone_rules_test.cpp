@@ -1,4 +1,4 @@
-// Values of a deck of a track alone that do not go together are named; the libraries are complete.
+// Inconsistent values in a deck of a track alone are reported; the libraries are complete.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -25,7 +25,7 @@ TEST(TrackAloneRules, DefaultsHold) {
   EXPECT_EQ(BrokenRules::of(IrregularityParameters{}), Names{});
 }
 
-TEST(TrackAloneRules, TheTrackIsHeldAndFits) {
+TEST(TrackAloneRules, TheTrackIsSupportedAndFits) {
   using T = TrackParameters;
   EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none; }), Names{});
   EXPECT_EQ(broken<T>([](T& p) { p.support = Support::none, p.ends = RailEnds::free; }),
@@ -39,7 +39,8 @@ TEST(TrackAloneRules, TheTrackIsHeldAndFits) {
               p.zones[0] = {.from = 1, .to = 2, .gap = 1e-3};
             }),
             Names{"zone[0].gap"});
-  EXPECT_EQ(broken<PadParameters>([](PadParameters& p) { p.knee = 1e-4; }), Names{"beyond"});
+  EXPECT_EQ(broken<PadParameters>([](PadParameters& p) { p.bilinear_at = 1e-4; }),
+            Names{"bilinear_stiffness"});
   EXPECT_EQ(broken<TrackZone>([](TrackZone& z) { z.from = 2, z.to = 2; }), Names{"to"});
 }
 
@@ -65,7 +66,7 @@ TEST(TrackAloneRules, IrregularitiesHaveTheirFileAndBand) {
   EXPECT_EQ(broken<I>([](I& p) { p.longest = 1; }), Names{"longest"});
 }
 
-// Nothing reaches the model unchecked.
+// Names are also checked by the model itself.
 TEST(TrackAloneRules, UnknownNamesAreInputErrors) {
   EXPECT_THROW(rail_section("60E2"), InputError);
   EXPECT_THROW(Train({.vehicles = {"nobody"}}, {}, 2), InputError);
@@ -74,8 +75,8 @@ TEST(TrackAloneRules, UnknownNamesAreInputErrors) {
   EXPECT_THROW(Train({.vehicles = {"empty"}}, {empty}, 2), InputError);
 }
 
-// A rail that hangs on nothing has no equilibrium.
-TEST(TrackAlone, ATrackThatNothingHoldsIsAnError) {
+// A rail without support has no static equilibrium.
+TEST(TrackAlone, ATrackWithoutSupportIsAnError) {
   LineParameters p;
   p.track.support = Support::none;
   p.track.ends = RailEnds::free;

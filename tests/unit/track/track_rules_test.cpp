@@ -1,4 +1,4 @@
-// Values of the deck that do not go together are named.
+// Inconsistent values of the deck are reported.
 #include <gtest/gtest.h>
 
 #include "trackbed/track/sleepers.hpp"
@@ -14,7 +14,7 @@ TEST(TrackRules, DefaultsHold) {
   EXPECT_EQ(BrokenRules::of(SeatLoadParameters{}), Names{});
 }
 
-TEST(TrackRules, SleepersFitAndMoveInKnownWays) {
+TEST(TrackRules, SleepersFitAndHaveKnownDegreesOfFreedom) {
   const auto broken = [](const std::function<void(SleeperParameters&)>& change) {
     SleeperParameters p;
     change(p);

@@ -1,5 +1,6 @@
-// A short bed of pebbles is filled, falls, and is pressed by the platen to 200 kPa through the
-// coupler: pressure and porosity are reached, balances close, and ranks make no difference.
+// A short bed of pebbles is filled, falls under gravity, and is compacted by the platen to 200 kPa
+// through the coupler: pressure and porosity reach their targets, balances are closed, and results
+// do not depend on the number of ranks.
 #include <gtest/gtest.h>
 
 #include "support/verified.hpp"
@@ -45,18 +46,18 @@ class Compaction {
     parameters_.seed = seed;
     walls_ = bed::walls(domain(), bed::fill(particles_, comm, parameters_, 1), 0, true);
     particles_.set_local_damping(0.3);
-    feel(false);
+    set_surfaces(false);
     dt_ = particles_.stable_step();
     for (double t = 0; t < 0.35; t += substeps * dt_) window();
     double top = 0;
     for (std::size_t i = 0; i < particles_.size(); ++i)
       particles_.pieces(i, [&](const Vec3& x, double r) { top = std::max(top, x.z() + r); });
     platen_.place(comm.max(top) + 1e-3);
-    feel(true);
+    set_surfaces(true);
   }
-  // Until the servo is steady or gives up after a second.
-  void press() { press(1, true); }
-  void press(double longest, bool until_steady) {
+  // Until the servo is steady, for one second at most.
+  void compress() { compress(1, true); }
+  void compress(double longest, bool until_steady) {
     double sum = 0, since = 0;
     for (double t = 0; t < longest && !(until_steady && platen_.steady()); t += substeps * dt_) {
       double force = 0;
@@ -68,12 +69,12 @@ class Compaction {
     }
     late_ = since > 0 ? sum / since / (0.6 * 1.3) : 0;
   }
-  // Another servo from now on, with the plate where it is.
+  // Continues with another servo, with the plate at its present position.
   void drive(const bed::PlatenParameters& platen) {
     const double z = platen_.z();
     platen_ = bed::Platen(platen, domain(), 0);
     platen_.place(z);
-    feel(true);
+    set_surfaces(true);
   }
   double porosity() const {
     return 1 - parameters_.height * (1 - parameters_.porosity) / platen_.z();
@@ -86,13 +87,13 @@ class Compaction {
 
  private:
   static constexpr int substeps = 20;
-  void feel(bool platen) {
-    std::vector<Surface*> felt;
-    for (Surface& wall : walls_) felt.push_back(&wall);
-    if (platen) felt.push_back(&platen_.surface());
-    particles_.set_surfaces(felt);
+  void set_surfaces(bool platen) {
+    std::vector<Surface*> surfaces;
+    for (Surface& wall : walls_) surfaces.push_back(&wall);
+    if (platen) surfaces.push_back(&platen_.surface());
+    particles_.set_surfaces(surfaces);
     coupler_.clear();
-    for (Surface* surface : felt) number_ = coupler_.add(*surface);
+    for (Surface* surface : surfaces) number_ = coupler_.add(*surface);
     coupler_.connect(
         [&](const Vec3& low, const Vec3& high) { return particles_.reaches(low, high); });
   }
@@ -115,36 +116,36 @@ class Compaction {
 TEST(CompactionOfABed, ReachesThePressureOnAnyNumberOfRanks) {
   const par::Comm world = par::Comm::world();
   Compaction shared(world);
-  shared.press();
+  shared.compress();
   EXPECT_EQ(world.sum(std::int64_t{shared.particles().trouble().empty() ? 0 : 1}), 0);
   constexpr double target = 200e3;  // Pa
   EXPECT_TRUE(shared.platen().steady());
   verified::near("pressure of the platen", "Pa", shared.platen().pressure(), target, 0.02 * target);
-  verified::below("largest pressure on the way", "Pa", shared.peak(), 1.1 * target);
-  constexpr double closed = 1e-10;  // promise of the coupling: rounding of forces to quanta
+  verified::below("largest pressure during compaction", "Pa", shared.peak(), 1.1 * target);
+  constexpr double closed = 1e-10;  // accuracy of the coupling: rounding of forces to quanta
   verified::below("imbalance of force", "-", shared.balance().force, closed);
   verified::below("imbalance of moment", "-", shared.balance().moment, closed);
   verified::below("imbalance of work", "-", shared.balance().work, closed);
   verified::below("imbalance of impulse", "-", shared.balance().impulse, closed);
   if (world.size() == 1) return;
   Compaction alone(par::Comm::self());
-  alone.press();
+  alone.compress();
   EXPECT_EQ(shared.platen().z(), alone.platen().z());
   EXPECT_EQ(shared.particles().state_hash(), alone.particles().state_hash());
 }
 
-// Forty stones pack as chance has it: what holds is the mean over several beds. On one rank, since
-// ranks make no difference.
+// The packing of forty stones is random: the mean over several beds is tested. On one rank, since
+// results do not depend on the number of ranks.
 constexpr std::int64_t beds = 8;
 
-// A long bed packs to 0.27 with friction 0.7; under a flat plate the voids between the highest
-// stones count as well, half a stone of 50 mm on 0.2 m: 1 - 0.73 * 0.2 / 0.225.
-TEST(CompactionOfABed, PacksAsWellAsFrictionAndAFlatPlateLetIt) {
+// A long bed has a porosity of 0.27 with friction 0.7; below a flat plate the voids between the
+// highest stones are included, half a stone of 50 mm on 0.2 m: 1 - 0.73 * 0.2 / 0.225.
+TEST(CompactionOfABed, HasThePorosityOfFrictionAndAFlatPlate) {
   if (par::Comm::world().size() > 1) return;
   double mean = 0;
   for (std::int64_t seed = 1; seed <= beds; ++seed) {
     Compaction bed(par::Comm::self(), {}, seed);
-    bed.press();
+    bed.compress();
     EXPECT_TRUE(bed.platen().steady()) << "seed " << seed;
     mean += bed.porosity() / beds;
   }
@@ -152,29 +153,29 @@ TEST(CompactionOfABed, PacksAsWellAsFrictionAndAFlatPlateLetIt) {
   verified::near("porosity", "-", mean, 0.351, 0.068);
 }
 
-// With a pressure of a tenth the weight of the plate alone moves few stones; shaking does. Each bed
-// is pressed until it is steady before it is shaken: the comparison is with its own height.
-TEST(CompactionOfABed, GoesFurtherUnderAPlateThatVibrates) {
+// With a tenth of the pressure the static load of the plate moves few stones; vibration moves more.
+// Each bed is compacted until it is steady before the vibration, and compared with its own height.
+TEST(CompactionOfABed, SettlesMoreUnderAVibratingPlate) {
   if (par::Comm::world().size() > 1) return;
   bed::PlatenParameters still;
   still.pressure = 20e3;
   still.average = 0.1;
-  bed::PlatenParameters shaking = still;
-  shaking.vibration = 5e-4;
-  double sunk = 0, pressure = 0;
+  bed::PlatenParameters vibrating = still;
+  vibrating.vibration = 5e-4;
+  double settlement = 0, pressure = 0;
   for (std::int64_t seed = 1; seed <= beds; ++seed) {
     Compaction bed(par::Comm::self(), still, seed);
-    bed.press();
+    bed.compress();
     const double steady = bed.platen().z();
-    bed.drive(shaking);
-    bed.press(1, false);
+    bed.drive(vibrating);
+    bed.compress(1, false);
     EXPECT_TRUE(bed.particles().trouble().empty());
-    sunk += (steady - bed.platen().z()) / beds, pressure += bed.late() / beds;
+    settlement += (steady - bed.platen().z()) / beds, pressure += bed.late() / beds;
   }
-  // By more than the plate's travel in a period, in which each may end anywhere. Single beds sink
-  // by -2 to 50 mm, five of eight by more than 10 mm.
-  verified::above("mean settlement", "m", sunk, 2 * shaking.vibration);
-  // The servo is slower than its blows and the bed sinks away from it: single beds have a standard
+  // By more than the plate's travel in a period, since the phase at the end is arbitrary. Single
+  // beds settle by -2 to 50 mm, five of eight by more than 10 mm.
+  verified::above("mean settlement", "m", settlement, 2 * vibrating.vibration);
+  // The servo is slower than the impacts, and the bed settles below it: single beds have a standard
   // deviation of 23 %; three times that of the mean of eight.
   verified::near("mean pressure", "Pa", pressure, still.pressure, 0.25 * still.pressure);
 }

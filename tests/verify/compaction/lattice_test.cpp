@@ -1,16 +1,17 @@
-// Triaxial compression of a face-centred cubic array of smooth spheres between flat walls, whose
-// strength is known: walls of a box hold a pressure, the platen comes down, and the ratio of its
-// force to theirs is that of the array's geometry (as in Thornton 1979,
-// doi:10.1680/geot.1979.29.4.441, for an array without end; here with its ends, so that it is
+// Triaxial compression of a face-centred cubic array of smooth spheres between flat walls, with
+// known strength: the walls of a box hold a pressure, the platen moves down, and the ratio of their
+// forces follows from the geometry of the array (as in Thornton 1979,
+// doi:10.1680/geot.1979.29.4.441, for an infinite array; here with its ends, so that the ratio is
 // exact).
 //
-// Layers of n x n and (n-1) x (n-1) spheres in turn. Once neighbours in a layer have parted, all
-// forces f go between layers, and each of the I interfaces has 4 (n-1)^2 contacts:
+// Layers of n x n and (n-1) x (n-1) spheres alternate. Once neighbours in a layer have separated,
+// all forces f act between layers, and each of the I interfaces has 4 (n-1)^2 contacts:
 //   platen:            F_1 = 4 (n-1)^2 f h/d,
-//   walls that yield:  F_3 = I 2 (n-1) f s/(2 d),     F_1/F_3 = 4 (n-1) h/(I s),
+//   yielding walls:    F_3 = I 2 (n-1) f s/(2 d),     F_1/F_3 = 4 (n-1) h/(I s),
 // with d the distance of centres, h that of layers and s that of neighbours in a layer. Walls under
-// pressure do not hold s_x and s_y alike: what goes apart gets weaker and goes on, across the other
-// walls neighbours stay together and share their force. (s_x^2 + s_y^2)/4 + h^2 = d^2.
+// pressure do not keep s_x and s_y equal: the direction that extends becomes weaker and continues
+// to extend, while neighbours in the other direction stay in contact and share the force. (s_x^2 +
+// s_y^2)/4 + h^2 = d^2.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -91,19 +92,19 @@ class Array {
     const auto all = array(particles_.add_template(ball));
     particles_.add(comm.root() ? all : std::vector<dem::NewParticle>{});
     particles_.set_local_damping(0.7);
-    walls_.raise(0.3);
+    walls_.build(0.3);
     platen_.place(width + interfaces * spacing);
-    std::vector<Surface*> felt;
-    for (Surface& wall : walls_.surfaces()) felt.push_back(&wall);
-    felt.push_back(&platen_.surface());
-    particles_.set_surfaces(felt);
-    for (Surface* surface : felt) coupler_.add(*surface);
+    std::vector<Surface*> surfaces;
+    for (Surface& wall : walls_.surfaces()) surfaces.push_back(&wall);
+    surfaces.push_back(&platen_.surface());
+    particles_.set_surfaces(surfaces);
+    for (Surface* surface : surfaces) coupler_.add(*surface);
     coupler_.connect(
         [&](const Vec3& low, const Vec3& high) { return particles_.reaches(low, high); });
     dt_ = particles_.stable_step();
   }
-  // The platen presses as the walls do, or goes down by as much, m.
-  void press(double time) { run(time, 0, false); }
+  // The platen has the pressure of the walls, or moves down by `down`, m.
+  void compress(double time) { run(time, 0, false); }
   void drive(double time, double down) { run(time, down, true); }
   Vec3 on(const std::string& name) const {
     Vec3 force = Vec3::Zero();
@@ -123,14 +124,14 @@ class Array {
  private:
   void run(double time, double down, bool driven) {
     for (double t = 0; t < time; t += window()) {
-      const std::array push{(on("wall.right").x() - on("wall.left").x()) / 2,
-                            (on("wall.back").y() - on("wall.front").y()) / 2};
-      platen_.cover(walls_.area());
+      const std::array force_on{(on("wall.right").x() - on("wall.left").x()) / 2,
+                                (on("wall.back").y() - on("wall.front").y()) / 2};
+      platen_.set_area(walls_.area());
       if (driven)
         platen_.drive(window(), down / time * window(), on("platen").z());
       else
         platen_.advance(window(), on("platen").z());
-      walls_.confine(servo(), window(), confinement, platen_.z(), push);
+      walls_.confine(servo(), window(), confinement, platen_.z(), force_on);
       coupler_.publish();
       particles_.advance(window(), substeps);
       const dem::SurfaceAction& did = particles_.surface_action();
@@ -148,7 +149,7 @@ class Array {
 
 TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
   Array array(par::Comm::world());
-  array.press(0.2);
+  array.compress(0.2);
   EXPECT_GT(array.walls().steady_for(), servo().hold);
   EXPECT_TRUE(array.platen().steady());
   array.drive(0.3, 1e-3);
@@ -164,7 +165,7 @@ TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
                f_y = across("wall.front", "wall.back", 1);
   ASSERT_GT(std::max(s_x, s_y), 1.005 * width);
   // Contacts of f = 40 N overlap by 0.4 um, 1e-5 of d.
-  verified::near("F_1 over F across the walls that go apart", "-",
+  verified::near("F_1 over F on the walls that move apart", "-",
                  array.on("platen").z() / (s_x > s_y ? f_x : f_y),
                  4 * (n - 1) * h / (interfaces * std::max(s_x, s_y)), 2e-3);
   const double height = array.platen().z();
@@ -172,9 +173,9 @@ TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
                  confinement, servo().tolerance * confinement);
   verified::near("pressure of walls across y", "Pa", f_y / ((side - 2 * in_x) * height),
                  confinement, servo().tolerance * confinement);
-  // The walls go where the array does; overlaps of walls, layers and plates take 2 um off.
-  verified::near("way between layers", "m", std::sqrt(h * h + (s_x * s_x + s_y * s_y) / 4), width,
-                 2e-6);
+  // The walls follow the array; overlaps of walls, layers and plates amount to 2 um.
+  verified::near("distance of centres in adjacent layers", "m",
+                 std::sqrt(h * h + (s_x * s_x + s_y * s_y) / 4), width, 2e-6);
 }
 
 }  // namespace

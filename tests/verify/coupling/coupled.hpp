@@ -17,15 +17,15 @@ class Coupled {
   Coupled(const par::Comm& world, const dem::Physics& physics, const dem::Domain& domain,
           double weight_per_mass = gravity)
       : comm(world), particles(world, physics, with(weight_per_mass), domain), coupler(world) {}
-  Coupled(const Coupled&) = delete;  // surfaces are known by address
+  Coupled(const Coupled&) = delete;  // surfaces are stored by address
   Coupled& operator=(const Coupled&) = delete;
 
-  // Tells stones and coupler which surfaces there are. Ground first, then walls, then sleepers.
-  void meet() {
+  // Registers all surfaces with stones and coupler: ground first, then walls, then sleepers.
+  void register_surfaces() {
     coupler.clear();
-    std::vector<Surface*> felt;
+    std::vector<Surface*> surfaces;
     const auto add = [&](Surface& surface, std::vector<int> owner) {
-      felt.push_back(&surface);
+      surfaces.push_back(&surface);
       return coupler.add(surface, std::move(owner));
     };
     if (ground) add(ground->top(), ground->top_owner());
@@ -33,7 +33,7 @@ class Coupled {
     on_sleeper.clear();
     if (sleepers && sleepers->placed())
       for (Surface& sleeper : sleepers->surfaces()) on_sleeper.push_back(add(sleeper, {}));
-    particles.set_surfaces(felt);
+    particles.set_surfaces(surfaces);
     rebalance();
   }
   void rebalance() {
@@ -41,7 +41,7 @@ class Coupled {
     coupler.connect(
         [&](const Vec3& low, const Vec3& high) { return particles.reaches(low, high); });
   }
-  // The sub-steps of a window, after bodies and ground moved under the last window's mean forces.
+  // A window: bodies and ground move under the last window's mean forces, then the sub-steps.
   void window(double dt, int substeps, std::span<const double> seat_force = {}) {
     if (!on_sleeper.empty()) {
       std::vector<std::span<const Vec3>> forces;

@@ -1,5 +1,5 @@
-// A plane bed of disks on a ground of elements, between walls without friction (what stones weigh
-// then goes to the ground alone), under one sleeper.
+// A plane bed of disks on a ground of elements, between walls without friction (so that only the
+// ground carries the weight of the stones), under one sleeper.
 #pragma once
 
 #include "trackbed/bed/bed.hpp"
@@ -38,7 +38,7 @@ inline dem::Domain disk_domain(const DiskBed& bed) {
   return domain;
 }
 
-// Soft and damped, so that the ground takes part and comes to rest.
+// Soft and damped, so that the ground deflects and reaches static equilibrium.
 inline fem::GroundParameters disk_ground(const DiskBed& bed) {
   fem::GroundParameters p = fem::box({bed.length, 1, 0.4}, {8, 1, 4}, {20e6, 0.3, 1800});
   p.base = fem::Base::fixed;
@@ -46,7 +46,7 @@ inline fem::GroundParameters disk_ground(const DiskBed& bed) {
   return p;
 }
 
-// Loose columns of disks of 24 to 30 mm, and the ground held by its own weight alone.
+// Loose columns of disks of 24 to 30 mm, and the ground in equilibrium under its own weight.
 inline void fill(Coupled& scene, const DiskBed& bed) {
   scene.ground.emplace(scene.comm, disk_ground(bed), Dimension::plane, 1.0);
   scene.ground->settle(std::vector<Vec3>(scene.ground->top().nodes(), Vec3::Zero()));
@@ -64,7 +64,7 @@ inline void fill(Coupled& scene, const DiskBed& bed) {
       all.push_back(p);
     }
   scene.particles.add(mine(scene.comm, all));
-  scene.meet();
+  scene.register_surfaces();
 }
 
 inline double top_of_stones(const Coupled& scene) {
@@ -80,7 +80,7 @@ inline void place_sleeper(Coupled& scene, const DiskBed& bed,
   one.count = 1, one.first = bed.length / 2, one.free = free;
   scene.sleepers.emplace(one, Dimension::plane, 1.0, 0);
   scene.sleepers->place(top_of_stones(scene));
-  scene.meet();
+  scene.register_surfaces();
 }
 
 }  // namespace trackbed::test

@@ -1,5 +1,5 @@
 // A sphere dropped beside the middle of an elastic plate of elements, against the same drop with
-// windows ten times smaller. On any number of ranks.
+// windows at least ten times shorter. On any number of ranks.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace trackbed {
 namespace {
 
 constexpr double substep = 1e-5;                   // s, of the stones in every run
-constexpr double interval = 4e-3, duration = 0.1;  // s, the sphere strikes at 0.05 s
+constexpr double interval = 4e-3, duration = 0.1;  // s, impact of the sphere at 0.05 s
 constexpr double radius = 0.15;                    // m
 
 fem::GroundParameters plate() {
@@ -25,7 +25,7 @@ struct Drop {
   std::vector<double> height, speed, deflection;  // m, m/s, m below the sphere, each `interval`
 };
 
-// One node, wherever it lives.
+// Of one node, which may be on any rank.
 double deflection(const test::Coupled& scene, std::int32_t node) {
   double mine = 0;
   for (const std::int32_t own : scene.ground->own_top())
@@ -46,7 +46,7 @@ Drop drop(double window) {
   dem::NewParticle one;
   one.scale = radius, one.position = Vec3(0.63, 0.55, radius + 0.0123);
   scene.particles.add(std::span(&one, world.root() ? 1 : 0));
-  scene.meet();
+  scene.register_surfaces();
   Drop result;
   const int between = static_cast<int>(std::lround(interval / window));
   const int substeps = static_cast<int>(std::lround(window / substep));
@@ -77,7 +77,7 @@ TEST(Drop, AgreesWithAReferenceOfHighResolution) {
   const Drop reference = drop(1e-5);
   double low = 0;
   for (const double z : reference.deflection) low = std::min(low, z);
-  EXPECT_LT(low, -1e-4);  // m: the plate gives way, or the test shows nothing
+  EXPECT_LT(low, -1e-4);  // m: the plate must deflect for the test to be meaningful
   std::vector<double> error;
   for (const double window : {4e-4, 2e-4, 1e-4}) {
     const Drop found = drop(window);
@@ -90,10 +90,10 @@ TEST(Drop, AgreesWithAReferenceOfHighResolution) {
                   difference(found.speed, reference.speed),
                   difference(found.deflection, reference.deflection));
   }
-  // First order: halving takes away about half, a little more against a reference that errs too.
+  // First order: halving leaves about half, slightly less with the error of the reference itself.
   verified::below("error left by half the window", "-", error[1] / error[0], 0.65);
   verified::below("error left by half of that", "-", error[2] / error[1], 0.65);
-  constexpr double fine = 0.05;  // of the largest, at a hundredth of the collision
+  constexpr double fine = 0.05;  // of the largest, with a window of a hundredth of the collision
   verified::below("error, window of 0.1 ms", "-", error[2], fine);
 }
 

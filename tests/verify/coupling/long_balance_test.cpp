@@ -1,5 +1,6 @@
-// A few disks between ground and a sleeper under a swinging seat force, over 1e5 windows: what goes
-// in as impulse comes out, the books of the coupling close, and energy does not drift.
+// A few disks between ground and a sleeper under an oscillating seat force, over 1e5 windows:
+// impulse is conserved, the balance of the coupling is exact to rounding, and energy does not
+// drift.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,13 +13,13 @@ namespace trackbed {
 namespace {
 
 constexpr test::DiskBed bed{.length = 0.3, .columns = 4, .rows = 2, .damping = 0, .dt = 1e-4};
-constexpr int windows = 100'000, period = 2000;     // of the force, windows
-constexpr double mean_force = 2e3, swinging = 1e3;  // N
-constexpr int settling = 20'000;                    // windows until the motion repeats
+constexpr int windows = 100'000, period = 2000;      // of the force, windows
+constexpr double mean_force = 2e3, amplitude = 1e3;  // N
+constexpr int settling = 20'000;                     // windows until the motion repeats
 
 double seat_force(int window) {
   const double phase = 2 * std::numbers::pi * (window % period + 0.5) / period;
-  return mean_force + swinging * std::sin(phase);
+  return mean_force + amplitude * std::sin(phase);
 }
 
 double energy(const test::Coupled& scene) {
@@ -28,7 +29,7 @@ double energy(const test::Coupled& scene) {
          scene.sleepers->kinetic();
 }
 
-// Of everything that moves above the ground, Ns.
+// Of all bodies above the ground, Ns.
 double momentum(const test::Coupled& scene) {
   return scene.particles.totals().momentum.z() +
          scene.sleepers->mass() * scene.sleepers->state(0).velocity.z();
@@ -38,7 +39,7 @@ TEST(LongRun, ImpulseAndEnergyBalance) {
   test::Coupled scene(par::Comm::self(), test::disk_physics(bed.damping), test::disk_domain(bed));
   test::fill(scene, bed);
   for (int w = 0; w < 20000; ++w) scene.window(bed.dt, 1);
-  test::place_sleeper(scene, bed, {"z"});  // wider than the bed: it must not tip off it
+  test::place_sleeper(scene, bed, {"z"});  // as wide as the bed: it must not tip over
   const double weight = (scene.particles.totals().mass + scene.sleepers->mass()) * gravity;
   double given = 0, received = 0, momentum_before = 0, early = 0;  // Ns, J
   for (int w = 0; w < settling + windows; ++w) {
@@ -55,13 +56,13 @@ TEST(LongRun, ImpulseAndEnergyBalance) {
   const double late = energy(scene);
   const couple::Balance& balance = scene.coupler.balance();
   const double gap = (given - received + momentum(scene) - momentum_before) / given;
-  std::printf("impulse %.1e, energy drift %.1e; books: %.1e %.1e %.1e %.1e\n", gap,
+  std::printf("impulse %.1e, energy drift %.1e; balance: %.1e %.1e %.1e %.1e\n", gap,
               late / early - 1, balance.force, balance.moment, balance.work, balance.impulse);
-  // The sleeper moves under the force of the window before: at the two ends one window in 1e5 is
-  // counted with a force that has changed by up to 1 %.
+  // The sleeper moves under the force of the previous window: at the two ends one window in 1e5 has
+  // a force that differs by up to 1 %.
   constexpr double ends = 1e-6;
   verified::below("gap of the impulse over 1e5 windows", "-", std::abs(gap), ends);
-  constexpr double closed = 1e-10;  // promise of the coupling
+  constexpr double closed = 1e-10;  // guaranteed by the coupling
   verified::below("imbalance of force", "-", balance.force, closed);
   verified::below("imbalance of moment", "-", balance.moment, closed);
   verified::below("imbalance of work", "-", balance.work, closed);

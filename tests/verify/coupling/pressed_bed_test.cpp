@@ -1,5 +1,5 @@
-// A bed of disks pressed by a sleeper: at rest every force finds its counterpart, and neither the
-// number of ranks nor the way stones are shared out changes a bit.
+// A bed of disks loaded by a sleeper: in static equilibrium all forces balance, and results are
+// bitwise identical for any number of ranks and any partition of the stones.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -14,9 +14,9 @@ namespace {
 constexpr test::DiskBed bed{};
 constexpr double seat_force = 5e3;  // N
 
-class PressedBed {
+class LoadedBed {
  public:
-  explicit PressedBed(const par::Comm& comm, int windows_between_splits = 0)
+  explicit LoadedBed(const par::Comm& comm, int windows_between_splits = 0)
       : scene(comm, test::disk_physics(bed.damping), test::disk_domain(bed)),
         between_(windows_between_splits) {
     test::fill(scene, bed);
@@ -28,10 +28,10 @@ class PressedBed {
       if (between_ > 0 && ++windows_ % between_ == 0) scene.rebalance();
     }
   }
-  void press(double fall, double pressing) {
+  void load(double fall, double duration) {
     run(fall, 0);
     test::place_sleeper(scene, bed);
-    run(pressing, seat_force);
+    run(duration, seat_force);
   }
   test::Coupled scene;
 
@@ -39,30 +39,30 @@ class PressedBed {
   int between_, windows_ = 0;
 };
 
-// Through a horizontal cut across the lowest row of zones, N: their mean stress times area.
+// N, through a horizontal section of the lowest row of elements: their mean stress times area.
 double base_reaction(const test::Coupled& scene) {
   const io::Grid grid = scene.ground->fields();
   const io::FieldData& stress = grid.cell_data[0];
-  const double zone_area = bed.length / 8, lowest = -0.31;  // m^2, m
+  const double element_area = bed.length / 8, lowest = -0.31;  // m^2, m
   double mine = 0;
   for (std::size_t cell = 0; cell * 8 < grid.cells.size(); ++cell) {
     double top = -1;
     for (std::size_t k = 0; k < 8; ++k)
       top = std::max(top, grid.points[static_cast<std::size_t>(grid.cells[8 * cell + k])].z());
-    if (top < lowest + 0.02) mine -= stress.values[6 * cell + 2] * zone_area;
+    if (top < lowest + 0.02) mine -= stress.values[6 * cell + 2] * element_area;
   }
   return scene.comm.sum(mine);
 }
 
-TEST(PressedBed, ForcesAtRestFindTheirCounterparts) {
-  if (par::Comm::world().size() > 1) GTEST_SKIP() << "the other test shows that ranks do not count";
-  PressedBed pressed(par::Comm::self());
-  pressed.press(0.5, 5);
-  const test::Coupled& scene = pressed.scene;
-  // How long a stone keeps rocking depends on the last bit of where it fell: wait until none does.
-  constexpr double still = 1e-11;  // J; what moves then pushes by less than 1e-6 of the seat force
+TEST(LoadedBed, ForcesBalanceInStaticEquilibrium) {
+  if (par::Comm::world().size() > 1) GTEST_SKIP() << "the other test covers several ranks";
+  LoadedBed loaded(par::Comm::self());
+  loaded.load(0.5, 5);
+  const test::Coupled& scene = loaded.scene;
+  // How long stones rock depends on rounding of their initial positions: wait for all of them.
+  constexpr double still = 1e-11;  // J; inertia forces are then below 1e-6 of the seat force
   for (int wait = 0; wait < 40 && scene.particles.totals().kinetic > still; ++wait)
-    pressed.run(1, seat_force);
+    loaded.run(1, seat_force);
   ASSERT_LT(scene.particles.totals().kinetic, still);
   const dem::Totals totals = scene.particles.totals();
   ASSERT_EQ(totals.particles, bed.columns * bed.rows);
@@ -71,13 +71,13 @@ TEST(PressedBed, ForcesAtRestFindTheirCounterparts) {
   std::printf("kinetic %.1e J; sleeper %.3e, ground %.3e, base %.3e (relative)\n", totals.kinetic,
               scene.sleepers->reaction(0).z() / sleeper - 1, -scene.on_ground() / whole - 1,
               base_reaction(scene) / whole - 1);
-  // A weight left out would be 10 % or more.
+  // An omitted weight would be 10 % or more.
   constexpr double rest = 1e-5;
   verified::near("force of the stones on the sleeper", "N", scene.sleepers->reaction(0).z(),
                  sleeper, rest * sleeper);
   verified::near("force on the ground", "N", -scene.on_ground(), whole, rest * whole);
   verified::near("reaction of the base", "N", base_reaction(scene), whole, rest * whole);
-  constexpr double closed = 1e-10;  // promise of the coupling
+  constexpr double closed = 1e-10;  // guaranteed by the coupling
   verified::below("imbalance of force", "-", scene.coupler.balance().force, closed);
   verified::below("imbalance of moment", "-", scene.coupler.balance().moment, closed);
   verified::below("imbalance of work", "-", scene.coupler.balance().work, closed);
@@ -95,14 +95,13 @@ std::vector<double> top_of(test::Coupled& scene) {
   return all;
 }
 
-TEST(PressedBed, SplitOfStonesAndRanksChangeNoBit) {
-  constexpr double fall = 0.08, pressing = 0.04;  // s, while everything moves
-  constexpr int often = 37;                       // windows
-  PressedBed alone(par::Comm::self()), shared(par::Comm::world()),
-      moving(par::Comm::world(), often);
-  for (PressedBed* one : {&alone, &shared, &moving}) one->press(fall, pressing);
+TEST(LoadedBed, IsBitwiseIdenticalForAnyPartitionAndRanks) {
+  constexpr double fall = 0.08, loading = 0.04;  // s, in motion
+  constexpr int often = 37;                      // windows
+  LoadedBed alone(par::Comm::self()), shared(par::Comm::world()), moving(par::Comm::world(), often);
+  for (LoadedBed* one : {&alone, &shared, &moving}) one->load(fall, loading);
   EXPECT_GT(alone.scene.particles.totals().kinetic, 1e-6);  // J
-  for (PressedBed* other : {&shared, &moving}) {
+  for (LoadedBed* other : {&shared, &moving}) {
     EXPECT_EQ(other->scene.particles.state_hash(), alone.scene.particles.state_hash());
     EXPECT_EQ(other->scene.sleepers->state(0).displacement,
               alone.scene.sleepers->state(0).displacement);

@@ -1,7 +1,7 @@
-// Two masses in a row across the interface swing in their first mode: a disk on an elastic column
-// of one element, and a sleeper on a sphere on a floor. Frequency and motion are known in closed
-// form; the error must shrink in proportion to the window, because each side moves under the mean
-// force of the window before (docs/decisions/interface.md).
+// Two masses in series across the interface oscillate in their first mode: a disk on an elastic
+// column of one element, and a sleeper on a sphere on a floor. Frequency and motion are known in
+// closed form; the error must be proportional to the window, because each side moves under the mean
+// force of the previous window (docs/decisions/interface.md).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 constexpr double substep = 1e-5;  // s, of the stones: its own error is 100 times smaller
 constexpr int periods = 3;
 
-// m1 x1'' = -k1 (x1 - x2), m2 x2'' = k1 (x1 - x2) - k2 x2, both from their place at rest.
+// m1 x1'' = -k1 (x1 - x2), m2 x2'' = k1 (x1 - x2) - k2 x2, both relative to static equilibrium.
 struct TwoMasses {
   double m1, k1, m2, k2;  // kg, N/m
   double omega = 0;       // rad/s, first mode
@@ -34,15 +34,15 @@ struct TwoMasses {
   }
 };
 
-struct Swing {
+struct Oscillation {
   double omega;  // rad/s, measured
   double error;  // largest deviation of the upper mass from the cosine, over its amplitude
 };
 
-// `above`(): height of the upper mass above its place at rest after each window, m.
+// `above`(): height of the upper mass above static equilibrium after each window, m.
 template <class Window, class Above>
-Swing follow(const TwoMasses& exact, double amplitude, double dt, const Window& window,
-             const Above& above) {
+Oscillation follow(const TwoMasses& exact, double amplitude, double dt, const Window& window,
+                   const Above& above) {
   const int windows = static_cast<int>(periods * 2 * std::numbers::pi / exact.omega / dt);
   double last = amplitude, first_crossing = 0, last_crossing = 0, error = 0;
   int crossings = 0;
@@ -80,8 +80,8 @@ void put(test::Coupled& scene, const dem::Template& shape, double radius, const 
 constexpr fem::Elastic soil{50e6, 0, 2000};
 constexpr double radius = 0.3, density = 2500;  // m, kg/m^3
 
-// Plane, 1 m thick: the disk stands amid the two edges of the top, which share its force evenly.
-// A column of 1 m x 1 m x 1 m: half its mass swings on E A / H.
+// Plane, 1 m thick: the disk is midway between the two edges of the top, which carry equal parts of
+// its force. A column of 1 m x 1 m x 1 m: half its mass oscillates on E A / H.
 TwoMasses disk_on_column() {
   const double mass = density * std::numbers::pi * radius * radius;
   TwoMasses exact{mass, 2e7, soil.density / 2, soil.young};
@@ -89,8 +89,8 @@ TwoMasses disk_on_column() {
   return exact;
 }
 
-// The ground is let go under another force than the disk's weight, so that it starts displaced.
-Swing swing_of_disk(double dt) {
+// The ground is released under a force other than the disk's weight, so that it starts displaced.
+Oscillation oscillation_of_disk(double dt) {
   const TwoMasses exact = disk_on_column();
   dem::Domain domain = test::box(Vec3(0, -0.5, -1), Vec3(1, 0.5, 2));
   domain.dimension = Dimension::plane;
@@ -99,13 +99,13 @@ Swing swing_of_disk(double dt) {
   column.base = fem::Base::fixed;
   scene.ground.emplace(par::Comm::self(), column, Dimension::plane, 1.0);
   const double weight = exact.m1 * gravity, amplitude = 0.2 * weight / exact.k1;
-  const double lower = exact.ratio * amplitude;  // m, of the column's top above its rest
+  const double lower = exact.ratio * amplitude;  // m, of the column's top above equilibrium
   const std::vector<Vec3> held(4, Vec3(0, 0, (exact.k2 * lower - weight) / 4));
   scene.ground->settle(held);
   const double overlap = weight / exact.k1 + lower - amplitude;
   const double begin = radius - overlap;
   put(scene, test::disk(), radius, {0.5, 0, begin});
-  scene.meet();
+  scene.register_surfaces();
   scene.coupler.load_mean(0, std::vector<Vec3>(4, Vec3(0, 0, -exact.k1 * overlap / 4)));
   const int substeps = static_cast<int>(std::lround(dt / substep));
   return follow(
@@ -131,7 +131,7 @@ dem::Physics two_laws(double above, double below) {
   return physics;
 }
 
-Swing swing_of_sleeper(double dt) {
+Oscillation oscillation_of_sleeper(double dt) {
   track::SleeperParameters body;
   body.count = 1, body.first = 0, body.free = {"z"}, body.length = 1;
   track::RigidSleepers sleepers(body, Dimension::space, 1, 1);
@@ -146,7 +146,7 @@ Swing swing_of_sleeper(double dt) {
   put(scene, test::sphere(), stone_radius, {0, 0, centre});
   const double overlap = weight / exact.k1 + lower - amplitude;
   scene.sleepers->place(centre + stone_radius - overlap);
-  scene.meet();
+  scene.register_surfaces();
   const std::size_t nodes = scene.sleepers->surfaces()[0].nodes();
   std::vector<Vec3> force(nodes, Vec3(0, 0, exact.k1 * overlap / static_cast<double>(nodes)));
   scene.coupler.load_mean(scene.on_sleeper[0], force);
@@ -157,13 +157,13 @@ Swing swing_of_sleeper(double dt) {
       [&] { return scene.sleepers->state(0).displacement.z() + amplitude; });
 }
 
-// The window is halved twice; the lag of one window makes the scheme of first order.
+// The window is halved twice; due to the delay of one window the scheme is of first order.
 template <class Of>
-void check_order(const TwoMasses& exact, const Of& swing) {
+void check_order(const TwoMasses& exact, const Of& oscillation) {
   constexpr double coarse = 3.2e-4;  // s, about 1/130 of a period
   std::vector<double> error;
   for (const double dt : {coarse, coarse / 2, coarse / 4}) {
-    const Swing found = swing(dt);
+    const Oscillation found = oscillation(dt);
     error.push_back(found.error);
     // Second order in omega dt, about 0.05 in the coarsest window.
     constexpr double frequency = 2e-3;
@@ -179,13 +179,13 @@ void check_order(const TwoMasses& exact, const Of& swing) {
   verified::below("error of the motion, shortest window", "-", error[2], 0.15);
 }
 
-TEST(TwoMasses, DiskOnAnElasticColumn) { check_order(disk_on_column(), swing_of_disk); }
+TEST(TwoMasses, DiskOnAnElasticColumn) { check_order(disk_on_column(), oscillation_of_disk); }
 
 TEST(TwoMasses, SleeperOnAStone) {
   track::SleeperParameters body;
   body.length = 1;
   const double mass = track::RigidSleepers(body, Dimension::space, 1, 0).mass();
-  check_order(sleeper_on_stone(mass), swing_of_sleeper);
+  check_order(sleeper_on_stone(mass), oscillation_of_sleeper);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // A wave from below between free-field sides (reference case "Free field"): a vertically
-// propagating shear wave doubles at the top, arrives in time, and finds no sides; dead load neither
-// creeps nor changes it; a block that stands out moves as in a ground many times as wide.
+// propagating shear wave doubles at the top, arrives in time, and is not disturbed by the sides; a
+// dead load causes no creep and does not change it; a block in the ground moves as in a much wider
+// ground.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -57,14 +58,14 @@ TEST_P(ShearWave, FromBelowDoublesAtTheTop) {
   const double shift = 0.5 * (before - after) / (before - 2 * at + after);
   const double peak = at - 0.25 * (before - after) * shift;
   const double when = (static_cast<double>(top) + 1 + shift) * dt - wave.centre;
-  // Zones of 1 m: (omega h / c)^2 / 24 = 3e-4 of the speed at 10 Hz, tenfold at 30 Hz.
+  // Elements of 1 m: error of the speed (omega h / c)^2 / 24 = 3e-4 at 10 Hz, tenfold at 30 Hz.
   verified::near("peak acceleration of the top", "m/s^2", peak, 2 * standard, 0.005 * 2 * standard);
   verified::near("time after the peak at the base", "s", when, 188.87e-3, 0.5e-3);
   verified::below("largest difference between any two top nodes over the peak", "-", apart / peak,
                   1e-9);  // rounding
 }
 
-// 10 s under a dead load, then the wave: the load is not seen, neither as creep nor in the wave.
+// 10 s under a dead load, then the wave: the load causes no creep and does not change the wave.
 TEST(FreeField, DeadLoadNeitherCreepsNorChangesTheWave) {
   const Comm comm = Comm::world();
   Ground loaded(comm, hill(comm, 10.15), Dimension::plane, 1.0);
@@ -88,16 +89,16 @@ TEST(FreeField, DeadLoadNeitherCreepsNorChangesTheWave) {
     }
   }
   verified::below("displacement after 10 s under a dead load", "m", comm.max(creep), 1e-15);
-  // The wave is 10 s later: times and tables are rounded otherwise.
+  // The wave is 10 s later: times and tables have other rounding errors.
   verified::below("difference of the wave with and without the load over its size", "-",
                   comm.max(difference) / comm.max(largest), 1e-9);
 }
 
 // Displacement along x of the middle of the top, window after window, of a ground of soil with a
-// block of concrete in it, `zones` wide.
-std::vector<double> middle_of_block(const Comm& comm, std::int64_t zones, Sides sides) {
-  GroundParameters p = box({1.0 * static_cast<double>(zones), 1, 20}, {zones, 1, 20}, {});
-  p.x = {-0.5 * static_cast<double>(zones), 0.5 * static_cast<double>(zones)};
+// block of concrete in it, `elements` wide.
+std::vector<double> middle_of_block(const Comm& comm, std::int64_t elements, Sides sides) {
+  GroundParameters p = box({1.0 * static_cast<double>(elements), 1, 20}, {elements, 1, 20}, {});
+  p.x = {-0.5 * static_cast<double>(elements), 0.5 * static_cast<double>(elements)};
   p.layers[0].solid = {100e6, 0.3, 1900};
   p.blocks = {{"block", true, {-4, 0, 4, 0, 4, -6, -4, -6}, {30e9, 0.2, 2400}}};
   p.plane = PlaneState::strain;
@@ -110,7 +111,7 @@ std::vector<double> middle_of_block(const Comm& comm, std::int64_t zones, Sides 
     ground.advance(4e-3, none);
     double mine = -1e300;
     for (const auto n : ground.own_top())
-      if (n == zones / 2) mine = ground.top_state(n).displacement.x();
+      if (n == elements / 2) mine = ground.top_state(n).displacement.x();
     shown.push_back(comm.max(mine));
   }
   return shown;
@@ -118,7 +119,7 @@ std::vector<double> middle_of_block(const Comm& comm, std::int64_t zones, Sides 
 
 TEST(FreeField, BlockMovesAsInAWideGround) {
   const Comm comm = Comm::world();
-  // 200 m away what the block sends out has not come back in 0.9 s at 240 m/s (P).
+  // At 200 m waves scattered by the block do not return within 0.9 s at 240 m/s (P).
   const auto exact = middle_of_block(comm, 440, Sides::free_field);
   const auto error = [&](Sides sides) {
     const auto shown = middle_of_block(comm, 40, sides);
@@ -129,11 +130,11 @@ TEST(FreeField, BlockMovesAsInAWideGround) {
     }
     return difference / largest;
   };
-  const double free_field = error(Sides::free_field), quiet = error(Sides::quiet);
-  // Waves that the block sends out reach the sides at an angle and come back in part.
+  const double free_field = error(Sides::free_field), viscous = error(Sides::viscous);
+  // Waves scattered by the block reach the sides at an angle and are partly reflected.
   verified::below("largest error of the displacement over its size, sides 16 m from the block", "-",
                   free_field, 0.05);
-  verified::above("that with quiet sides, which drain the wave", "-", quiet, 3 * free_field);
+  verified::above("that with viscous sides, which absorb the wave", "-", viscous, 3 * free_field);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Free vibration of a block: modes of a free cube and square, and a cantilever that swings.
+// Free vibration of a block: modes of a free cube and square, and of a cantilever.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/mesh.hpp"
-#include "fem/stiffness.hpp"
-#include "fem/terms.hpp"
+#include "fem/boundary/terms.hpp"
+#include "fem/kernel/stiffness.hpp"
+#include "fem/mesh/mesh.hpp"
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -21,15 +21,16 @@ using std::numbers::pi;
 constexpr Elastic solid{50e6, 0.3, 2000};
 constexpr double edge = 1;  // m
 
-// All squared angular frequencies of a free block of `zones` along each edge, ascending, rad^2/s^2.
-// M^-1/2 K M^-1/2 column by column from the kernel: a few hundred unknowns.
-Eigen::VectorXd squared_frequencies(Dimension dimension, std::int64_t zones, double* mass) {
-  GroundParameters p = box({edge, edge, edge}, {zones, zones, zones}, solid);
+// All squared angular frequencies of a free block of `elements` along each edge, ascending,
+// rad^2/s^2. M^-1/2 K M^-1/2 column by column from the kernel: a few hundred unknowns.
+Eigen::VectorXd squared_frequencies(Dimension dimension, std::int64_t elements, double* mass) {
+  GroundParameters p = box({edge, edge, edge}, {elements, elements, elements}, solid);
   p.plane = PlaneState::strain;
   p.sides = Sides::free;
   Mesh mesh(Comm::self(), p, dimension, edge);
-  std::vector<ZoneElement> elements = {zone_element(mesh.lattice.size, solid, dimension, p.plane)};
-  const Stiffness stiffness(mesh, elements);
+  std::vector<ElementMatrices> matrices = {
+      element_matrices(mesh.lattice.size, solid, dimension, p.plane)};
+  const Stiffness stiffness(mesh, matrices);
   const Terms terms(mesh, p, stiffness);
   const int d = mesh.lattice.components();
   const auto n = static_cast<Eigen::Index>(mesh.nodes());
@@ -64,23 +65,23 @@ TEST_P(Block, FreeVibration) {
   std::array<double, 2> error{};
   double mass = 0;
   for (const std::int64_t fine : {0, 1}) {
-    const std::int64_t zones = (plane ? 8 : 3) * (fine + 1);
-    const Eigen::VectorXd squared = squared_frequencies(GetParam(), zones, &mass);
-    // The mode nearest to Lame's; six (three) motions of the rigid block cost nothing.
+    const std::int64_t elements = (plane ? 8 : 3) * (fine + 1);
+    const Eigen::VectorXd squared = squared_frequencies(GetParam(), elements, &mass);
+    // The mode nearest to Lame's; six (three) rigid motions have frequency zero.
     double nearest = 0;
     for (const double s : squared)
       if (std::abs(std::sqrt(std::abs(s)) - exact) < std::abs(nearest - exact))
         nearest = std::sqrt(std::abs(s));
     error[static_cast<std::size_t>(fine)] = nearest / exact - 1;
     const Eigen::Index rigid = plane ? 3 : 6;
-    const std::string which = fmt::format(", {} zones an edge", zones);
+    const std::string which = fmt::format(", {} elements an edge", elements);
     verified::below("rigid motions: largest frequency squared over Lame's" + which, "-",
                     squared.head(rigid).cwiseAbs().maxCoeff() / (exact * exact),
                     1e-10);  // rounding
     verified::above("first frequency of deformation over Lame's" + which, "-",
                     std::sqrt(squared[rigid]) / exact, 0.5);
   }
-  // A wave of 2 edges on 8 (space: 6) zones each: (pi / 8)^2 / 12 = 1.3 % (2.3 %) low at most.
+  // A wave of 2 edges on 8 (space: 6) elements each: (pi / 8)^2 / 12 = 1.3 % (2.3 %) low at most.
   verified::near("frequency of Lame's mode over the exact one", "-", 1 + error[1], 1,
                  plane ? 0.005 : 0.025);
   verified::near("order of its error", "-", std::log2(error[0] / error[1]), 2, 0.3);
@@ -109,24 +110,24 @@ double timoshenko(double length, double height) {
   return low;
 }
 
-// Released from the shape under a side force, it swings in its first mode.
-TEST(Cantilever, SwingsWithTheFrequencyOfABeam) {
+// Released from the shape under a lateral force, it vibrates in its first mode.
+TEST(Cantilever, VibratesWithTheFrequencyOfABeam) {
   constexpr double length = 10, height = 1;
   GroundParameters p = box({height, 1, length}, {4, 1, 40}, solid);
   p.plane = PlaneState::stress;
   p.base = Base::fixed;
   p.sides = Sides::free;
   Ground ground(Comm::world(), p, Dimension::plane, 1.0);
-  std::vector<Vec3> push(ground.top().nodes(), Vec3::Zero()), none = push;
-  for (std::size_t n = 0; n < push.size() / 2; ++n) push[n].x() = 20;
+  std::vector<Vec3> load(ground.top().nodes(), Vec3::Zero()), none = load;
+  for (std::size_t n = 0; n < load.size() / 2; ++n) load[n].x() = 20;
   const double omega = timoshenko(length, height), period = 2 * pi / omega;
-  // A force over half a period moves the first mode most; then free. Zeros of its velocity fit.
+  // A force over half a period mainly excites the first mode; then free. Fit of velocity zeros.
   constexpr int windows = 400;
   const double dt = period / windows;
   std::vector<double> crossings;
   double before = 0;
   for (int w = 0; w < 6 * windows; ++w) {
-    ground.advance(dt, w < windows / 2 ? push : none);
+    ground.advance(dt, w < windows / 2 ? load : none);
     double mine = -1e300;
     for (const auto n : ground.own_top())
       if (n == 0) mine = ground.top_state(n).displacement.x();
@@ -137,7 +138,7 @@ TEST(Cantilever, SwingsWithTheFrequencyOfABeam) {
   ASSERT_GE(crossings.size(), 4u);
   const double measured =
       (crossings.back() - crossings.front()) * dt / static_cast<double>(crossings.size() - 1);
-  // Four zones over the height; a clamp that also holds the width.
+  // Four elements over the height; the clamp also prevents lateral strain.
   verified::near("period of the first mode", "s", measured, period, 0.01 * period);
 }
 

@@ -58,20 +58,20 @@ TEST_P(Column, FrontArrivesInTimeWithTheRightVelocity) {
     }
     if (t > 20e-3) sum += before[0], ++samples;
   }
-  // The front is smeared over about two of the 200 zones: 0.1 m / c_p.
+  // The front is smeared over about two of the 200 elements: 0.1 m / c_p.
   constexpr double front = 0.1 / wave_speed;
   for (std::size_t i = 0; i < 3; ++i)
     verified::near(fmt::format("arrival at {:g} m", depth[i]), "s", arrival[i], exact[i], front);
-  // Ringing of the front, averaged.
+  // Average over the oscillations behind the front.
   verified::near("particle velocity", "m/s", sum / samples, particle_velocity,
                  0.005 * particle_velocity);
 }
 
-// Nothing comes back from the quiet base: the whole column keeps the particle velocity.
-TEST_P(Column, QuietBaseAbsorbs) {
+// No reflection at the viscous base: the whole column keeps the particle velocity.
+TEST_P(Column, ViscousBaseAbsorbs) {
   const Comm comm = Comm::world();
   GroundParameters p = column(100);
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   p.base_stiffness = 0;
   Ground ground(comm, p, GetParam(), 1.0);
   const auto load = pressure(ground, step_pressure);
@@ -84,18 +84,18 @@ TEST_P(Column, QuietBaseAbsorbs) {
     ground.advance(travel / samples, load);
     sum += downward_velocity(comm, ground, -5.0);
   }
-  // Left ringing after four travels.
+  // Remaining oscillations after four travel times.
   verified::near("particle velocity", "m/s", sum / samples, particle_velocity,
                  0.002 * particle_velocity);
 }
 
 // An interface reflects (1 - a)/(1 + a) of the velocity, a = impedance below over above; the free
 // top doubles it. a = 2 through density and stiffness: c_p is the same in both.
-TEST_P(Column, ImpedanceJumpReflectsItsShare) {
+TEST_P(Column, ImpedanceJumpReflectsItsFraction) {
   const Comm comm = Comm::world();
   GroundParameters p = column(200);
   p.layers = {{"soft", 5, {50e6, 0.3, 2000}}, {"stiff", 5, {100e6, 0.3, 4000}}};
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   p.base_stiffness = 0;
   Ground ground(comm, p, GetParam(), 1.0);
   const auto load = pressure(ground, step_pressure);
@@ -108,23 +108,23 @@ TEST_P(Column, ImpedanceJumpReflectsItsShare) {
     sum += downward_velocity(comm, ground, 0);
   }
   const double a = 2, expected = 1 + 2 * (1 - a) / (1 + a);
-  // Ringing of the fronts.
+  // Oscillations behind the fronts.
   verified::near("velocity of the top over the first one", "-", sum / samples / particle_velocity,
                  expected, 0.02);
 }
 
-// A dashpot a rho c reflects (1 - a)/(1 + a): those of a base whose lowest zones, a hundredth of
-// the column, have a times the impedance of the others. What meets the front has 2/(1 + a).
-TEST_P(Column, DashpotReflectsItsShare) {
+// A dashpot a rho c reflects (1 - a)/(1 + a): dashpots of a base whose lowest elements, a hundredth
+// of the column, have a times the impedance of the others. The transmitted front has 2/(1 + a).
+TEST_P(Column, DashpotReflectsItsFraction) {
   const Comm comm = Comm::world();
   for (const double a : {0.5, 3.0}) {
     GroundParameters p = column(200);
     p.layers = {{"column", 9.9, {50e6, 0.3, 2000}}, {"base", 0.1, {50e6 * a, 0.3, 2000 * a}}};
-    p.base = Base::quiet;
+    p.base = Base::viscous;
     p.base_stiffness = 0;
     Ground ground(comm, p, GetParam(), 1.0);
     const auto load = pressure(ground, step_pressure);
-    const double travel = 10 / wave_speed;  // the front is back amid the column after 1.5 of them
+    const double travel = 10 / wave_speed;  // the front is back at mid-height after 1.5 of them
     ground.advance(1.7 * travel, load);
     double sum = 0;
     constexpr int samples = 40;
@@ -132,13 +132,13 @@ TEST_P(Column, DashpotReflectsItsShare) {
       ground.advance(0.6 * travel / samples, load);
       sum += downward_velocity(comm, ground, -5.0);
     }
-    // Ringing of both fronts.
-    verified::near(fmt::format("share of the velocity sent back, a = {:g}", a), "-",
+    // Oscillations behind both fronts.
+    verified::near(fmt::format("reflected fraction of the velocity, a = {:g}", a), "-",
                    sum / samples / particle_velocity - 1, (1 - a) / (1 + a), 0.02);
   }
 }
 
-TEST_P(Column, SinksByItsStaticDisplacement) {
+TEST_P(Column, SettlesByItsStaticDisplacement) {
   const Comm comm = Comm::world();
   Ground ground(comm, half_space(column(20)), GetParam(), 1.0);
   load_statically(ground, pressure(ground, step_pressure));
@@ -147,7 +147,7 @@ TEST_P(Column, SinksByItsStaticDisplacement) {
                  5e-10);
 }
 
-TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {
+TEST_P(Column, FixedBaseReachesTwiceTheStaticDisplacement) {
   const Comm comm = Comm::world();
   Ground ground(comm, column(100), GetParam(), 1.0);
   const auto load = pressure(ground, step_pressure);
@@ -157,7 +157,7 @@ TEST_P(Column, FixedBaseSwingsToTwiceTheStaticDisplacement) {
     ground.advance(dt, load);
     const double u = top_displacement(comm, ground);
     if (u > largest) largest = u, when = w * dt;
-    if (back == 0 && w * dt > 0.75 * period && u > before) back = w * dt;  // turned upward
+    if (back == 0 && w * dt > 0.75 * period && u > before) back = w * dt;  // reversal of the motion
     before = u;
   }
   verified::near("largest displacement", "m", largest, 0.297143e-3, 0.01 * 0.297143e-3);

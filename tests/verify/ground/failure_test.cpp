@@ -1,13 +1,13 @@
-// Grounds that fail: triaxial tests against the exact strength, a column at rest against Rankine's
-// earth pressure, a strip footing against Prandtl.
+// Failure of grounds: triaxial tests against the exact strength, a column in static equilibrium
+// against Rankine's earth pressure, a strip footing against Prandtl.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fem/element.hpp"
-#include "fem/plasticity.hpp"
+#include "fem/kernel/plasticity.hpp"
+#include "fem/shape/element.hpp"
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -21,18 +21,18 @@ double passive(double angle) {
   return (1 + sine) / (1 - sine);
 }
 
-// One zone, strained evenly; lateral pressure is held by following it elastically.
+// One element with uniform strain; lateral pressure is kept by elastic corrections of the strain.
 class Sample {
  public:
   Sample(const Elastic& solid, const Strength& strength, Dimension dimension)
       : solid_(solid),
-        mesh_(Comm::self(), one_zone(solid, strength), dimension, 1.0),
+        mesh_(Comm::self(), one_element(solid, strength), dimension, 1.0),
         plasticity_(mesh_),
-        zone_(zone_element(mesh_.lattice.size, solid, dimension, PlaneState::strain)),
+        element_(element_matrices(mesh_.lattice.size, solid, dimension, PlaneState::strain)),
         none_(mesh_.lattice.components(), mesh_.nodes()),
         u_(none_) {}
 
-  // Moves the corners to this strain (compression negative; in a plane y stays) and lets it flow.
+  // Sets this strain (compression negative; in a plane y is fixed) and updates the plastic strain.
   void strain(const Vec3& to) {
     strain_ = to;
     for (std::size_t n = 0; n < mesh_.nodes(); ++n) {
@@ -50,11 +50,11 @@ class Sample {
     for (Eigen::Index k = 0; k < corners; ++k)
       for (Eigen::Index c = 0; c < parts; ++c)
         u(parts * k + c) = u_[static_cast<int>(c)][mesh_.corner(0, static_cast<int>(k))];
-    return zone_.centre_stress * u +
+    return element_.centre_stress * u +
            plasticity_.stress(0, Plasticity::Where::centre, Plasticity::When::since);
   }
-  // Steps along z to `axial` while the lateral pressure is followed.
-  void press(double axial, double pressure, int steps) {
+  // Steps along z to `axial` at constant lateral pressure.
+  void compress(double axial, double pressure, int steps) {
     const double from = strain_.z(), stiffness = 1.5 * solid_.young;
     for (int n = 1; n <= steps; ++n) {
       Vec3 next = strain_;
@@ -65,16 +65,17 @@ class Sample {
       strain(next);
     }
   }
-  // The pressure lags with the speed: the end of the way in steps a thousand times smaller.
+  // The error of the pressure is proportional to the rate: the last steps are a thousand times
+  // smaller.
   void fail(double axial, double pressure) {
-    const double way = axial - strain_.z();
-    press(axial - 1e-3 * way, pressure, 2000);
-    press(axial, pressure, 2000);
+    const double travel = axial - strain_.z();
+    compress(axial - 1e-3 * travel, pressure, 2000);
+    compress(axial, pressure, 2000);
   }
   const Vec3& strain() const { return strain_; }
 
  private:
-  static GroundParameters one_zone(const Elastic& solid, const Strength& strength) {
+  static GroundParameters one_element(const Elastic& solid, const Strength& strength) {
     GroundParameters p = box({1, 1, 1}, {1, 1, 1}, solid);
     p.layers[0].strength = strength;
     return p;
@@ -82,7 +83,7 @@ class Sample {
   Elastic solid_;
   Mesh mesh_;
   Plasticity plasticity_;
-  ZoneElement zone_;
+  ElementMatrices element_;
   Nodal none_, u_;
   Vec3 strain_ = Vec3::Zero();
 };
@@ -101,43 +102,44 @@ TEST_P(Failure, TriaxialStrength) {
       const double n = passive(friction), limit = 2 * cohesion * std::sqrt(n);
       const std::string which = fmt::format(", c {:g} kPa, phi {:g}, at {:g} kPa", cohesion / 1e3,
                                             friction, pressure / 1e3);
-      Sample pressed(solid, strength, GetParam()), drawn(solid, strength, GetParam());
-      // All round first, elastically, along z too; in a plane y follows.
-      for (Sample* sample : {&pressed, &drawn}) {
+      Sample compressed(solid, strength, GetParam()), extended(solid, strength, GetParam());
+      // First isotropic and elastic, also along z; in a plane y follows.
+      for (Sample* sample : {&compressed, &extended}) {
         const double k = GetParam() == Dimension::plane ? (1 + 0.3) * (1 - 0.6) : 1 - 0.6;
-        sample->press(-k * pressure / solid.young, pressure, 300);
-        sample->press(sample->strain().z(), pressure, 100);
+        sample->compress(-k * pressure / solid.young, pressure, 300);
+        sample->compress(sample->strain().z(), pressure, 100);
       }
-      pressed.fail(-0.03, pressure);
-      // What the pressure still lags.
+      compressed.fail(-0.03, pressure);
+      // Tolerance: remaining error of the pressure.
       const double exact = n * pressure + limit;
-      verified::near("strength" + which, "Pa", -pressed.stress()(2), exact, 1e-4 * exact);
-      drawn.fail(0.02, pressure);
+      verified::near("strength" + which, "Pa", -compressed.stress()(2), exact, 1e-4 * exact);
+      extended.fail(0.02, pressure);
       const double tension = std::min(10e3, (limit - pressure) / n);
       const double reach = 1e-4 * (exact + limit);
       if (pressure > 100e3)
-        verified::near("axial stress drawn" + which, "Pa", drawn.stress()(2), tension, reach);
+        verified::near("axial stress in extension" + which, "Pa", extended.stress()(2), tension,
+                       reach);
       else
-        EXPECT_NEAR(drawn.stress()(2), tension, reach) << which;
+        EXPECT_NEAR(extended.stress()(2), tension, reach) << which;
     }
 }
 
-// While it flows in compression, volume over axial strain is 1 - M with M of the dilation angle.
+// In plastic compression volume over axial strain is 1 - M with M of the dilation angle.
 TEST_P(Failure, DilatesByItsAngle) {
   const Strength strength{Yield::mohr_coulomb, 20e3, 35, 12, 5e3};
   Sample sample({50e6, 0.3, 2000}, strength, GetParam());
-  sample.press(-0.02, 100e3, 2000);
+  sample.compress(-0.02, 100e3, 2000);
   const Vec3 before = sample.strain();
-  sample.press(-0.04, 100e3, 2000);
+  sample.compress(-0.04, 100e3, 2000);
   const Vec3 more = sample.strain() - before;
   const double exact = 1 - passive(12);
   verified::near("volume over axial strain", "-", more.sum() / more.z(), exact, 1e-3);
 }
 
-// Weight alone: with nu 0.1 the elastic K0 lies below the active pressure, so all of the column
-// yields when it is let down: s_h = (2 c sqrt N - weight z)/N below the depth where that presses
-// more than K0.
-TEST_P(Failure, RankinesPressureAtRest) {
+// Weight alone: with nu 0.1 the elastic K0 is below the active pressure, so the whole column yields
+// in the static solve: s_h = (2 c sqrt N - weight z)/N below the depth where its magnitude exceeds
+// that of K0.
+TEST_P(Failure, RankinesPressureInStaticEquilibrium) {
   GroundParameters p = box({1, 1, 10}, {1, 1, 80}, {50e6, 0.1, 2000});
   p.plane = PlaneState::strain;
   p.base = Base::fixed;
@@ -154,17 +156,18 @@ TEST_P(Failure, RankinesPressureAtRest) {
     const double exact = std::min(weight * z * 0.1 / 0.9, (limit + weight * z) / n);
     most = std::max(most, std::abs(grid.cell_data[1].values[6 * c] - exact));
   }
-  // Rounds of the rest stop at 1e-5 of the weight; both branches are lines, met between zones.
+  // Iterations of the static solve stop at 1e-5 of the weight; both lines join within an element.
   verified::below("error of the horizontal stress over that at the base", "-",
                   Comm::world().max(most) / (weight * 10 / n), 1e-5);
 }
 
-// Half of a rigid, smooth strip of half width 1 m on clay without weight, pressed down at constant
+// Half of a rigid, smooth strip of half width 1 m on weightless clay, driven downwards at constant
 // speed. Returns the mean pressure over the nominal width at the end, over c (Prandtl 1920: 2 +
-// pi). Softly driven: the punch pulls each node along by a spring.
-double bearing(const Comm& comm, std::int64_t zones, double cohesion, double friction) {
+// pi). Each node is driven by a soft spring between it and the punch.
+double bearing(const Comm& comm, std::int64_t elements, double cohesion, double friction) {
   const double half_width = 1, width = 5 * half_width, depth = 2.5 * half_width;
-  GroundParameters p = box({width, 1, depth}, {5 * zones, 1, 5 * zones / 2}, {50e6, 0.3, 2000});
+  GroundParameters p =
+      box({width, 1, depth}, {5 * elements, 1, 5 * elements / 2}, {50e6, 0.3, 2000});
   p.plane = PlaneState::strain;
   p.base = Base::fixed;
   p.rayleigh_mass = 20;
@@ -174,28 +177,27 @@ double bearing(const Comm& comm, std::int64_t zones, double cohesion, double fri
   Ground ground(comm, p, Dimension::plane, 1.0);
   // A wave of this speed carries 5 % of the cohesion.
   const double speed = 0.05 * cohesion / (2000 * 183), dt = ground.stable_step();
-  const double h = half_width / static_cast<double>(zones);
-  // N/m: a third of what makes a node with h^2/2 of soil follow within a window.
+  const double h = half_width / static_cast<double>(elements);
+  // N/m: a third of the stiffness with which a node with h^2/2 of soil follows within a window.
   const double spring = 0.3 * 2000 * h * h / 2 / (dt * dt);
-  const double way = (friction > 0 ? 60 : 25) * cohesion * half_width / 50e6;
+  const double travel = (friction > 0 ? 60 : 25) * cohesion * half_width / 50e6;
   std::vector<Vec3> force(ground.top().nodes(), Vec3::Zero());
-  std::vector<std::pair<std::int32_t, double>>
-      punch;  // nodes and their springs, as the zones begin
+  std::vector<std::pair<std::int32_t, double>> punch;  // nodes and their springs
   for (const std::int32_t n : ground.own_top()) {
     const double x = ground.top().position[static_cast<std::size_t>(n)].x();
-    // Both faces of the plane model carry half; the symmetry cuts the node at x = 0.
+    // Each face of the plane model carries half; the node at x = 0 is halved by symmetry.
     if (x < half_width + 0.01 * h) punch.emplace_back(n, 0.5 * (x < 0.01 * h ? 0.5 : 1) * spring);
   }
   double sum = 0, count = 0;
-  for (double t = dt; speed * t < way; t += dt) {
+  for (double t = dt; speed * t < travel; t += dt) {
     for (const auto& [n, stiffness] : punch) {
       const Ground::TopState now = ground.top_state(n);
-      // At the end of the window to come: a force that lags would feed vibrations.
+      // At the end of the next window: a lagging force would excite vibrations.
       const double lag = speed * (t + dt) + now.displacement.z() + dt * now.velocity.z();
       force[static_cast<std::size_t>(n)].z() = -stiffness * lag;
     }
     ground.advance(dt, force);
-    if (speed * t < 0.9 * way) continue;
+    if (speed * t < 0.9 * travel) continue;
     double now = 0;
     for (const auto& [n, stiffness] : punch) now -= force[static_cast<std::size_t>(n)].z();
     sum += now, ++count;
@@ -203,21 +205,21 @@ double bearing(const Comm& comm, std::int64_t zones, double cohesion, double fri
   return comm.sum(sum) / count / half_width / cohesion;
 }
 
-// The punch ends within a zone: it is wider than its nodes by up to half of one, which is the order
-// of the error.
+// The punch ends within an element: its effective width exceeds its nodes by up to half an element,
+// which is the order of the error.
 TEST(Footing, CarriesPrandtlsPressure) {
   const Comm comm = Comm::world();
   const double exact = 2 + std::numbers::pi;
   const double coarse = bearing(comm, 4, 50e3, 0), fine = bearing(comm, 8, 50e3, 0);
-  verified::near("pressure over cohesion, 4 zones under the half width", "-", coarse, exact,
+  verified::near("pressure over cohesion, 4 elements under the half width", "-", coarse, exact,
                  0.08 * exact);
-  verified::near("pressure over cohesion, 8 zones", "-", fine, exact, 0.04 * exact);
+  verified::near("pressure over cohesion, 8 elements", "-", fine, exact, 0.04 * exact);
   verified::near("order", "-", std::log2((coarse - exact) / (fine - exact)), 1, 0.4);
   // With friction and dilation of 20 degrees: (N e^(pi tan phi) - 1) / tan phi (Prandtl, Reissner).
   const double slope = std::tan(20 * std::numbers::pi / 180);
   const double more = (passive(20) * std::exp(std::numbers::pi * slope) - 1) / slope;
-  verified::near("pressure over cohesion, phi 20, 8 zones", "-", bearing(comm, 8, 50e3, 20), more,
-                 0.05 * more);
+  verified::near("pressure over cohesion, phi 20, 8 elements", "-", bearing(comm, 8, 50e3, 20),
+                 more, 0.05 * more);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-// Grounds that fail in implicit steps: triaxial strength in few long steps, the order in which
-// Newton's rounds converge. The strip footing is in failure_test.cpp.
+// Failure of grounds in implicit steps: triaxial strength in few long steps, and the order of
+// convergence of Newton's method. The strip footing is in failure_test.cpp.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fem/plastic_step.hpp"
+#include "fem/kernel/plastic_step.hpp"
 #include "support/verified.hpp"
 #include "unit/fem/yielding_scene.hpp"
 
@@ -19,8 +19,8 @@ class ImplicitFailure : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, ImplicitFailure, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-// A zone pressed by `axial` in ten steps; in each the lateral strain is sought that keeps the
-// pressure. Returns the axial stress, Pa, pressure positive. In a plane y stays.
+// An element compressed by `axial` in ten steps with a search for the lateral strain that keeps the
+// pressure. Returns the axial stress, Pa, pressure positive. In a plane y is fixed.
 double triaxial(const Elastic& solid, const Strength& strength, Dimension dimension,
                 double pressure) {
   GroundParameters p = box({1, 1, 1}, {1, 1, 1}, solid);
@@ -28,7 +28,8 @@ double triaxial(const Elastic& solid, const Strength& strength, Dimension dimens
   const Mesh mesh(Comm::self(), p, dimension, 1.0);
   Plasticity plasticity(mesh);
   PlasticStep step(mesh, plasticity);
-  const ZoneElement zone = zone_element(mesh.lattice.size, solid, dimension, PlaneState::strain);
+  const ElementMatrices element =
+      element_matrices(mesh.lattice.size, solid, dimension, PlaneState::strain);
   const int parts = mesh.lattice.components(), corners = mesh.lattice.corners();
   const Nodal none(parts, mesh.nodes());
   Nodal u = none;
@@ -44,13 +45,13 @@ double triaxial(const Elastic& solid, const Strength& strength, Dimension dimens
         flat(parts * k + c) = u[c][n];
       }
     step.flow(none, u);
-    stress = zone.centre_stress * flat +
+    stress = element.centre_stress * flat +
              plasticity.stress(0, Plasticity::Where::centre, Plasticity::When::since);
   };
   Vec3 strain = Vec3::Zero();
   for (int n = 1; n <= 10; ++n) {
     strain.z() = -0.003 * n;
-    // Chords, as what flows sideways is softer than the elastic solid by far.
+    // Secants, as the yielding solid is laterally much softer than the elastic one.
     for (int k = 0; k < 2000; ++k) {
       move(strain);
       const double lack = stress(0) + pressure;
@@ -69,15 +70,15 @@ TEST_P(ImplicitFailure, TriaxialStrength) {
     const Strength strength{Yield::mohr_coulomb, cohesion, friction, dilation, 10e3};
     const double sine = std::sin(friction * std::numbers::pi / 180), n = (1 + sine) / (1 - sine);
     const double exact = n * 50e3 + 2 * cohesion * std::sqrt(n);
-    // As near as the search for the lateral pressure stops.
+    // Tolerance of the search for the lateral pressure.
     verified::near(
         fmt::format("strength, c {:g} kPa, phi {:g}, at 50 kPa", cohesion / 1e3, friction), "Pa",
         triaxial({50e6, 0.3, 2000}, strength, GetParam(), 50e3), exact, 1e-9 * exact);
   }
 }
 
-// Half of a strip of half width 1 m on clay without weight, whose pressure rises to 0.85 of
-// Prandtl's in 0.1 s and stays: settlement of the centre after 0.15 s, m.
+// Half of a strip of half width 1 m on weightless clay, whose pressure rises to 0.85 of Prandtl's
+// in 0.1 s and then is constant: settlement of the centre after 0.15 s, m.
 double settlement(const Comm& comm, Integrator integrator) {
   const double cohesion = 50e3, rise = 0.1, end = 0.15;
   GroundParameters p = box({5, 1, 2.5}, {20, 1, 10}, {50e6, 0.3, 2000});
@@ -115,9 +116,9 @@ TEST(ImplicitFooting, SettlesAsInExplicitSteps) {
                  settlement(comm, Integrator::newmark) / exact, 1, 0.01);
 }
 
-// Order two: the residual of a round over the square of the one before has a bound. Residuals over
-// the forces of the step, from below 0.1 to where the square is rounding. Of order one it would be
-// 1e4.
+// Order two: the residual of an iteration over the square of the one before is bounded. Residuals
+// relative to the forces of the step, from below 0.1 to where the square is rounding. First order
+// would give 1e4.
 TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
   GroundParameters p = yielding_scene();
   p.integrator = Integrator::newmark;
@@ -128,7 +129,7 @@ TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
   for (int w = 0; w < 12; ++w) {
     ground.advance(5e-4, load_of(ground.top(), w));
     const GroundTotals totals = ground.totals();
-    const std::vector<double>& left = totals.rounds_left;
+    const std::vector<double>& left = totals.newton_residuals;
     most = std::max(most, static_cast<double>(left.size()) - 1);
     for (std::size_t k = 1; k < left.size(); ++k)
       if (left[k - 1] < 0.1 && left[k - 1] > 1e-5) {
@@ -137,9 +138,9 @@ TEST_P(ImplicitFailure, NewtonIsOfSecondOrder) {
       }
   }
   ASSERT_GT(count, 12);
-  verified::below("largest residual of a round over the square of the one before", "-", ratio,
+  verified::below("largest residual of an iteration over the square of the one before", "-", ratio,
                   1.25);
-  verified::below("most rounds in a step", "-", most, 6);
+  verified::below("most iterations in a step", "-", most, 6);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Implicit integrators on an oscillator of one freedom (reference case "Integrators"): spectral
-// radius and period error at dt/T = 0.1, and that they are second order whatever they damp.
+// Implicit integrators on an oscillator of one degree of freedom (reference case "Integrators"):
+// spectral radius and period error at dt/T = 0.1, and second order for any numerical damping.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ const double omega = std::sqrt(2 * modulus / solid.density), period = 2 * pi / o
 struct Scheme {
   const char* name;
   Integrator integrator;
-  double alpha, rho_inf;        // whichever it takes
+  double alpha, rho_inf;        // parameter of the scheme
   double radius, period_error;  // at dt/T = 0.1, to the digits given
 };
 
@@ -64,9 +64,9 @@ INSTANTIATE_TEST_SUITE_P(
                              0.03383}),
     [](const auto& p) { return std::string(p.param.name); });
 
-// The pair of roots rho exp(+-i W) of the amplification matrix obeys
+// The pair of roots rho exp(+-i W) of the amplification matrix satisfies
 //   u_(n+1) = 2 rho cos(W) u_n - rho^2 u_(n-1)
-// about the static displacement; the third root, below 0.3 here, is gone after 30 steps. Both
+// about the static displacement; the third root, below 0.3 here, has decayed after 30 steps. Both
 // numbers from a least-squares fit.
 TEST_P(Integrators, SpectralRadiusAndPeriodError) {
   const Scheme& scheme = GetParam();
@@ -85,7 +85,7 @@ TEST_P(Integrators, SpectralRadiusAndPeriodError) {
                  6e-6);  // digits
 }
 
-// A pressure that rises smoothly: loads of two windows are mixed as the motion is.
+// A pressure that rises smoothly: loads of two windows are weighted as the motion is.
 TEST_P(Integrators, SecondOrderUnderAChangingLoad) {
   const auto p = oscillator(GetParam());
   const auto at_end = [&](int windows) {

@@ -1,5 +1,6 @@
 // A wave from below a ground of tetrahedra, from a mesh file or of sections: it doubles at the top
-// and goes out where it came in; what has no tensile strength it throws up as boxes are thrown.
+// and leaves through the base; a ground without tensile strength is launched upwards as one of
+// boxes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,21 +25,21 @@ constexpr Elastic soil{50e6, 0.3, 2000};
 // 20 m of tetrahedra between rollers.
 GroundParameters column_of_mesh() {
   GroundParameters p = of_mesh(TetBox({1, 1, 20}, {1, 1, 20}), "wave_column", soil);
-  p.borders[4].holds = BorderKind::quiet;
+  p.borders[4].holds = BorderKind::viscous;
   EXPECT_TRUE(look_at_mesh(p).warnings.empty());
   return p;
 }
 GroundParameters column_of_sections() {
   GroundParameters p = box({1, 1, 20}, {1, 1, 20}, soil);
   p.y = {-0.5, 0.5};
-  p.layers = {{.name = "raised", .thickness = 5, .solid = soil, .zones = 5},
-              {.name = "natural", .thickness = 15, .solid = soil, .zones = 15}};
+  p.layers = {{.name = "raised", .thickness = 5, .solid = soil, .elements = 5},
+              {.name = "natural", .thickness = 15, .solid = soil, .elements = 15}};
   p.sections = {{.x = 0, .crest = 0.5, .slope = 0}};
   p.embankment_layers = 1;
   return p;
 }
 
-// A wave of pressure upwards through the quiet bottom.
+// A wave of pressure upwards through the viscous bottom.
 void check_wave(const std::string& ground_of, const GroundParameters& column) {
   const Comm comm = Comm::world();
   constexpr Ricker wave{5, 0.3};                                                  // Hz, s
@@ -68,7 +69,7 @@ void check_wave(const std::string& ground_of, const GroundParameters& column) {
                    exact, 0.02 * exact);
     verified::near(fmt::format("time of it after that at the base, {}, {}", ground_of, name), "s",
                    when - wave.centre - tau, 20 / speed, 0.02 * 20 / speed);
-    // It goes out below: nothing comes back.
+    // It leaves through the base without reflection.
     verified::below(
         fmt::format("velocity when it has left, over the largest, {}, {}", ground_of, name), "-",
         after / most, 0.02);
@@ -78,28 +79,28 @@ void check_wave(const std::string& ground_of, const GroundParameters& column) {
 GroundParameters column_of_layers() {
   GroundParameters p = box({1, 1, 20}, {1, 1, 20}, soil);
   p.sides = Sides::roller;
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   return p;
 }
 
-// A wave that would lift ground without a top by 5 mm in a fifth of a second.
+// A wave with a displacement of 5 mm in a fifth of a second.
 struct Lift {
-  static constexpr double way = 5e-3, time = 0.2, dt = 2e-3;  // m, s, s
+  static constexpr double displacement = 5e-3, time = 0.2, dt = 2e-3;  // m, s, s
   static constexpr int windows = 400;
   static double velocity(double t) {  // m/s, a triangle
-    return std::max(0.0, 2 * way / time * (1 - std::abs(2 * t / time - 1)));
+    return std::max(0.0, 2 * displacement / time * (1 - std::abs(2 * t / time - 1)));
   }
 };
 
-// m, of the top after each window.
+// Displacement of the top after each window, m.
 std::vector<double> lifted(GroundParameters p, Integrator integrator) {
   const Comm comm = Comm::world();
   const std::string table = fmt::format("lifted_on_{}.csv", comm.size());
-  comm.sum(std::int64_t{1});  // nobody reads one of this name any more
+  comm.sum(std::int64_t{1});  // no rank still reads an older file of this name
   if (comm.root())
     std::ofstream(table) << fmt::format("time_s,vx_m_s,vz_m_s\n0,0,0\n{},0,{}\n{},0,0\n",
                                         Lift::time / 2, Lift::velocity(Lift::time / 2), Lift::time);
-  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  comm.sum(std::int64_t{1});  // no rank reads before the file is written
   p.integrator = integrator;
   p.base_motion = table;
   Ground ground(comm, p, Dimension::space, 1);
@@ -115,7 +116,7 @@ std::vector<double> lifted(GroundParameters p, Integrator integrator) {
   return top;
 }
 
-// The top goes twice the way of the wave, H/c_p later, and stays there: nothing draws it back.
+// The top moves by twice the displacement of the wave, H/c_p later, without a restoring force.
 TEST(MeshedGround, IsLiftedTwiceAsFarAsItsWave) {
   const double speed = std::sqrt(soil.young * 0.7 / (1.3 * 0.4) / soil.density);
   std::vector<double> exact;
@@ -136,26 +137,26 @@ TEST(MeshedGround, IsLiftedTwiceAsFarAsItsWave) {
       const std::vector<double> top = lifted(column, integrator);
       double off = 0;
       for (std::size_t w = 0; w < top.size(); ++w) off = std::max(off, std::abs(top[w] - exact[w]));
-      verified::below(fmt::format("error of a lift over its way, {}, {}", ground_of, name), "-",
-                      off / Lift::way, 0.01);
+      verified::below(fmt::format("error of a lift over its displacement, {}, {}", ground_of, name),
+                      "-", off / Lift::displacement, 0.01);
     }
 }
 
-// A wave of 10 Hz and 0.1 m/s below 20 m without tensile strength, in half metres.
-struct Thrown {
-  double most, kept;  // m
+// A wave of 10 Hz and 0.1 m/s below 20 m without tensile strength, in elements of half a metre.
+struct Launch {
+  double most, end;  // m
 };
-Thrown thrown(GroundParameters p, Integrator integrator) {
+Launch launch(GroundParameters p, Integrator integrator) {
   const Comm comm = Comm::world();
-  const std::string table = fmt::format("thrown_on_{}.csv", comm.size());
-  comm.sum(std::int64_t{1});  // nobody reads one of this name any more
+  const std::string table = fmt::format("launched_on_{}.csv", comm.size());
+  comm.sum(std::int64_t{1});  // no rank still reads an older file of this name
   if (comm.root()) {
     std::ofstream file(table);
     file << "time_s,vx_m_s,vz_m_s\n";
     for (int r = 0; r <= 200; ++r)
       file << fmt::format("{},0,{}\n", r * 1e-3, r >= 100 ? 0 : 0.1 * std::sin(pi * r / 50));
   }
-  comm.sum(std::int64_t{1});  // nobody reads before it is written
+  comm.sum(std::int64_t{1});  // no rank reads before the file is written
   p.integrator = integrator;
   p.base_motion = table;
   const Strength loose{Yield::mohr_coulomb, 50e3, 30, 0, 0};
@@ -175,18 +176,18 @@ Thrown thrown(GroundParameters p, Integrator integrator) {
   return {comm.max(most), comm.max(high)};
 }
 
-TEST(MeshedGround, WithoutTensileStrengthIsThrownUpAsBoxes) {
+TEST(MeshedGround, WithoutTensileStrengthIsLaunchedAsBoxes) {
   GroundParameters file = of_mesh(TetBox({1, 1, 20}, {1, 1, 40}), "loose_column", soil);
-  file.borders[4].holds = BorderKind::quiet;
+  file.borders[4].holds = BorderKind::viscous;
   GroundParameters boxes = box({1, 1, 20}, {1, 1, 40}, soil);
   boxes.sides = Sides::roller;
-  boxes.base = Base::quiet;
-  const Thrown exact = thrown(boxes, Integrator::explicit_);
+  boxes.base = Base::viscous;
+  const Launch exact = launch(boxes, Integrator::explicit_);
   EXPECT_GT(exact.most, 5e-3);
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark}) {
-    const Thrown found = thrown(file, integrator);
+    const Launch found = launch(file, integrator);
     EXPECT_NEAR(found.most, exact.most, 0.03 * exact.most);
-    EXPECT_NEAR(found.kept, exact.kept, 0.06 * exact.most);
+    EXPECT_NEAR(found.end, exact.end, 0.06 * exact.most);
   }
 }
 

@@ -1,6 +1,6 @@
-// One zone between rollers on a fixed base is an oscillator with one freedom, whose discrete
-// frequency and decay are known in closed form: Newmark's and the explicit scheme's periods
-// (reference "Integrators"), energy, Rayleigh damping, springs below the base.
+// One element between rollers on a fixed base is an oscillator with one degree of freedom, whose
+// discrete frequency and decay are known in closed form: periods of Newmark's and the explicit
+// scheme (reference "Integrators"), energy, Rayleigh damping, springs below the base.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ std::vector<double> swing(const GroundParameters& p, Dimension dimension, double
   return u;
 }
 
-// Any undamped one-step scheme obeys u_(n+1) + u_(n-1) = 2 cos(W) u_n.
+// Any undamped one-step scheme satisfies u_(n+1) + u_(n-1) = 2 cos(W) u_n.
 double phase_per_step(const std::vector<double>& u) {
   double product = 0, square = 0;
   for (std::size_t n = 2; n + 1 < u.size(); ++n) {
@@ -64,7 +64,7 @@ class Oscillator : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Oscillator, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-TEST_P(Oscillator, NewmarkHasItsPeriodErrorAndKeepsEnergy) {
+TEST_P(Oscillator, NewmarkHasItsPeriodErrorAndConservesEnergy) {
   const double period = 2 * std::numbers::pi / angular_frequency();
   const auto u = swing(oscillator(Integrator::newmark), GetParam(), 0.1 * period, 400);
   const double error = 0.2 * std::numbers::pi / phase_per_step(u) - 1;
@@ -75,7 +75,7 @@ TEST_P(Oscillator, NewmarkHasItsPeriodErrorAndKeepsEnergy) {
     late = std::max(late, std::abs(u[n + 300]));
   }
   // Spectral radius 1; peaks are sampled ten times a period.
-  verified::near("amplitude kept over 30 periods", "-", late / early, 1, 1e-3);
+  verified::near("amplitude ratio over 30 periods", "-", late / early, 1, 1e-3);
 }
 
 TEST_P(Oscillator, ExplicitSchemeHasItsPeriodError) {
@@ -86,7 +86,7 @@ TEST_P(Oscillator, ExplicitSchemeHasItsPeriodError) {
                  2 * std::asin(0.1 * std::numbers::pi), 1e-9);
 }
 
-TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
+TEST_P(Oscillator, RayleighDampingHasItsDecay) {
   const double omega = angular_frequency(), ratio = 0.05;
   const double dt = 0.02 * 2 * std::numbers::pi / omega;
   for (const Integrator integrator : {Integrator::explicit_, Integrator::newmark})
@@ -95,7 +95,7 @@ TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
       (by_mass ? p.rayleigh_mass : p.rayleigh_stiffness) =
           by_mass ? 2 * ratio * omega : 2 * ratio / omega;
       const auto u = swing(p, GetParam(), dt, 600);
-      // Amplitude from displacement and its neighbours, ten periods apart.
+      // Amplitude from three consecutive displacements, ten periods apart.
       const double damped = omega * std::sqrt(1 - ratio * ratio);
       const auto amplitude = [&](std::size_t n) {
         const double v = (u[n + 1] - u[n - 1]) / (2 * dt);
@@ -110,10 +110,10 @@ TEST_P(Oscillator, RayleighDampingDecaysAsItShould) {
     }
 }
 
-// Springs beside dashpots: a stiff block sinks to p / k_s with the time constant rho c_p / k_s.
-TEST_P(Oscillator, BlockSinksIntoBaseSprings) {
+// Springs parallel to dashpots: a stiff block settles by p / k_s with time constant rho c_p / k_s.
+TEST_P(Oscillator, BlockSettlesOnBaseSprings) {
   GroundParameters p = oscillator(Integrator::explicit_);
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   p.base_stiffness = 1e4;  // Pa/m, 1/6700 of the block's own
   Ground ground(Comm::world(), p, GetParam(), 1.0);
   const auto load = pressure(ground, 1.0);
@@ -128,10 +128,10 @@ TEST_P(Oscillator, BlockSinksIntoBaseSprings) {
                  0.01 * expected);
 }
 
-// The springs that are chosen: G / depth, and a load that stays is carried.
-TEST_P(Oscillator, ChosenBaseSpringsCarryALoad) {
+// The automatic springs G / depth carry a permanent load.
+TEST_P(Oscillator, AutomaticBaseSpringsCarryALoad) {
   GroundParameters p = oscillator(Integrator::newmark);
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   p.base_stiffness = -1;
   double depth = 0;
   for (const Layer& layer : p.layers) depth += layer.thickness;

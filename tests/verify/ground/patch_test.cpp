@@ -1,25 +1,25 @@
-// Patch test: distorted hexahedra that share a node inside, with a linear motion of the nodes
-// outside. The node inside must follow it, and all stresses be the constant one.
+// Patch test: distorted hexahedra with a common inner node, under a linear motion of the outer
+// nodes. The inner node must follow it, and all stresses must be constant.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "fem/element.hpp"
+#include "fem/shape/element.hpp"
 #include "support/verified.hpp"
 
 namespace trackbed::fem {
 namespace {
 
-// A cube of 2 x 2 x 2 elements; the nodes of its faces and the one inside are moved from their
-// places, so that no element has two parallel faces.
+// A cube of 2 x 2 x 2 elements; the nodes of its faces and the inner one are displaced so that no
+// element has two parallel faces.
 struct Patch {
   Patch() {
     for (int n = 0; n < 27; ++n) {
       const Vec3 home(0.5 * (n % 3), 0.5 * (n / 3 % 3), 0.5 * (n / 9));
       Vec3 at = home;
-      // Corners of the cube stay.
+      // Corners of the cube are not moved.
       const bool corner = n % 3 != 1 && n / 3 % 3 != 1 && n / 9 != 1;
       for (int a = 0; a < 3 && !corner; ++a) at[a] += 0.09 * std::sin(2.3 * n + 1.9 * a + 0.4);
       position.push_back(at);
@@ -57,7 +57,7 @@ TEST(Patch, DistortedHexahedraKeepConstantStress) {
     for (const Vec3& x : patch.position) u.push_back(gradient * x);
     const Vec3 exact = u[inside];
     u[inside].setZero();
-    // Force on the node inside and its stiffness: three equations.
+    // Force on the inner node and its stiffness: three equations.
     const auto motion = [&](std::size_t element) {
       Eigen::Matrix<double, 24, 1> all;
       for (int k = 0; k < 8; ++k)
@@ -75,7 +75,7 @@ TEST(Patch, DistortedHexahedraKeepConstantStress) {
         }
     u[inside] = -stiffness.inverse() * force;
     // Rounding: an inverse of condition 1 / (1 - 2 nu).
-    verified::below(fmt::format("error of the node inside over its displacement, nu = {:g}", nu),
+    verified::below(fmt::format("error of the inner node over its displacement, nu = {:g}", nu),
                     "-", (u[inside] - exact).norm() / exact.norm(), 1e-9);
     double most = 0;
     for (std::size_t s = 0; s < solids.size(); ++s)

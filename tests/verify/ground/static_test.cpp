@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/linear_system.hpp"
-#include "fem/stiffness.hpp"
-#include "fem/terms.hpp"
+#include "fem/boundary/terms.hpp"
+#include "fem/kernel/stiffness.hpp"
+#include "fem/solver/linear_system.hpp"
 #include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
@@ -17,11 +17,11 @@ namespace {
 using par::Comm;
 using std::numbers::pi;
 
-std::vector<ZoneElement> elements(const Mesh& mesh) {
+std::vector<ElementMatrices> elements(const Mesh& mesh) {
   const Dimension dimension = mesh.lattice.plane ? Dimension::plane : Dimension::space;
-  std::vector<ZoneElement> all;
+  std::vector<ElementMatrices> all;
   for (const Elastic& s : mesh.solids.solid)
-    all.push_back(zone_element(mesh.lattice.size, s, dimension, PlaneState::strain));
+    all.push_back(element_matrices(mesh.lattice.size, s, dimension, PlaneState::strain));
   return all;
 }
 
@@ -29,11 +29,11 @@ class Static : public ::testing::TestWithParam<Dimension> {};
 INSTANTIATE_TEST_SUITE_P(, Static, ::testing::Values(Dimension::plane, Dimension::space),
                          dimension_name);
 
-TEST_P(Static, WeightPressesAsTheDepth) {
+TEST_P(Static, StressOfWeightIsProportionalToDepth) {
   GroundParameters p = column(40);
-  p.base = Base::quiet;
+  p.base = Base::viscous;
   p.base_stiffness = 0;
-  p.sides = Sides::quiet;
+  p.sides = Sides::viscous;
   Ground ground(Comm::world(), p, GetParam(), 1.0);
   ground.settle(pressure(ground, 5e3));
   const io::Grid grid = ground.fields();
@@ -47,12 +47,13 @@ TEST_P(Static, WeightPressesAsTheDepth) {
     error = std::max({error, std::abs(grid.cell_data[1].values[6 * c + 2] - exact),
                       std::abs(grid.cell_data[1].values[6 * c] - exact * 0.3 / 0.7)});
   }
-  // The solver's tolerance of 1e-8 times the condition of a column of 40 zones.
+  // The solver's tolerance of 1e-8 times the condition of a column of 40 elements.
   verified::below("error of stresses over the largest", "-",
                   Comm::world().max(error) / (10 * weight), 1e-5);
 }
 
-// Upright slender beam, one zone across, sheared at its tip: w = F L^3 / 3 E I + F L / (5/6 G A).
+// Upright slender beam, one element across, sheared at its tip: w = F L^3 / 3 E I + F L / (5/6 G
+// A).
 TEST(Cantilever, BendsWithoutLocking) {
   for (const double nu : {0.0, 0.3, 0.4999}) {
     GroundParameters p = box({1, 1, 20}, {1, 1, 20}, {1e9, nu, 1e-6});
@@ -73,17 +74,17 @@ TEST(Cantilever, BendsWithoutLocking) {
     for (const auto n : mesh.own) tip = std::max(tip, u[0][n]);
     const double shear = 1e9 / (2 * (1 + nu));
     const double exact = 1000.0 * 8000 / (3 * 1e9 / 12) + 1000.0 * 20 / (5.0 / 6 * shear);
-    // 20 zones follow the cubic to 1e-3; the clamp stiffens a little with nu. Locking would be 70
-    // %.
+    // 20 elements approximate the cubic to 1e-3; the clamp stiffens slightly with nu. Locking would
+    // give an error of 70 %.
     verified::near(fmt::format("deflection, nu = {:g}", nu), "m", Comm::world().max(tip), exact,
                    0.02 * exact);
   }
 }
 
 // u = a sin(pi x) sin(pi y) sin(pi z) with a = (1, 2, -1) (in a plane without y) in a unit cube
-// held all round. Body force -div sigma, lumped. Returns the root mean square error.
-double manufactured_error(Dimension dimension, std::int64_t zones, double nu) {
-  GroundParameters p = box({1, 1, 1}, {zones, zones, zones}, {1.0, nu, 1.0});
+// with fixed faces. Body force -div sigma, lumped. Returns the root mean square error.
+double manufactured_error(Dimension dimension, std::int64_t per_edge, double nu) {
+  GroundParameters p = box({1, 1, 1}, {per_edge, per_edge, per_edge}, {1.0, nu, 1.0});
   p.sides = Sides::free;
   Mesh mesh(Comm::world(), p, dimension, 1.0);
   const Stiffness stiffness(mesh, elements(mesh));
@@ -132,14 +133,14 @@ double manufactured_error(Dimension dimension, std::int64_t zones, double nu) {
 }
 
 TEST_P(Static, ManufacturedSolutionConvergesWithOrderTwo) {
-  // 0.4999 makes the multigrid of the larger meshes slow: there 0.49, where locking shows as well.
+  // 0.4999 slows down the multigrid of the larger meshes: there 0.49, which also reveals locking.
   const double high = GetParam() == Dimension::plane ? 0.4999 : 0.49;
   for (const double nu : {0.3, high}) {
     const std::int64_t n = GetParam() == Dimension::plane ? 8 : 4;
     const double coarse = manufactured_error(GetParam(), n, nu);
     const double middle = manufactured_error(GetParam(), 2 * n, nu);
     const double fine = manufactured_error(GetParam(), 4 * n, nu);
-    // Two sides: the asymptotic order of trilinear displacement.
+    // Two-sided: the asymptotic order of trilinear displacement.
     const std::string which = fmt::format(", nu = {:g}", nu);
     verified::near("order, finer meshes" + which, "-", std::log2(middle / fine), 2, 0.15);
     verified::near("order, coarser meshes" + which, "-", std::log2(coarse / middle), 2, 0.4);

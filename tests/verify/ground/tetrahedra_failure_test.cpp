@@ -1,11 +1,11 @@
-// Tetrahedra that yield: triaxial strength, a vertical cut in clay.
+// Yielding tetrahedra: triaxial strength, a vertical cut in clay.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fem/plasticity.hpp"
+#include "fem/kernel/plasticity.hpp"
 #include "support/verified.hpp"
 #include "trackbed/core/error.hpp"
 #include "unit/fem/embankment_scene.hpp"
@@ -18,7 +18,7 @@ using par::Comm;
 
 GroundParameters sample(const Elastic& solid, const Strength& strength) {
   GroundParameters p = upright({-1, 1});
-  p.x = {0, 2}, p.zones_x = 2, p.zones_y = 2;
+  p.x = {0, 2}, p.elements_x = 2, p.elements_y = 2;
   for (Layer& layer : p.layers) layer.solid = solid, layer.strength = strength;
   return p;
 }
@@ -30,7 +30,7 @@ GroundParameters sample_of_file(const Elastic& solid, const Strength& strength) 
   return p;
 }
 
-// Strained evenly along z while the lateral pressure is followed elastically; Pa, at the end.
+// Uniform strain along z at constant lateral pressure by elastic corrections; final stress, Pa.
 double strength_of(const GroundParameters& parameters, const Elastic& solid, double pressure) {
   const Mesh mesh(Comm::self(), parameters, Dimension::space, 1);
   const Stiffness stiffness(mesh, {});
@@ -77,15 +77,15 @@ TEST(TetrahedraThatYield, TriaxialStrength) {
     }
 }
 
-// A bank of clay of 2 m, upright sides, a slice between rollers. It falls where gamma H / c is
-// above 3.83 at the latest, by a circle through its foot (Taylor 1937): an upper bound.
+// A bank of clay of 2 m with upright sides, a slice between rollers. It fails at the latest where
+// gamma H / c exceeds 3.83, by a circle through its foot (Taylor 1937): an upper bound.
 bool stands(double number) {
   GroundParameters p = embankment();
-  p.x = {0, 0.25}, p.y = {0, 5}, p.zones_x = 1, p.zones_y = 20;
+  p.x = {0, 0.25}, p.y = {0, 5}, p.elements_x = 1, p.elements_y = 20;
   const double height = 2, density = 2000;
   const Strength clay{Yield::mohr_coulomb, gravity * density * height / number, 0, 0, 1e6};
-  p.layers = {{.name = "bank", .thickness = height, .solid = {50e6, 0.3, density}, .zones = 8},
-              {.name = "below", .thickness = 1, .solid = {50e6, 0.3, density}, .zones = 4}};
+  p.layers = {{.name = "bank", .thickness = height, .solid = {50e6, 0.3, density}, .elements = 8},
+              {.name = "below", .thickness = 1, .solid = {50e6, 0.3, density}, .elements = 4}};
   for (Layer& layer : p.layers) layer.strength = clay;
   p.sections = {{.x = 0, .crest = 3, .slope = 0}};
   p.embankment_layers = 1;
@@ -99,7 +99,7 @@ bool stands(double number) {
   return true;
 }
 
-TEST(TetrahedraThatYield, CutOfClayStandsAndFalls) {
+TEST(TetrahedraThatYield, CutOfClayHasItsStabilityNumber) {
   double low = 3.4, high = 4.2;
   EXPECT_TRUE(stands(low));
   EXPECT_FALSE(stands(high));

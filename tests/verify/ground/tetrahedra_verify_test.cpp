@@ -1,5 +1,5 @@
 // Ten-node tetrahedra from a mesh file: patch test, order, bending, near incompressibility,
-// frequencies, waves through a quiet base.
+// frequencies, waves through a viscous base.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/linear_system.hpp"
-#include "fem/stiffness.hpp"
-#include "fem/terms.hpp"
-#include "fem/tetrahedron.hpp"
+#include "fem/boundary/terms.hpp"
+#include "fem/kernel/stiffness.hpp"
+#include "fem/shape/tetrahedron.hpp"
+#include "fem/solver/linear_system.hpp"
 #include "support/verified.hpp"
 #include "unit/fem/mesh_scene.hpp"
 
@@ -42,7 +42,7 @@ bool on_face(const Vec3& x, const Vec3& size) {
   return on;
 }
 
-// A linear motion of the faces of a box: all nodes inside must follow it.
+// A linear motion of the faces of a box: all inner nodes must follow it.
 TEST(PatchOfTetrahedra, KeepsConstantStress) {
   const Vec3 size(1, 1, 1);
   const std::array<int, 3> cells = {3, 3, 3};
@@ -71,7 +71,7 @@ TEST(PatchOfTetrahedra, KeepsConstantStress) {
     const Eigen::VectorXd force = k * outer;
     const Eigen::VectorXd found = k(inside, inside).ldlt().solve(-force(inside));
     // Four points do not integrate an element with curved edges exactly.
-    verified::below(fmt::format("error of nodes inside over the motion, {} edges",
+    verified::below(fmt::format("error of inner nodes over the motion, {} edges",
                                 straight ? "straight" : "curved"),
                     "-",
                     (found - exact(inside)).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff(),
@@ -137,7 +137,7 @@ double manufactured_error(int cells, double nu) {
   for (std::size_t n = 0; n < mesh.nodes(); ++n)
     held[n] = on_face(mesh.position(static_cast<std::int32_t>(n)), {1, 1, 1}) ? 7 : 0;
   Nodal force(3, mesh.nodes()), u(3, mesh.nodes());
-  for (std::size_t e = 0; e < mesh.zone.size(); ++e) {
+  for (std::size_t e = 0; e < mesh.element.size(); ++e) {
     const TenNodes nodes = places(mesh, e);
     const double volume = tetrahedron_volume(nodes);
     for (int b = 0; b < 10; ++b) {
@@ -151,7 +151,7 @@ double manufactured_error(int cells, double nu) {
   LinearSystem(mesh, stiffness, spec).solve(force, u);
   mesh.exchange(u);
   double error = 0, all = 0;
-  for (std::size_t e = 0; e < mesh.zone.size(); ++e) {
+  for (std::size_t e = 0; e < mesh.element.size(); ++e) {
     if (!mesh.writes(e)) continue;
     const TenNodes nodes = places(mesh, e);
     for (int g = 0; g < tetrahedron_points; ++g) {
@@ -180,7 +180,7 @@ TEST(Tetrahedra, ManufacturedSolutionConvergesWithOrderThree) {
   }
 }
 
-// As Cantilever.BendsWithoutLocking of hexahedra: w = F L^3/(3 E I) + F L/(kappa G A).
+// As Cantilever.BendsWithoutLocking for hexahedra: w = F L^3/(3 E I) + F L/(kappa G A).
 double deflection(int across, double nu) {
   GroundParameters p = of_mesh(TetBox({1, 1, 20}, {across, across, 20 * across}),
                                fmt::format("beam_{}_{:g}", across, nu), {1e9, nu, 1e-6});
@@ -195,7 +195,7 @@ double deflection(int across, double nu) {
   for (const auto& t : shape.top_triangles)
     for (const std::int32_t k : t) {
       const std::int32_t n = mesh.local_node(shape.top_node[static_cast<std::size_t>(k)]);
-      // Of equal triangles; forces of ghosts are not read.
+      // Equal triangles; forces of ghosts are not read.
       if (n >= 0) force[0][n] += 1000.0 / (8 * across * across) / 3;
     }
   system.solve(force, u);
@@ -213,15 +213,15 @@ TEST(Tetrahedra, BendWithoutLocking) {
                  0.02 * exact(0.3));
   verified::near("deflection, two cells across, nu = 0.3", "m", deflection(2, 0.3), exact(0.3),
                  0.02 * exact(0.3));
-  // Near incompressibility one cell is somewhat stiff, two are less; locking would leave next to
-  // nothing.
+  // Near incompressibility one cell is somewhat stiff, two are less; locking would give almost no
+  // deflection.
   verified::near("deflection, one cell across, nu = 0.4999", "m", deflection(1, 0.4999),
                  exact(0.4999), 0.1 * exact(0.4999));
   verified::near("deflection, two cells across, nu = 0.4999", "m", deflection(2, 0.4999),
                  exact(0.4999), 0.05 * exact(0.4999));
 }
 
-// Lame's mode of a free cube, as Block.FreeVibration of hexahedra.
+// Lame's mode of a free cube, as Block.FreeVibration for hexahedra.
 TEST(Tetrahedra, FreeVibration) {
   constexpr Elastic solid{50e6, 0.3, 2000};
   const double c_s = std::sqrt(solid.young / (2 * (1 + solid.poisson)) / solid.density);
@@ -251,21 +251,21 @@ TEST(Tetrahedra, FreeVibration) {
                                 cells),
                     "-", squared.head(6).cwiseAbs().maxCoeff() / (exact * exact), 1e-10);
   }
-  // Of lumped masses; consistent ones would cost a solve in each explicit step.
+  // With lumped masses; consistent ones would require a solve in each explicit step.
   verified::near("frequency of Lame's mode over the exact one, 3 cells an edge", "-", 1 + error[1],
                  1, 0.01);
   verified::above("error with 2 cells an edge over that with 3", "-", error[0] / error[1],
                   std::pow(1.5, 2));
 }
 
-// At rest under `pressure` on the flat triangles of the top, all sides rollers: the largest error
-// of sigma_z at the surface, over 50 kPa.
+// In static equilibrium under `pressure` on the flat triangles of the top, all sides rollers: the
+// largest error of sigma_z at the surface, over 50 kPa.
 double surface_error(int cells, const char* name, const std::function<double(double)>& pressure) {
   const TetBox box({2, 2, 2}, {cells, cells, cells});
   GroundParameters p = of_mesh(box, fmt::format("{}_{}", name, cells), {50e6, 0.3, 2000});
   p.integrator = Integrator::bossak, p.alpha = -0.3;
   Ground ground(Comm::world(), p, Dimension::space, 1);
-  const auto force = pressed(ground.top(), [&](const Vec3& x) { return pressure(x.x()); });
+  const auto force = pressure_forces(ground.top(), [&](const Vec3& x) { return pressure(x.x()); });
   for (int w = 0; w < 15; ++w) ground.advance(5, force);
   double error = 0;
   for (const std::int32_t n : ground.own_top()) {
@@ -283,14 +283,14 @@ TEST(Tetrahedra, SurfaceStressIsThePressureOnIt) {
                     surface_error(cells, "uniform", uniform), 1e-5);
   const double coarse = surface_error(4, "wave", wave), fine = surface_error(8, "wave", wave);
   verified::below("error of surface stress, half a wave of pressure on 8 cells", "-", fine, 0.05);
-  // At borders faces lie on one side of the node: order 1 there.
+  // At borders the faces are on one side of the node: order 1 there.
   verified::above("error with 4 cells over that with 8", "-", coarse / fine, 1.9);
 }
 
-// A pulse of pressure goes down a column and out through its quiet base.
-TEST(Tetrahedra, QuietBaseLetsAWaveOut) {
-  GroundParameters p = of_mesh(TetBox({1, 1, 10}, {1, 1, 30}), "quiet", {50e6, 0.3, 2000});
-  p.borders[4].holds = BorderKind::quiet;
+// A pressure pulse travels down a column and leaves through its viscous base.
+TEST(Tetrahedra, ViscousBaseAbsorbsAWave) {
+  GroundParameters p = of_mesh(TetBox({1, 1, 10}, {1, 1, 30}), "viscous", {50e6, 0.3, 2000});
+  p.borders[4].holds = BorderKind::viscous;
   p.base_stiffness = 0;
   p.integrator = Integrator::explicit_;
   Ground ground(Comm::world(), p, Dimension::space, 1);
@@ -309,7 +309,8 @@ TEST(Tetrahedra, QuietBaseLetsAWaveOut) {
     left = totals.kinetic + totals.elastic;
     most = std::max(most, left);
   }
-  verified::below("energy left of a wave after it met the base", "-", left / most, 1e-3);
+  verified::below("remaining energy of a wave after its arrival at the base", "-", left / most,
+                  1e-3);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A wave that travels round a periodic ground.
+// A wave that travels around a periodic ground.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,21 +17,23 @@ using std::numbers::pi;
 constexpr Elastic soil{50e6, 0.3, 2000};
 constexpr double length = 12, height = 1;  // m
 
-// 1/s. One row of zones on a fixed base has the top's motion alone. Shear across the track, u_y =
-// U(x) (1 + z/H): with half of the mass on top,
+// Angular frequency, 1/s. One row of elements on a fixed base has only the degrees of freedom of
+// its top. Shear across the track, u_y = U(x) (1 + z/H): with half of the mass at the top,
 //   rho H/2 d2U/dt2 = G H/3 d2U/dx2 - G/H U,  so w^2 = 2/3 c_s^2 k^2 + 2 (c_s/H)^2.
 double frequency(double wave_number) {
   const double squared = soil.young / (2 * (1 + soil.poisson)) / soil.density;  // c_s^2
   return std::sqrt(squared * (2.0 / 3 * wave_number * wave_number + 2 / (height * height)));
 }
 
-// s that a sine of the whole length takes to go round `rounds` times, and how much of it stands
-// instead of travelling. Cosine and sine are let go one after the other, a quarter period apart.
-struct Round {
+// Time in which a sine of the whole length travels `circuits` times around, s, and the fraction of
+// it that is a standing wave. Cosine and sine are released one after the other, a quarter period
+// apart.
+struct Circuits {
   double time, standing;
 };
-Round go_round(const Comm& comm, std::int64_t zones, int rounds, Integrator integrator) {
-  GroundParameters p = box({length, 1, height}, {zones, 1, 1}, soil);
+Circuits travel_around(const Comm& comm, std::int64_t elements, int circuits,
+                       Integrator integrator) {
+  GroundParameters p = box({length, 1, height}, {elements, 1, 1}, soil);
   p.base = Base::fixed;
   p.side_x_low = p.side_x_high = p.side_y_low = p.side_y_high = Sides::periodic;
   p.integrator = integrator;
@@ -39,19 +41,19 @@ Round go_round(const Comm& comm, std::int64_t zones, int rounds, Integrator inte
   Ground ground(comm, p, Dimension::space, 1);
   const double k = 2 * pi / length, period = 2 * pi / frequency(k);
   const auto load = [&](double cosine, double sine) {
-    return drawn(ground, [=](const Vec3& at) -> Vec3 {
+    return traction_forces(ground, [=](const Vec3& at) -> Vec3 {
       return {0, 1e3 * (cosine * std::cos(k * at.x()) + sine * std::sin(k * at.x())), 0};
     });
   };
-  const std::int64_t steps = 8 * zones;  // of a period
+  const std::int64_t steps = 8 * elements;  // of a period
   const double dt = period / static_cast<double>(steps);
   ground.settle(load(1, 1));
   const auto after = load(0, 1), nothing = load(0, 0);
   double before = 0, most = 0, least = 1e300;
-  std::vector<double> passed;  // s, when the wave is where it began
-  for (std::int64_t w = 1; w < (rounds + 2) * steps; ++w) {
+  std::vector<double> passed;  // s, when the wave is back at its start
+  for (std::int64_t w = 1; w < (circuits + 2) * steps; ++w) {
     ground.advance(dt, w <= steps / 4 ? after : nothing);
-    // Velocity along cosine and sine, and so where the wave is; both ends are one node.
+    // Velocity along cosine and sine gives the phase of the wave; both ends are one node.
     double a = 0, b = 0;
     for (const std::int32_t n : ground.own_top()) {
       const double x = ground.top().position[static_cast<std::size_t>(n)].x();
@@ -65,24 +67,24 @@ Round go_round(const Comm& comm, std::int64_t zones, int rounds, Integrator inte
       passed.push_back((static_cast<double>(w) - a / (a - before)) * dt);
     before = a;
   }
-  return {passed.at(static_cast<std::size_t>(rounds)) - passed.front(),
+  return {passed.at(static_cast<std::size_t>(circuits)) - passed.front(),
           (most - least) / (most + least)};
 }
 
-TEST(PeriodicGround, WaveGoesRound) {
+TEST(PeriodicGround, WaveTravelsAround) {
   const Comm comm = Comm::world();
-  constexpr int rounds = 3;
-  const double exact = rounds * 2 * pi / frequency(2 * pi / length);
+  constexpr int circuits = 3;
+  const double exact = circuits * 2 * pi / frequency(2 * pi / length);
   for (const auto& [name, integrator] :
        {std::pair{"explicit", Integrator::explicit_}, {"newmark", Integrator::newmark}}) {
-    const Round coarse = go_round(comm, 12, rounds, integrator);
-    const Round fine = go_round(comm, 24, rounds, integrator);
-    // Mass lumped along x against stiffness over z that is not: (k h)^2/12 of the frequency.
-    verified::near(fmt::format("time of three rounds, 24 zones, {}", name), "s", fine.time, exact,
-                   0.006 * exact);
-    verified::near(fmt::format("error with 12 zones over that with 24, {}", name), "-",
+    const Circuits coarse = travel_around(comm, 12, circuits, integrator);
+    const Circuits fine = travel_around(comm, 24, circuits, integrator);
+    // Mass lumped along x, stiffness not: error (k h)^2/12 of the frequency.
+    verified::near(fmt::format("time of three circuits, 24 elements, {}", name), "s", fine.time,
+                   exact, 0.006 * exact);
+    verified::near(fmt::format("error with 12 elements over that with 24, {}", name), "-",
                    (coarse.time - exact) / (fine.time - exact), 4, 0.4);
-    verified::below(fmt::format("share of the wave that stands, 24 zones, {}", name), "-",
+    verified::below(fmt::format("standing fraction of the wave, 24 elements, {}", name), "-",
                     fine.standing, 0.02);
   }
 }

@@ -1,7 +1,7 @@
-// A ball between two plates, without gravity and damping: it bounces for ever, and friction and the
-// tangential spring must not give it energy, whatever its size, stiffness, speed and way between
-// the plates, which sets where in a step each contact begins. TRACKBED_BOUNCES asks for more than
-// the usual bounces.
+// A ball between two plates, without gravity and damping: it bounces without end, and friction and
+// the tangential spring must not increase its energy, for any size, stiffness, speed and gap
+// between the plates, which determines at which point of a step each contact begins. The
+// environment variable TRACKBED_BOUNCES sets a larger number of bounces.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -44,15 +44,15 @@ dem::Physics physics_of(const Ball& b) {
   return physics;
 }
 
-// `step` and `way` between the plates beside the ball, over the time of a contact and over the way
-// of a contact time.
+// Step over the contact time, and gap between plates and ball over the distance travelled in a
+// contact time.
 struct Course {
-  double step = 0.02, way = 1;
+  double step = 0.02, gap = 1;
   int bounces = 200;
 };
 
 struct Errors {
-  double rise = 0;  // largest, above any earlier value, over the first
+  double rise = 0;  // largest increase above the least earlier energy, over the first
   double rms = 0;   // of the changes from bounce to bounce, over the first
 };
 
@@ -62,7 +62,7 @@ double kinetic(const Ball& b, const dem::ParticleView& p) {
 }
 
 Errors bounced(const Ball& ball, const Course& course) {
-  const double time = ball.contact_time(), gap = course.way * ball.speed * time;
+  const double time = ball.contact_time(), gap = course.gap * ball.speed * time;
   dem::Parameters parameters;
   parameters.gravity = 0, parameters.largest_overlap = 10;
   dem::Particles p(
@@ -88,7 +88,7 @@ Errors bounced(const Ball& ball, const Course& course) {
     p.advance(stride * course.step * time, stride);
     const double z = p[0].position.z();
     if ((p[0].velocity.z() > 0) == up || z < ball.radius || z > ball.radius + gap) continue;
-    // It flies, and the other way than before.
+    // It is in free flight in the opposite direction.
     const double now = kinetic(ball, p[0]);
     errors.rise = std::max(errors.rise, now - least), least = std::min(least, now);
     squares += (now - last) * (now - last), last = now;
@@ -99,22 +99,22 @@ Errors bounced(const Ball& ball, const Course& course) {
 }
 
 int bounces_or(int usual) {
-  const char* asked = std::getenv("TRACKBED_BOUNCES");
-  return asked ? std::atoi(asked) : usual;
+  const char* given = std::getenv("TRACKBED_BOUNCES");
+  return given ? std::atoi(given) : usual;
 }
 
-// A row for the largest of `ways` ways between the plates, spread over two and a half flights of a
-// contact time.
-void never_rises(const Ball& ball, int ways, int bounces, const std::string& which,
-                 double tolerance = 5e-9) {
+// Verifies the largest rise over `gaps` gaps between the plates, distributed over two and a half
+// distances of a contact time.
+void expect_no_rise(const Ball& ball, int gaps, int bounces, const std::string& which,
+                    double tolerance = 5e-9) {
   double rise = 0;
-  for (int k = 0; k < ways; ++k) {
-    const double way = 0.5 + 2 * std::fmod((k + 0.5) * std::numbers::phi, 1.0);
-    rise = std::max(rise, bounced(ball, {.way = way, .bounces = bounces}).rise);
+  for (int k = 0; k < gaps; ++k) {
+    const double gap = 0.5 + 2 * std::fmod((k + 0.5) * std::numbers::phi, 1.0);
+    rise = std::max(rise, bounced(ball, {.gap = gap, .bounces = bounces}).rise);
   }
-  // Twice the 2.5e-9 that 1e4 bounces of the hardest and slowest of these balls give, whose
-  // overlap is 3e-5 of the radius, so that its rounding counts; 3e-10 of the others.
-  verified::below(fmt::format("rise of energy in {} bounces, {} ways, {}", bounces, ways, which),
+  // Twice the 2.5e-9 that 1e4 bounces of the hardest and slowest of these balls give, whose overlap
+  // is 3e-5 of the radius, so that its rounding matters; 3e-10 for the others.
+  verified::below(fmt::format("rise of energy in {} bounces, {} gaps, {}", bounces, gaps, which),
                   "of the first", rise, tolerance);
 }
 
@@ -122,69 +122,72 @@ TEST(Bounces, NeverRaiseTheEnergy) {
   for (const bool hertz : {true, false})
     for (const double poisson : {0.1, 0.25, 0.4})
       for (const double friction : {0.0, 0.3, 0.7, 5.0}) {
-        if (!hertz && poisson > 0.1) continue;  // is of no account
-        never_rises(
+        if (!hertz && poisson > 0.1) continue;  // not used by the linear law
+        expect_no_rise(
             {.hertz = hertz, .poisson = poisson, .friction = friction}, 3, bounces_or(300),
             fmt::format("{}, friction {:g}",
                         hertz ? fmt::format("hertz, nu {:g}", poisson) : "linear", friction));
       }
 }
 
-// Where a contact opens its tangential spring is stretched still, by what its period and friction
-// have left: near 2/7 k_n it passes zero within the last steps (`remaining` in contact.hpp).
+// When a contact opens, its tangential spring is still stretched, depending on its period and on
+// friction: near 2/7 k_n its force is zero within the last steps (`remaining` in contact.hpp).
 TEST(Bounces, OfAnyTangentialStiffnessNeverRaiseTheEnergy) {
   for (const double k_s : {0.25, 2.0 / 7, 0.29, 0.5, 0.8, 1.2, 2.0})
     for (const double friction : {0.1, 0.3, 1.5, 5.0})
       for (const double spin : {-0.05, -1.0, 0.7})
-        never_rises(
+        expect_no_rise(
             {.hertz = false, .friction = friction, .k_s = k_s, .spin = spin}, 4, bounces_or(200),
             fmt::format("linear, k_s {:.3g} k_n, friction {:g}, spin {:g}", k_s, friction, -spin),
             5e-8);
 }
 
-// The arm of friction changes from step to step as the ball comes in; near 8/7 k_n the tangential
-// spring swings once in a contact, and what a step has too much is won in each bounce.
+// The lever arm of friction changes from step to step as the overlap grows; near 8/7 k_n the
+// tangential spring completes one oscillation in a contact, and an energy error of a step would
+// recur in each bounce.
 TEST(Bounces, ThatSpinFastNeverRaiseTheEnergy) {
   for (const double k_s : {0.8, 8.0 / 7, 1.2})
     for (const double spin : {-3.0, 1.76})
-      never_rises({.hertz = false, .friction = 1.5, .k_s = k_s, .spin = spin}, 4, bounces_or(200),
-                  fmt::format("linear, k_s {:.3g} k_n, friction 1.5, spin {:g}", k_s, -spin));
+      expect_no_rise({.hertz = false, .friction = 1.5, .k_s = k_s, .spin = spin}, 4,
+                     bounces_or(200),
+                     fmt::format("linear, k_s {:.3g} k_n, friction 1.5, spin {:g}", k_s, -spin));
 }
 
 // Overlaps of 1.2 % of the radius.
 TEST(Bounces, ThatAreFastNeverRaiseTheEnergy) {
   for (const double k_s : {1.11, 8.0 / 7})
-    never_rises({.hertz = false, .friction = 5, .speed = 1.2, .k_s = k_s, .spin = 1.76}, 4,
-                bounces_or(200), fmt::format("linear, 1.2 m/s, k_s {:.3g} k_n", k_s), 1e-6);
+    expect_no_rise({.hertz = false, .friction = 5, .speed = 1.2, .k_s = k_s, .spin = 1.76}, 4,
+                   bounces_or(200), fmt::format("linear, 1.2 m/s, k_s {:.3g} k_n", k_s), 1e-6);
 }
 
-// With a stiffness of 0.4 k_n half a swing of a sphere's rolling spring, which friction does not
-// disturb, takes as long as the contact.
+// With a stiffness of 0.4 k_n half a period of a sphere's rolling spring, which friction does not
+// affect, is as long as the contact.
 TEST(Bounces, ThatRollNeverRaiseTheEnergy) {
   for (const double friction : {0.0, 0.7})
     for (const double stiffness : {0.1, 0.4, 1.0})
       for (const double rolling : {0.2, 1.0})
-        never_rises({.hertz = false,
-                     .friction = friction,
-                     .spin = -1,
-                     .rolling_friction = rolling,
-                     .rolling_stiffness = stiffness},
-                    4, bounces_or(200),
-                    fmt::format("linear, friction {:g}, rolling friction {:g}, stiffness {:g} k_n",
-                                friction, rolling, stiffness));
+        expect_no_rise(
+            {.hertz = false,
+             .friction = friction,
+             .spin = -1,
+             .rolling_friction = rolling,
+             .rolling_stiffness = stiffness},
+            4, bounces_or(200),
+            fmt::format("linear, friction {:g}, rolling friction {:g}, stiffness {:g} k_n",
+                        friction, rolling, stiffness));
 }
 
 TEST(Bounces, OfAnySizeStiffnessAndSpeedNeverRaiseTheEnergy) {
   for (const double radius : {1e-3, 0.1})
     for (const double young : {1e8, 3e11})
       for (const double speed : {0.01, 1.0})
-        never_rises({.radius = radius, .young = young, .speed = speed}, 16, bounces_or(100),
-                    fmt::format("R {:g} m, E {:g} Pa, {:g} m/s", radius, young, speed));
+        expect_no_rise({.radius = radius, .young = young, .speed = speed}, 16, bounces_or(100),
+                       fmt::format("R {:g} m, E {:g} Pa, {:g} m/s", radius, young, speed));
 }
 
-// Relative change of the energy of two balls of unlike sizes that meet head on, in 50 steps of
-// contact, after `way` steps.
-double met(double ratio, double way) {
+// Relative change of the energy of two balls of different sizes in a head-on collision, in 50 steps
+// of contact, after `steps` steps of flight.
+double energy_change(double ratio, double steps) {
   const Ball large, small{.radius = ratio * large.radius};
   const double speed = 2 * large.speed, e_star = large.young / (2 * (1 - 0.25 * 0.25));
   const double mass = large.mass() * small.mass() / (large.mass() + small.mass());
@@ -198,8 +201,8 @@ double met(double ratio, double way) {
   p.add_template(test::sphere());
   std::vector<dem::NewParticle> two(2);
   two[1].id = 1;
-  two[0].scale = large.radius, two[0].position.x() = -large.radius - way * large.speed * dt;
-  two[1].scale = small.radius, two[1].position.x() = small.radius + way * large.speed * dt;
+  two[0].scale = large.radius, two[0].position.x() = -large.radius - steps * large.speed * dt;
+  two[1].scale = small.radius, two[1].position.x() = small.radius + steps * large.speed * dt;
   two[0].velocity.x() = large.speed, two[1].velocity.x() = -large.speed;
   p.add(two);
   const double before = p.totals().kinetic;
@@ -212,20 +215,21 @@ double met(double ratio, double way) {
 TEST(Bounces, OfTwoBallsKeepTheEnergy) {
   for (const double ratio : {1.0, 0.3}) {
     double most = 0;
-    for (int k = 0; k < 64; ++k) most = std::max(most, std::abs(met(ratio, 2 + k / 64.0)));
-    // Twice what a collision of 50 steps gives. k = 0: they touch at the end of a step, and
-    // rounding says whether in it.
+    for (int k = 0; k < 64; ++k)
+      most = std::max(most, std::abs(energy_change(ratio, 2 + k / 64.0)));
+    // Twice the error of a collision of 50 steps. With k = 0 they touch at the end of a step, and
+    // rounding decides whether in that step.
     verified::below(fmt::format("change of energy in a collision, sizes 1 and {:g}", ratio),
                     "of the first", most, 5e-11);
   }
 }
 
-// What is left out at the ends of a Hertz contact is of the third power of the share of its speed
-// that the first force takes in a step, and that share grows as step^2.5.
+// The neglected terms at the ends of a Hertz contact are of third order in the fraction of the
+// speed that the first force changes in a step, and that fraction grows as step^2.5.
 TEST(Bounces, ErrorOfAHertzCollisionIsOfOrderSevenAndAHalf) {
   const Ball ball{.friction = 0};
   const auto error = [&](double step) {
-    return bounced(ball, {.step = step, .way = 1 + std::numbers::phi, .bounces = 200}).rms;
+    return bounced(ball, {.step = step, .gap = 1 + std::numbers::phi, .bounces = 200}).rms;
   };
   const double coarse = error(0.1), fine = error(0.05);
   verified::near("order of the energy error of a collision", "-", std::log2(coarse / fine), 7.5,

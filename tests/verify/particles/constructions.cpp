@@ -29,12 +29,13 @@ void Body::kick(const Vec3& force, const Vec3& torque, double dt) {
   l += dt * torque;
 }
 
-// The attitude about its principal axes in turn, as in src/dem/step.cpp.
+// Rotations about the principal axes one after the other, as in src/dem/particles/step.cpp.
 void Body::drift(double dt) {
   x += dt * v;
   Vec3 body = q.conjugate() * l;
-  for (const auto& [axis, share] : {std::pair(0, 0.5), {1, 0.5}, {2, 1.0}, {1, 0.5}, {0, 0.5}}) {
-    const Quat step(Eigen::AngleAxisd(share * dt * body[axis] / inertia[axis], Vec3::Unit(axis)));
+  for (const auto& [axis, fraction] : {std::pair(0, 0.5), {1, 0.5}, {2, 1.0}, {1, 0.5}, {0, 0.5}}) {
+    const Quat step(
+        Eigen::AngleAxisd(fraction * dt * body[axis] / inertia[axis], Vec3::Unit(axis)));
     q = q * step;
     body = step.conjugate() * body;
   }
@@ -99,7 +100,7 @@ void all_features(const Body& a, const Body& b, std::vector<Feature>& found) {
 
 namespace {
 
-// The face whose normal is most along `direction` (m: corner positions from the origin of `i`).
+// The face whose normal is closest to `direction` (corner positions from the origin of `i`, m).
 struct FacePolygon {
   Vec3 normal = Vec3::Zero();
   double along = -2;
@@ -129,7 +130,8 @@ std::vector<Vec3> cut(const std::vector<Vec3>& polygon, const Vec3& on, const Ve
   return kept;
 }
 
-// Four that span the most: the deepest, the farthest from it, and the farthest on either side.
+// Four points with the largest extent: the deepest, the farthest from it, and the farthest on
+// either side.
 void reduce(std::vector<Feature>& found) {
   if (found.size() <= 4) return;
   const auto best = [&](auto measure) {
@@ -199,19 +201,19 @@ Response smooth_maximum(const Body& i, const Body& j, double k, double p) {
   const double largest = std::pow(sum, 1 / p);
   Response response;
   for (const Feature& f : found)
-    response.push(-k * largest * std::pow(f.delta / largest, p - 1) * f.n, f.x, j.x - i.x);
+    response.add(-k * largest * std::pow(f.delta / largest, p - 1) * f.n, f.x, j.x - i.x);
   return response;
 }
 
 Response each(const std::vector<Feature>& found, const Body& i, const Body& j, double k) {
   Response response;
-  for (const Feature& f : found) response.push(-k * f.delta * f.n, f.x, j.x - i.x);
+  for (const Feature& f : found) response.add(-k * f.delta * f.n, f.x, j.x - i.x);
   return response;
 }
 
 }  // namespace
 
-std::vector<Named> constructions() {
+std::vector<NamedConstruction> constructions() {
   const auto smooth = [](double p) {
     return
         [p](const Body& i, const Body& j, double k, Memory&) { return smooth_maximum(i, j, k, p); };

@@ -1,13 +1,13 @@
-// Ways to turn the overlap of two rounded convex cores into a force, side by side, and two bodies
-// to try them on. For the study `stone_constructions`; the program itself uses the smooth maximum
-// of src/dem/features.hpp.
+// Alternative contact models for the overlap of two rounded convex cores, and two bodies to test
+// them. For the study `stone_constructions`; the program uses the smooth maximum of
+// src/dem/shape/features.hpp.
 #pragma once
 
 #include <functional>
 #include <vector>
 
-#include "dem/features.hpp"
-#include "dem/separation.hpp"
+#include "dem/shape/features.hpp"
+#include "dem/shape/separation.hpp"
 #include "support/stone_pairs.hpp"
 
 namespace trackbed::study {
@@ -40,27 +40,27 @@ struct Feature {
 // Force on i and torques about both centres.
 struct Response {
   Vec3 force = Vec3::Zero(), turn_i = Vec3::Zero(), turn_j = Vec3::Zero();
-  void push(const Vec3& f, const Vec3& at, const Vec3& centre_j) {
+  void add(const Vec3& f, const Vec3& at, const Vec3& centre_j) {
     force += f, turn_i += at.cross(f), turn_j -= (at - centre_j).cross(f);
   }
 };
 
-// What is kept of a pair from step to step.
+// State of a pair that is kept from step to step.
 struct Memory {
   Vec3 normal = Vec3::UnitZ();
 };
 
 // All features of the pair within reach.
 void all_features(const Body& i, const Body& j, std::vector<Feature>& found);
-// At most four points: the face of the other that looks against the reference face, clipped to its
+// At most four points: the face of the other body opposite to the reference face, clipped to its
 // prism (Sutherland, Hodgman 1974, doi:10.1145/360767.360802).
 void clipped_manifold(const Body& i, const Body& j, Memory& memory, std::vector<Feature>& found);
 
 using Construction = std::function<Response(const Body&, const Body&, double k, Memory&)>;
-struct Named {
+struct NamedConstruction {
   const char* name;
   Construction respond;
 };
-std::vector<Named> constructions();
+std::vector<NamedConstruction> constructions();
 
 }  // namespace trackbed::study

@@ -1,4 +1,4 @@
-// A ball thrown at a plate, for tests of impacts.
+// Impact of a ball on a plate, for tests.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct Ball {
   double zeta = 0;                               // linear only
   double plate_young = 1e30, plate_poisson = 0;  // rigid
   double k_n = 1e6, k_s = 8e5;                   // linear only
-  double place = 0.5;                            // gap to the plate at the begin, in steps' ways
+  double place = 0.5;  // initial gap to the plate, over the distance per step
   double mass() const { return density * test::sphere().volume * std::pow(radius, 3); }
   double e_star() const {
     return 1 /
@@ -59,10 +59,12 @@ struct Motion {
   Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
 };
 
-using See = std::function<void(const dem::ParticleView&)>;
+using Observer = std::function<void(const dem::ParticleView&)>;
 
-// Until it parts from the plate z = 0; `see` is shown the ball after each step in contact.
-inline Motion thrown(const Ball& ball, const Motion& before, double dt, const See& see = {}) {
+// Simulates the impact until the ball separates from the plate z = 0; `observe` is called with the
+// ball after each step in contact.
+inline Motion impact(const Ball& ball, const Motion& before, double dt,
+                     const Observer& observe = {}) {
   dem::Particles p = nothing(ball);
   dem::NewParticle one;
   one.scale = ball.radius, one.velocity = before.velocity, one.spin = before.spin;
@@ -71,13 +73,13 @@ inline Motion thrown(const Ball& ball, const Motion& before, double dt, const Se
   Surface plate = test::floor_of(1, 20 * ball.radius);
   plate.material = 1;
   p.set_surfaces({&plate});
-  bool met = false;
+  bool collided = false;
   for (int step = 0; step < 1000000; ++step) {
     p.advance(dt, 1);
     const bool touches = p.totals().contacts > 0;
-    if (met && !touches) break;
-    met |= touches;
-    if (touches && see) see(p[0]);
+    if (collided && !touches) break;
+    collided |= touches;
+    if (touches && observe) observe(p[0]);
   }
   return {p[0].velocity, p[0].spin};
 }
@@ -91,10 +93,10 @@ inline double contact_time(const Ball& b, double v) {
 }
 
 // An elastic Hertz impact with any tangential force: `friction(overlap, slip)` is that against the
-// slip, moved by `slip` (m); `share` of the collision per step.
+// slip, moved by `slip` (m); step: `fraction` of the collision time.
 template <class Friction>
-Motion integrated(const Ball& b, const Motion& before, double share, Friction&& friction) {
-  const double mass = b.mass(), dt = share * contact_time(b, -before.velocity.z());
+Motion integrated(const Ball& b, const Motion& before, double fraction, Friction&& friction) {
+  const double mass = b.mass(), dt = fraction * contact_time(b, -before.velocity.z());
   Motion now = before;
   for (double delta = -now.velocity.z() * dt; delta > 0; delta -= now.velocity.z() * dt) {
     const double arm = b.radius - delta;
@@ -106,8 +108,8 @@ Motion integrated(const Ball& b, const Motion& before, double share, Friction&& 
   return now;
 }
 
-// The same by the increments of Mindlin's force, dF = k du while the contact grows and dF = k du +
-// F dk / k while it shrinks, cut at mu F_n.
+// The same with the increments of Mindlin's force, dF = k du while the contact grows and dF = k du
+// + F dk / k while it shrinks, limited to mu F_n.
 inline Motion by_increments(const Ball& b, const Motion& before) {
   double force = 0, k = 0;
   return integrated(b, before, 1e-5, [&](double delta, double slip) {

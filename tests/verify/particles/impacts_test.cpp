@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "dem/laws.hpp"
+#include "dem/law/laws.hpp"
 #include "support/verified.hpp"
 
 namespace trackbed {
@@ -18,24 +18,24 @@ TEST(Impact, FrictionWhileSlidingIsMuOfTheNormalImpulse) {
   constexpr double mu = 0.6;
   const auto check = [&](const Ball& ball, double speed, const std::string& which) {
     const Motion before{{speed, 0, -0.5176}, Vec3::Zero()};
-    const Motion after = thrown(ball, before, 0.01 * contact_time(ball, 0.5176));
+    const Motion after = impact(ball, before, 0.01 * contact_time(ball, 0.5176));
     const Vec3 change = after.velocity - before.velocity;
-    // It slips from the first step, so that each force is at the limit: only rounding is left.
+    // It slips from the first step, so each force is at the limit and only rounding errors remain.
     verified::near("tangential over normal impulse, " + which, "-", -change.x() / change.z(), mu,
                    1e-9);
   };
-  // The slip ends at the end of the collision where 7/2 mu (1 + e) v_n = v_t: e = 0.78.
+  // Slip ends exactly at the end of the collision if 7/2 mu (1 + e) v_n = v_t: e = 0.78.
   for (const double e : {0.1, 0.2, 0.35, 0.5, 0.7, 0.77})
     check({.restitution = e, .friction = mu}, 1.932, fmt::format("hertz, e = {:g}", e));
   for (const double zeta : {0.2, 0.5})
     check({.friction = mu, .hertz = false, .zeta = zeta}, 1.932,
           fmt::format("linear, zeta = {:g}", zeta));
-  // With e = 1 it slips to the end from 2.174 m/s on.
+  // With e = 1 it slips to the end for 2.174 m/s and more.
   check({.restitution = 1, .friction = mu}, 2.2, "hertz, e = 1");
   check({.friction = mu, .hertz = false, .zeta = 0}, 2.2, "linear, zeta = 0");
 }
 
-// Sliding throughout, with spins before: v_t' = v_t - mu (1 + e) v_n,
+// Sliding throughout, with initial spin: v_t' = v_t - mu (1 + e) v_n,
 // w' = w + 5/2 mu (1 + e) v_n / R (tests 4 to 6 of Chung, Ooi 2011,
 // doi:10.1007/s10035-011-0277-0, beyond the end of sticking).
 TEST(Impact, SlidingThroughoutFollowsItsClosedForm) {
@@ -45,12 +45,12 @@ TEST(Impact, SlidingThroughoutFollowsItsClosedForm) {
       for (const double spin : {0.0, -500.0}) {
         const Ball ball{380e9, 0.23, 4000, 2.5e-3, e, mu};
         const double a = degrees * M_PI / 180, down = v * std::cos(a), r = ball.radius;
-        const Motion after = thrown(ball, {{v * std::sin(a), 0, -down}, {0, spin, 0}},
+        const Motion after = impact(ball, {{v * std::sin(a), 0, -down}, {0, spin, 0}},
                                     0.005 * contact_time(ball, down));
         const double change = mu * (1 + e) * down;
         const std::string at = fmt::format(", {:g} degrees, e = {:g}, spin {:g}", degrees, e, spin);
-        // Restitution comes out to 1e-3 (verify_particles); the arm of friction is shorter than R
-        // by the overlap, 0.5 % here.
+        // Restitution is accurate to 1e-3 (verify_particles); the lever arm of friction is shorter
+        // than R by the overlap, 0.5 % here.
         verified::near("tangential velocity lost" + at, "m/s", v * std::sin(a) - after.velocity.x(),
                        change, 1e-3 * change);
         const double turned = 2.5 * change / r;
@@ -58,22 +58,22 @@ TEST(Impact, SlidingThroughoutFollowsItsClosedForm) {
       }
 }
 
-// Head-on impacts, without attraction, that begin at any place in a step: largest and mean error of
-// the restitution that is asked for. Of first order in the step: the damper reads the velocity of
-// half a step before, and that of a linear law begins with a jump, which counts as a whole step
+// Head-on impacts, without attraction, that begin at any point of a step: largest and mean error of
+// the restitution. The error is of first order in the step: the damping force uses the velocity of
+// half a step before, and that of a linear law begins with a jump, which counts for a whole step
 // (docs/decisions/contact_laws.md).
-TEST(Impact, RestitutionErrsToFirstOrderInTheStep) {
+TEST(Impact, RestitutionErrorIsOfFirstOrderInTheStep) {
   constexpr int places = 40;
   constexpr double v = 0.5;
   struct Error {
     double largest = 0, mean = 0;
   };
-  const auto error_of = [&](Ball ball, double e, double share) {
+  const auto error_of = [&](Ball ball, double e, double fraction) {
     Error error;
     for (int k = 0; k < places; ++k) {
       ball.place = (k + 0.5) / places;
       const Motion before{{0, 0, -v}, Vec3::Zero()};
-      const Motion after = thrown(ball, before, share * contact_time(ball, v));
+      const Motion after = impact(ball, before, fraction * contact_time(ball, v));
       const double off = after.velocity.z() / v - e;
       error.largest = std::max(error.largest, std::abs(off)), error.mean += off / places;
     }
@@ -86,16 +86,18 @@ TEST(Impact, RestitutionErrsToFirstOrderInTheStep) {
       const std::string law = fmt::format("{}, e = {:g}", hertz ? "hertz" : "linear", e);
       verified::below("largest error of restitution, step of 0.02 t_c, " + law, "-", coarse.largest,
                       0.016);
-      verified::below("the same, mean, " + law, "-", std::abs(coarse.mean), 0.006);
-      verified::near("largest error with half the step over it, " + law, "-",
+      verified::below("mean error of restitution, step of 0.02 t_c, " + law, "-",
+                      std::abs(coarse.mean), 0.006);
+      verified::near("ratio of largest errors, half the step over the step, " + law, "-",
                      fine.largest / coarse.largest, 0.5, 0.2);
       RecordProperty(law, fmt::format("{:.2g} {:.2g} {:.2g} {:.2g}", coarse.largest, fine.largest,
                                       coarse.mean, fine.mean));
     }
 }
 
-// Two balls that meet along x with spins about y: unlike spins, speeds and sizes (tests 7 and 8).
-TEST(Impact, SpinningBallsOfUnlikeSizesFollowTheClosedForm) {
+// Two balls that collide along x with spins about y: different spins, speeds and sizes (tests 7 and
+// 8).
+TEST(Impact, SpinningBallsOfDifferentSizesFollowTheClosedForm) {
   for (const double e : {0.3, 1.0})
     for (const double ratio : {1.0, 0.4})
       for (const double spin : {100.0, -250.0}) {
@@ -113,7 +115,7 @@ TEST(Impact, SpinningBallsOfUnlikeSizesFollowTheClosedForm) {
         ASSERT_EQ(p.totals().contacts, 0);
         const double m[] = {p[0].mass, p[1].mass};
         const double normal = m[0] * m[1] / (m[0] + m[1]) * (1 + e) * (v[0] - v[1]);
-        // On the first, along -z for spins > 0: n x w points where its surface does not go.
+        // On the first, along -z for spins > 0, opposite to the motion of its surface.
         const double friction = 0.1 * normal * (spin > 0 ? 1 : -1);
         const std::string at = fmt::format(", size {:g}, e = {:g}, spin {:g}", ratio, e, spin);
         for (std::size_t k = 0; k < 2; ++k) {
@@ -128,15 +130,15 @@ TEST(Impact, SpinningBallsOfUnlikeSizesFollowTheClosedForm) {
       }
 }
 
-// Linear springs that do not slip: the contact point swings against 2/7 of the mass,
+// Linear springs without slip: the contact point oscillates with 2/7 of the mass,
 // u' = u cos(pi sqrt(3.5 k_s / k_n)) after the contact time pi sqrt(m / k_n).
-TEST(Impact, LinearSpringsThatStickSwing) {
+TEST(Impact, LinearSpringsWithoutSlipOscillate) {
   const Ball ball{.friction = 1e6, .hertz = false};
   const double swing = std::cos(M_PI * std::sqrt(3.5 * 0.8));
   for (const double degrees : {5.0, 20.0, 45.0}) {
     const double along = 0.3 * std::tan(degrees * M_PI / 180);
     const Motion after =
-        thrown(ball, {{along, 0, -0.3}, Vec3::Zero()}, 2e-3 * contact_time(ball, 0.3));
+        impact(ball, {{along, 0, -0.3}, Vec3::Zero()}, 2e-3 * contact_time(ball, 0.3));
     verified::near(fmt::format("tangential velocity without slip at {:g} degrees", degrees), "m/s",
                    after.velocity.x(), along * (1 + (swing - 1) / 3.5), 5e-3 * along);
   }
@@ -149,13 +151,13 @@ TEST(Impact, ElasticImpactsFollowMindlinsIncrements) {
     const double a = degrees * M_PI / 180, v = 3.9;
     const Ball ball{380e9, 0.23, 4000, 2.5e-3, 1, 0.092};
     const Motion before{{v * std::sin(a), 0, -v * std::cos(a)}, Vec3::Zero()};
-    const Motion is = thrown(ball, before, 0.002 * contact_time(ball, v * std::cos(a)));
-    const Motion should = by_increments(ball, before);
+    const Motion measured = impact(ball, before, 0.002 * contact_time(ball, v * std::cos(a)));
+    const Motion expected = by_increments(ball, before);
     const std::string at = fmt::format(" at {:g} degrees", degrees);
     const double scale = std::min(v * std::sin(a), 2 * ball.friction * v * std::cos(a));
-    verified::near("tangential velocity" + at, "m/s", is.velocity.x(), should.velocity.x(),
+    verified::near("tangential velocity" + at, "m/s", measured.velocity.x(), expected.velocity.x(),
                    2e-3 * scale);
-    verified::near("spin" + at, "rad/s", is.spin.y(), should.spin.y(),
+    verified::near("spin" + at, "rad/s", measured.spin.y(), expected.spin.y(),
                    2e-3 * 2.5 * scale / ball.radius);
   }
 }

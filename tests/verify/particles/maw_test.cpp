@@ -1,15 +1,15 @@
 // Oblique impacts over all incidences: where the contact sticks and where it slides throughout, and
-// how far the law, in which all of the contact sticks or slides, is from partial slip.
+// the difference between the law, in which the whole contact sticks or slides, and partial slip.
 //
 // Maw, Barber, Fawcett 1976 (doi:10.1016/0043-1648(76)90201-5) and 1981 (doi:10.1115/1.3251617)
-// take for incidence and rebound of the contact point the speed along the plate u,
+// describe incidence and rebound of the contact point by the tangential speed u,
 //   psi = 2 (1 - nu)/(2 - nu) u / (mu v_n),  chi = (1 - nu)(1 + R^2/k^2)/(2 - nu),
 // v_n the speed of approach, nu of both bodies, k the radius of gyration (R^2/k^2 = 5/2). In terms
-// of E* and G* the first factor is 4 G*/E*, whatever the two materials. An impact that slides
-// throughout has psi_2 = psi_1 - 4 chi. With partial slip
-//   it sticks when it begins below psi_1 = 1, and slides throughout above 4 chi - 1;
+// of E* and G* the first factor is 4 G*/E*, for any two materials. An impact that slides throughout
+// has psi_2 = psi_1 - 4 chi. With partial slip
+//   it sticks initially if psi_1 < 1, and slides throughout above 4 chi - 1;
 // here the force is kept while the contact grows, dF = 8 G* a du against mu F_n, which gives 1 as
-// well; while it shrinks F = 8 G* a xi, whose limit gives way at the rate mu E*/(6 G*) v_n instead
+// well; while it shrinks F = 8 G* a xi, whose limit decreases at the rate mu E*/(6 G*) v_n instead
 // of mu E*/(4 G*) v_n, so that it slides throughout above 4 chi - 2/3.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ namespace {
 
 using namespace impacts;
 
-constexpr double speed = 0.01;  // m/s: an overlap of 2e-5 R, so that the arm of friction is R
+constexpr double speed = 0.01;  // m/s: an overlap of 2e-5 R, so that the lever arm of friction is R
 
 Ball steel() {
   return {.young = 208e9, .poisson = 0.3, .density = 7850, .radius = 0.01, .friction = 0.3};
@@ -35,7 +35,7 @@ double chi_of(const Ball& b) { return 3.5 * (1 - b.poisson) / (2 - b.poisson); }
 // u / v_n at psi = 1.
 double unit_of(const Ball& b) { return b.friction * b.e_star() / (4 * b.g_star()); }
 
-Motion coming(const Ball& b, double psi) {
+Motion approach(const Ball& b, double psi) {
   return {{psi * unit_of(b) * speed, 0, -speed}, Vec3::Zero()};
 }
 double psi_of(const Ball& b, const Motion& m) {
@@ -43,63 +43,64 @@ double psi_of(const Ball& b, const Motion& m) {
 }
 
 double by_law(const Ball& b, double psi) {
-  return psi_of(b, thrown(b, coming(b, psi), 5e-4 * contact_time(b, speed)));
+  return psi_of(b, impact(b, approach(b, psi), 5e-4 * contact_time(b, speed)));
 }
-double by_rule(const Ball& b, double psi) { return psi_of(b, by_increments(b, coming(b, psi))); }
+double by_rule(const Ball& b, double psi) { return psi_of(b, by_increments(b, approach(b, psi))); }
 double by_partial_slip(const Ball& b, double psi) {
   const slip::Sphere sphere{b.radius, b.e_star(), b.g_star(), b.friction};
   const double depth = contact_time(b, speed) * speed / 2.943;
   slip::Springs springs(sphere, 1.01 * depth, 200);
-  return psi_of(b, integrated(b, coming(b, psi), 2.5e-4,
-                              [&](double delta, double way) { return springs.move(delta, way); }));
+  return psi_of(b, integrated(b, approach(b, psi), 2.5e-4, [&](double delta, double slip) {
+                  return springs.move(delta, slip);
+                }));
 }
 
 // Tangential over normal impulse, over mu; 1: it slides throughout.
 double sliding(const Ball& b, double psi) {
-  const Motion before = coming(b, psi);
-  const Vec3 change = thrown(b, before, 1e-3 * contact_time(b, speed)).velocity - before.velocity;
+  const Motion before = approach(b, psi);
+  const Vec3 change = impact(b, before, 1e-3 * contact_time(b, speed)).velocity - before.velocity;
   return -change.x() / change.z() / b.friction;
 }
 
-TEST(Incidence, GrossSlidingIsExactAndBeginsWhereTheRuleSays) {
+TEST(Incidence, GrossSlidingIsExactAndBeginsAsPredicted) {
   const Ball b = steel();
   const double chi = chi_of(b), begin = 4 * chi - 2.0 / 3;
   for (const double psi : {begin + 0.05, begin + 0.5, 2 * begin, 10 * begin}) {
-    // All steps at the limit: rounding of speeds that differ by the factor psi remains.
+    // All steps are at the limit; rounding of speeds that differ by the factor psi remains.
     verified::near(fmt::format("impulses over mu, psi_1 = 4 chi {:+.4g}", psi - 4 * chi), "-",
                    sliding(b, psi), 1, 1e-9);
-    // The arm is shorter than R by 1e-5 of it.
+    // The lever arm is shorter than R by 1e-5.
     verified::near(fmt::format("psi_2 at psi_1 = 4 chi {:+.4g}", psi - 4 * chi), "-",
                    by_law(b, psi), psi - 4 * chi, 4e-5 * 4 * chi);
   }
-  // Below, the end of the contact sticks.
+  // Below this limit the contact sticks at its end.
   verified::below("impulses over mu, psi_1 = 4 chi - 2/3 - 0.05", "-", sliding(b, begin - 0.05),
                   1 - 1e-6);
 }
 
-// Tangential over normal force at its largest in the first tenth of the collision, over mu.
+// Largest tangential over normal force in the first tenth of the collision, over mu.
 double first_slip(const Ball& b, double psi) {
   double most = 0;
   int step = 0;
-  thrown(b, coming(b, psi), 1e-3 * contact_time(b, speed), [&](const dem::ParticleView& p) {
-    // Not the first steps, in which the contact has been there for less than what slips.
+  impact(b, approach(b, psi), 1e-3 * contact_time(b, speed), [&](const dem::ParticleView& p) {
+    // Except for the first steps, in which the contact began within the step.
     if (++step > 50 && step <= 100)
       most = std::max(most, std::abs(p.force.x()) / p.force.z() / b.friction);
   });
   return most;
 }
 
-TEST(Incidence, TheContactSticksFromItsBeginBelowOne) {
+TEST(Incidence, TheContactSticksInitiallyBelowOne) {
   const Ball b = steel();
   verified::near("force over mu N at 5 to 10 % of the collision, psi_1 = 1.05", "-",
                  first_slip(b, 1.05), 1, 1e-9);
-  // The first step counts whole although the contact begins within it: 1 % after 50 steps.
+  // The first step counts fully although the contact begins within it: 1 % after 50 steps.
   verified::near("force over mu N at 5 to 10 % of the collision, psi_1 = 0.9", "-",
                  first_slip(b, 0.9), 0.9, 0.017);
 }
 
-// While nothing slips the error is of first order in the step, 1e-3 psi_1 here: a step's stiffness
-// is that at its end. Slip makes the contact forget it.
+// Without slip the error is of first order in the step, 1e-3 psi_1 here, since a step uses the
+// stiffness at its end. Slip removes this error.
 TEST(Incidence, TheLawFollowsItsRule) {
   const Ball b = steel();
   const auto check = [&](double psi, double tolerance) {
@@ -111,19 +112,19 @@ TEST(Incidence, TheLawFollowsItsRule) {
   for (const double psi : {2.0, 3.0, 4.0, 4.7, 5.0}) check(psi, 4e-6);
 }
 
-// Finite elements as Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0) show them in their test 5,
-// digitised for the benchmarks of Kratos Multiphysics (its DEMApplication, benchmark5): u/(mu v_n)
-// before and after, nu = 0.3. Their points below 1.5 are left out: they stay at zero up to 0.6 and
-// lie up to 0.15 below partial slip.
+// Finite element results in test 5 of Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), digitised
+// for the benchmarks of Kratos Multiphysics (its DEMApplication, benchmark5): u/(mu v_n) before and
+// after, nu = 0.3. Their points below 1.5 are omitted: they are zero up to 0.6 and up to 0.15 below
+// partial slip.
 constexpr double elements[][2] = {
     {1.553, -0.373}, {1.915, -0.627}, {2.314, -0.947}, {2.785, -1.253}, {3.317, -1.520},
     {3.970, -1.720}, {4.755, -1.707}, {5.758, -1.200}, {7.124, 0.133},  {9.118, 2.147}};
 
-TEST(Incidence, PartialSlipIsThatOfFiniteElements) {
+TEST(Incidence, PartialSlipAgreesWithFiniteElements) {
   const Ball b = steel();
   const double factor = 4 * b.g_star() / b.e_star();
   for (const auto& [before, after] : elements)
-    // 5 % of the largest rebound: 2 % of reading, and the elements' own error.
+    // 5 % of the largest rebound: 2 % of digitising, and the error of the finite elements.
     verified::near(fmt::format("u_2/(mu v_n) at {:g}, partial slip", before), "-",
                    by_partial_slip(b, factor * before) / factor, after, 0.05 * 1.77);
   const double chi = chi_of(b);
@@ -131,7 +132,7 @@ TEST(Incidence, PartialSlipIsThatOfFiniteElements) {
                  by_partial_slip(b, 4 * chi - 0.99), -0.99, 3e-4);
 }
 
-TEST(Incidence, DistanceOfTheLawFromPartialSlip) {
+TEST(Incidence, DifferenceOfTheLawFromPartialSlip) {
   const Ball b = steel();
   double of_rule = 0, where = 0;
   for (double psi = 0.2; psi < 5.1; psi += 0.1) {
@@ -143,10 +144,10 @@ TEST(Incidence, DistanceOfTheLawFromPartialSlip) {
                  "-", most, of_rule, 4e-4);
 }
 
-// Balls of aluminium oxide, 5 mm, thrown at 3.9 m/s on soda-lime glass: spins measured by Kharaz,
+// Impacts of aluminium oxide balls, 5 mm, at 3.9 m/s on soda-lime glass: spins measured by Kharaz,
 // Gorham, Salman 2001 (doi:10.1016/S0032-5910(01)00283-2), digitised for the benchmarks of Kratos
 // Multiphysics (its DEM_application, benchmark4_graph2.dat). Degrees to the normal, rad/s.
-struct Measured {
+struct Measurement {
   double degrees, spin;
 };
 
@@ -161,19 +162,19 @@ double spin_by_law(double degrees) {
                   .plate_poisson = 0.25};
   const double a = degrees * std::numbers::pi / 180, down = 3.9 * std::cos(a);
   const Motion before{{3.9 * std::sin(a), 0, -down}, Vec3::Zero()};
-  return thrown(ball, before, 1e-3 * contact_time(ball, down)).spin.y();
+  return impact(ball, before, 1e-3 * contact_time(ball, down)).spin.y();
 }
 
-TEST(Incidence, SpinsAreNearTheMeasuredOnes) {
+TEST(Incidence, SpinsAreCloseToMeasurements) {
   constexpr double largest = 612.2;
-  const auto farthest = [&](const std::vector<Measured>& points) {
+  const auto farthest = [&](const std::vector<Measurement>& points) {
     double most = 0;
-    for (const Measured& m : points)
+    for (const Measurement& m : points)
       most = std::max(most, std::abs(spin_by_law(m.degrees) - m.spin));
     return most / largest;
   };
-  // Where it slides no parameter is left but friction and restitution: 7 % are the scatter of what
-  // was measured and read, at 39 degrees.
+  // In sliding the only parameters are friction and restitution: 7 % is the scatter of measurement
+  // and digitising, at 39 degrees.
   verified::below("distance over the largest spin, sliding", "-",
                   farthest({{31.14, 612.2},
                             {38.96, 595.1},
@@ -183,7 +184,7 @@ TEST(Incidence, SpinsAreNearTheMeasuredOnes) {
                             {78.56, 142.4},
                             {84.32, 70.6}}),
                   0.08);
-  // Where it sticks the law is 8 % below partial slip, in addition.
+  // In sticking the law is in addition 8 % below partial slip.
   verified::below("distance over the largest spin, sticking", "-",
                   farthest({{5.90, 134.9}, {10.87, 261.2}, {21.12, 573.7}}), 0.15);
 }

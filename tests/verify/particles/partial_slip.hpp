@@ -1,5 +1,5 @@
-// Tangential force of a sphere on a plane whose contact slips in part: reference solutions of the
-// verification tests; the program's law lets the whole contact stick or slide.
+// Tangential force of a sphere on a plane with partial slip of the contact: reference solutions of
+// the verification tests; in the program's law the whole contact sticks or slides.
 #pragma once
 
 #include <algorithm>
@@ -14,14 +14,14 @@ struct Sphere {
   double size(double overlap) const { return std::sqrt(radius * overlap); }
   double normal(double overlap) const { return 4.0 / 3.0 * e_star * size(overlap) * overlap; }
   double shear(double overlap) const { return 8 * g_star * size(overlap); }
-  // Displacement at which all of the contact slips (Mindlin, Deresiewicz 1953,
-  // doi:10.1115/1.4010702), and at which the spring without partial slip is at the limit.
+  // Displacement at which the whole contact slips (Mindlin, Deresiewicz 1953,
+  // doi:10.1115/1.4010702), and at which the spring without partial slip reaches the limit.
   double gross(double overlap) const { return mu * e_star * overlap / (4 * g_star); }
   double limit(double overlap) const { return mu * normal(overlap) / shear(overlap); }
 };
 
-// Mindlin, Deresiewicz: force over mu N, normal force constant, displacement x over `gross`. A
-// branch that begins with a reversal is the first at twice the scale.
+// Mindlin, Deresiewicz: force over mu N, constant normal force, displacement x over `gross`. A
+// branch after a reversal is the first one at twice the scale.
 inline double first_loading(double x) { return 1 - std::pow(std::max(1 - x, 0.0), 1.5); }
 // Work of a closed loop of this amplitude, over mu N gross.
 inline double loop_work(double x) {
@@ -30,17 +30,17 @@ inline double loop_work(double x) {
   return 8 * area - 4 * below * first_loading(below) + 4 * (x - below);
 }
 
-// Any history of overlap and slip: springs side by side, each with Coulomb's limit of its own
-// normal force, which gives the forces of the sphere exactly (method of dimensionality reduction:
-// Popov, Hess 2015, Method of Dimensionality Reduction in Contact Mechanics and Friction,
-// doi:10.1007/978-3-642-53876-6; of oblique impacts: Lyashenko, Popov 2015,
-// doi:10.1038/srep08479). Per length x from the middle the sphere is x^2/R high, the stiffnesses
-// are E* and 4 G*; both sides are counted.
+// Any history of overlap and slip: parallel springs, each with the Coulomb limit of its own normal
+// force, which give the forces of the sphere exactly (method of dimensionality reduction: Popov,
+// Hess 2015, Method of Dimensionality Reduction in Contact Mechanics and Friction,
+// doi:10.1007/978-3-642-53876-6; for oblique impacts: Lyashenko, Popov 2015,
+// doi:10.1038/srep08479). At a distance x from the middle the height of the sphere is x^2/R, the
+// stiffnesses per length are E* and 4 G*; both sides are counted.
 class Springs {
  public:
   Springs(const Sphere& sphere, double deepest, int count)
       : sphere_(sphere), width_(sphere.size(deepest) / count), force_(count) {}
-  // Moves by `slip` to this overlap; returns the tangential force against the slip.
+  // Adds the displacement `slip` at this overlap; returns the tangential force against the slip.
   double move(double overlap, double slip) {
     double sum = 0;
     for (std::size_t k = 0; k < force_.size(); ++k) {

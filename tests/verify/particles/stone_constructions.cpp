@@ -1,4 +1,4 @@
-// Study: contact constructions of rounded polyhedra side by side. Prints the table of
+// Study: comparison of contact models of rounded polyhedra. Prints the table of
 // docs/decisions/stone-contact.md: relative energy error of elastic collisions, smoothness, cost.
 //   stone_constructions [collisions]      (default 300; about a minute)
 #include <algorithm>
@@ -23,8 +23,8 @@ struct Pair {
 };
 
 Pair placed(const dem::Template& a, const dem::NewParticle& pa, const dem::Template& b,
-            dem::NewParticle pb, const Vec3& way) {
-  test::bring_near(a, pa, b, pb, 1e-6, way);
+            dem::NewParticle pb, const Vec3& direction) {
+  test::bring_near(a, pa, b, pb, 1e-6, direction);
   return {Body(a, pa, density), Body(b, pb, density)};
 }
 
@@ -55,28 +55,28 @@ Pair faces(std::uint64_t key) {
   return placed(box, pa, box, pb, -Vec3::UnitZ());
 }
 
-// Relative energy error of one collision; negative: they did not meet.
-double energy_error(Pair pair, const Construction& respond, double share) {
-  const double dt = share * std::sqrt(std::min(pair.i.mass, pair.j.mass) / k);
+// Relative energy error of one collision; negative: no collision.
+double energy_error(Pair pair, const Construction& respond, double fraction) {
+  const double dt = fraction * std::sqrt(std::min(pair.i.mass, pair.j.mass) / k);
   const double before = pair.i.kinetic() + pair.j.kinetic();
   Memory memory;
-  bool met = false;
+  bool collided = false;
   Response r;
-  for (int apart = 0; apart < (met ? 100 : 3000);) {
+  for (int apart = 0; apart < (collided ? 100 : 3000);) {
     for (const bool second : {false, true}) {
       pair.i.kick(r.force, r.turn_i, 0.5 * dt), pair.j.kick(-r.force, r.turn_j, 0.5 * dt);
       if (second) break;
       pair.i.drift(dt), pair.j.drift(dt);
       const Vec3 gap = pair.j.x - pair.i.x;
       if (gap.norm() > 2 * size)
-        return met ? std::abs((pair.i.kinetic() + pair.j.kinetic()) / before - 1) : -1;
+        return collided ? std::abs((pair.i.kinetic() + pair.j.kinetic()) / before - 1) : -1;
       r = respond(pair.i, pair.j, k, memory);
     }
     const bool touching = !r.force.isZero();
-    met |= touching;
+    collided |= touching;
     apart = touching ? 0 : apart + 1;
   }
-  return met ? std::abs((pair.i.kinetic() + pair.j.kinetic()) / before - 1) : -1;
+  return collided ? std::abs((pair.i.kinetic() + pair.j.kinetic()) / before - 1) : -1;
 }
 
 // Largest change of force, and of torque over the size, between poses along a sideways path of one
@@ -113,13 +113,13 @@ struct Errors {
   double median, largest;
 };
 
-Errors errors_of(Pair (*make)(std::uint64_t), int count, const Construction& c, double share) {
+Errors errors_of(Pair (*make)(std::uint64_t), int count, const Construction& c, double fraction) {
   std::vector<double> all;
   for (int n = 0; n < count; ++n) {
-    const double error = energy_error(make(static_cast<std::uint64_t>(n)), c, share);
+    const double error = energy_error(make(static_cast<std::uint64_t>(n)), c, fraction);
     if (error >= 0) all.push_back(error);
   }
-  if (all.empty()) return {-1, -1};  // none met
+  if (all.empty()) return {-1, -1};  // no collision
   std::sort(all.begin(), all.end());
   return {all[all.size() / 2], all.back()};
 }
@@ -127,11 +127,12 @@ Errors errors_of(Pair (*make)(std::uint64_t), int count, const Construction& c, 
 void accuracy(int collisions) {
   printf("relative energy error, median / largest; dt over sqrt(m/k)\n");
   printf("| %-24s | stones, 0.1 | stones, 0.025 | faces, 0.1 | faces, 0.025 | jumps |\n", "");
-  for (const Named& c : constructions()) {
+  for (const NamedConstruction& c : constructions()) {
     printf("| %-24s ", c.name);
     for (auto* make : {&random_stones, &faces})
-      for (const double share : {0.1, 0.025}) {
-        const Errors e = errors_of(*make, collisions / (make == &faces ? 3 : 1), c.respond, share);
+      for (const double fraction : {0.1, 0.025}) {
+        const Errors e =
+            errors_of(*make, collisions / (make == &faces ? 3 : 1), c.respond, fraction);
         printf("| %.0e / %.0e ", e.median, e.largest);
       }
     int jumps = 0;
@@ -145,7 +146,7 @@ void accuracy(int collisions) {
   }
 }
 
-// Least CPU time of one call in ns per pair; the machine may be busy with other things.
+// Least CPU time of one call in ns per pair, since other processes may be running.
 template <class Work>
 double nanoseconds(std::size_t pairs, Work&& work) {
   double best = 1e300;
@@ -157,18 +158,18 @@ double nanoseconds(std::size_t pairs, Work&& work) {
   return best / static_cast<double>(pairs) * 1e9;
 }
 
-// What a sub-step of the program costs with these pairs, all far from each other, `apart` m more
-// apart than they are.
+// Cost of a sub-step of the program with these pairs, which are far from each other; the bodies of
+// a pair are displaced apart by `apart`, m.
 double substep(const std::vector<Pair>& pairs, const std::vector<dem::Template>& shapes,
                double apart) {
   constexpr int steps = 20;
-  constexpr double room = 0.2;  // m
+  constexpr double spacing = 0.2;  // m
   dem::ContactLaw law;
   law.k_n = law.k_s = k;
   dem::Parameters parameters;
   parameters.gravity = 0, parameters.largest_overlap = 1e3, parameters.skin = 0.005;
   dem::Particles p(par::Comm::self(), test::one_material(law, density), parameters,
-                   test::box(Vec3::Constant(-1), Vec3(room * pairs.size() + 1, 1, 1)));
+                   test::box(Vec3::Constant(-1), Vec3(spacing * pairs.size() + 1, 1, 1)));
   for (const dem::Template& shape : shapes) p.add_template(shape);
   std::vector<dem::NewParticle> all;
   for (std::size_t n = 0; n < pairs.size(); ++n)
@@ -177,7 +178,7 @@ double substep(const std::vector<Pair>& pairs, const std::vector<dem::Template>&
       one.id = static_cast<Id>(all.size());
       one.shape = static_cast<int>(all.size());
       one.scale = size;
-      one.position = b->x + Vec3(room * static_cast<double>(n), 0, 0);
+      one.position = b->x + Vec3(spacing * static_cast<double>(n), 0, 0);
       if (b == &pairs[n].j) one.position += apart * (pairs[n].j.x - pairs[n].i.x).normalized();
       one.attitude = b->q;
       all.push_back(one);
@@ -205,7 +206,7 @@ void cost_of(const char* name, Pair (*make)(std::uint64_t), bool box) {
   const double touching = substep(pairs, shapes, 0), apart = substep(pairs, shapes, 2e-3);
   std::vector<Memory> memory(count);
   std::vector<Feature> found;
-  double sum = 0;  // keeps the work
+  double sum = 0;  // prevents removal by the optimiser
   const double clipped = nanoseconds(count, [&] {
     for (std::size_t n = 0; n < count; ++n) {
       clipped_manifold(pairs[n].i, pairs[n].j, memory[n], found);

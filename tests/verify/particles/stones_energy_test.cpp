@@ -1,12 +1,13 @@
 // 1,000 elastic collisions without friction of stones, boxes and compounds with their true mass
 // properties: corners, edges, faces, grazing, spinning.
 //
-// Velocity Verlet keeps a slightly different energy exactly while a linear spring acts; what it
-// loses where the contact opens and closes is mended (felt_overlap in src/dem/stone_law.hpp). What
-// is left grows with dt sqrt(k / m_c), m_c the effective mass at the contact (of two equal spheres:
+// Velocity Verlet conserves a slightly different energy exactly while a linear spring acts; the
+// error where the contact opens and closes is corrected (src/dem/contact/stone_law.hpp). The
+// remaining error grows with dt sqrt(k / m_c), m_c the effective mass at the contact (of two equal
+// spheres:
 // half the mass of one; of a stone hit at a corner: down to an eighth of the lighter one), and is
-// largest where a face rocks from one corner to the next within a sub-step. All bounds hold for
-// dt = 0.1 sqrt(m / k), m the lighter body's mass; they are tighter with m_c in its place.
+// largest if a face rocks from one corner to the next within a sub-step. All bounds apply to dt =
+// 0.1 sqrt(m / k), m the lighter body's mass; they are tighter with m_c in its place.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,9 +29,10 @@ struct Collision {
 };
 
 struct Outcome {
-  double error = 0;                       // of the kinetic energy
-  double lighter = 0, effective = 1e300;  // kg; at the contact, least of the collision
-  bool met = false;
+  double error = 0;  // of the kinetic energy
+  double lighter = 0,
+         effective = 1e300;  // kg; of the lighter body; at the contact, least of the collision
+  bool collided = false;
 };
 
 const std::vector<dem::Template>& library() {
@@ -57,7 +59,7 @@ Quat any_turn(std::uint64_t seed, std::uint64_t key) {  // Shoemake 1992
           std::sqrt(u) * std::sin(b), std::sqrt(u) * std::cos(b)};
 }
 
-// Faces towards each other, up to 0.01 rad.
+// Opposite faces, parallel within 0.01 rad.
 void lay_faces_together(Collision& c, const Vec3& along, std::uint64_t key) {
   for (std::uint64_t n = 0; n < 2; ++n) {
     const auto& faces = c.shape[n]->pieces[0].core.faces;
@@ -69,7 +71,7 @@ void lay_faces_together(Collision& c, const Vec3& along, std::uint64_t key) {
   }
 }
 
-// By turns: any poses; fast spins; grazing; faces.
+// Cyclically: any poses; fast spins; grazing; faces.
 Collision collision(std::uint64_t key) {
   const auto& shapes = library();
   Collision c;
@@ -106,8 +108,8 @@ double effective_mass(const dem::Particles& p, const Collision& c) {
   return 1 / inverse;
 }
 
-// dt = share sqrt(mass / k), mass 0: that of the lighter body.
-Outcome collide(const Collision& c, double share, double mass) {
+// dt = fraction sqrt(mass / k), mass 0: that of the lighter body.
+Outcome collide(const Collision& c, double fraction, double mass) {
   dem::ContactLaw law;
   law.k_n = c.k, law.k_s = 0, law.friction = 0;
   dem::Parameters parameters;
@@ -118,15 +120,15 @@ Outcome collide(const Collision& c, double share, double mass) {
   p.add(std::vector(c.body, c.body + 2));
   Outcome outcome;
   outcome.lighter = std::min(p[0].mass, p[1].mass);
-  const double dt = share * std::sqrt((mass > 0 ? mass : outcome.lighter) / c.k);
-  const int few = std::max(1, static_cast<int>(0.3 / share));
+  const double dt = fraction * std::sqrt((mass > 0 ? mass : outcome.lighter) / c.k);
+  const int few = std::max(1, static_cast<int>(0.3 / fraction));
   const double before = p.totals().kinetic;
-  constexpr int apart_for_good = 30, never = 3000;
-  for (int quiet = 0; quiet < (outcome.met ? apart_for_good : never);) {
+  constexpr int separated = 30, never = 3000;
+  for (int idle = 0; idle < (outcome.collided ? separated : never);) {
     p.advance(few * dt, few);
-    ++quiet;
+    ++idle;
     if (p.totals().contacts == 0) continue;
-    outcome.met = true, quiet = 0;
+    outcome.collided = true, idle = 0;
     if (p[0].force.norm() > 0)
       outcome.effective = std::min(outcome.effective, effective_mass(p, c));
   }
@@ -139,34 +141,34 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-TEST(StoneEnergy, ThousandCollisionsKeepIt) {
-  constexpr double shares[] = {0.1, 0.05, 0.025};
+TEST(StoneEnergy, ThousandCollisionsConserveIt) {
+  constexpr double fractions[] = {0.1, 0.05, 0.025};
   constexpr double wanted_median = 5e-5, wanted_order = 1.8;
   // Of 3,000, at three steps close to each other, the largest error is 4.4e-3.
   constexpr double wanted_largest = 5e-3, wanted_with_effective = 2e-3;
   std::map<double, std::vector<double>> by_lighter, by_effective;
   std::uint64_t key = 0;
-  for (int met = 0; met < collisions; ++key) {
+  for (int collided = 0; collided < collisions; ++key) {
     const Collision c = collision(key);
     const Outcome first = collide(c, 0.05, 0);
-    if (!first.met) continue;
-    ++met;
-    for (const double share : shares) {
-      by_lighter[share].push_back(collide(c, share, 0).error);
-      by_effective[share].push_back(collide(c, share, first.effective).error);
+    if (!first.collided) continue;
+    ++collided;
+    for (const double fraction : fractions) {
+      by_lighter[fraction].push_back(collide(c, fraction, 0).error);
+      by_effective[fraction].push_back(collide(c, fraction, first.effective).error);
     }
   }
   for (const auto& [name, errors] : {std::pair("lighter", by_lighter), {"effective", by_effective}})
-    for (const double share : shares) {
-      const auto& e = errors.at(share);
-      printf("dt = %.3f sqrt(m/k), m %s: median %.2e, largest %.2e\n", share, name, median(e),
+    for (const double fraction : fractions) {
+      const auto& e = errors.at(fraction);
+      printf("dt = %.3f sqrt(m/k), m %s: median %.2e, largest %.2e\n", fraction, name, median(e),
              *std::max_element(e.begin(), e.end()));
     }
   const auto order = [&](const auto& errors) {
     return std::log(median(errors.at(0.1)) / median(errors.at(0.025))) / std::log(4.0);
   };
-  const auto largest = [&](const auto& errors, double share) {
-    return *std::max_element(errors.at(share).begin(), errors.at(share).end());
+  const auto largest = [&](const auto& errors, double fraction) {
+    return *std::max_element(errors.at(fraction).begin(), errors.at(fraction).end());
   };
   verified::below("median error, dt = 0.1 sqrt(m/k)", "-", median(by_lighter[0.1]), wanted_median);
   verified::below("median error, m effective", "-", median(by_effective[0.1]), wanted_median / 5);
@@ -197,14 +199,14 @@ TEST(StoneEnergy, BoxesFaceToFace) {
     c.body[1].position = Vec3(0.02 * draw(5, key).x(), 0.02 * draw(5, key).y(), 0.06);
     c.body[1].velocity = Vec3(0.1 * draw(8, key).x(), 0.1 * draw(8, key).y(), -1);
     test::bring_near(*c.shape[0], c.body[0], *c.shape[1], c.body[1], 1e-6, -Vec3::UnitZ());
-    for (const double share : {0.1, 0.05, 0.025}) {
-      const Outcome o = collide(c, share, 0);
-      EXPECT_TRUE(o.met) << key;
-      errors[share].push_back(o.error);
+    for (const double fraction : {0.1, 0.05, 0.025}) {
+      const Outcome o = collide(c, fraction, 0);
+      EXPECT_TRUE(o.collided) << key;
+      errors[fraction].push_back(o.error);
     }
   }
-  for (const auto& [share, e] : errors)
-    printf("faces, dt = %.3f sqrt(m/k): median %.2e, largest %.2e\n", share, median(e),
+  for (const auto& [fraction, e] : errors)
+    printf("faces, dt = %.3f sqrt(m/k): median %.2e, largest %.2e\n", fraction, median(e),
            *std::max_element(e.begin(), e.end()));
   constexpr double wanted = 1e-3, wanted_order = 1.8;
   verified::below("largest error, dt = 0.025 sqrt(m/k)", "-",

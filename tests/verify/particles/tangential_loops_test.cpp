@@ -1,7 +1,6 @@
-// A plate that is moved along and against a sphere which is held: tangential force over
-// displacement, the work of closed loops, and how far both are from partial slip (Mindlin,
-// Deresiewicz 1953, doi:10.1115/1.4010702), which the law does not follow: all of its contact
-// sticks or slides.
+// A plate moved tangentially against a fixed sphere: tangential force over displacement, the work
+// of closed loops, and the difference of both from partial slip (Mindlin, Deresiewicz 1953,
+// doi:10.1115/1.4010702), which is not modelled: the whole contact sticks or slides.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,9 +12,10 @@ namespace trackbed {
 namespace {
 
 constexpr double deepest = 1e-5;  // m, a thousandth of the radius
-// Positions of 0.01 m are rounded by 1e-18 m and overlaps of 1e-5 m are their differences.
+// Positions of 0.01 m have a rounding error of 1e-18 m, and overlaps of 1e-5 m are their
+// differences.
 constexpr double rounding = 1e-12;
-// 1000 springs side by side instead of all, twice the 6e-7 that are measured, of mu N.
+// Error of 1000 parallel springs over mu N: twice the measured 6e-7.
 constexpr double springs_error = 1.2e-6;
 
 impacts::Ball steel() {
@@ -31,7 +31,7 @@ slip::Sphere sphere_of(const impacts::Ball& b) {
   return {b.radius, b.e_star(), b.g_star(), b.friction};
 }
 
-// The sphere and its plate, which moves by steps that take no time: no force depends on it.
+// The sphere and its plate, which moves in very short steps: no force depends on time.
 class Rig {
  public:
   Rig() : particles_(impacts::nothing(steel())), plate_(test::floor_of(1, 0.1)) {
@@ -41,14 +41,14 @@ class Rig {
     plate_.material = 1;
     particles_.set_surfaces({&plate_});
   }
-  // Slip along x and growth of the overlap, m; returns the force along x on the ball, N.
+  // Slip along x and increase of the overlap, m; returns the force along x on the ball, N.
   double move(double along, double deeper) {
     plate_.motion.assign(plate_.nodes(), Vec3(along, 0, deeper));
     particles_.advance(1e-9, 1);
     for (Vec3& x : plate_.position) x += plate_.motion[0];
     return particles_[0].force.x();
   }
-  void press(double overlap) {
+  void compress(double overlap) {
     for (int k = 0; k < 100; ++k) move(0, overlap / 100);
   }
   double normal() const { return particles_[0].force.z(); }
@@ -58,10 +58,10 @@ class Rig {
   Surface plate_;
 };
 
-// Displacements of the plate from 0 to each of `ends` in turn, in steps of this length; `see` is
-// shown displacement and force.
-template <class See>
-void drive(Rig& rig, const std::vector<double>& ends, double step, See&& see) {
+// Displaces the plate from 0 to each of `ends` in turn, in steps of this length; `observe` is
+// called with displacement and force.
+template <class Observer>
+void drive(Rig& rig, const std::vector<double>& ends, double step, Observer&& observe) {
   double at = 0;
   for (const double end : ends) {
     const double from = at;
@@ -69,7 +69,7 @@ void drive(Rig& rig, const std::vector<double>& ends, double step, See&& see) {
     for (long k = 1; k <= steps; ++k) {
       const double now = from + (end - from) * static_cast<double>(k) / static_cast<double>(steps);
       const double force = rig.move(now - at, 0);
-      see(at = now, force);
+      observe(at = now, force);
     }
   }
 }
@@ -77,7 +77,7 @@ void drive(Rig& rig, const std::vector<double>& ends, double step, See&& see) {
 TEST(TangentialLoad, SticksWithMindlinsStiffnessUpToTheLimit) {
   const slip::Sphere s = sphere_of(steel());
   Rig rig;
-  rig.press(deepest);
+  rig.compress(deepest);
   const double normal = s.normal(deepest), limit = s.limit(deepest);
   verified::near("normal force over 4/3 E* a delta", "-", rig.normal() / normal, 1, rounding);
   double stuck = 0, slid = 0;
@@ -90,13 +90,13 @@ TEST(TangentialLoad, SticksWithMindlinsStiffnessUpToTheLimit) {
   verified::below("force against mu N, largest error over mu N", "-", slid, rounding);
 }
 
-// Work of the plate in the closed part of 0, +u, -u, +u, over mu N `gross`; the trapezoid rule is
+// Work of the plate in the closed part of 0, +u, -u, +u, over mu N `gross`; the trapezoidal rule is
 // exact, since the force has its corners at the ends of steps.
 double work_of_loop(double amplitude) {
   const slip::Sphere s = sphere_of(steel());
   const double gross = s.gross(deepest), u = amplitude * gross;
   Rig rig;
-  rig.press(deepest);
+  rig.compress(deepest);
   double work = 0, at = 0, before = 0;
   int reversals = 0;
   drive(rig, {u, -u, u}, gross / 75, [&](double now, double force) {
@@ -107,34 +107,34 @@ double work_of_loop(double amplitude) {
   return work / (s.mu * s.normal(deepest) * gross);
 }
 
-// Of the rule a parallelogram, 4 mu N (u - mu N / k), and nothing below the limit, which is at 2/3
-// of `gross`; partial slip loses 8/15 mu N gross less where all slips in the end, and something in
-// each loop that ends before.
+// The law gives a parallelogram, 4 mu N (u - mu N / k), and zero below the limit, which is at 2/3
+// of `gross`; partial slip dissipates 8/15 mu N gross less if the whole contact slips at the end,
+// and a positive amount in each smaller loop.
 TEST(TangentialLoad, WorkOfALoopIsThatOfItsParallelogram) {
   for (const double amplitude : {0.8, 1.0, 1.6, 3.2}) {
     const double work = work_of_loop(amplitude);
     const std::string at = fmt::format(", amplitude {:g}", amplitude);
     verified::near("work over mu N gross" + at, "-", work, 4 * (amplitude - 2.0 / 3), rounding);
     if (amplitude >= 1)
-      verified::near("more than of partial slip" + at, "-", work - slip::loop_work(amplitude),
+      verified::near("difference from partial slip" + at, "-", work - slip::loop_work(amplitude),
                      8.0 / 15, rounding);
   }
   for (const double amplitude : {0.2, 0.4, 0.6}) {
     const double work = work_of_loop(amplitude);
     const std::string at = fmt::format(", amplitude {:g}", amplitude);
     verified::near("work over mu N gross" + at, "-", work, 0, rounding);
-    verified::near("less than of partial slip" + at, "-", slip::loop_work(amplitude) - work,
+    verified::near("partial slip minus law" + at, "-", slip::loop_work(amplitude) - work,
                    slip::loop_work(amplitude), rounding);
   }
 }
 
-// Loading 3/2 x against 1 - (1 - x)^(3/2), x over `gross`: farthest at x = 2/3, by 3^(-3/2) of mu
-// N; twice that after a reversal.
-TEST(TangentialLoad, DistanceFromPartialSlip) {
+// Loading 3/2 x against 1 - (1 - x)^(3/2), x over `gross`: the largest difference is 3^(-3/2) mu N
+// at x = 2/3, and twice that after a reversal.
+TEST(TangentialLoad, DifferenceFromPartialSlip) {
   const slip::Sphere s = sphere_of(steel());
   const double limit = s.mu * s.normal(deepest), gross = s.gross(deepest), u = 2 * gross;
   Rig rig;
-  rig.press(deepest);
+  rig.compress(deepest);
   double first = 0, second = 0, last = 0;
   bool back = false;
   drive(rig, {u, -u}, gross / 75, [&](double now, double force) {
@@ -144,13 +144,14 @@ TEST(TangentialLoad, DistanceFromPartialSlip) {
     double& worst = back ? second : first;
     worst = std::max(worst, std::abs(force / limit - partial));
   });
-  verified::near("largest distance over mu N, loading", "-", first, std::pow(3.0, -1.5), rounding);
-  verified::near("largest distance over mu N, after a reversal", "-", second,
+  verified::near("largest difference over mu N, loading", "-", first, std::pow(3.0, -1.5),
+                 rounding);
+  verified::near("largest difference over mu N, after a reversal", "-", second,
                  2 * std::pow(3.0, -1.5), rounding);
 }
 
-// The reference for loads of which there is no closed form, against that where there is one.
-TEST(TangentialLoad, SpringsSideBySideSlipInPart) {
+// The reference for loads without closed form, against the closed form for a simple load.
+TEST(TangentialLoad, ParallelSpringsReproducePartialSlip) {
   const slip::Sphere s = sphere_of(steel());
   const double limit = s.mu * s.normal(deepest), gross = s.gross(deepest);
   slip::Springs springs(s, deepest, 1000);
@@ -164,7 +165,7 @@ TEST(TangentialLoad, SpringsSideBySideSlipInPart) {
     const double force = springs.move(deepest, -0.01 * gross) / limit;
     worst = std::max(worst, std::abs(force - 1 + 2 * slip::first_loading(0.005 * k)));
   }
-  verified::below("distance from Mindlin's and Deresiewicz's forms, over mu N", "-", worst,
+  verified::below("difference from the forms of Mindlin and Deresiewicz, over mu N", "-", worst,
                   springs_error);
 }
 
@@ -172,7 +173,7 @@ struct Forces {
   double law, partial;  // over mu N at the deepest
 };
 
-// The same history of slip and overlap of both: to (slip, overlap), then to the next, in `steps`
+// Both with the same history of slip and overlap: to (slip, overlap), then to the next, in `steps`
 // each.
 Forces after(const std::vector<std::pair<double, double>>& ends, int steps) {
   const slip::Sphere s = sphere_of(steel());
@@ -181,10 +182,10 @@ Forces after(const std::vector<std::pair<double, double>>& ends, int steps) {
   double slipped = 0, overlap = 0;
   Forces f{};
   for (const auto& [to, depth] : ends) {
-    const double way = (to - slipped) / steps, deeper = (depth - overlap) / steps;
+    const double slip = (to - slipped) / steps, deeper = (depth - overlap) / steps;
     for (int k = 0; k < steps; ++k) {
       overlap += deeper;
-      f = {rig.move(way, deeper), springs.move(overlap, way)};
+      f = {rig.move(slip, deeper), springs.move(overlap, slip)};
     }
     slipped = to, overlap = depth;
   }
@@ -192,38 +193,43 @@ Forces after(const std::vector<std::pair<double, double>>& ends, int steps) {
   return {f.law / limit, f.partial / limit};
 }
 
-TEST(TangentialLoad, WithANormalForceThatVaries) {
+TEST(TangentialLoad, WithAVariableNormalForce) {
   const double gross = sphere_of(steel()).gross(deepest), stuck = 0.1 * gross, half = deepest / 2;
   const double root = std::sqrt(0.5);
-  // At half the overlap: the stiffness is root of that at the deepest, and so is the force of a
-  // stretch that is kept; what has been loaded at half the overlap is kept while the overlap grows.
-  const Forces fallen = after({{0, deepest}, {stuck, deepest}, {stuck, half}}, 1000);
-  verified::near("force over mu N, normal force fallen", "-", fallen.law, 0.15 * root, rounding);
-  const Forces risen = after({{0, half}, {stuck, half}, {stuck, deepest}}, 1000);
-  verified::near("force over mu N, normal force risen", "-", risen.law, 0.15 * root, rounding);
+  // At half the overlap the stiffness is `root` times that at the deepest, and so is the force of a
+  // constant spring displacement; a force loaded at half the overlap is kept while the overlap
+  // grows.
+  const Forces unloaded = after({{0, deepest}, {stuck, deepest}, {stuck, half}}, 1000);
+  verified::near("force over mu N, decreasing normal force", "-", unloaded.law, 0.15 * root,
+                 rounding);
+  const Forces loaded = after({{0, half}, {stuck, half}, {stuck, deepest}}, 1000);
+  verified::near("force over mu N, increasing normal force", "-", loaded.law, 0.15 * root,
+                 rounding);
   const Forces both =
       after({{0, deepest}, {stuck, deepest}, {stuck, half}, {stuck, deepest}}, 1000);
-  verified::near("force over mu N, fallen and risen", "-", both.law, 0.15 * root, rounding);
-  // Of springs side by side those that are left keep their forces, at the limit near the edge.
-  const auto distance = [](const std::string& of, const Forces& f, double wanted) {
-    verified::near("above that of partial slip over mu N, " + of, "-", f.law - f.partial, wanted,
+  verified::near("force over mu N, decreasing and increasing", "-", both.law, 0.15 * root,
+                 rounding);
+  // Of the parallel springs those still in contact keep their forces, limited near the edge.
+  const auto difference = [](const std::string& of, const Forces& f, double wanted) {
+    verified::near("difference from partial slip over mu N, " + of, "-", f.law - f.partial, wanted,
                    springs_error);
   };
-  const double at_half = 0.1 / 0.5;  // stuck over gross at half the overlap, where mu N is root^3
-  distance("normal force risen", risen,
-           0.15 * root - root * root * root * slip::first_loading(at_half));
-  distance("normal force fallen", fallen,
-           0.15 * root - root * root * root * slip::first_loading(at_half));
+  const double at_half =
+      0.1 / 0.5;  // displacement over gross at half the overlap, where mu N is root^3
+  difference("increasing normal force", loaded,
+             0.15 * root - root * root * root * slip::first_loading(at_half));
+  difference("decreasing normal force", unloaded,
+             0.15 * root - root * root * root * slip::first_loading(at_half));
 }
 
-// Slip and overlap grow together from nothing. Below the slope of `gross` nothing slips, in part or
-// as a whole, and F = 16/3 G* sqrt(R) (slip/overlap) delta^(3/2); above all slips.
-TEST(TangentialLoad, WithANormalForceThatGrowsAlong) {
+// Slip and overlap grow together from zero. Below the slope of `gross` there is neither partial nor
+// gross slip, and F = 16/3 G* sqrt(R) (slip/overlap) delta^(3/2); above it the whole contact slips.
+TEST(TangentialLoad, WithAProportionalNormalForce) {
   const double gross = sphere_of(steel()).gross(deepest);
   for (const double slope : {0.5, 0.9}) {
     const Forces f = after({{slope * gross, deepest}}, 2000);
     const std::string at = fmt::format(", slope {:g}", slope);
-    // The stiffness at the end of each step counts for all of it: 3/4 of a step's share.
+    // The stiffness at the end of each step is used for the whole step: 3/4 of its contribution.
     verified::near("force over mu N" + at, "-", f.law, slope, 1.5 * 0.75 / 2000 * slope);
     verified::near("force of partial slip over mu N" + at, "-", f.partial, slope, 2e-4);
   }

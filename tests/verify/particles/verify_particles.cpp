@@ -37,16 +37,16 @@ struct Course {
   Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
 };
 
-// Runs until the contact opens again; `mass` x acceleration is the force.
+// Runs until the contact opens again.
 Course collide(dem::Particles& p, double dt) {
   Course course;
-  bool met = false;
+  bool collided = false;
   for (int step = 0; step < 2000000; ++step) {
     p.advance(dt, 1);
     const dem::Totals t = p.totals();
-    if (t.contacts == 0 && met) break;
+    if (t.contacts == 0 && collided) break;
     if (t.contacts == 0) continue;
-    met = true;
+    collided = true;
     course.duration += dt;
     course.overlap = std::max(course.overlap, t.largest_overlap);
     course.force = std::max(course.force, p[0].force.norm());
@@ -57,7 +57,8 @@ Course collide(dem::Particles& p, double dt) {
 
 void check_course(const Course& course, const std::string& which, double overlap, double force,
                   double duration) {
-  constexpr double digits = 1e-3;  // of the values given, and 1/2000 of the collision per step
+  constexpr double digits =
+      1e-3;  // of the reference values, and of 1/2000 of the collision per step
   verified::near("overlap" + which, "m", course.overlap, overlap, digits * overlap);
   verified::near("force" + which, "N", course.force, force, digits * force);
   verified::near("duration" + which, "s", course.duration, duration, 2 * digits * duration);
@@ -89,8 +90,8 @@ TEST(Collision, TwoElasticHertzSpheres) {
   }
 }
 
-// Sphere thrown at a fixed plate below it.
-Course thrown(const dem::Physics& physics, double radius, const Vec3& velocity, double dt) {
+// Impact of a sphere on a fixed plate below it.
+Course impact(const dem::Physics& physics, double radius, const Vec3& velocity, double dt) {
   dem::Particles p(par::Comm::self(), physics, weightless(),
                    test::box(Vec3::Constant(-2), Vec3::Constant(2)));
   p.add_template(test::sphere());
@@ -110,15 +111,15 @@ TEST(Collision, ElasticHertzSphereOnARigidPlane) {
   };
   for (const Case& c : {Case{{70e9, 0.30, 2699}, 49.72e-6, 11.370e3, 0.7316e-3},
                         Case{{40e9, 0.35, 1800}, 52.12e-6, 7.233e3, 0.7671e-3}}) {
-    const Course course = thrown(hertz(c.solid, 1, 0), 0.1, Vec3(0, 0, -0.2), 4e-7);
+    const Course course = impact(hertz(c.solid, 1, 0), 0.1, Vec3(0, 0, -0.2), 4e-7);
     check_course(course, fmt::format(", {:g} GPa", c.solid.young * 1e-9), c.overlap, c.force,
                  c.duration);
   }
 }
 
-TEST(Restitution, HertzGivesWhatIsAskedFor) {
+TEST(Restitution, HertzGivesTheSpecifiedValue) {
   for (const double e : {0.2, 0.4, 0.6, 0.8, 0.98, 1.0}) {
-    const Course course = thrown(hertz({380e9, 0.23, 4000}, e, 0), 2.5e-3, Vec3(0, 0, -3.9), 2e-9);
+    const Course course = impact(hertz({380e9, 0.23, 4000}, e, 0), 2.5e-3, Vec3(0, 0, -3.9), 2e-9);
     verified::near(fmt::format("v'/v for e = {:g}", e), "-", course.velocity.z() / 3.9, e, 1e-3);
   }
 }
@@ -132,7 +133,7 @@ TEST(Restitution, LinearFollowsItsClosedForm) {
     dem::ContactLaw law{.first = "stone", .second = "plate", .zeta_n = zeta};
     law.k_n = 1e6, law.friction = 0, law.attraction = attraction;
     physics.laws.push_back(law);
-    return thrown(physics, 2.5e-3, Vec3(0, 0, -3.9), 2e-8).velocity.z() / 3.9;
+    return impact(physics, 2.5e-3, Vec3(0, 0, -3.9), 2e-8).velocity.z() / 3.9;
   };
   const auto cut = [](double zeta) {
     const double root = std::sqrt(1 - zeta * zeta);
@@ -149,19 +150,20 @@ TEST(Collision, ObliqueImpact) {
   struct Case {
     double degrees, restitution, spin;
   };
-  // Digitised from Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), good to 3 %. Where the contact
-  // sticks, below 15 degrees, the curve is that of another law of the spring, F = k xi, which makes
-  // energy: at 10 degrees it is 8 % off, at 5 degrees (0.948, -19.3 rad/s) it is no reference. What
-  // this law gives there: impacts_test (docs/decisions/contact_laws.md).
+  // Digitised from Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), accurate to 3 %. Where the
+  // contact sticks, below 15 degrees, the curve is that of another law of the spring, F = k xi,
+  // which generates energy: at 10 degrees it differs by 8 %, at 5 degrees (0.948, -19.3 rad/s) it
+  // is no reference. For the present law in this range see impacts_test
+  // (docs/decisions/contact_laws.md).
   const double v = 3.9, mu = 0.092, e = 0.98, r = 2.5e-3;
   for (const Case& c : {Case{10, 0.687, -213}, Case{15, 0.624, -378}, Case{20, 0.616, -511},
                         Case{25, 0.634, -599}, Case{30, 0.684, -617}, Case{40, 0.781, -545},
                         Case{60, 0.893, -357}, Case{80, 0.966, -126}}) {
     const double a = c.degrees * M_PI / 180;
-    const Course course = thrown(hertz({380e9, 0.23, 4000}, e, mu), r,
+    const Course course = impact(hertz({380e9, 0.23, 4000}, e, mu), r,
                                  Vec3(v * std::sin(a), 0, -v * std::cos(a)), 4e-9);
     const double kept = course.velocity.x() / (v * std::sin(a));
-    const double turn = -course.spin.y();  // the source turns the other way
+    const double turn = -course.spin.y();  // the source has the opposite sign
     constexpr double digitised = 0.035;
     const std::string at = fmt::format(" at {:g} degrees", c.degrees);
     const bool sticks = c.degrees < 15;
@@ -172,7 +174,7 @@ TEST(Collision, ObliqueImpact) {
     if (c.degrees <= 30) continue;  // sliding throughout: closed form
     verified::near("restitution, closed form," + at, "-", kept, 1 - mu * (1 + e) / std::tan(a),
                    1e-3);
-    // The last of the elastic tangential spring is still released at the end of the contact.
+    // The elastic tangential spring is released until the end of the contact.
     const double closed = -5 * mu * (1 + e) * v * std::cos(a) / (2 * r);
     verified::near("spin, closed form," + at, "rad/s", turn, closed, 5e-3 * std::abs(closed));
   }
@@ -203,7 +205,7 @@ TEST(Friction, SlipTurnsIntoRolling) {
     p.advance(10 * dt, 10);
     if (std::abs(p[0].velocity.x() - p[0].spin.y() * r) < 1e-3 * v0) began = (k + 1) * 10 * dt;
   }
-  verified::near("begin of rolling", "s", began, rolls, 0.01 * rolls);
+  verified::near("start of rolling", "s", began, rolls, 0.01 * rolls);
   verified::near("velocity when rolling", "m/s", p[0].velocity.x(), 5.0 / 7.0 * v0, 2e-3 * v0);
 }
 
@@ -231,11 +233,12 @@ TEST(Friction, ABlockSlipsExactlyBeyondItsAngle) {
     p.advance(0.1, 20000);
     return (p[0].position - before).norm();
   };
-  verified::below("way of the block in 0.1 s, tan a = 0.98 mu", "m", slides(0.49), 1e-9);  // holds
+  verified::below("displacement of the block in 0.1 s, tan a = 0.98 mu", "m", slides(0.49),
+                  1e-9);  // holds
   const double a = std::atan(0.51);
   const double free = 0.5 * gravity * (std::sin(a) - 0.5 * std::cos(a)) * 0.01;
-  // Slips; it was moving already.
-  verified::above("way of the block in 0.1 s, tan a = 1.02 mu", "m", slides(0.51), free);
+  // Slips, with an initial velocity.
+  verified::above("displacement of the block in 0.1 s, tan a = 1.02 mu", "m", slides(0.51), free);
 }
 
 // Largest energy error over many bounces at dt = fraction * sqrt(m/k), over the energy.
@@ -263,8 +266,9 @@ double bounce_error(double fraction) {
   return error;
 }
 
-TEST(Energy, ADroppedBallBouncesToItsHeight) {
-  // A contact opens and closes between two steps: each time up to (dt w)^2 / 2 of the energy.
+TEST(Energy, ADroppedBallReboundsToItsHeight) {
+  // A contact opens and closes between two steps: each time the error is up to (dt w)^2 / 2 of the
+  // energy.
   const double coarse = bounce_error(0.1), fine = bounce_error(0.0125);
   verified::below("energy error at dt = 0.1 sqrt(m/k)", "-", coarse, 0.1 * 0.1);
   verified::below("energy error at dt = 0.0125 sqrt(m/k)", "-", fine, 0.0125 * 0.0125);

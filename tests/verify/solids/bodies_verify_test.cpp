@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/bodies_system.hpp"
+#include "fem/bodies/bodies_system.hpp"
 #include "support/verified.hpp"
 #include "trackbed/track/sleepers.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 const Elastic concrete{.young = 37e9, .poisson = 0.2, .density = 2548};
 constexpr double width = 0.29, height = 0.22, length = 2.6;  // m
 
-// The elements of the deck's default, about 0.1 m, `finer` times as many in each direction.
+// The deck's default elements, about 0.1 m, `finer` times as many in each direction.
 Body sleeper(int finer = 1, const Elastic& solid = concrete) {
   return {.name = "sleeper",
           .low = {-width / 2, -length / 2, 0},
@@ -24,7 +24,8 @@ Body sleeper(int finer = 1, const Elastic& solid = concrete) {
 }
 
 // First symmetric bending mode of a free Timoshenko beam, rad/s. With w = A cos b y + B cosh a y
-// about the middle, b and a from its differential equation, moment and shear vanish at y = l/2.
+// about the middle, b and a from its differential equation; moment and shear force vanish at y =
+// l/2.
 double timoshenko_mode() {
   const double area = width * height, inertia = width * height * height * height / 12;
   const double nu = concrete.poisson, shear_factor = 10 * (1 + nu) / (12 + 11 * nu);  // Cowper 1966
@@ -49,7 +50,7 @@ double timoshenko_mode() {
   return (low + high) / 2;
 }
 
-// By inverse iteration about a frequency nearby, rad/s.
+// By inverse iteration with a shift near the frequency, rad/s.
 double first_mode(const Body& body, double nearby) {
   const std::vector<BodyMesh> meshes = {BodyMesh(body, 0)};
   BodiesParameters parameters;
@@ -68,7 +69,7 @@ double first_mode(const Body& body, double nearby) {
   return std::sqrt(mode.dot(system.stiffness() * mode));
 }
 
-TEST(SolidSleeper, RingsAsAFreeBeam) {
+TEST(SolidSleeper, HasTheBendingModeOfAFreeBeam) {
   const double beam = timoshenko_mode();
   const double coarse = first_mode(sleeper(), 0.99 * beam),
                fine = first_mode(sleeper(2), 0.99 * beam);
@@ -77,26 +78,26 @@ TEST(SolidSleeper, RingsAsAFreeBeam) {
   constexpr double mesh = 5e-3;
   verified::near("first free bending mode, elements of 0.1 m", "Hz", coarse * hertz, fine * hertz,
                  mesh * fine * hertz);
-  verified::near("the same, elements of 0.05 m, against Timoshenko", "Hz", fine * hertz,
-                 beam * hertz, theory * beam * hertz);
+  verified::near("first free bending mode, elements of 0.05 m, against Timoshenko", "Hz",
+                 fine * hertz, beam * hertz, theory * beam * hertz);
 }
 
-// Static, on springs under its whole lower face, with a load amid its upper one.
+// Static, on springs below its whole lower face, with a load at the middle of its upper one.
 struct Bedded {
   double deflection, bending_stress;  // m below the load; Pa at the lower face beside it
 };
-constexpr double beside = 0.35;  // m, amid an element; nearer to the load a solid is no beam
+constexpr double beside =
+    0.35;  // m, at the middle of an element; closer to the load beam theory does not apply
 Bedded bedded(const Body& body, double modulus, double load) {
   const std::vector<BodyMesh> meshes = {BodyMesh(body, 0)};
   BodiesParameters parameters;
   parameters.bodies = {body};
   const BodiesSystem system(meshes, parameters);
   const BodyMesh& mesh = meshes[0];
-  // Vertical springs, and weak ones along x and y, which hold it in place.
+  // Vertical springs, and weak ones along x and y, which prevent rigid motion.
   std::vector<Eigen::Triplet<double>> springs;
   constexpr int parts = 2;  // Gauss points of an element's edge
-  const double gauss = 1 / std::sqrt(3.0),
-               share = mesh.lattice.size.x() * mesh.lattice.size.y() / 4;
+  const double gauss = 1 / std::sqrt(3.0), area = mesh.lattice.size.x() * mesh.lattice.size.y() / 4;
   for (std::int64_t i = 0; i < parts * body.elements[0]; ++i)
     for (std::int64_t j = 0; j < parts * body.elements[1]; ++j) {
       const auto place = [&](std::int64_t k, double low, double size) {
@@ -108,12 +109,12 @@ Bedded bedded(const Body& body, double modulus, double load) {
         for (const NodeWeight& b : at)
           for (int c = 0; c < 3; ++c)
             springs.emplace_back(system.unknown(a.node, c), system.unknown(b.node, c),
-                                 (c == 2 ? 1 : 1e-3) * modulus * share * a.weight * b.weight);
+                                 (c == 2 ? 1 : 1e-3) * modulus * area * a.weight * b.weight);
     }
   BodiesSystem::Sparse all(system.mass().rows(), system.mass().rows());
   all.setFromTriplets(springs.begin(), springs.end());
   all += system.stiffness();
-  // A line load across: that of a beam.
+  // A line load across the sleeper, as in beam theory.
   BodiesSystem::Vector force = BodiesSystem::Vector::Zero(all.rows());
   for (int k = 0; k < 30; ++k)
     for (const NodeWeight& one : mesh.at(Side::upper, body.low.x() + (k + 0.5) / 30 * width, 0))
@@ -133,11 +134,11 @@ Bedded bedded(const Body& body, double modulus, double load) {
 
 // Hetenyi 1946, Beams on Elastic Foundation: EI w'''' + k w = 0 has solutions cosh cos, sinh sin,
 // cosh sin and sinh cos of b y, b = (k/4EI)^(1/4), each a combination of them when differentiated.
-// Here with free ends and half the load on either side of the middle: deflection there, m, and
-// bending moment `beside`, N m.
+// Here with free ends and half the load on either side of the middle: deflection at the middle, m,
+// and bending moment at `beside`, N m.
 std::array<double, 2> beam_on_bed(double k, double bending_stiffness, double load) {
   const double b = std::pow(k / (4 * bending_stiffness), 0.25);
-  Eigen::Matrix4d slope;  // of the four
+  Eigen::Matrix4d slope;  // derivatives of the four functions
   slope << 0, 0, -1, 1, 0, 0, 1, 1, 1, 1, 0, 0, 1, -1, 0, 0;
   slope *= b;
   const auto derived = [&](double y, int times) {
@@ -157,23 +158,23 @@ std::array<double, 2> beam_on_bed(double k, double bending_stiffness, double loa
   return {factors.dot(derived(0, 0)), -bending_stiffness * factors.dot(derived(beside, 2))};
 }
 
-TEST(SolidSleeper, BendsOnABedAsABeam) {
+TEST(SolidSleeper, BendsOnABedLikeABeam) {
   constexpr double modulus = 300e6, load = 100e3;  // Pa/m, N
   const double inertia = width * height * height * height / 12;
   const auto [w, moment] = beam_on_bed(modulus * width, concrete.young * inertia, load);
   const double stress = moment * height / 2 / inertia;
   const Bedded coarse = bedded(sleeper(), modulus, load), fine = bedded(sleeper(2), modulus, load);
-  constexpr double shears = 0.03;  // shear adds to what that beam bends
+  constexpr double shears = 0.03;  // shear deformation, which that beam neglects
   constexpr double mesh = 0.02;
   verified::near("deflection on a bed, elements of 0.1 m", "m", coarse.deflection, w, shears * w);
-  verified::near("the same against elements of 0.05 m", "m", coarse.deflection, fine.deflection,
-                 mesh * w);
+  verified::near("deflection on a bed, elements of 0.1 m against 0.05 m", "m", coarse.deflection,
+                 fine.deflection, mesh * w);
   verified::near("bending stress beside the load, elements of 0.1 m", "Pa", coarse.bending_stress,
                  stress, shears * stress);
 }
 
-// Smooth pushes on a free bar of few elements: error of the end against a much shorter step.
-TEST(SolidSleeper, StepsAreOfSecondOrder) {
+// Smooth load on a free bar of few elements: error at the end against a much shorter step.
+TEST(SolidSleeper, TimeIntegrationIsOfSecondOrder) {
   const auto end = [](double dt) {
     BodiesParameters p;
     p.bodies = {{.name = "bar",
@@ -183,7 +184,7 @@ TEST(SolidSleeper, StepsAreOfSecondOrder) {
                  .solid = {.young = 1e8, .poisson = 0.2, .density = 2500}}};
     Bodies bodies(p);
     bodies.place(Vec3::Zero());
-    Bodies::Push push{bodies.over(0, Side::upper, {.x = {0.1, 0.1}, .y = {1, 1}}), {}};
+    Bodies::PatchLoad push{bodies.over(0, Side::upper, {.x = {0.1, 0.1}, .y = {1, 1}}), {}};
     const double duration = 0.04;
     for (int n = 1; n <= std::lround(duration / dt); ++n) {
       const double s = std::sin(std::numbers::pi * n * dt / duration);
@@ -194,12 +195,12 @@ TEST(SolidSleeper, StepsAreOfSecondOrder) {
   };
   const double exact = end(1.25e-5);
   const double coarse = std::abs(end(2e-4) - exact), fine = std::abs(end(1e-4) - exact);
-  constexpr double by = 0.25;  // Bossak's scheme is of second order for any alpha
-  verified::near("order of the step", "-", std::log2(coarse / fine), 2, by);
+  constexpr double margin = 0.25;  // Bossak's scheme is of second order for any alpha
+  verified::near("order of the step", "-", std::log2(coarse / fine), 2, margin);
 }
 
-// Both on springs and dashpots at the lower corners, under a seat force that swings.
-TEST(SolidSleeper, StiffIsRigid) {
+// Both on springs and dashpots at the lower corners, under an oscillating seat force.
+TEST(SolidSleeper, StiffEqualsRigid) {
   track::SleeperParameters given;
   given.count = 1, given.first = 0, given.width = width, given.height = height;
   given.length = length, given.density = concrete.density;
@@ -232,8 +233,8 @@ TEST(SolidSleeper, StiffIsRigid) {
     const std::vector<Vec3> on_rigid = forces(rigid.surfaces()[0]),
                             on_solid = forces(solid.surfaces()[0]);
     rigid.advance(dt, std::span(&seat, 1), {std::span<const Vec3>(on_rigid)}, g);
-    const Bodies::Push push{solid.over(0, Side::upper, {.x = {-0.1, 0.1}, .y = {-0.1, 0.1}}),
-                            {0, 0, -seat}};
+    const Bodies::PatchLoad push{solid.over(0, Side::upper, {.x = {-0.1, 0.1}, .y = {-0.1, 0.1}}),
+                                 {0, 0, -seat}};
     solid.advance(dt, g, std::span(&push, 1), {std::span<const Vec3>(on_solid)});
     const track::SleeperState one = rigid.state(0);
     const BodyMotion other = solid.motion(0);
@@ -243,12 +244,14 @@ TEST(SolidSleeper, StiffIsRigid) {
     turned = std::max(turned, std::abs(one.rotation.x()));
   }
   ASSERT_GT(turned, 1e-4);
-  // The same forces act a step apart: leapfrog takes them at its begin, Bossak's scheme at its end.
-  // On these springs a step turns the phase by 6e-3.
+  // The forces act one step apart: leapfrog uses those at the start of a step, Bossak's scheme
+  // those at its end. On these springs a step changes the phase by 6e-3.
   constexpr double close = 5e-3;
-  verified::below("way of a stiff solid from a rigid sleeper, over its own", "-", gap / largest,
-                  close);
-  verified::below("the same of its roll", "-", turn_gap / turned, close);
+  verified::below(
+      "displacement of a stiff solid relative to a rigid sleeper, over that of the sleeper", "-",
+      gap / largest, close);
+  verified::below("roll of a stiff solid relative to a rigid sleeper, over that of the sleeper",
+                  "-", turn_gap / turned, close);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A train over solid sleepers on springs: against the track alone that has rigid ones in its
-// matrix, and in steps of any length.
+// A train over solid sleepers on springs, compared with the track alone, which has rigid sleepers
+// in its matrix, and with any length of step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace trackbed::fem {
 namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
-constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
+constexpr double duration = 0.22, every = 4e-4;              // s; the second axle reaches the bed
 constexpr double width = 0.29, height = 0.22;                // m
 
 track::LineParameters track_of() {
@@ -53,7 +53,7 @@ Histories alone(double dt) {
 
 struct Case {
   double dt;                        // s
-  double stiffer = 1e4;             // than concrete
+  double stiffer = 1e4;             // Young's modulus over that of concrete
   double alpha = 0;                 // of Bossak's scheme
   double rails = 1;                 // of a sleeper
   std::vector<double> seats = {0};  // m, y from its middle
@@ -61,8 +61,8 @@ struct Case {
   std::vector<std::string> vehicles = motion.vehicles;
 };
 
-// Sleepers of `rails` times the mass below one rail, on `rails` times its ballast spring, which
-// stand on blocks that are held; number i on block count + i.
+// Sleepers with `rails` times the mass below one rail, on `rails` times its ballast spring,
+// supported by fixed blocks; sleeper i on block count + i.
 BodiesParameters solids(const Case& c) {
   const track::TrackParameters& track = c.line.track;
   const double length = 0.65 * c.rails,
@@ -95,7 +95,7 @@ BodiesParameters solids(const Case& c) {
   return p;
 }
 
-// As app::SolidSleepers and app::StageTrain.
+// Coupled as in app::SolidSleepers and app::StageTrain.
 struct OnSolids {
   explicit OnSolids(const Case& given) : c(given), bodies(solids(c)), train(train_of()) {
     bodies.place(Vec3::Zero());
@@ -129,7 +129,7 @@ struct OnSolids {
                              std::vector<double>(count, 0.0));
   }
 
-  void window(std::span<const Bodies::Push> also = {}) {
+  void window(std::span<const Bodies::PatchLoad> also = {}) {
     bodies.advance(c.dt, 0, also, {});
     std::vector<double> levels, rates;
     for (const NodeWeights& seat : seats) {
@@ -137,21 +137,21 @@ struct OnSolids {
       rates.push_back(bodies.velocity(seat).z());
     }
     train.advance(levels, rates);
-    std::vector<Bodies::Push> pushes;
+    std::vector<Bodies::PatchLoad> pushes;
     for (std::size_t i = 0; i < count; ++i)
       pushes.push_back({seats[i], {0, 0, -train.seat_force(i)}});
-    bodies.push(pushes);
+    bodies.add_loads(pushes);
   }
 
-  // N, by which the pad of sleeper i is off its law at rail and seat as they are now.
+  // N, residual of the law of the pad of sleeper i for the present state of rail and seat.
   double off_law(std::size_t i) const {
     const track::Newmark& rail = train.passage().line_motion();
     const track::RailPoint at = train.line().at(train.line().sleeper_x(before + i));
-    const double pressed =
+    const double compression =
                      bodies.trapezoidal(c.dt, seats[i]).z() - at.deflection(rail.displacement),
                  rate = bodies.velocity(seats[i]).z() - at.deflection(rail.velocity);
     return train.seat_force(i) -
-           c.rails * (c.line.pad.stiffness * pressed + c.line.pad.damping * rate);
+           c.rails * (c.line.pad.stiffness * compression + c.line.pad.damping * rate);
   }
 
   Case c;
@@ -172,21 +172,22 @@ Histories on_solids(const Case& c) {
   return found;
 }
 
-// alpha = 0 makes Bossak's scheme the trapezoidal rule, which the track alone takes: the step is
-// then the same, and what is left is how much stiff sleepers still give.
-TEST(TrainOnSolids, StiffSleepersAreThoseOfTheTrackAlone) {
+// With alpha = 0 Bossak's scheme is the trapezoidal rule, as used by the track alone: the step is
+// then the same, and the remaining difference is the deformation of the stiff sleepers.
+TEST(TrainOnSolids, StiffSleepersEqualThoseOfTheTrackAlone) {
   const Histories rigid = alone(2e-4);
   const Histories stiff = on_solids({.dt = 2e-4}), soft = on_solids({.dt = 2e-4, .stiffer = 1e2});
   verified::below("wheel force with 1e4 E against rigid sleepers, root mean square", "N",
                   distance(stiff.wheel, rigid.wheel), 1e-2);
   verified::below("height of a sleeper with 1e4 E against a rigid one", "m",
                   distance(stiff.sleeper, rigid.sleeper), 1e-10);
-  verified::near("the same over that with 1e2 E", "-",
+  verified::near("height difference with 1e4 E over that with 1e2 E", "-",
                  distance(stiff.sleeper, rigid.sleeper) / distance(soft.sleeper, rigid.sleeper),
                  1e-2, 2e-3);
 }
 
-// Against the same steps of the track alone: what is left is the difference of the two schemes.
+// Compared with the same steps of the track alone: the remaining difference is that of the two
+// schemes.
 TEST(TrainOnSolids, ConvergesToTheTrackAlone) {
   const Histories coarse = alone(2e-4), fine = alone(1e-4);
   const Case bossak{.dt = 2e-4, .stiffer = 1e6, .alpha = -0.1};
@@ -203,9 +204,9 @@ TEST(TrainOnSolids, ConvergesToTheTrackAlone) {
   verified::below("wheel force against the track alone", "N", distance(b.wheel, fine.wheel), 1);
 }
 
-// Whole sleepers with two seats carry both rails; their middle does not bend if the seats stand
-// where half of the springs' force is on either side of each, and 1e4 E leaves nothing else.
-TEST(TrainOnSolids, AWholeTrackIsTwoHalves) {
+// Whole sleepers with two seats carry both rails; their middle does not bend if each seat is at the
+// middle of the spring forces of its half, and with 1e4 E the remaining deformation is negligible.
+TEST(TrainOnSolids, AWholeTrackEqualsTwoHalves) {
   const Histories half = on_solids({.dt = 2e-4});
   const Histories whole = on_solids({.dt = 2e-4, .rails = 2, .seats = {-0.325, 0.325}});
   verified::below("wheel force, whole sleepers against halves", "N",
@@ -214,7 +215,7 @@ TEST(TrainOnSolids, AWholeTrackIsTwoHalves) {
                   distance(half.sleeper, whole.sleeper), 1e-11);
 }
 
-TEST(TrainOnSolids, ThePadsForceIsThatOfTheWindowsEnd) {
+TEST(TrainOnSolids, ThePadForceIsThatAtTheEndOfTheWindow) {
   OnSolids model({.dt = 2e-4, .stiffer = 1, .alpha = -0.1});
   double off = 0, largest = 0;
   for (int n = 0; n < 1000; ++n) {
@@ -229,8 +230,8 @@ TEST(TrainOnSolids, ThePadsForceIsThatOfTheWindowsEnd) {
 }
 
 // Explicit sleepers of 1.5 kg on these pads are stable up to 0.22 ms without the dashpots and 0.06
-// ms with them. No window makes energy here: after a blow the sleepers come to rest, or without
-// dashpots swing no further.
+// ms with them. Here no window generates energy: after an impulse the sleepers come to rest, or
+// without dashpots their amplitude does not grow.
 TEST(TrainOnSolids, AnyWindowIsStable) {
   for (const double alpha : {0.0, -0.1, -1.0 / 3})
     for (const double dt : {1e-4, 1e-2, 1.0})
@@ -240,7 +241,7 @@ TEST(TrainOnSolids, AnyWindowIsStable) {
         c.line.track.sleeper_mass = 3;
         if (!damped) c.line.pad.damping = c.line.ballast.damping = 0;
         OnSolids model(c);
-        const Bodies::Push blow{model.seats[watched], {0, 0, -1e5}};
+        const Bodies::PatchLoad blow{model.seats[watched], {0, 0, -1e5}};
         model.window(std::span(&blow, 1));
         double early = 0, late = 0;
         constexpr int windows = 1000;
@@ -253,9 +254,9 @@ TEST(TrainOnSolids, AnyWindowIsStable) {
       }
 }
 
-// A bar on a stiff spring and dashpot below a mass that takes trapezoidal steps, held by nothing:
-// with `displacement` instead of `trapezoidal` below the spring it gains 0.3 % in each step.
-TEST(TrainOnSolids, TheTrapezoidalSeatMakesNoEnergy) {
+// A free bar on a stiff spring and dashpot below a mass with trapezoidal steps: with `displacement`
+// instead of `trapezoidal` below the spring the amplitude grows by 0.3 % in each step.
+TEST(TrainOnSolids, TheTrapezoidalSeatGeneratesNoEnergy) {
   const auto largest_after = [](bool trapezoidal) {
     BodiesParameters p;
     constexpr double unit = 1e-3, dt = 1;  // kg, s
@@ -273,20 +274,21 @@ TEST(TrainOnSolids, TheTrapezoidalSeatMakesNoEnergy) {
     const NodeWeights seat = bodies.over(0, Side::upper, {.x = {0, 1}, .y = {0, 1}});
     const double stiffness = 2442, damping = 219.6, mass = 735.5 * unit;
     const double y = bodies.mobility(dt, seat);
-    const double gives = trapezoidal ? y * dt / 2 : y * dt * 0.3025 / 0.6;
+    const double compliance = trapezoidal ? y * dt / 2 : y * dt * 0.3025 / 0.6;
     double u = 0, v = 0, a = 0, largest = 0;
     for (int n = 0; n < 4000; ++n) {
-      const Bodies::Push first{seat, {0, 0, n == 0 ? 1.0 : 0.0}};
+      const Bodies::PatchLoad first{seat, {0, 0, n == 0 ? 1.0 : 0.0}};
       bodies.advance(dt, 0, std::span(&first, 1), {});
       const double level =
           (trapezoidal ? bodies.trapezoidal(dt, seat) : bodies.displacement(seat)).z();
-      // Forces of the end on both: of three unknowns, F, u and v at the end, F is the one to solve.
+      // The force at the end of the step acts on both; of the unknowns F, u and v at the end, F is
+      // solved for.
       const double u0 = u + dt * v + dt * dt / 4 * a, v0 = v + dt / 2 * a;
       const double force =
           (stiffness * (level - u0) + damping * (bodies.velocity(seat).z() - v0)) /
-          (1 + stiffness * (gives + dt * dt / 4 / mass) + damping * (y + dt / 2 / mass));
-      const Bodies::Push pad{seat, {0, 0, -force}};
-      bodies.push(std::span(&pad, 1));
+          (1 + stiffness * (compliance + dt * dt / 4 / mass) + damping * (y + dt / 2 / mass));
+      const Bodies::PatchLoad pad{seat, {0, 0, -force}};
+      bodies.add_loads(std::span(&pad, 1));
       a = force / mass, u = u0 + dt * dt / 4 * a, v = v0 + dt / 2 * a;
       if (n >= 2000) largest = std::max(largest, std::abs(v));
     }

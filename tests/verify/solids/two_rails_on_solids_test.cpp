@@ -1,5 +1,6 @@
-// Two rails over whole solid sleepers on springs: what is symmetric must be the plane train, what
-// rolls the track alone in space that has rigid sleepers in its matrix, and no window makes energy.
+// Two rails over whole solid sleepers on springs: symmetric results must equal the plane train,
+// roll must equal that of the track alone in space, which has rigid sleepers in its matrix, and no
+// window generates energy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
 constexpr std::size_t below_dip = 3;                         // of the bed, at 9 m of the track
-constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
+constexpr double duration = 0.22, every = 4e-4;              // s; the second axle reaches the bed
 constexpr double width = 0.29, height = 0.22;                // m
 
 const track::TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 0};
@@ -30,7 +31,7 @@ track::LineParameters track_of(Dimension dimension) {
   return p;
 }
 
-// Amid the bed.
+// A dip at the middle of the bed.
 track::IrregularityParameters dip(double depth) {
   track::IrregularityParameters p;
   p.kind = track::IrregularityKind::versine;
@@ -41,16 +42,16 @@ track::IrregularityParameters dip(double depth) {
 struct Case {
   Dimension dimension = Dimension::space;
   double dt = 2e-4;     // s
-  double stiffer = 1;   // than concrete
+  double stiffer = 1;   // Young's modulus over that of concrete
   double alpha = -0.1;  // of Bossak's scheme
   double right = 2e-3;  // m, depth of the right rail's dip; of the left one 2 mm
-  bool joined = true;   // seats give way to each other's forces
+  bool joined = true;   // seats deflect under each other's forces
   bool vehicles = true;
   track::LineParameters line = track_of(dimension);
 };
 
-// Whole sleepers on springs that only act upwards, so that roll is that of a sleeper which does not
-// move sideways; number i on block count + i, which is held.
+// Whole sleepers on vertical springs, so that roll is that of a sleeper without lateral
+// displacement; sleeper i on the fixed block count + i.
 BodiesParameters solids(const Case& c) {
   const track::TrackParameters& track = c.line.track;
   const double length = track.sleeper_length,
@@ -83,7 +84,7 @@ BodiesParameters solids(const Case& c) {
   return p;
 }
 
-// As app::SolidSleepers and app::StageTrain. On one rail both seats are its pad's.
+// Coupled as in app::SolidSleepers and app::StageTrain. With one rail its pad acts on both seats.
 struct OnSolids {
   explicit OnSolids(const Case& given)
       : c(given),
@@ -132,7 +133,7 @@ struct OnSolids {
                              std::vector<double>(count * sides, 0.0));
   }
 
-  void window(std::span<const Bodies::Push> also = {}) {
+  void window(std::span<const Bodies::PatchLoad> also = {}) {
     bodies.advance(c.dt, 0, also, {});
     std::vector<double> levels, rates;
     for (const NodeWeights& seat : seats) {
@@ -140,20 +141,22 @@ struct OnSolids {
       rates.push_back(bodies.velocity(seat).z());
     }
     train.advance(levels, rates);
-    std::vector<Bodies::Push> pushes;
+    std::vector<Bodies::PatchLoad> pushes;
     for (std::size_t k = 0; k < seats.size(); ++k)
       pushes.push_back({seats[k], {0, 0, -train.seat_force(k / sides, k % sides)}});
-    bodies.push(pushes);
+    bodies.add_loads(pushes);
   }
 
-  // N, by which a pad is off its law at rail and seat as they are now.
+  // N, residual of the law of a pad for the present state of rail and seat.
   double off_law(std::size_t i, std::size_t side) const {
     const track::Newmark& rail = train.passage().line_motion();
     const track::RailPoint at = train.line().at(train.line().sleeper_x(before + i), side);
     const NodeWeights& seat = seats[i * sides + side];
-    const double pressed = bodies.trapezoidal(c.dt, seat).z() - at.deflection(rail.displacement),
+    const double compression =
+                     bodies.trapezoidal(c.dt, seat).z() - at.deflection(rail.displacement),
                  rate = bodies.velocity(seat).z() - at.deflection(rail.velocity);
-    return train.seat_force(i, side) - (c.line.pad.stiffness * pressed + c.line.pad.damping * rate);
+    return train.seat_force(i, side) -
+           (c.line.pad.stiffness * compression + c.line.pad.damping * rate);
   }
 
   Case c;
@@ -214,9 +217,9 @@ Histories on_solids(const Case& c) {
   return found;
 }
 
-// Sleepers that bend: the plane train stands on the same ones, whose seats share its pads' force.
-// What may be left is how far contacts are solved, 1e-12 m on some 1e9 N/m.
-TEST(TwoRailsOnSolids, UnderASymmetricLoadAreThePlaneTrain) {
+// Flexible sleepers: the plane train has the same ones, whose two seats share the force of its pad.
+// The remaining difference is the accuracy of the contact solution, 1e-12 m at some 1e9 N/m.
+TEST(TwoRailsOnSolids, UnderASymmetricLoadEqualThePlaneTrain) {
   OnSolids space({}), plane({.dimension = Dimension::plane});
   double wheel = 0, seat = 0, level = 0, most = 0;
   for (int i = 0; i < std::lround(duration / space.c.dt); ++i) {
@@ -239,10 +242,10 @@ TEST(TwoRailsOnSolids, UnderASymmetricLoadAreThePlaneTrain) {
   verified::below("largest difference of a seat", "m", level, 1e-10);
 }
 
-// The right rail rises where the left one dips. With alpha 0 the step is that of the track alone,
-// and what is left is how much stiff sleepers still give: a hundredth as much if they are a hundred
-// times as stiff.
-TEST(TwoRailsOnSolids, StiffSleepersRollAsThoseOfTheTrackAlone) {
+// The right rail has a crest where the left one has a dip. With alpha 0 the step is that of the
+// track alone, and the remaining difference is the deformation of the stiff sleepers: a hundredth
+// if they are a hundred times as stiff.
+TEST(TwoRailsOnSolids, StiffSleepersRollLikeThoseOfTheTrackAlone) {
   const Histories rigid = alone(2e-4, -2e-3);
   const Histories stiff = on_solids({.stiffer = 1e4, .alpha = 0, .right = -2e-3}),
                   soft = on_solids({.stiffer = 1e2, .alpha = 0, .right = -2e-3});
@@ -254,16 +257,16 @@ TEST(TwoRailsOnSolids, StiffSleepersRollAsThoseOfTheTrackAlone) {
                   distance(stiff.wheels_apart, rigid.wheels_apart), 0.1);
   verified::below("difference of seats, 1e4 E against rigid, root mean square", "m",
                   distance(stiff.seats_apart, rigid.seats_apart), 1e-9);
-  verified::near("the same over that with 1e2 E", "-",
+  verified::near("difference of seats with 1e4 E over that with 1e2 E", "-",
                  distance(stiff.seats_apart, rigid.seats_apart) /
                      distance(soft.seats_apart, rigid.seats_apart),
                  1e-2, 2e-3);
-  verified::near("sum of seats over that with 1e2 E", "-",
+  verified::near("sum of seats with 1e4 E over that with 1e2 E", "-",
                  distance(stiff.sleeper, rigid.sleeper) / distance(soft.sleeper, rigid.sleeper),
                  1e-2, 2e-3);
 }
 
-// Largest of all pads and windows: how far they are off their law, over their largest force.
+// Largest residual of the pad law over all pads and windows, over the largest force.
 double off_law(bool joined) {
   OnSolids model({.dt = 1e-3, .right = -2e-3, .joined = joined});
   double off = 0, force = 0;
@@ -278,18 +281,19 @@ double off_law(bool joined) {
   return off / force;
 }
 
-// Were each seat's own mobility all, pads would miss what the force of the other seat does.
-TEST(TwoRailsOnSolids, PadsForcesAreThoseOfTheWindowsEnd) {
-  verified::below("pads off their law, windows of 1 ms", "-", off_law(true), 1e-12);
-  verified::above("the same if seats did not give way to each other's forces", "-", off_law(false),
+// With the mobility of each seat alone, pads would not include the effect of the other seat's
+// force.
+TEST(TwoRailsOnSolids, PadForcesAreThoseAtTheEndOfTheWindow) {
+  verified::below("residual of the pad law, windows of 1 ms", "-", off_law(true), 1e-12);
+  verified::above("residual of the pad law without mutual deflection of seats", "-", off_law(false),
                   1e-2);
 }
 
-// m, the largest swing of a seat in the last 500 of 1000 windows after a blow on it, over that in
-// the first.
+// Largest displacement of a seat in the last 500 of 1000 windows after an impulse on it, over that
+// in the first 500.
 double late_over_early(const Case& c) {
   OnSolids model(c);
-  const Bodies::Push blow{model.seats[2 * watched], {0, 0, -1e5}};
+  const Bodies::PatchLoad blow{model.seats[2 * watched], {0, 0, -1e5}};
   model.window(std::span(&blow, 1));
   double early = 0, late = 0;
   constexpr int windows = 1000;
@@ -309,7 +313,7 @@ Case light(double length, double alpha, double dt, bool damped) {
   return c;
 }
 
-// As of one rail: sleepers come to rest, or without dashpots swing no further.
+// As for one rail: sleepers come to rest, or without dashpots their amplitude does not grow.
 TEST(TwoRailsOnSolids, AnyWindowIsStable) {
   for (const double length : {1.7, 2.6})
     for (const double alpha : {0.0, -0.1, -1.0 / 3})

@@ -1,5 +1,5 @@
-// The rail at rest and under a harmonic force against closed forms: Winkler's beam after Euler and
-// Bernoulli and after Timoshenko, discrete supports, a single span.
+// The rail under static and harmonic forces against closed forms: Euler-Bernoulli and Timoshenko
+// beams on a Winkler bed, discrete supports, a single span.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr double load = 100e3;  // N
 constexpr double middle = 30;   // m
 
-// References have seven digits. Elements of 75 mm leave (beta h)^4/720 = 9e-8 of the deflection.
+// References have seven digits. The error with elements of 75 mm is (beta h)^4/720 = 9e-8.
 constexpr double digits = 2e-6;
 
 TEST(Winkler, EulerBernoulli) {
@@ -30,8 +30,8 @@ TEST(Winkler, EulerBernoulli) {
   verified::near("M(0)", "N m", line.bending_moment(middle, u), 21131.24, 21131.24 * 1e-5);
 }
 
-// The element is exact for forces at nodes, but a bed pushes between them: second order, 8e-6 for
-// elements of 25 mm.
+// The element is exact for forces at nodes, but a bed also acts between them: second order, 8e-6
+// with elements of 25 mm.
 TEST(Winkler, Timoshenko) {
   const Line line(winkler(60, BeamTheory::timoshenko, 24));
   const Vector u = at_rest(line, middle, load);
@@ -92,8 +92,8 @@ TEST(SingleSpan, DeflectionIsExactBetweenNodes) {
 }
 
 // E I w'''' + (k + i w c - m w^2) w = F delta(x): w(0) = F/(8 E I l^3), 4 l^4 = (...)/E I, the root
-// with both parts positive. In time: the force rises smoothly, then sine and cosine are fitted over
-// whole periods. Damping keeps waves from coming back from the ends.
+// with both parts positive. In time: the force grows, then sine and cosine are fitted over whole
+// periods. Damping suppresses reflections from the ends.
 TEST(Winkler, Receptance) {
   LineParameters p = winkler(60, BeamTheory::euler);
   p.track.bed_damping = 50e3;
@@ -117,7 +117,7 @@ TEST(Winkler, Receptance) {
         sum += line.at(middle).deflection(motion.displacement) * std::polar(1.0, -w * i * dt);
     }
     const auto measured = sum * 2.0 / (5.0 * per_period);
-    // Newmark's period error at 200 steps, (w dt)^2/12 = 8e-5, and elements of 0.15 m.
+    // Errors: period error of Newmark at 200 steps, (w dt)^2/12 = 8e-5, and elements of 0.15 m.
     verified::near(fmt::format("amplitude of w per F at {:g} Hz", frequency), "m/N",
                    std::abs(measured), std::abs(exact), 5e-4 * std::abs(exact));
     verified::near(fmt::format("phase at {:g} Hz", frequency), "rad", std::arg(measured),

@@ -1,5 +1,5 @@
-// Sleepers that bend in the track: stiff ones are rigid ones, a half is that of a whole, and what
-// hangs or stands on ground that moves.
+// Bending sleepers in the track: stiff ones against rigid ones, a half against a whole one, hanging
+// sleepers and sleepers on moved ground.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 enum class Dip { left, both };
 
-// A coach over a dip; if only the left rail has it all of it rolls.
+// A coach over a dip; a dip of the left rail only excites roll.
 struct Coach {
   Coach(const TrackParameters& t, double step, Dip of = Dip::left)
       : line(track_of(t)),
@@ -40,8 +40,8 @@ struct Coach {
   Passage passage;
 };
 
-// Euler's beam has the roll inertia of a thin bar, as rigid sleepers have.
-TEST(SleepersThatBend, AreRigidOnesIfTheyAreStiff) {
+// The Euler-Bernoulli beam has the roll inertia of a thin bar, like rigid sleepers.
+TEST(BendingSleepers, EqualRigidOnesIfTheyAreStiff) {
   TrackParameters rigid;
   rigid.dimension = Dimension::space;
   rigid.sleeper_length = 2.5;
@@ -66,7 +66,7 @@ TEST(SleepersThatBend, AreRigidOnesIfTheyAreStiff) {
   verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1, 0.05);
 }
 
-TEST(SleepersThatBend, AHalfIsThatOfAWhole) {
+TEST(BendingSleepers, AHalfEqualsAWholeOne) {
   TrackParameters whole = bending(8, BeamTheory::timoshenko);
   whole.sleeper.unsupported = 0.6;
   TrackParameters half = whole;
@@ -89,7 +89,7 @@ TEST(SleepersThatBend, AHalfIsThatOfAWhole) {
   verified::below("largest difference of a moment", "N m", moment, 0.01);
 }
 
-// Under a sine on one rail, which lasts long enough for its beginning to be forgotten: N m.
+// N m, under a sine on one rail, after the decay of the transient.
 std::vector<double> moments(double step) {
   LineParameters p;
   p.track = bending(8, BeamTheory::timoshenko);
@@ -111,7 +111,7 @@ std::vector<double> moments(double step) {
   return found;
 }
 
-TEST(SleepersThatBend, AreOfSecondOrderInTheStep) {
+TEST(BendingSleepers, AreOfSecondOrderInTheStep) {
   const auto distance = [](const std::vector<double>& a, const std::vector<double>& b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -123,9 +123,9 @@ TEST(SleepersThatBend, AreOfSecondOrderInTheStep) {
                  std::log2(distance(a, b) / distance(b, c)), 2, 0.2);
 }
 
-// Pressed down all along, a sleeper with a gap of nearly nothing is one without: stops at two
-// points of each element stand for what is spread between.
-TEST(SleepersThatBend, HangByAGap) {
+// Compressed over its whole length, a sleeper with a very small gap equals one without a gap: the
+// stops at two points of each element are equivalent to the distributed ballast.
+TEST(BendingSleepers, WithAGap) {
   const auto run = [](std::int64_t elements, double gap) {
     TrackParameters t = bending(elements);
     t.zones = {{.from = 17.9, .to = 18.1, .gap = gap}};
@@ -133,13 +133,13 @@ TEST(SleepersThatBend, HangByAGap) {
     return one.line.sleeper_at(30, 0.75).deflection(one.passage.line_motion().displacement);
   };
   const double even = run(6, 0), touching = run(6, 1e-12), hanging = run(6, 1e-3);
-  verified::near("below a coach, a gap of nothing", "m", touching, even, 1e-3 * std::abs(even));
+  verified::near("below a coach, a gap of 0", "m", touching, even, 1e-3 * std::abs(even));
   verified::below("a gap of 1 mm", "m", hanging, 1.1 * even);
 }
 
-// Ground that moves below the ballast: what all of it gets is what the rails were loaded with, and
-// if it all goes up the track goes with it.
-TEST(SleepersThatBend, StandOnGroundThatMoves) {
+// Moved ground below the ballast: the sum of forces on it is the load of the rails, and a uniform
+// lift of the ground lifts the track equally.
+TEST(BendingSleepers, OnMovedGround) {
   LineParameters p;
   p.track = bending(8, BeamTheory::timoshenko);
   p.track.dimension = Dimension::plane;
@@ -163,9 +163,9 @@ TEST(SleepersThatBend, StandOnGroundThatMoves) {
                    line.sleeper_at(5, y).deflection(lifted), 1e-3, 1e-12);
 }
 
-// Below two rails, ballast less than half as stiff on the left, the left rail loaded: force and
-// moment are those of the load, and a track on ground that leans, leans with it.
-TEST(SleepersThatBend, StandOnGroundThatLeans) {
+// Two rails, ballast less than half as stiff on the left, load on the left rail: force and moment
+// are those of the load, and the track follows a rotation of the ground.
+TEST(BendingSleepers, OnRotatedGround) {
   LineParameters p;
   p.track = bending(8, BeamTheory::timoshenko);
   p.track.length = 6, p.track.run_in = 0, p.track.ends = RailEnds::free;
@@ -174,9 +174,9 @@ TEST(SleepersThatBend, StandOnGroundThatLeans) {
   p.first_moved = 0, p.moved = 11, p.moves = MovedPart::ground;
   const Line line(p);
   const double arm = p.track.bearing_arm();
-  const std::array<Seat, 2> leans{Seat{.height = 1e-3, .rate = 0}, {.height = -5e-4, .rate = 0}};
+  const std::array<Seat, 2> rotated{Seat{.height = 1e-3, .rate = 0}, {.height = -5e-4, .rate = 0}};
   std::vector<Seat> seats;
-  for (std::size_t i = 0; i < 11; ++i) seats.insert(seats.end(), leans.begin(), leans.end());
+  for (std::size_t i = 0; i < 11; ++i) seats.insert(seats.end(), rotated.begin(), rotated.end());
   Vector load = Vector::Zero(line.system().mass.rows());
   line.at(3.1, 0).add(-100e3, load);
   line.add_seats(seats, load);
@@ -184,7 +184,7 @@ TEST(SleepersThatBend, StandOnGroundThatLeans) {
   double sum = 0, moment = 0;
   for (std::size_t i = 0; i < 11; ++i)
     for (const std::size_t side : {0, 1}) {
-      const double force = line.ground_force(i, u, rest, leans[side], side);
+      const double force = line.ground_force(i, u, rest, rotated[side], side);
       sum += force, moment += force * (side == 0 ? arm : -arm);
     }
   verified::near("sum of forces on the ground, left rail loaded", "N", sum, 100e3, 0.1);
@@ -193,7 +193,7 @@ TEST(SleepersThatBend, StandOnGroundThatLeans) {
   line.add_seats(seats, load);
   const Vector lifted = Statics(line.system()).flexibility(load);
   for (const double y : {-1.25, 0.0, 0.75})
-    verified::near(fmt::format("sleeper at {:g} m on ground that leans", y), "m",
+    verified::near(fmt::format("sleeper at {:g} m on rotated ground", y), "m",
                    line.sleeper_at(5, y).deflection(lifted), 2.5e-4 + 7.5e-4 * y / arm, 1e-12);
 }
 

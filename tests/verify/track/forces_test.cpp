@@ -1,12 +1,12 @@
-// Forces on the rail that need no vehicle: receptances of a rail on discrete supports.
+// Forces on the rail without a vehicle: receptances of a rail on discrete supports.
 //
 // Reference: an infinite Euler-Bernoulli rail whose supports are forces. Its own response to a unit
 // force e^(i w t) is
 //   G(r) = -(e^(-k r) + i e^(-i k r))/(4 E I k^3),   k^4 = m w^2/(E I),   r the distance, m,
-// a support gives -Z w_j,  Z the stiffness of pad, sleeper and ballast in series:
+// the force of a support is -Z w_j,  Z the stiffness of pad, sleeper and ballast in series:
 //   1/Z = 1/(k_p + i w c_p) + 1/(k_b + i w c_b - M w^2),
 // so that w(x) = G(x - x_0) - sum_j G(x - x_j) Z w_j, and the w_j follow from as many equations
-// (Mead 1970, doi:10.1016/0022-460X(70)90062-1, has the same by wave numbers).
+// (Mead 1970, doi:10.1016/0022-460X(70)90062-1, by wave numbers).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,8 +23,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Plain sleepers over 60 m: 30 m is above one of them. Waves in the rail die out within a few
-// metres.
+// Sleepers over 60 m, one of them at 30 m. Waves in the rail decay within a few metres.
 LineParameters discrete() {
   LineParameters p;
   p.rail.theory = BeamTheory::euler;
@@ -81,7 +80,7 @@ Motion under(const RailForce& force, double step, double duration) {
   return found;
 }
 
-// Of what begins and ends at rest: the ratio of both transforms.
+// Ratio of both Fourier transforms, of motions that start and end at rest.
 Complex receptance(const Motion& motion, double step, double frequency) {
   Complex rail = 0, force = 0;
   for (std::size_t k = 0; k < motion.rail.size(); ++k) {
@@ -102,8 +101,8 @@ RailForce hammer(double at) {
   return force;
 }
 
-// One blow has all frequencies. Tolerance: (w dt)^2/12 of the step, 3e-4 at 400 Hz, more near
-// resonances, which are where phases turn; elements of 0.15 m.
+// An impact contains all frequencies. Tolerance: (w dt)^2/12 of the step, 3e-4 at 400 Hz, more near
+// resonances, where the phase changes quickly; elements of 0.15 m.
 TEST(Receptance, OfARailOnSleepers) {
   constexpr double step = 2.5e-5;
   for (const auto& [at, where] : {std::pair{30.0, "on a sleeper"}, {30.3, "in mid-bay"}}) {
@@ -119,7 +118,7 @@ TEST(Receptance, OfARailOnSleepers) {
   }
 }
 
-// Against steps so short that what is left is the elements.
+// Differences of three steps, without the error of the elements.
 TEST(Receptance, IsOfSecondOrderInTheStep) {
   constexpr double frequency = 300, at = 30.3;
   const auto found = [&](double step) {
@@ -130,7 +129,7 @@ TEST(Receptance, IsOfSecondOrderInTheStep) {
                  std::log2(std::abs(coarse - middle) / std::abs(middle - fine)), 2, 0.2);
 }
 
-// A sine that has grown over ten periods; sine and cosine fitted over the last five.
+// A sine that grows over ten periods; sine and cosine are fitted over the last five.
 TEST(HarmonicForce, ReachesTheReceptance) {
   constexpr double frequency = 100, step = 5e-5, at = 30;
   RailForce force;

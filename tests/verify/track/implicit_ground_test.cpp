@@ -1,5 +1,5 @@
-// Sleepers on an implicit ground of elements: at rest against springs in series, in motion by
-// order, against explicit steps, by energy and balances over steps far beyond those.
+// Sleepers on an implicit ground of elements: static against springs in series; in motion the
+// order, the difference to explicit steps, and energy and balances with much longer steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,8 +39,8 @@ Model wide(std::int64_t count) {
   return m;
 }
 
-Model with_knees_and_gaps(Model m) {
-  m.track.line.pad.knee = 2e-5, m.track.line.pad.beyond = 400e6;
+Model with_bilinear_pads_and_gaps(Model m) {
+  m.track.line.pad.bilinear_at = 2e-5, m.track.line.pad.bilinear_stiffness = 400e6;
   m.track.line.track.zones = {{.from = 4.7, .to = 6.1, .gap = 5e-5}};  // three sleepers
   return m;
 }
@@ -50,11 +50,11 @@ void check_balance(const Pair& pair, const std::string& of, double height) {
   for (const char* name : {"force", "moment", "work"})
     verified::below("largest imbalance of " + std::string(name) + ", " + of, "-",
                     balance[name].get<double>(), 1e-9);
-  verified::below("where the track finds the ground against where it comes to, " + of, "-",
+  verified::below("height of the ground in the track's solve against its own, " + of, "-",
                   balance["height"].get<double>(), height);
 }
 
-// As of explicit grounds, H/(M A), in steps of twenty times theirs.
+// As for explicit grounds, H/(M A), with steps twenty times as long.
 TEST(ImplicitGround, SpringAndColumnInSeries) {
   Pair pair(implicit(at_rest(model_of(1, clay)), 5e-3));
   pair.run(1.0);
@@ -65,7 +65,7 @@ TEST(ImplicitGround, SpringAndColumnInSeries) {
                  2e-4 * give);
 }
 
-// Every 0.8 ms: m, of a sleeper and of the ground below it, while a force of 50 Hz grows.
+// Every 0.8 ms: m, of a sleeper and of the ground below it, under a growing force of 50 Hz.
 using Histories = std::array<std::vector<double>, 2>;
 Histories shaken(Model m) {
   auto& force = m.track.passage.forces[0];
@@ -91,8 +91,8 @@ TEST(ImplicitGround, IsOfSecondOrder) {
   }
 }
 
-// Both have errors of second order, of their own, so that their difference has.
-TEST(ImplicitGround, ExplicitAndImplicitMeet) {
+// The errors of both are of second order, and so is their difference.
+TEST(ImplicitGround, ExplicitAndImplicitConverge) {
   std::array<std::array<double, 2>, 2> apart{};
   double size = 0;
   for (const std::size_t fine : {0, 1}) {
@@ -112,7 +112,7 @@ TEST(ImplicitGround, ExplicitAndImplicitMeet) {
   }
 }
 
-// Without dampers both sides and the springs between them are one trapezoidal rule, at any step.
+// Without dampers track, ground and the springs between them follow one trapezoidal rule.
 void check_energy(const Model& given, double step, int steps, const std::string& of,
                   double most_off) {
   Pair pair(implicit(undamped(given), step));
@@ -126,7 +126,8 @@ void check_energy(const Model& given, double step, int steps, const std::string&
     in_ground = std::max(
         in_ground, now["ground_kinetic_j"].get<double>() + now["ground_elastic_j"].get<double>());
   }
-  verified::above("largest share of the energy in the ground, " + of, "-", in_ground / after, 0.05);
+  verified::above("largest fraction of the energy in the ground, " + of, "-", in_ground / after,
+                  0.05);
   verified::below("largest change of energy, " + of, "-", off / after, most_off);
   check_balance(pair, of, 1e-7);
 }
@@ -146,29 +147,31 @@ TEST(ImplicitGround, KeepsEnergyInLongSteps) {
 
 TEST(ImplicitGround, KeepsEnergyOfTwoRails) { check_energy(wide(4), 1e-3, 400, "two rails", 1e-6); }
 
-// Springs that push only from a place on are followed to second order, not exactly.
-TEST(ImplicitGround, KeepsEnergyOfKneesAndGaps) {
-  check_energy(with_knees_and_gaps(model_of(5, clay)), 2e-5, 1000, "knees and gaps", 2e-4);
+// Piecewise linear springs are integrated to second order, not exactly.
+TEST(ImplicitGround, KeepsEnergyOfBilinearPadsAndGaps) {
+  check_energy(with_bilinear_pads_and_gaps(model_of(5, clay)), 2e-5, 1000, "bilinear pads and gaps",
+               2e-4);
 }
 
-// Sleepers that come down on a soft ground in steps as long as they take for it.
-TEST(ImplicitGround, FindsKneesAndGapsInLongSteps) {
+// Sleepers on a soft ground, with steps as long as the closure of a gap.
+TEST(ImplicitGround, ConvergesWithBilinearPadsAndGapsInLongSteps) {
   for (const bool two : {false, true}) {
-    Model m = with_knees_and_gaps(two ? wide(5) : model_of(5, {5e6, 0.3, 2000}));
+    Model m = with_bilinear_pads_and_gaps(two ? wide(5) : model_of(5, {5e6, 0.3, 2000}));
     m.track.passage.forces[0].size = 500e3;
     Pair pair(implicit(m, 2.5e-3));
     pair.run(0.5);
     const track::Passage& passage = pair.built.passage;
-    check_balance(pair, two ? "knees and gaps of two rails" : "knees and gaps", 1e-7);
+    check_balance(pair, two ? "bilinear pads and gaps of two rails" : "bilinear pads and gaps",
+                  1e-7);
     verified::below(
-        two ? "rounds of Newton's method in a step, two rails"
-            : "rounds of Newton's method in a step",
+        two ? "iterations of Newton's method in a step, two rails"
+            : "iterations of Newton's method in a step",
         "-", static_cast<double>(passage.iterations()) / static_cast<double>(passage.steps()), 6);
   }
 }
 
-// Wheels of a bogie, whose contacts are solved with the ground below them: two axles over it.
-TEST(ImplicitGround, WheelsFindTheGround) {
+// Two axles of a bogie over the ground, with wheel contacts solved together with the ground.
+TEST(ImplicitGround, WheelContactsConvergeWithTheGround) {
   Model m = model_of(5, {5e6, 0.3, 2000});
   m.track.passage.forces = {};
   m.track.train.vehicles = {"x2_bogie"};

@@ -21,7 +21,7 @@ inline LineParameters winkler(double length, BeamTheory theory, std::int64_t ele
   return p;
 }
 
-// A beam of one span that carries everything; E in Pa, I in m^4, mass in kg/m.
+// A single-span beam that represents both rails; E in Pa, I in m^4, mass in kg/m.
 inline LineParameters span(double young, double inertia, double mass) {
   LineParameters p;
   p.rail.theory = BeamTheory::euler;
@@ -37,7 +37,7 @@ inline LineParameters span(double young, double inertia, double mass) {
   return p;
 }
 
-// Elements of one length for a sleeper of 2.5 m and a gauge of 1.5 m, if their number between the
+// Elements of equal length for a sleeper of 2.5 m and a gauge of 1.5 m, if their number between the
 // rails is a multiple of six.
 inline TrackParameters bending(std::int64_t elements, BeamTheory theory = BeamTheory::euler) {
   TrackParameters t;
@@ -49,14 +49,14 @@ inline TrackParameters bending(std::int64_t elements, BeamTheory theory = BeamTh
   return t;
 }
 
-// Displacements at rest under `force` N downwards at x.
+// Static displacements under `force` N downwards at x.
 inline Vector at_rest(const Line& line, double x, double force) {
   Vector load = Vector::Zero(line.system().mass.rows());
   line.at(x).add(-force, load);
   return Statics(line.system()).flexibility(load);
 }
 
-// Amplitude of sin(pi x/L) in what a span does: its share of the motion by the mass matrix.
+// Modal amplitude of sin(pi x/L) in the motion of a span, by the mass matrix.
 inline double first_mode(const Line& line, int elements, const Vector& u) {
   const double wave = std::numbers::pi / line.length();
   Vector shape = Vector::Zero(u.size());

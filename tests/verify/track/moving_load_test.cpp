@@ -1,5 +1,5 @@
-// Constant forces that move: on a Winkler bed against the steady state, on a single span against
-// the sum of modes.
+// Moving constant forces: on a Winkler bed against the steady state, on a single span against the
+// modal solution.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@ namespace {
 constexpr double static_deflection = 1.183082e-3;  // m, under 100 kN
 constexpr double critical_speed = 770.257;         // m/s
 
-// Largest deflection (m, averaged over `hold` s) around a force that moves at `speed` m/s and has
-// grown smoothly from zero over `rise` s: no transient is left even without damping.
+// Largest deflection (m, averaged over `hold` s) around a force that moves at `speed` m/s and grows
+// smoothly from zero over `rise` s, so that transients are negligible even without damping.
 double steady(const LineParameters& parameters, double speed, double rise, double hold) {
   const Line line(parameters);
-  const double dt = 1e-2 / speed;  // a wave follows the load in 1/(beta v)
+  const double dt = 1e-2 / speed;  // small compared with 1/(beta v)
   Newmark motion(line.system(), dt);
   double sum = 0;
   std::int64_t counted = 0;
@@ -39,7 +39,7 @@ double steady(const LineParameters& parameters, double speed, double rise, doubl
   return sum / static_cast<double>(counted);
 }
 
-// 1/sqrt(1 - (v/v_cr)^2). Steps of 10 mm and elements of 0.15 m leave 1e-4.
+// 1/sqrt(1 - (v/v_cr)^2). The error with steps of 10 mm and elements of 0.15 m is 1e-4.
 TEST(MovingLoad, AmplificationOnAWinklerBed) {
   constexpr double tolerance = 2e-4;
   verified::near("at 100 m/s", "-",
@@ -91,7 +91,7 @@ TEST(MovingLoad, SingleSpan) {
     if (std::abs(passage.time() - 0.5) < 1e-9) early = down;
     if (std::abs(passage.time() - 2.0) < 1e-9) late = down;
   }
-  // Ten elements in the span and (w dt)^2/12 of the modes that count.
+  // Errors of ten elements in the span and (w dt)^2/12 of the dominant modes.
   verified::near("mid-span at 0.5 s", "m", early, 10.96037e-3, 2e-6);
   verified::near("mid-span at 2.0 s", "m", late, 10.44064e-3, 2e-6);
   verified::near("largest at mid-span", "m", largest, 18.15945e-3, 2e-6);
@@ -117,7 +117,7 @@ TEST(MovingLoad, LargestDynamicFactorOfASpan) {
     }
     return largest;
   };
-  // Steps of 0.2 ms: (w dt)^2/12 of a mode of 1.3 Hz is 2e-7; the figure has five digits.
+  // Steps of 0.2 ms: (w dt)^2/12 of a mode of 1.3 Hz is 2e-7; the reference has five digits.
   const double at_best = factor(0.617);
   verified::near("first mode at v/v_cr = 0.617", "-", at_best, 1.7685, 1e-4);
   verified::below("at 0.57 over that", "-", factor(0.57) / at_best, 1);
@@ -138,7 +138,7 @@ TEST(LoadModel71, MomentOfASpan) {
     if (const double x = 5 + train.axle_distance() / 2 - wheel.behind; x > 0 && x < 10)
       line.at(x).add(-wheel.force, load);
   const Vector u = Statics(line.system()).flexibility(load);
-  // No load stands in the elements beside the middle (0.625 m), so the moment there is exact.
+  // No load is in the elements beside the middle (0.625 m), so that the moment there is exact.
   verified::near("moment at mid-span", "N m", line.bending_moment(5, u), 1829.60e3, 1);
 }
 

@@ -1,5 +1,5 @@
-// A train over sleepers that somebody else moves, against the track alone that has them in its
-// matrix: sleepers on springs, so that both are the same track.
+// A train over moved sleepers, against the track alone with these sleepers in its matrix: they are
+// on springs, so that both are the same track.
 #include "trackbed/track/on_bed.hpp"
 
 #include <gtest/gtest.h>
@@ -16,11 +16,11 @@ namespace {
 constexpr std::size_t before = 12, count = 17, watched = 8;  // sleepers of the bed; its middle one
 constexpr double duration = 0.22, every = 4e-4;              // s; the second axle is on the bed
 
-LineParameters track_of(double knee = 0) {
+LineParameters track_of(double bilinear_at = 0) {
   LineParameters p;
   p.track.length = 24;
-  p.pad.knee = knee;
-  p.pad.beyond = 4 * p.pad.stiffness;
+  p.pad.bilinear_at = bilinear_at;
+  p.pad.bilinear_stiffness = 4 * p.pad.stiffness;
   return p;
 }
 
@@ -37,8 +37,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-Histories alone(double dt, double knee = 0) {
-  const Line line(track_of(knee));
+Histories alone(double dt, double bilinear_at = 0) {
+  const Line line(track_of(bilinear_at));
   const Train train(motion, {}, 2);
   Passage passage(line, train, WheelRail({}), Irregularity({}, 24), motion, {.step = dt});
   const std::int32_t unknown = line.sleeper_unknown(before + watched);
@@ -52,15 +52,15 @@ Histories alone(double dt, double knee = 0) {
   return found;
 }
 
-// now: the springs' force at the time of the pads' force. late: its mean over the last window, as
-// that of stones is.
+// now: spring forces at the time of the pad forces. late: their mean over the last window, like the
+// forces of stones.
 enum class Springs { now, late };
 
 struct OnBed {
-  OnBed(double dt, double rails, Springs how, double knee = 0)
+  OnBed(double dt, double rails, Springs how, double bilinear_at = 0)
       : step(dt),
         springs(how),
-        line(track_of(knee)),
+        line(track_of(bilinear_at)),
         sleepers({.count = count,
                   .first = 0.6,
                   .length = 1,
@@ -108,12 +108,12 @@ struct OnBed {
   LineParameters line;
   RigidSleepers sleepers;
   TrainOnBed train;
-  double bed;                // springs below a sleeper over those below one rail's
+  double bed;                // spring stiffness below a sleeper over that of one rail
   std::vector<double> last;  // N, of the springs a window ago
 };
 
-Histories on_bed(double dt, double rails = 1, Springs how = Springs::now, double knee = 0) {
-  OnBed model(dt, rails, how, knee);
+Histories on_bed(double dt, double rails = 1, Springs how = Springs::now, double bilinear_at = 0) {
+  OnBed model(dt, rails, how, bilinear_at);
   Histories found;
   for (int i = 1; i <= std::lround(duration / dt); ++i) {
     model.window();
@@ -124,9 +124,9 @@ Histories on_bed(double dt, double rails = 1, Springs how = Springs::now, double
   return found;
 }
 
-// The same steps on both sides, so that what is left is the error of the exchange alone; that of
-// the steps themselves, which is of order 1.4 here for the wheels pass from one element to the
-// next, is as large as that of the track alone.
+// Equal steps on both sides, so that the difference is the error of the exchange only; the error of
+// the steps themselves, of order 1.4 here since the wheels pass from one element to the next, is
+// equal to that of the track alone.
 TEST(TrainOnBed, ConvergesToTheTrackAlone) {
   const Histories exact = alone(1.25e-5), coarse = alone(1e-4), fine = alone(5e-5);
   const Histories a = on_bed(1e-4), b = on_bed(5e-5);
@@ -142,8 +142,8 @@ TEST(TrainOnBed, ConvergesToTheTrackAlone) {
                  distance(b.wheel, exact.wheel) / distance(fine.wheel, exact.wheel), 1, 0.05);
 }
 
-// What stones give is the mean of the last window.
-TEST(TrainOnBed, ALateReactionIsOfFirstOrder) {
+// Forces of stones are the means over the last window.
+TEST(TrainOnBed, ADelayedReactionIsOfFirstOrder) {
   const Histories coarse = alone(1e-4), fine = alone(5e-5);
   const Histories a = on_bed(1e-4, 1, Springs::late), b = on_bed(5e-5, 1, Springs::late);
   const double error = distance(b.sleeper, fine.sleeper);
@@ -153,13 +153,13 @@ TEST(TrainOnBed, ALateReactionIsOfFirstOrder) {
                   error, 1e-7);
 }
 
-// Knees of pads are contacts of the rail's solve and see the sleepers of the bed, too.
-TEST(TrainOnBed, PadsWithAKnee) {
-  constexpr double knee = 1e-4;  // m: passed under every wheel
-  const Histories linear = alone(5e-5), exact = alone(2.5e-5, knee);
-  const Histories bent = on_bed(5e-5, 1, Springs::now, knee);
-  const double error = distance(bent.sleeper, exact.sleeper);
-  verified::below("error of a sleeper over the effect of the knee", "-",
+// Bilinear pads are contacts of the rail's solve, also on sleepers of the bed.
+TEST(TrainOnBed, BilinearPads) {
+  constexpr double bilinear_at = 1e-4;  // m: exceeded under every wheel
+  const Histories linear = alone(5e-5), exact = alone(2.5e-5, bilinear_at);
+  const Histories bilinear = on_bed(5e-5, 1, Springs::now, bilinear_at);
+  const double error = distance(bilinear.sleeper, exact.sleeper);
+  verified::below("error of a sleeper over the effect of bilinear pads", "-",
                   error / distance(linear.sleeper, exact.sleeper), 0.02);
 }
 
@@ -170,18 +170,18 @@ TEST(TrainOnBed, AWholeTrackIsTwoHalves) {
   EXPECT_EQ(half.wheel, whole.wheel);
 }
 
-TEST(TrainOnBed, IsSentAgain) {
+TEST(TrainOnBed, IsRestarted) {
   OnBed model(2e-4, 1, Springs::now);
   const double force = model.train.passage().wheel_force(0), x = model.train.wheel_x(0);
-  // The track begins where its sleepers stand: the first of the bed is at 0.6 m.
+  // The frame of the track follows from its sleepers: the first of the bed is at 0.6 m.
   EXPECT_NEAR(x, 0.6 - before * 0.6, 1e-12);
   for (int i = 0; i < 1000; ++i) model.window();
   const double lowest = model.train.rail_displacement(0);
   EXPECT_NEAR(model.train.wheel_x(0), x + 10, 1e-9);
-  model.train.send_again();
+  model.train.restart_train();
   EXPECT_EQ(model.train.wheel_x(0), x);
   EXPECT_EQ(model.train.passage().wheel_force(0), force);
-  EXPECT_EQ(model.train.rail_displacement(0), lowest);  // the rail goes on as it is
+  EXPECT_EQ(model.train.rail_displacement(0), lowest);  // the state of the rail is kept
   for (int i = 0; i < 1000; ++i) model.window();
   EXPECT_NEAR(model.train.wheel_x(0), x + 10, 1e-9);
 }

@@ -1,18 +1,19 @@
-// A track with some sleepers on a small ground of elements, stepped together as a run does.
+// A track with some sleepers on a small ground of elements, coupled as in a run.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
-#include "app/ground_below.hpp"
-#include "app/track_built.hpp"
+#include "app/coupling/ground_below.hpp"
+#include "app/coupling/track_built.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::app {
 
 inline constexpr std::size_t before = 7;  // sleepers on springs before those on the ground
 
-// A track of 19 sleepers, some of them from 0.3 m on along the ground; a blow amid them.
+// A track of 19 sleepers, `count` of them on the ground from x = 0.3 m on; an impact at their
+// middle.
 inline Model model_of(std::int64_t count, const fem::Elastic& soil) {
   Model m;
   m.kind = ModelKind::track_on_ground;
@@ -37,7 +38,7 @@ inline Model model_of(std::int64_t count, const fem::Elastic& soil) {
   return m;
 }
 
-// Both sides as a run has them.
+// Track and ground as in a run.
 struct Pair {
   explicit Pair(const Model& m) : whole(par::Comm::world(), m), built(whole.track, whole.line) {}
   void step() { whole.below->advance(built.passage); }
@@ -50,8 +51,8 @@ struct Pair {
       sum += whole.below->energies(built.passage)[of].get<double>();
     return sum;
   }
-  Together whole;
-  Built built;
+  TrackAssembly whole;
+  BuiltTrack built;
 };
 
 // m, of sleeper i, below a rail.
@@ -59,8 +60,8 @@ inline double sleeper(const Pair& pair, std::size_t i, std::size_t side = 0) {
   return pair.built.passage.line_motion().displacement[pair.built.line.sleeper_unknown(i, side)];
 }
 
-// The peak of a blow that takes 2 s, long beside all periods (20 ms): at rest to (10 ms/s)^2. What
-// its begin has set swinging is damped away by then; dampers feel no velocity at the peak.
+// An impact of 2 s, long compared with all periods (20 ms): at its peak static to (10 ms/s)^2.
+// Oscillations from its start have decayed by then, and damper forces vanish at the peak.
 inline Model at_rest(Model m) {
   m.ground.rayleigh_mass = 50;
   m.track.passage.forces[0].size = 100e3;

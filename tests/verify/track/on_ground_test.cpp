@@ -1,5 +1,5 @@
-// Sleepers on ballast springs on a ground of elements: at rest against springs in series, in motion
-// by order, energy and the limits of a rigid ground.
+// Sleepers on ballast springs on a ground of elements: static against springs in series; in motion
+// the order, energy and the limit of a rigid ground.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace {
 
 using par::Comm;
 
-// A sleeper whose footprint is all of the ground: a column, H/(M A) with M = E (1-nu)/((1+nu)
-// (1-2nu)), which zones give exactly; above it the ballast spring, and a pad of `under` m/N.
+// A sleeper whose footprint is the whole ground: a column, H/(M A) with M = E (1-nu)/((1+nu)
+// (1-2nu)), exact with elements; above it the ballast spring, and a pad of `under` m/N.
 void check_column(double under) {
   Model m = at_rest(model_of(1, {60e6, 0.3, 2000}));
   if (under > 0) m.track.line.under_sleeper = {.stiffness = 1 / under, .damping = 10e3};
@@ -28,9 +28,9 @@ void check_column(double under) {
   const track::Passage& passage = pair.built.passage;
   const double force = pair.built.line.seat_force(before, passage.line_motion().displacement,
                                                   passage.line_motion().velocity);
-  const double give = under + 1 / 100e6 + height / (modulus * area);
-  verified::near("sleeper per seat force", "m/N", -sleeper(pair, before) / force, give,
-                 2e-4 * give);
+  const double series = under + 1 / 100e6 + height / (modulus * area);
+  verified::near("sleeper per seat force", "m/N", -sleeper(pair, before) / force, series,
+                 2e-4 * series);
   verified::near("force on the ground over seat force", "-", passage.ground_force(before) / force,
                  1, 2e-4);
 }
@@ -38,8 +38,8 @@ void check_column(double under) {
 TEST(TrackOnGround, SpringAndColumnInSeries) { check_column(0); }
 TEST(TrackOnGround, PadSpringAndColumnInSeries) { check_column(1 / 80e6); }
 
-// In space, a footprint that is a part of the top and cuts its zones. The ground's share comes from
-// one implicit solve of another ground under the weights alone.
+// In space, a footprint on a part of the top that cuts its elements. The compliance of the ground
+// is that of a static solve of another ground under the weights.
 TEST(TrackOnGround, SpringAndBlockInSeries) {
   Model m = model_of(1, {60e6, 0.3, 2000});
   m.dimension = Dimension::space;
@@ -53,20 +53,20 @@ TEST(TrackOnGround, SpringAndBlockInSeries) {
   const couple::Footprints print(Comm::world(), ground.top(), ground.own_top(),
                                  {{{0.85, 1.35}, {0.25, 1.35}}});
   std::vector<Vec3> load(ground.top().nodes(), Vec3::Zero());
-  print.press(std::array{1e5}, load);
+  print.add_forces(std::array{1e5}, load);
   fem::load_statically(ground, load);
   std::vector<couple::Footprints::Values> height{{{}, 1.0}};
   for (const auto node : ground.own_top())
     height[0].own.push_back(ground.top_motion(node).displacement.z());
-  const double give = 1 / 100e6 - print.means(height)[0][0] / 1e5;
+  const double series = 1 / 100e6 - print.means(height)[0][0] / 1e5;
   verified::near("sleeper per force on the ground", "m/N",
-                 -sleeper(pair, before) / pair.built.passage.ground_force(before), give,
-                 2e-4 * give);
+                 -sleeper(pair, before) / pair.built.passage.ground_force(before), series,
+                 2e-4 * series);
 }
 
-// A footprint that is all of a top in space presses it down evenly, in few zones as in many: a
-// column again.
-TEST(TrackOnGround, AnEvenPressureLeavesTheTopEven) {
+// A footprint on the whole top in space gives a uniform settlement, with few elements as with many:
+// a column again.
+TEST(TrackOnGround, AUniformPressureGivesAUniformSettlement) {
   for (const std::int64_t across : {1, 2, 5}) {
     const fem::GroundParameters box =
         fem::box({1.2, 0.9, 1.2}, {across, across, 4}, {60e6, 0.3, 2000});
@@ -74,19 +74,19 @@ TEST(TrackOnGround, AnEvenPressureLeavesTheTopEven) {
     const couple::Footprints print(Comm::world(), ground.top(), ground.own_top(),
                                    {{{0, 1.2}, {0, 0.9}}});
     std::vector<Vec3> load(ground.top().nodes(), Vec3::Zero());
-    print.press(std::array{1e5}, load);
+    print.add_forces(std::array{1e5}, load);
     fem::load_statically(ground, load);
     const double column = 1e5 / (1.2 * 0.9) * 1.2 / (60e6 * 0.7 / (1.3 * 0.4));
     double off = 0;
     for (const auto node : ground.own_top())
       off = std::max(off, std::abs(ground.top_motion(node).displacement.z() / column + 1));
     verified::below("largest difference of the top from a column, " + std::to_string(across) +
-                        " zones each way",
+                        " elements each way",
                     "-", Comm::world().max(off), 1e-6);
   }
 }
 
-// Every 0.4 ms: m, of a sleeper and of the ground below it, while a force of 50 Hz grows.
+// Every 0.4 ms: m, of a sleeper and of the ground below it, under a growing force of 50 Hz.
 using Histories = std::array<std::vector<double>, 2>;
 Histories shaken(double step) {
   Model m = model_of(5, {60e6, 0.3, 2000});
@@ -114,8 +114,9 @@ TEST(TrackOnGround, IsOfSecondOrder) {
   }
 }
 
-// The ground carries both rails of a track that is computed once: its energy is that of both, or
-// the sum would move by half of what goes into the ground and comes back.
+// The ground carries both rails of a track that is computed once: the energy of the track must
+// count for both rails, otherwise the sum would change by half of the energy exchanged with the
+// ground.
 TEST(TrackOnGround, KeepsEnergyOfBothRails) {
   Model m = model_of(5, {60e6, 0.3, 2000});
   m.track.line.ballast.damping = m.track.line.pad.damping = 0;
@@ -132,12 +133,12 @@ TEST(TrackOnGround, KeepsEnergyOfBothRails) {
     in_ground = std::max(
         in_ground, of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>());
   }
-  verified::above("largest share of the energy in the ground", "-", in_ground / after, 0.1);
+  verified::above("largest fraction of the energy in the ground", "-", in_ground / after, 0.1);
   verified::below("largest change of energy in 50 ms", "-", furthest / after, 5e-5);
 }
 
-// Without dampers energy stays what the blow gave, at the longest step that the program takes, for
-// 40000 steps of it; leapfrog keeps an energy that differs from this one by (h w/2)^2.
+// Without dampers the energy of the impact is conserved, at the longest step that the program uses,
+// over 40000 steps; the energy that leapfrog conserves differs from this one by (h w/2)^2.
 TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
   Model m = model_of(5, {60e6, 0.3, 2000});
   m.track.line.ballast.damping = m.track.line.pad.damping = 0;
@@ -157,7 +158,7 @@ TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
   verified::below("largest energy over the first mean", "-", most / begin, 1.1);
   const auto of = pair.whole.below->energies(pair.built.passage);
   const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
-  verified::near("energy of the ground over what the ballast gave it", "-",
+  verified::near("energy of the ground over the work of the ballast on it", "-",
                  held / of["given_to_ground_j"].get<double>(), 1, 0.02);
   const auto balance = pair.whole.below->balance();
   for (const char* name : {"force", "moment", "work"})
@@ -165,13 +166,13 @@ TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
                     1e-9);
 }
 
-// A blow upwards and back: sleepers hang, pads are pressed beyond their knees, and nothing is lost
-// in either. Relative to what is there after the blow.
-TEST(TrackOnGround, KeepsEnergyOfKneesAndGaps) {
+// With hanging sleepers and pads compressed beyond bilinear_at energy is conserved. Relative to the
+// energy after the impact.
+TEST(TrackOnGround, KeepsEnergyOfBilinearPadsAndGaps) {
   Model m = model_of(5, {60e6, 0.3, 2000});
   track::LineParameters& line = m.track.line;
   line.ballast.damping = line.pad.damping = 0;
-  line.pad.knee = 2e-5, line.pad.beyond = 400e6;
+  line.pad.bilinear_at = 2e-5, line.pad.bilinear_stiffness = 400e6;
   line.track.zones = {{.from = 4.7, .to = 6.1, .gap = 5e-5}};  // three sleepers
   m.track.passage.step = 2e-5;
   Pair pair(m);
@@ -184,22 +185,22 @@ TEST(TrackOnGround, KeepsEnergyOfKneesAndGaps) {
     furthest = std::max(furthest, std::abs(pair.energy() - after));
     in_stops = std::max(in_stops, passage.track_energy() - passage.line_motion().energy());
   }
-  verified::above("largest share of the energy in knees and closed gaps", "-", in_stops / after,
-                  0.1);
+  verified::above("largest fraction of the energy in bilinear pads and closed gaps", "-",
+                  in_stops / after, 0.1);
   verified::below("largest change of energy in 50 ms", "-", furthest / after, 2e-4);
 }
 
-// A ground a million times as stiff, and as heavy, so that waves in it take as long: the track
-// alone, but for what the ground gives, 1e-6 of the ballast.
-TEST(TrackOnGround, ARigidGroundIsTheTrackAlone) {
+// A ground a million times as stiff and as heavy, with the same wave speeds, equals the track alone
+// except for its compliance of 1e-6 of that of the ballast.
+TEST(TrackOnGround, ARigidGroundEqualsTheTrackAlone) {
   Model m = model_of(5, {60e12, 0.3, 2000e6});
   m.track.passage.step = 5e-5;
   Pair pair(m);
   ASSERT_EQ(pair.whole.below->step(), 5e-5);
   Model other = m;
   other.kind = ModelKind::track;
-  const Together whole(Comm::world(), other);
-  Built alone(whole.track, whole.line);
+  const TrackAssembly whole(Comm::world(), other);
+  BuiltTrack alone(whole.track, whole.line);
   double off = 0, most = 0;
   for (int n = 0; n < 600; ++n) {
     pair.step();

@@ -1,4 +1,4 @@
-// Train and track together: equilibrium, order in time, loss and regain of contact.
+// Train and track together: static equilibrium, order in time, loss and recovery of contact.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 namespace trackbed::track {
 namespace {
 
-// A train that does not move stays where it is.
-TEST(Passage, EquilibriumIsKept) {
+// A train without speed remains in static equilibrium.
+TEST(Passage, StaticEquilibriumIsKept) {
   LineParameters p;
   p.ballast.mass = 500;
   const Line line(p);
@@ -33,8 +33,8 @@ TEST(Passage, EquilibriumIsKept) {
                   (passage.train_motion().displacement - body).cwiseAbs().maxCoeff(), 1e-11);
 }
 
-// Of a wheel amid two nodes, whose own part of the deflection they do not show.
-TEST(Passage, TrackHoldsHalfTheWorkOfAWheelAtRest) {
+// For a wheel midway between two nodes, with local deflection.
+TEST(Passage, TrackStoresHalfTheWorkOfAStaticWheel) {
   const Line line((LineParameters()));
   const TrainParameters motion{.vehicles = {"wheel"}, .speed = 1e-12, .start = 30.075};
   const VehicleParameters wheel{
@@ -49,8 +49,8 @@ TEST(Passage, TrackHoldsHalfTheWorkOfAWheelAtRest) {
                  1e-9);
 }
 
-// Constant forces between nodes too: the energy does not hang on where nodes are.
-TEST(Passage, TrackHoldsTheSameWithFinerElements) {
+// Also for constant forces between nodes: the energy does not depend on the positions of nodes.
+TEST(Passage, TrackEnergyIsTheSameWithFinerElements) {
   const auto energy = [](std::int64_t elements) {
     LineParameters parameters;
     parameters.track.elements = elements;
@@ -90,14 +90,14 @@ TEST(Newmark, PeriodAndEnergyOfAnOscillator) {
     }
     before = now;
   }
-  // Crossings are found by straight lines between steps: 1e-3 s in 90 periods.
+  // Zero crossings are interpolated linearly between steps: 1e-3 s in 90 periods.
   verified::near("period error at dt/T = 0.1", "-", crossing - 1, 0.03207, 5e-5);
   verified::near("energy after 1000 steps over that before", "-", motion.energy() / energy, 1,
                  1e-10);
 }
 
-// A coach over a smooth dip on an even bed: everything is smooth, so the error is one of the step.
-// Forces of the first wheel every 0.4 ms, N.
+// A coach over a smooth dip on a uniform bed: all functions are smooth, so that the error is that
+// of the step. Forces of the first wheel every 0.4 ms, N.
 std::vector<double> forces_with(double dt) {
   LineParameters p = winkler(60, BeamTheory::euler, 6);
   p.track.bed_damping = 50e3;
@@ -134,9 +134,9 @@ TEST(Passage, IsOfSecondOrderInTheStep) {
                   distance(b, c), 100);
 }
 
-// On an even rail wheels only feel the sleepers. At the ends, where they come from and go to rigid
-// rails, that is less than twice as much as in the middle.
-TEST(Passage, WheelsEnterAndLeaveWithoutAShock) {
+// On an even rail wheels are excited by the sleepers only. At the ends, at the transition to rigid
+// rails, the excitation is less than twice that in the middle.
+TEST(Passage, WheelsEnterAndLeaveWithoutAnImpact) {
   const Line line((LineParameters()));
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = -1};
   const Train train(motion, {}, 2);
@@ -155,8 +155,8 @@ TEST(Passage, WheelsEnterAndLeaveWithoutAShock) {
   verified::below("within 6 m of the ends over that in the middle", "-", ends / inside, 2);
 }
 
-// Rolling slowly a wheel goes down by the depth of its flat, l^2/(16 R), once in each turn.
-TEST(WheelFlat, SlowWheelFollowsIt) {
+// A slowly rolling wheel is lowered by the depth of its flat, l^2/(16 R), once in each turn.
+TEST(WheelFlat, ASlowWheelFollowsIt) {
   const Line line(winkler(60, BeamTheory::timoshenko));
   const TrainParameters motion{.vehicles = {"wheel"}, .speed = 0.1, .start = 28.3};
   VehicleParameters wheel;
@@ -179,15 +179,15 @@ TEST(WheelFlat, SlowWheelFollowsIt) {
     if (x > 30 && down > lowest_again) lowest_again = down, again = x;
   }
   const double depth = 0.05 * 0.05 / (16 * 0.46);
-  // The wheel goes down by 0.34 mm within 0.25 s: its inertia is 0.3 % of its weight, under which
-  // rail and contact give way by 0.1 mm.
+  // The wheel is lowered by 0.34 mm within 0.25 s: its inertia force is 0.3 % of its weight, under
+  // which rail and contact deflect by 0.1 mm.
   verified::near("depth", "m", lowest, depth, 0.01 * depth);
   verified::near("once more after a turn", "m", lowest_again, depth, 0.01 * depth);
-  verified::near("way between", "m", again - where, turn, 2e-3);
+  verified::near("distance between", "m", again - where, turn, 2e-3);
 }
 
-// A wheel leaves the rail over a deep short dip, comes back, and settles at its static load.
-TEST(Passage, ContactIsLostAndRegained) {
+// A wheel loses contact over a deep short dip, recovers it, and returns to its static load.
+TEST(Passage, ContactIsLostAndRecovered) {
   LineParameters damped = winkler(60, BeamTheory::timoshenko);
   damped.track.bed_damping = 100e3;
   const Line line(damped);
@@ -209,7 +209,8 @@ TEST(Passage, ContactIsLostAndRegained) {
   }
   verified::near("least force of the first wheel", "N", least, 0, 1e-9);
   verified::above("largest over static force", "-", most / at_rest, 2);
-  verified::above("steps of wheels off the rail", "-", static_cast<double>(passage.lost()), 10);
+  verified::above("steps times wheels without contact", "-", static_cast<double>(passage.lost()),
+                  10);
   verified::near("force 13 m behind the dip over static", "-", passage.wheel_force(0) / at_rest, 1,
                  0.1);
 }

@@ -1,7 +1,7 @@
 // Seat loads on sleepers without rail and train: each is a mass on its ballast spring,
 //   m u'' + c u' + k u = -Q(t),
-// integrated here by Runge and Kutta's fourth order in steps that leave nothing; it begins at rest
-// under Q(0).
+// integrated here by the Runge-Kutta method of fourth order with negligible error; it starts in
+// static equilibrium under Q(0).
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t watched = 20;
 constexpr double duration = 0.4;  // s
 
-// Bogies of a locomotive at 200 km/h; the first axle stands half a metre before the sleeper.
+// Bogies of a locomotive at 200 km/h; the first axle starts half a metre before the sleeper.
 SeatLoad load() {
   SeatLoadParameters p;
   p.speed = 200 / 3.6;
@@ -59,7 +59,7 @@ std::vector<double> exact() {
 
 struct Found {
   std::vector<double> left, right;  // m; the same of a plane track
-  double rail = 0;                  // m, the most it moves
+  double rail = 0;                  // m, largest displacement
 };
 
 Found computed(const LineParameters& p, double step) {
@@ -87,7 +87,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// Of what swings at w = 632 rad/s, a tenth of 1.2 mm, steps of 0.1 ms leave (w dt)^2/12 = 3e-4.
+// The oscillation at w = 632 rad/s is a tenth of 1.2 mm; its error with steps of 0.1 ms is
+// (w dt)^2/12 = 3e-4.
 TEST(SeatLoads, MoveEachSleeperAsAMassOnASpring) {
   const std::vector<double> reference = exact();
   const auto error = [&](double step) {
@@ -100,8 +101,8 @@ TEST(SeatLoads, MoveEachSleeperAsAMassOnASpring) {
                  2, 0.1);
 }
 
-// Evenly loaded, a whole sleeper does what its half does; stiff ones that bend do, too.
-TEST(SeatLoads, LoadBothRailsAlike) {
+// Under equal loads a whole sleeper moves like its half; stiff bending sleepers as well.
+TEST(SeatLoads, EqualLoadsOnBothRails) {
   const Found plane = computed(sleepers(Dimension::plane), 5e-4),
               space = computed(sleepers(Dimension::space), 5e-4);
   verified::below("left end, difference to a half", "m", distance(space.left, plane.left), 1e-15);
@@ -110,7 +111,7 @@ TEST(SeatLoads, LoadBothRailsAlike) {
   LineParameters bending = sleepers(Dimension::plane);
   bending.track.sleeper.model = SleeperModel::beam;
   bending.track.sleeper.young *= 1e5;
-  verified::below("sleepers that bend next to nothing, difference", "m",
+  verified::below("very stiff bending sleepers, difference", "m",
                   distance(computed(bending, 5e-4).left, plane.left), 1e-6 * 1.2e-3);
 }
 

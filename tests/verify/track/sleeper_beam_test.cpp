@@ -1,5 +1,4 @@
-// A sleeper that bends, alone: free, and on Winkler's bed with and without ballast below its
-// middle.
+// A single bending sleeper: free, and on a Winkler bed with and without ballast below its middle.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +15,7 @@
 namespace trackbed::track {
 namespace {
 
-// Of a sleeper.
+// Properties of a sleeper as a beam.
 struct Bar {
   explicit Bar(const TrackParameters& t)
       : length(t.sleeper_length),
@@ -26,7 +25,7 @@ struct Bar {
   double length, area, stiffness, mass;  // m, m^2, N m^2, kg/m
 };
 
-// Two sleepers that next to nothing ties to rails.
+// Two sleepers with very soft pads.
 Line loose(const TrackParameters& t, double unsupported = 0) {
   LineParameters p;
   p.track = t;
@@ -45,7 +44,7 @@ std::vector<Eigen::Index> own_unknowns(const Line& line, double length) {
   return {found.begin(), found.end()};
 }
 
-// Hz, rising, without the two motions of a rigid body.
+// Hz, in ascending order, without the two rigid body modes.
 std::vector<double> frequencies(const TrackParameters& t) {
   LineParameters p;
   p.track = t;
@@ -64,7 +63,7 @@ std::vector<double> frequencies(const TrackParameters& t) {
 }
 
 // cos(b L) cosh(b L) = 1,  f = (b L)^2/(2 pi L^2) sqrt(E I/m).
-TEST(FreeSleeper, BendsAtTheFrequenciesOfAFreeBar) {
+TEST(FreeSleeper, HasTheBendingFrequenciesOfAFreeBar) {
   const Bar bar(bending(12));
   const std::vector<double> coarse = frequencies(bending(6)), fine = frequencies(bending(12));
   const std::array roots{4.730040744862704, 7.853204624095838, 10.995607838001671};
@@ -79,7 +78,7 @@ TEST(FreeSleeper, BendsAtTheFrequenciesOfAFreeBar) {
 }
 
 // Timoshenko: w = sum A_j cosh(k_j s), psi = sum c_j A_j sinh(k_j s) for modes that are even about
-// the middle (odd: cosh and sinh change places), s from the middle, with
+// the middle (odd: cosh and sinh exchanged), s from the middle, with
 //   (S k^2 + m w^2)(E I k^2 - S + r w^2) + S^2 k^2 = 0,   c = (S k^2 + m w^2)/(S k),
 // S = k G A, N; r = rho I, kg m. No moment E I psi' and no shear S (w' - psi) at s = L/2: a
 // determinant, real or imaginary, that is zero at the frequencies.
@@ -105,7 +104,7 @@ double determinant(const TrackParameters& t, double frequency, bool even) {
   return d.real() + d.imag();
 }
 
-// By bisection around what was found: an exact one lies within 5 % of it.
+// By bisection within 5 % of the computed frequency.
 double exact_frequency(const TrackParameters& t, double near, bool even) {
   double low = 0.95 * near, high = 1.05 * near;
   EXPECT_LT(determinant(t, low, even) * determinant(t, high, even), 0);
@@ -116,7 +115,7 @@ double exact_frequency(const TrackParameters& t, double near, bool even) {
   return low;
 }
 
-TEST(FreeSleeper, BendsAndShearsAtTimoshenkosFrequencies) {
+TEST(FreeSleeper, HasTheFrequenciesOfATimoshenkoBeam) {
   const auto coarse = frequencies(bending(6, BeamTheory::timoshenko)),
              fine = frequencies(bending(12, BeamTheory::timoshenko));
   for (std::size_t n = 0; n < 3; ++n) {
@@ -128,11 +127,11 @@ TEST(FreeSleeper, BendsAndShearsAtTimoshenkosFrequencies) {
   }
 }
 
-// Between the rails. The error of deflections is (b h)^4/200 or so, b the 1.2/m of Winkler's bed.
+// Elements between the rails. The error of deflections is about (b h)^4/200, b = 1.2/m on this bed.
 constexpr std::int64_t finest = 24;
 
-// At rest under P downwards at each of `at` (m from the middle).
-Vector pressed(const Line& line, const std::vector<double>& at, double force) {
+// Static displacements under P downwards at each of `at` (m from the middle).
+Vector loaded(const Line& line, const std::vector<double>& at, double force) {
   Vector load = Vector::Zero(line.system().mass.rows());
   for (const double y : at) line.sleeper_at(0, y).add(-force, load);
   return Statics(line.system()).flexibility(load);
@@ -141,7 +140,7 @@ Vector pressed(const Line& line, const std::vector<double>& at, double force) {
 // Finite beam with free ends, P at the middle (Hetenyi 1946, Beams on elastic foundation):
 //   w = P b/(2 k) (cosh bL + cos bL + 2)/(sinh bL + sin bL),
 //   M = P/(4 b) (cosh bL - cos bL)/(sinh bL + sin bL),   4 b^4 = k/(E I).
-TEST(SleeperOnWinklersBed, UnderAForceAtItsMiddle) {
+TEST(SleeperOnAWinklerBed, UnderAForceAtItsMiddle) {
   constexpr double force = 100e3;
   const auto off = [&](std::int64_t elements) {
     const TrackParameters t = bending(elements);
@@ -152,7 +151,7 @@ TEST(SleeperOnWinklersBed, UnderAForceAtItsMiddle) {
     const double w = force * b / (2 * bed) * (std::cosh(bl) + std::cos(bl) + 2) / below;
     const double m = force / (4 * b) * (std::cosh(bl) - std::cos(bl)) / below;
     const Line line = loose(t);
-    const Vector u = pressed(line, {0}, force);
+    const Vector u = loaded(line, {0}, force);
     const double found = -line.sleeper_at(0, 0).deflection(u),
                  moment = line.sleeper_moment(0, 0, u);
     if (elements == finest) {
@@ -165,7 +164,8 @@ TEST(SleeperOnWinklersBed, UnderAForceAtItsMiddle) {
   off(finest);
 }
 
-// P at both seats, the middle u m without ballast. By symmetry a half from y = 0 to L/2: in parts
+// P at both seats, the middle u m without ballast. By symmetry one half, from y = 0 to L/2, in
+// parts:
 //   E I w'''' + k w = 0:  w = sum of e^(+-b y) cos b y, e^(+-b y) sin b y, or of 1, y, y^2, y^3,
 // joined with w, w', w'' and with P in w''' at the seat; w' = w''' = 0 at the middle, w'' = w''' =
 // 0 at the end.
@@ -221,15 +221,15 @@ struct Exact {
   Eigen::VectorXd factor;
 };
 
-TEST(SleeperOnWinklersBed, UnderBothRails) {
+TEST(SleeperOnAWinklerBed, UnderBothRails) {
   constexpr double force = 60e3;
   for (const double unsupported : {1e-9, 0.7}) {
-    const std::string what = unsupported < 0.1 ? "ballast all along" : "0.7 m without ballast";
+    const std::string what = unsupported < 0.1 ? "ballast everywhere" : "0.7 m without ballast";
     const auto off = [&](std::int64_t elements) {
       const TrackParameters t = bending(elements);
       const Exact exact(t, unsupported, force);
       const Line line = loose(t, unsupported);
-      const Vector u = pressed(line, {0.75, -0.75}, force);
+      const Vector u = loaded(line, {0.75, -0.75}, force);
       double sum = 0;
       for (const double y : {0.0, 0.75, 1.25}) {
         const double found = line.sleeper_at(0, y).deflection(u);

@@ -1,5 +1,5 @@
-// Two rails: what is symmetric must be the plane track, what is antisymmetric a plane track of
-// other masses and springs, and roll must obey its own closed forms.
+// Two rails: symmetric motion must equal the plane track, antisymmetric motion a plane track with
+// other masses and springs, and roll must agree with closed forms.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -35,13 +35,13 @@ struct Scene {
   Passage passage;
 };
 
-// Everything at once: a rough rail, sleepers that hang, pads with a knee.
+// All features together: an irregular rail, hanging sleepers, bilinear pads.
 TEST(TwoRails, UnderASymmetricLoadAreThePlaneTrack) {
   IrregularityParameters rough;
   rough.kind = IrregularityKind::spectrum;
   const auto made = [&](Dimension dimension) {
     LineParameters p = track(dimension);
-    p.pad.knee = 2e-4, p.pad.beyond = 300e6;
+    p.pad.bilinear_at = 2e-4, p.pad.bilinear_stiffness = 300e6;
     p.track.zones = {{.from = 17.9, .to = 19.3, .gap = 2e-4}};
     return Scene(p, {}, {.vehicles = {"manchester_1"}, .speed = 50, .start = 10},
                  Irregularity(rough, 36), {}, {});
@@ -60,17 +60,17 @@ TEST(TwoRails, UnderASymmetricLoadAreThePlaneTrack) {
     for (const std::int32_t unknown : space.train.roll_unknown())
       roll = std::max(roll, std::abs(space.passage.train_motion().displacement[unknown]));
   }
-  // Contacts are solved to 1e-12 m, which is 1 mN; static wheel force 54.5 kN.
+  // Contacts converge to 1e-12 m, which is 1 mN; static wheel force 54.5 kN.
   verified::below("largest difference of a wheel force", "N", force, 0.05);
   verified::below("largest difference of the rail", "m", rail, 1e-10);
   verified::below("largest roll of the body", "rad", roll, 1e-10);
 }
 
-// u on the left, -u on the right: of each rail the plane track with
+// u on the left, -u on the right: each rail is the plane track with
 //   sleeper mass 4 I/g^2 (of a whole one), ballast k L^2/(3 g^2), likewise its damping,
 // g the gauge, L the sleeper's length. The ballast mass below each end moves with
 // (1/2 + y/g) - (1/2 - y/g) = 2 y/g of u, y = L/sqrt(12); without it the reduction is exact.
-TEST(TwoRails, UnderAnAntisymmetricLoadAreAnotherPlaneTrack) {
+TEST(TwoRails, UnderAnAntisymmetricLoadAreAPlaneTrackWithOtherValues) {
   LineParameters both = track(Dimension::space), one = track(Dimension::plane);
   both.ballast.mass = one.ballast.mass = 0;
   const double gauge = both.track.gauge, length = both.track.sleeper_length;
@@ -102,7 +102,7 @@ TEST(TwoRails, UnderAnAntisymmetricLoadAreAnotherPlaneTrack) {
   verified::above("largest of the rail", "m", most, 1e-5);
   verified::below("left rail, difference", "m", difference, 1e-12);
   verified::below("right rail, difference", "m", mirrored, 1e-12);
-  verified::below("right rail under a blow on the left one, against half the difference of both",
+  verified::below("right rail under an impact on the left one, against half the difference of both",
                   "m", halves, 1e-12);
 }
 
@@ -133,8 +133,8 @@ TEST(Roll, FrequenciesOfTheManchesterVehicle) {
   }
 }
 
-// A body whose centre of mass lies e to the left: moment m g e, shared by four axles; the springs
-// lean by it. At rest on a rigid rail before the track, and on the track.
+// A body whose centre of mass is e to the left: moment m g e, distributed over four axles, which
+// rolls the body on its springs. Static on a rigid rail before the track, and on the track.
 TEST(Roll, MomentOfAShiftedLoadReachesTheWheels) {
   VehicleParameters v;
   v.name = "shifted", v.like = "manchester_1", v.body_offset = 0.1;
@@ -164,7 +164,7 @@ TEST(Roll, MomentOfAShiftedLoadReachesTheWheels) {
   }
 }
 
-// A dip of one rail only: wheels, bogies and body roll.
+// A dip of one rail only excites roll of wheelsets, bogies and body.
 std::vector<double> roll_with(double step) {
   IrregularityParameters dip;
   dip.kind = IrregularityKind::versine;

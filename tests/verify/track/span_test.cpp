@@ -1,8 +1,8 @@
-// Vehicles on a single span against the sum of the beam's modes, integrated here on its own:
+// Vehicles on a single span against a modal solution of the beam, integrated independently here:
 //   q_n'' + w_n^2 q_n = (2/(m L)) sin(n pi x_w/L) (-F),   w_n = (n pi/L)^2 sqrt(E I/m),
 //   rail at x: sum q_n sin(n pi x/L);  F = k_c (rail - wheel), N, x_w = v t,
-// with Newton's equations of the masses on their spring, by Runge and Kutta's fourth order in steps
-// that leave nothing.
+// with the equations of motion of the masses, by the Runge-Kutta method of fourth order with
+// negligible error of the step.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ constexpr int modes = 15;
 // Heights and rates: modes, then body, then wheelset.
 using State = Eigen::Matrix<double, modes + 2, 2>;
 
-// Where the wheel is: at one speed, and braking from 0.2 to 0.7 s.
+// Position of the wheel: at constant speed, and braking from 0.2 to 0.7 s.
 using Place = double (*)(double);
 constexpr double braked = 12, begin = 0.2, end = 0.7;  // m/s, s
 double evenly(double time) { return speed * time; }
@@ -72,9 +72,9 @@ Crossing by_modes(Place place = evenly) {
   Crossing found;
   for (int i = 1; i <= std::lround(duration / step); ++i) {
     const double t = (i - 1) * step;
-    const double amid = place(t + step / 2);
-    const State a = rate(s, place(t)), b = rate(s + step / 2 * a, amid),
-                c = rate(s + step / 2 * b, amid), d = rate(s + step * c, place(t + step));
+    const double halfway = place(t + step / 2);
+    const State a = rate(s, place(t)), b = rate(s + step / 2 * a, halfway),
+                c = rate(s + step / 2 * b, halfway), d = rate(s + step * c, place(t + step));
     s += step / 6 * (a + 2 * b + 2 * c + d);
     if (i % 100 != 0) continue;
     double middle = 0, below = 0;
@@ -122,8 +122,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// A body on spring and damper, the wheelset below it on a linear contact. Steps of 0.1 ms; fifteen
-// modes leave 1e-5 of the deflection.
+// A body on spring and damper, the wheelset below it on a linear contact. Steps of 0.1 ms; the
+// error of fifteen modes is 1e-5 of the deflection.
 TEST(SprungMass, WithAnUnsprungMassOnASpan) {
   const Crossing reference = by_modes(), found = by_passage(1e-4);
   const auto most = [](const std::vector<double>& v) {
@@ -137,7 +137,7 @@ TEST(SprungMass, WithAnUnsprungMassOnASpan) {
                   distance(found.wheel, reference.wheel), 20);
 }
 
-// Of the body: it does not feel the highest modes of the span, which no step resolves.
+// Of the body, which is not affected by the highest modes of the span that no step resolves.
 TEST(SprungMass, IsOfSecondOrderInTheStep) {
   const Crossing a = by_passage(1e-3), b = by_passage(5e-4), c = by_passage(2.5e-4);
   verified::near("order from steps of 1, 0.5, 0.25 ms, body", "-",
@@ -146,10 +146,10 @@ TEST(SprungMass, IsOfSecondOrderInTheStep) {
                   distance(c.body, by_modes().body), 1e-6);
 }
 
-// What it feels of the rail's shape comes later and later.
-TEST(SprungMass, ThatBrakesOnASpan) {
+// Braking changes the position of the wheel over time.
+TEST(SprungMass, BrakingOnASpan) {
   const Crossing reference = by_modes(braking), fine = by_passage(1e-4, braking);
-  verified::above("difference to one that does not, mid-span, root mean square", "m",
+  verified::above("difference to constant speed, mid-span, root mean square", "m",
                   distance(reference.rail, by_modes().rail), 1e-4);
   verified::below("mid-span, root mean square of the difference", "m",
                   distance(fine.rail, reference.rail), 2e-6);
@@ -164,11 +164,11 @@ TEST(SprungMass, ThatBrakesOnASpan) {
 // A constant force on the same span, its first mode against the closed form
 //   q = (2 P/(m L)) (sin(W t) - (W/w) sin(w t))/(w^2 - W^2),  W = pi v/L:
 // root mean square of the difference over the passage, m.
-// If it brakes: of the mode's own equation, by Runge and Kutta's fourth order in small steps.
+// While braking: the modal equation by the Runge-Kutta method of fourth order with small steps.
 class FirstMode {
  public:
   explicit FirstMode(Place place) : place_(place) {}
-  // m, at the next time asked for.
+  // m, at increasing times.
   double at(double time) {
     const double wave_number = std::numbers::pi / length;
     const double own = wave_number * wave_number * std::sqrt(young * inertia / mass);
@@ -224,7 +224,7 @@ double moving_force_error(int elements, double step, Place place = evenly) {
   return std::sqrt(sum / static_cast<double>(steps));
 }
 
-// Cubic elements with consistent mass: the fourth order of their length.
+// Cubic elements with consistent mass: fourth order in their length.
 TEST(MovingForce, OrdersOnASpan) {
   verified::near("order in the step, 2 and 1 ms, 40 elements", "-",
                  std::log2(moving_force_error(40, 2e-3) / moving_force_error(40, 1e-3)), 2, 0.1);

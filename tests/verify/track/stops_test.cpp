@@ -1,4 +1,4 @@
-// Supports that are not linear: sleepers that hang above the ballast, pads with a knee.
+// Nonlinear supports: hanging sleepers with a gap to the ballast, bilinear pads.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::vector<VehicleParameters> axle() {
   return {v};
 }
 
-// At rest under one constant force above the sleeper at 12 m.
+// Static equilibrium under one constant force above the sleeper at 12 m.
 struct AtRest {
   explicit AtRest(const LineParameters& p)
       : line(p),
@@ -48,20 +48,20 @@ LineParameters sleepers(double gap) {
   return p;
 }
 
-// A gap wider than the rail can bend: as if the sleeper had no ballast. One of nothing: linear.
-// Between them the rail's displacement is linear in the ballast's force f, which is
-// k (w_s - gap): two linear tracks give the reference.
-TEST(HangingSleeper, LiesBetweenTwoLinearTracks) {
+// A gap larger than the deflection of the rail is equivalent to no ballast, a gap of 0 is the
+// linear track. In between the rail's displacement is linear in the ballast force f = k (w_s -
+// gap): two linear tracks give the reference.
+TEST(HangingSleeper, IsBetweenTwoLinearTracks) {
   LineParameters none = sleepers(0), all = sleepers(0);
   none.track.zones[0].bed = 1e-9;
   const AtRest without(none), with(all), open(sleepers(0.02)), hanging(sleepers(0.2e-3));
   verified::near("rail over an open gap", "m", open.rail(), without.rail(), 1e-9);
-  // Half a sleeper at rest: the seat carries nothing but what the ballast does.
+  // Static: the seat force equals the ballast force.
   verified::near("seat over an open gap", "N", open.seat(), 0, 1e-6);
   verified::above("rail over a gap of 0.2 mm, beyond the linear track", "m", hanging.rail(),
                   with.rail());
-  // Unit ballast force lifts rail and sleeper; from no ballast to full ballast the force is
-  // `with.seat()`, so influence lines follow from both: r = (w_0 - w_1)/f_1.
+  // The ballast force lifts rail and sleeper; from no ballast to full ballast it is `with.seat()`,
+  // so that influence coefficients follow from both: r = (w_0 - w_1)/f_1.
   const double f1 = with.seat();
   const auto sleeper = [](const AtRest& at) {
     return -at.passage.line_motion()
@@ -75,18 +75,19 @@ TEST(HangingSleeper, LiesBetweenTwoLinearTracks) {
                  without.rail() - f * (without.rail() - with.rail()) / f1, 1e-9);
 }
 
-// Every pad has the knee; a wheel that stands still keeps its equilibrium.
-TEST(PadWithAKnee, FollowsItsTwoStiffnesses) {
+// All pads are bilinear; a wheel without speed remains in static equilibrium.
+TEST(BilinearPad, FollowsItsTwoStiffnesses) {
   LineParameters p = sleepers(0);
-  p.pad.knee = 1e-4;
-  p.pad.beyond = 500e6;
+  p.pad.bilinear_at = 1e-4;
+  p.pad.bilinear_stiffness = 500e6;
   AtRest at(p);
   const double rail = at.rail(), seat = at.seat();
   const std::int32_t unknown = at.line.sleeper_unknown(at.line.nearest_sleeper(place));
   const double compressed = rail + at.passage.line_motion().displacement[unknown];
-  verified::above("compression of the pad", "m", compressed, p.pad.knee);
+  verified::above("compression of the pad", "m", compressed, p.pad.bilinear_at);
   verified::near("seat force", "N", seat,
-                 p.pad.stiffness * p.pad.knee + p.pad.beyond * (compressed - p.pad.knee),
+                 p.pad.stiffness * p.pad.bilinear_at +
+                     p.pad.bilinear_stiffness * (compressed - p.pad.bilinear_at),
                  1e-9 * seat);
   verified::near("ballast force", "N",
                  -p.ballast.stiffness * at.passage.line_motion().displacement[unknown], seat,
@@ -95,8 +96,8 @@ TEST(PadWithAKnee, FollowsItsTwoStiffnesses) {
   verified::below("motion in 200 steps", "m", std::abs(at.rail() - rail), 1e-12);
 }
 
-// A coach over hanging sleepers: they strike the ballast, and the train goes on.
-TEST(HangingSleeper, IsStruckByAPassingCoach) {
+// A coach over hanging sleepers, which strike the ballast.
+TEST(HangingSleeper, StrikesTheBallastUnderAPassingCoach) {
   LineParameters p;
   p.track.zones = {{.from = 29.9, .to = 31.3, .gap = 0.5e-3}};  // three sleepers
   const Line line(p);
@@ -118,7 +119,7 @@ TEST(HangingSleeper, IsStruckByAPassingCoach) {
                   run(line) / run(even), 2);
 }
 
-// s of processor time, the least of three times 40 steps of a vehicle on 120 m.
+// s of processor time for 40 steps of a vehicle on 120 m, the least of three runs.
 double cost(const LineParameters& given) {
   LineParameters p = given;
   p.track.length = 120;
@@ -135,12 +136,12 @@ double cost(const LineParameters& given) {
   return least;
 }
 
-// 201 pads that could: they are in the equations of the contacts only where they do. With all of
-// them in it a step took more than ten times as long.
-TEST(PadWithAKnee, CostsLittleWhereNothingCrossesIt) {
-  LineParameters linear = sleepers(0), kneed = sleepers(0);
-  kneed.pad.knee = 1e-3, kneed.pad.beyond = 600e6;
-  EXPECT_LT(cost(kneed), 4 * cost(linear));
+// 201 bilinear pads: they are in the equations of the contacts only beyond bilinear_at. With all of
+// them in the equations a step took more than ten times as long.
+TEST(BilinearPad, CostsLittleWithinTheFirstStiffness) {
+  LineParameters linear = sleepers(0), bilinear = sleepers(0);
+  bilinear.pad.bilinear_at = 1e-3, bilinear.pad.bilinear_stiffness = 600e6;
+  EXPECT_LT(cost(bilinear), 4 * cost(linear));
 }
 
 }  // namespace

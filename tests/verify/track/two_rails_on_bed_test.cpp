@@ -1,5 +1,5 @@
-// Two rails over rigid sleepers that somebody else moves: what is symmetric must be the plane
-// train, and all else the track alone in space that has the sleepers in its matrix.
+// Two rails over moved rigid sleepers: symmetric motion must equal the plane train, other motion
+// the track alone in space with the sleepers in its matrix.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ LineParameters track_of(Dimension dimension) {
   return p;
 }
 
-// Amid the bed, of the left rail.
+// In the middle of the bed, of the left rail.
 IrregularityParameters dip() {
   IrregularityParameters p;
   p.kind = IrregularityKind::versine;
@@ -38,8 +38,8 @@ IrregularityParameters dip() {
   return p;
 }
 
-// A train over a bed of springs, all of whose forces are those of the same instant; of one rail
-// half sleepers, of two whole ones.
+// A train over a bed of springs with all forces at the same time; half sleepers for one rail, whole
+// sleepers for two.
 struct OnBed {
   OnBed(Dimension dimension, double dt, const std::optional<IrregularityParameters>& right)
       : step(dt),
@@ -70,13 +70,13 @@ struct OnBed {
     sleepers.place(1);
   }
 
-  // N, upwards, of a spring that stands `at` m to the left.
+  // N, upwards, of a spring `at` m to the left.
   double spring(std::size_t i, double at) const {
     const Seat foot = seat_of(sleepers, i, at);
     return -line.ballast.stiffness * foot.height - line.ballast.damping * foot.rate;
   }
 
-  // Springs at L/sqrt(12) press as forces at both ends do of the same sum and moment.
+  // Forces of springs at L/sqrt(12) as forces at both ends with the same sum and moment.
   std::vector<Vec3> bed_of(std::size_t i) const {
     const double length = line.track.sleeper_length;
     const double place = sides == 2 ? length / std::sqrt(12.0) : 0;
@@ -170,7 +170,7 @@ Histories on_bed(double dt) {
   return found;
 }
 
-// Bounce and roll apart: a dip of one rail excites both.
+// Bounce and roll separately: a dip of one rail excites both.
 TEST(TwoRailsOnBed, ConvergeToTheTrackAlone) {
   const Histories coarse = alone(1e-4), fine = alone(5e-5), a = on_bed(1e-4), b = on_bed(5e-5);
   verified::above("largest difference of left and right wheel", "N", largest(fine.wheels_apart),
@@ -195,7 +195,7 @@ TEST(TwoRailsOnBed, ConvergeToTheTrackAlone) {
                   distance(b.wheels_apart, fine.wheels_apart), 1);
 }
 
-// Twice the sleeper on twice the springs.
+// Twice the sleeper mass on twice the spring stiffness.
 TEST(TwoRailsOnBed, UnderASymmetricLoadAreThePlaneTrain) {
   OnBed space(Dimension::space, 2e-4, {}), plane(Dimension::plane, 2e-4, {});
   double wheel = 0, seat = 0, sleeper = 0, roll = 0, most = 0;
@@ -220,8 +220,8 @@ TEST(TwoRailsOnBed, UnderASymmetricLoadAreThePlaneTrain) {
   verified::below("largest roll of a sleeper", "rad", roll, 1e-10);
 }
 
-// What the rails give is what sleepers get: with its bed away, a sleeper's momentum and moment of
-// momentum grow by the sum and by the moment of its seats' forces.
+// Forces of rails and sleepers are equal: without its bed, the rates of a sleeper's momentum and
+// angular momentum are the sum and the moment of its seat forces.
 TEST(TwoRailsOnBed, SeatForcesMoveTheSleepers) {
   OnBed model(Dimension::space, 1e-4, IrregularityParameters{});
   for (int i = 0; i < 1900; ++i) model.window();
@@ -240,7 +240,7 @@ TEST(TwoRailsOnBed, SeatForcesMoveTheSleepers) {
   const double moment = inertia * (now.spin.x() - was.spin.x()) / model.step;
   verified::near("change of momentum", "N", force, -left - right, 1e-6 * std::abs(left));
   const double turned = (right - left) * model.line.track.gauge / 2;
-  verified::near("change of moment of momentum", "N m", moment, turned, 1e-6 * std::abs(turned));
+  verified::near("change of angular momentum", "N m", moment, turned, 1e-6 * std::abs(turned));
   EXPECT_EQ(model.train.seat_force(below_dip), left + right);
 }
 

@@ -1,6 +1,6 @@
-// Two rails on a ground of elements: under a symmetric load the plane track, under one rail's load
-// springs in series with a ground that both ends of a sleeper press on, in motion by order, energy
-// and balances.
+// Two rails on a ground of elements: under a symmetric load against the plane track, under a load
+// on one rail against springs in series with a ground that both ends of a sleeper load; in motion
+// the order, energy and balances.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 using par::Comm;
 using track::Matrix2;
 
-// Whole sleepers on a ground in space, the left rail loaded. Zones of 0.3 m.
+// Whole sleepers on a ground in space, the left rail loaded. Elements of 0.3 m.
 Model wide(std::int64_t count, const fem::Elastic& soil = {60e6, 0.3, 2000}) {
   Model m = model_of(count, soil);
   m.dimension = m.track.line.track.dimension = Dimension::space;
@@ -37,14 +37,14 @@ struct Ends {
   double left, right;
 };
 
-// Everything at once: blows on both rails, sleepers that hang, pads with a knee. Weights of both
-// ends add up to those of an even pressure, and on a ground that is the same left and right the
-// difference of its heights is none. What is left is rounding: of 0.6 mm in 600 steps some 1e-17 m,
-// as contacts of straight pieces are solved exactly, and times 400 MN/m some 1e-8 N.
+// All features together: impacts on both rails, hanging sleepers, bilinear pads. Weights of both
+// ends add up to those of a uniform pressure, and on a symmetric ground the heights at both ends
+// are equal. The remaining difference is rounding: for 0.6 mm in 600 steps some 1e-17 m, since
+// piecewise linear contacts are solved exactly, and times 400 MN/m some 1e-8 N.
 TEST(TwoRailsOnGround, UnderASymmetricLoadAreThePlaneTrack) {
   Model space = wide(5);
   track::LineParameters& line = space.track.line;
-  line.pad.knee = 2e-5, line.pad.beyond = 400e6;
+  line.pad.bilinear_at = 2e-5, line.pad.bilinear_stiffness = 400e6;
   line.track.zones = {{.from = 4.7, .to = 6.1, .gap = 5e-5}};
   space.track.passage.step = 5e-5;
   Model plane = space;
@@ -72,68 +72,70 @@ TEST(TwoRailsOnGround, UnderASymmetricLoadAreThePlaneTrack) {
   verified::below("largest difference of the force on it", "N", force, 1e-6);
 }
 
-// Share of a node at `at`, zones of `zone` beside it, of a load p(y) on [from, to]: the integral of
-// its hat times p, by Simpson's rule on parts where both are smooth, exact for p of first degree.
+// Load of a node at `at`, between elements of length `size`, due to p(y) on [from, to]: the
+// integral of its hat function times p, by Simpson's rule on parts where both are smooth, exact for
+// linear p.
 template <class P>
-double share(double at, double zone, double from, double to, const P& p) {
+double nodal_load(double at, double size, double from, double to, const P& p) {
   double sum = 0;
-  for (const double begin : {at - zone, at}) {
-    const double a = std::max(begin, from), b = std::min(begin + zone, to);
+  for (const double begin : {at - size, at}) {
+    const double a = std::max(begin, from), b = std::min(begin + size, to);
     if (b <= a) continue;
-    const auto f = [&](double y) { return (1 - std::abs(y - at) / zone) * p(y); };
+    const auto f = [&](double y) { return (1 - std::abs(y - at) / size) * p(y); };
     sum += (b - a) / 6 * (f(a) + 4 * f((a + b) / 2) + f(b));
   }
   return sum;
 }
 
-// What two pressures of 1 N in sum do to each other's mean height on the top of a ground at rest,
-// m/N; p: pressure over its mean across a footprint, of y from its middle.
+// m/N, static mean heights of a footprint on the top of a ground due to each of two pressures of 1
+// N in sum; left, right: pressure over its mean, as functions of y from the middle of the
+// footprint.
 template <class Left, class Right>
 Matrix2 flexibility(const Model& m, const Left& left, const Right& right) {
-  const double zone = 0.3, x = m.footing.first, w = m.footing.width / 2;
+  const double size = 0.3, x = m.footing.first, w = m.footing.width / 2;
   const double y = m.footing.y, half = m.footing.length / 2;
   fem::Ground ground(Comm::world(), fem::half_space(m.ground), Dimension::space, 1);
   const std::vector<Vec3> home = ground.top().position;
   const auto weight = [&](std::size_t n, std::size_t side) {
     const auto p = [&](double at) { return side == 0 ? left(at - y) : right(at - y); };
-    return share(home[n].x(), zone, x - w, x + w, [](double) { return 1.0; }) *
-           share(home[n].y(), zone, y - half, y + half, p) / (4 * w * half);
+    return nodal_load(home[n].x(), size, x - w, x + w, [](double) { return 1.0; }) *
+           nodal_load(home[n].y(), size, y - half, y + half, p) / (4 * w * half);
   };
   Matrix2 result;
-  for (const std::size_t pressed : {0, 1}) {
+  for (const std::size_t loaded : {0, 1}) {
     fem::Ground fresh(Comm::world(), fem::half_space(m.ground), Dimension::space, 1);
     std::vector<Vec3> load(home.size(), Vec3::Zero());
-    for (std::size_t n = 0; n < home.size(); ++n) load[n].z() = -1e5 * weight(n, pressed);
+    for (std::size_t n = 0; n < home.size(); ++n) load[n].z() = -1e5 * weight(n, loaded);
     fem::load_statically(fresh, load);
     std::array<double, 2> down{};
     for (const auto node : fresh.own_top())
-      for (const std::size_t felt : {0, 1})
-        down[felt] -= weight(static_cast<std::size_t>(node), felt) *
+      for (const std::size_t side : {0, 1})
+        down[side] -= weight(static_cast<std::size_t>(node), side) *
                       fresh.top_motion(node).displacement.z() / 1e5;
     Comm::world().sum(std::span<double>(down));
-    for (const std::size_t felt : {0, 1})
-      result(static_cast<Eigen::Index>(felt), static_cast<Eigen::Index>(pressed)) = down[felt];
+    for (const std::size_t side : {0, 1})
+      result(static_cast<Eigen::Index>(side), static_cast<Eigen::Index>(loaded)) = down[side];
   }
   return result;
 }
 
-// m, heights of the sleeper below its rails under these seat forces: springs at +-arm, softer by
-// `under` m/N, on a ground of that flexibility.
+// m, heights of the sleeper below its rails under these seat forces: springs at +-arm, with an
+// additional compliance of `under` m/N, on a ground with this flexibility.
 Ends in_series(const Model& m, const Ends& seats, double arm, const Matrix2& ground, double under) {
   const double sum = seats.left + seats.right, gauge = m.track.line.track.gauge;
   const double difference = gauge / 2 * (seats.left - seats.right) / arm;
   const Eigen::Vector2d force((sum + difference) / 2, (sum - difference) / 2);
   const double spring = 1 / m.track.line.ballast.stiffness + under;
-  Eigen::Vector2d give(spring, spring);
+  Eigen::Vector2d compliance(spring, spring);
   for (const track::TrackZone& zone : m.track.line.track.zones)
-    give[0] += (1 / zone.bed - 1) / m.track.line.ballast.stiffness;
-  const Eigen::Vector2d height = -(give.cwiseProduct(force) + ground * force);
+    compliance[0] += (1 / zone.bed - 1) / m.track.line.ballast.stiffness;
+  const Eigen::Vector2d height = -(compliance.cwiseProduct(force) + ground * force);
   const double mean = (height[0] + height[1]) / 2, turn = (height[0] - height[1]) / (2 * arm);
   return {mean + turn * gauge / 2, mean - turn * gauge / 2};
 }
 
-// One sleeper on a soft block whose sides are not alike, ballast half as stiff on the left, the
-// left rail loaded. The footprint cuts zones, is longer than the sleeper by `beyond`, and lies off
+// One sleeper on a soft block with different sides, ballast half as stiff on the left, the left
+// rail loaded. The footprint cuts elements, is longer than the sleeper by `beyond`, and is not in
 // the middle of the ground.
 void check_roll(double beyond, double under) {
   Model m = wide(1);
@@ -162,19 +164,19 @@ void check_roll(double beyond, double under) {
   verified::near("roll times the gauge", "m", left - right, expected.left - expected.right,
                  tolerance);
   if (beyond > 0) return;
-  // Each spring on its own half of the footprint, evenly, at a quarter of the length: not the same.
+  // Each spring on one half of the footprint, uniformly, at a quarter of the length: different.
   const Matrix2 halves = flexibility(
       m, [](double y) { return y > 0 ? 2.0 : 0.0; }, [](double y) { return y < 0 ? 2.0 : 0.0; });
   const Ends other = in_series(m, {seat(0), seat(1)}, length / 4, halves, under);
-  verified::above("roll times the gauge, off that on two half footprints, over the tolerance", "-",
-                  std::abs(left - right - other.left + other.right) / tolerance, 30);
+  verified::above("roll times the gauge, difference to two half footprints, over the tolerance",
+                  "-", std::abs(left - right - other.left + other.right) / tolerance, 30);
 }
 
 TEST(TwoRailsOnGround, SpringsAndBlockInSeries) { check_roll(0, 0); }
 TEST(TwoRailsOnGround, PadsSpringsAndBlockBelowALongerFootprint) { check_roll(0.5, 1 / 80e6); }
 
-// Every 0.4 ms: m, of both ends of a sleeper and of the ground below them, while a force of 50 Hz
-// on one rail grows.
+// Every 0.4 ms: m, of both ends of a sleeper and of the ground below them, under a growing force of
+// 50 Hz on one rail.
 using Histories = std::array<std::vector<double>, 4>;
 Histories shaken(double step) {
   Model m = wide(3);
@@ -205,7 +207,7 @@ TEST(TwoRailsOnGround, IsOfSecondOrder) {
   }
 }
 
-// One rail struck, at the longest step that the program takes.
+// Impact on one rail, at the longest step that the program uses.
 void check_energy(Model m) {
   m.track.line.ballast.damping = m.track.line.pad.damping = 0;
   Pair pair(m);
@@ -226,7 +228,7 @@ void check_energy(Model m) {
   verified::below("largest energy over the first mean", "-", most / begin, 1.1);
   const auto of = pair.whole.below->energies(pair.built.passage);
   const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
-  verified::near("energy of the ground over what the ballast gave it", "-",
+  verified::near("energy of the ground over the work of the ballast on it", "-",
                  held / of["given_to_ground_j"].get<double>(), 1, 0.02);
   const auto balance = pair.whole.below->balance();
   for (const char* name : {"force", "moment", "roll_moment", "work"})
@@ -236,7 +238,7 @@ void check_energy(Model m) {
 
 TEST(TwoRailsOnGround, KeepsEnergyAtTheLongestStep) { check_energy(wide(3)); }
 
-// Three springs in series below each end: what stands on the ground is a mass of ballast.
+// Three springs in series below each end: the lowest is below the ballast mass.
 TEST(TwoRailsOnGround, KeepsEnergyOfPadsAndBallastMasses) {
   Model m = wide(3);
   m.track.line.under_sleeper = {.stiffness = 80e6, .damping = 0};
@@ -254,14 +256,13 @@ Model bending(track::BeamTheory theory, double young) {
   return m;
 }
 
-TEST(TwoRailsOnGround, KeepsEnergyOfSleepersThatBend) {
+TEST(TwoRailsOnGround, KeepsEnergyOfBendingSleepers) {
   check_energy(bending(track::BeamTheory::timoshenko, 35e9));
 }
 
-// Thin bars have the roll inertia of rigid ones. Ballast that is alike left and right: the two
-// springs of a rigid sleeper differ where it differs, so they stand for it no more than roughly
-// then.
-TEST(TwoRailsOnGround, StiffSleepersThatBendAreRigidOnes) {
+// Thin bars have the roll inertia of rigid ones. Ballast is equal left and right: for different
+// ballast the two springs of a rigid sleeper are only an approximation.
+TEST(TwoRailsOnGround, StiffBendingSleepersEqualRigidOnes) {
   const auto differ = [](double young) {
     Model beam = bending(track::BeamTheory::euler, young);
     beam.track.line.track.zones = {};
@@ -287,9 +288,8 @@ TEST(TwoRailsOnGround, StiffSleepersThatBendAreRigidOnes) {
   verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1, 0.05);
 }
 
-// Three sleepers hang at their left ends, over which the blow goes up and back; relative to what is
-// there after it.
-TEST(TwoRailsOnGround, KeepsEnergyOfEndsThatHang) {
+// Gaps below the left ends of three sleepers at the impact; relative to the energy after it.
+TEST(TwoRailsOnGround, KeepsEnergyOfHangingEnds) {
   Model m = wide(5);
   track::LineParameters& line = m.track.line;
   line.ballast.damping = line.pad.damping = 0;
@@ -305,14 +305,14 @@ TEST(TwoRailsOnGround, KeepsEnergyOfEndsThatHang) {
     furthest = std::max(furthest, std::abs(pair.energy() - after));
     in_stops = std::max(in_stops, passage.track_energy() - passage.line_motion().energy());
   }
-  verified::above("largest share of the energy in closed gaps", "-", in_stops / after, 0.02);
+  verified::above("largest fraction of the energy in closed gaps", "-", in_stops / after, 0.02);
   verified::below("largest change of energy in 50 ms", "-", furthest / after, 2e-4);
 }
 
-// Under a load that hardly changes: what dampers of closed gaps feel of the ground, which takes
-// other steps in time than the track, must not swing to and fro. A blow of 2 s bends by (pi h/2
-// s)^2 of its peak in a step h, below 1e-6.
-TEST(TwoRailsOnGround, ForcesOfEndsThatHangAreSteady) {
+// Under a nearly constant load the damper forces of closed gaps must not oscillate, although the
+// time integration of the ground differs from that of the track. The second difference of an impact
+// of 2 s is (pi h/2 s)^2 of its peak in a step h, below 1e-6.
+TEST(TwoRailsOnGround, ForcesOfHangingEndsDoNotOscillate) {
   Model m = at_rest(wide(3));
   m.track.line.track.zones = {{.from = 4.7, .to = 4.9, .gap = 1e-4, .side = track::ZoneSide::left}};
   Pair pair(m);
@@ -326,20 +326,20 @@ TEST(TwoRailsOnGround, ForcesOfEndsThatHangAreSteady) {
     bend = std::max(bend, std::abs(last[0] - 2 * last[1] + last[2]));
     least = std::min(least, last[0]);
   }
-  verified::above("force of the end that hangs", "N", least, 1e4);
-  verified::below("bend of the force in three steps, relative", "-", bend / least, 1e-5);
+  verified::above("force of the hanging end", "N", least, 1e4);
+  verified::below("second difference of the force, relative", "-", bend / least, 1e-5);
 }
 
-// A ground a million times as stiff, and as heavy: two rails alone, but for what the ground gives.
-TEST(TwoRailsOnGround, ARigidGroundIsTheTrackAlone) {
+// A ground a million times as stiff and as heavy: two rails alone, except for its compliance.
+TEST(TwoRailsOnGround, ARigidGroundEqualsTheTrackAlone) {
   Model m = wide(3, {60e12, 0.3, 2000e6});
   m.track.passage.step = 5e-5;
   Pair pair(m);
   ASSERT_EQ(pair.whole.below->step(), 5e-5);
   Model other = m;
   other.kind = ModelKind::track;
-  const Together whole(Comm::world(), other);
-  Built alone(whole.track, whole.line);
+  const TrackAssembly whole(Comm::world(), other);
+  BuiltTrack alone(whole.track, whole.line);
   double off = 0, most = 0;
   for (int n = 0; n < 600; ++n) {
     pair.step();

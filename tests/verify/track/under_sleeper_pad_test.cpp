@@ -1,5 +1,5 @@
-// Pads below sleepers: two Kelvin springs in series against their closed forms, at rest, by
-// frequency and in time.
+// Under-sleeper pads: two Kelvin elements in series against their closed forms, static, harmonic
+// and in time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t middle = 20;  // of 41 sleepers, far from the run-in
 constexpr double pad = 80e6, pad_damper = 30e3;
 
-// Sleepers alone: nothing but ballast holds them.
+// Sleepers without rail pads, on ballast only.
 LineParameters bare(Dimension dimension = Dimension::plane) {
   LineParameters p;
   p.track.dimension = dimension;
@@ -35,36 +35,40 @@ Vector on(const Line& line, std::size_t sleeper, double left, double right = 0) 
   return force;
 }
 
-double give_at_rest(const LineParameters& p, std::size_t sleeper = middle) {
+double static_compliance(const LineParameters& p, std::size_t sleeper = middle) {
   const Line line(p);
   const Vector u = Statics(line.system()).flexibility(on(line, sleeper, 1));
   return u[line.sleeper_unknown(sleeper)];
 }
 
-TEST(UnderSleeperPad, AtRestSpringsInSeries) {
+TEST(UnderSleeperPad, StaticSpringsInSeries) {
   LineParameters p = bare();
   const double two = 1 / pad + 1 / p.ballast.stiffness;
-  verified::near("sleeper on pad and ballast", "m/N", give_at_rest(p), two, 1e-12 * two);
+  verified::near("sleeper on pad and ballast", "m/N", static_compliance(p), two, 1e-12 * two);
   p.ballast.mass = 300;
   const double three = two + 1 / p.ballast.below_stiffness;
-  verified::near("on pad, ballast and what is below its mass", "m/N", give_at_rest(p), three,
-                 1e-12 * three);
+  verified::near("on pad, ballast and the spring below its mass", "m/N", static_compliance(p),
+                 three, 1e-12 * three);
   p.under_sleeper.from = 12.3;
-  verified::near("before the first pad", "m/N", give_at_rest(p), three - 1 / pad, 1e-12 * three);
-  verified::near("behind it", "m/N", give_at_rest(p, middle + 1), three, 1e-12 * three);
+  verified::near("before the first pad", "m/N", static_compliance(p), three - 1 / pad,
+                 1e-12 * three);
+  verified::near("behind it", "m/N", static_compliance(p, middle + 1), three, 1e-12 * three);
   p.under_sleeper = {.stiffness = pad, .to = 12};
-  verified::near("at the end of the pads", "m/N", give_at_rest(p), three - 1 / pad, 1e-12 * three);
+  verified::near("at the end of the pads", "m/N", static_compliance(p), three - 1 / pad,
+                 1e-12 * three);
 }
 
-// Zones are the ballast's: half of it below the same pad.
+// Zones apply to the ballast: half its stiffness below the same pad.
 TEST(UnderSleeperPad, KeepsItsStiffnessInZones) {
   LineParameters p = bare();
   p.track.zones = {{.from = 11.9, .to = 12.1, .bed = 0.5}};
-  const double give = 1 / pad + 2 / p.ballast.stiffness;
-  verified::near("sleeper on pad and half the ballast", "m/N", give_at_rest(p), give, 1e-12 * give);
+  const double series = 1 / pad + 2 / p.ballast.stiffness;
+  verified::near("sleeper on pad and half the ballast", "m/N", static_compliance(p), series,
+                 1e-12 * series);
 }
 
-// Even pads and ballast k_s (of a rail seat) over the length L resist a roll by 2 k_s L^2/12.
+// Uniform pads and ballast k_s (of a rail seat) over the length L have the roll stiffness
+// 2 k_s L^2/12.
 TEST(UnderSleeperPad, ResistsRoll) {
   const LineParameters p = bare(Dimension::space);
   const Line line(p);
@@ -103,7 +107,7 @@ TEST(UnderSleeperPad, ReceptanceOfASleeper) {
   }
 }
 
-// Amplitude and phase after the begin has died away (60 periods of a force that has grown slowly).
+// Amplitude and phase after the transient has decayed (60 periods of a slowly growing force).
 double error_in_time(const LineParameters& p, double step) {
   constexpr double hertz = 100;
   const Line line(p);
@@ -123,7 +127,7 @@ double error_in_time(const LineParameters& p, double step) {
   return worst / std::abs(exact);
 }
 
-// Without dampers nothing moves the point between but springs; with them it follows by itself.
+// Also with dampers, for which the height between pad and ballast is an internal variable.
 TEST(UnderSleeperPad, IsOfSecondOrderInTheStep) {
   const LineParameters p = bare();
   const double coarse = error_in_time(p, 4e-4), fine = error_in_time(p, 2e-4);
@@ -131,9 +135,9 @@ TEST(UnderSleeperPad, IsOfSecondOrderInTheStep) {
   verified::below("error of the sleeper, steps of 0.2 ms, over its amplitude", "-", fine, 0.02);
 }
 
-// A wheel on a rail over sleepers that hang: the gap closes first, then pad and ballast together
-// bear, as one spring would that is as soft as both.
-TEST(UnderSleeperPad, HangsWithItsSleeper) {
+// A wheel on a rail over hanging sleepers: the gap closes first, then pad and ballast act like one
+// spring with their stiffness in series.
+TEST(UnderSleeperPad, BelowAHangingSleeper) {
   VehicleParameters v;
   v.name = "axle", v.kind = VehicleKind::forces, v.length = 1;
   v.axles = {0}, v.loads = {120e3};
@@ -155,8 +159,8 @@ TEST(UnderSleeperPad, HangsWithItsSleeper) {
   verified::near("the same on one spring", "N", force, seat(soft), 1e-6 * force);
 }
 
-// A million times as stiff as ballast they are not there, also where sleepers hang.
-TEST(UnderSleeperPad, HardOnesChangeNothing) {
+// Pads a million times as stiff as ballast have no effect, also below hanging sleepers.
+TEST(UnderSleeperPad, HardOnesHaveNoEffect) {
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 10};
   IrregularityParameters rough;
   rough.kind = IrregularityKind::spectrum;
@@ -184,7 +188,7 @@ TEST(UnderSleeperPad, HardOnesChangeNothing) {
   verified::above("over soft ones", "N", largest(80e6), 300);
 }
 
-// Both rails alike are the plane track.
+// Two identical rails are the plane track.
 TEST(UnderSleeperPad, TwoRailsAlikeAreThePlaneTrack) {
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 10};
   LineParameters plane;

@@ -1,4 +1,4 @@
-// Pads that push, and pull no more than their preload (pad.uplift): the rail rises from sleepers.
+// Pads with uplift (pad.uplift): tension is limited to their preload, and the rail lifts off.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ LineParameters lifting(double length, double preload = 0) {
   return p;
 }
 
-// N downwards on one rail, m behind the first one, which stands at `start`.
+// Forces on one rail, N downwards, m behind the first one, which is at `start`.
 struct Loaded {
   Loaded(const LineParameters& p, double start, const std::vector<double>& behind,
          std::vector<double> loads)
@@ -44,9 +44,9 @@ struct Loaded {
   std::optional<Passage> passage;
 };
 
-// Pulled up with nothing else on it the rail hangs at its pinned ends alone:
+// A rail lifted off all pads is supported at its pinned ends only:
 //   w = F L^3/(48 E I) + F L/(4 k G A)
-TEST(Uplift, ARailPulledOffAllPadsIsABeamOnItsEnds) {
+TEST(Uplift, ARailLiftedOffAllPadsIsASimpleBeam) {
   constexpr double force = 20e3, length = 2.4;  // N, m
   for (const BeamTheory theory : {BeamTheory::euler, BeamTheory::timoshenko}) {
     LineParameters p = lifting(length);
@@ -66,7 +66,7 @@ TEST(Uplift, ARailPulledOffAllPadsIsABeamOnItsEnds) {
   }
 }
 
-// Row of the pad's compression: height of the sleeper's end less that of the rail.
+// Row of the pad's compression: height of the sleeper's end minus that of the rail.
 Vector pad_row(const Line& line, std::size_t i, std::size_t side) {
   Vector row = Vector::Zero(line.system().mass.rows());
   row[line.sleeper_unknown(i, side)] = 1;
@@ -74,9 +74,9 @@ Vector pad_row(const Line& line, std::size_t i, std::size_t side) {
   return row;
 }
 
-// Between two wheels a force pulls the rail up. Reference: the linear track without the pads that
-// carry nothing, solved directly; those left are pressed, those taken out stand open.
-void pulled_up(const LineParameters& p, const std::string& where) {
+// An upward force between two wheels. Reference: a direct solution of the linear track without the
+// open pads; the remaining pads must be compressed, the removed ones open.
+void check_uplift(const LineParameters& p, const std::string& where) {
   const Line line(p);
   const TrainParameters motion{.vehicles = {"pattern"}, .speed = 1e-12, .start = 15};
   VehicleParameters pattern{.name = "pattern", .kind = VehicleKind::forces, .length = 1};
@@ -90,51 +90,51 @@ void pulled_up(const LineParameters& p, const std::string& where) {
     for (const auto& [x, force] : {std::pair{15.0, 60e3}, {12.0, -30e3}, {9.0, 60e3}})
       line.at(x, side).add(-force, load);
   const Vector& u = passage.line_motion().displacement;
-  const double preload = p.pad.preload, given_back = -preload / p.pad.stiffness;
+  const double preload = p.pad.preload, unloaded = -preload / p.pad.stiffness;
   std::int64_t open = 0;
   double least = 1, widest = -1;
-  // The ends are pinned: nothing is on the first and the last sleeper.
+  // The ends are pinned: the first and the last sleeper are unloaded.
   for (std::size_t i = 1; i + 1 < line.sleepers(); ++i)
     for (std::size_t side = 0; side < line.sides(); ++side) {
       const Vector row = pad_row(line, i, side);
       const double seat = passage.on_sleeper(i, side);
       EXPECT_GE(seat, -preload * (1 + 1e-12));
       if (seat > -preload * (1 - 1e-12)) {
-        least = std::min(least, row.dot(u) - given_back);
+        least = std::min(least, row.dot(u) - unloaded);
         continue;
       }
       stiffness -= p.pad.stiffness * row * row.transpose();
-      load += preload * row;  // the rail's weight, which now hangs on it
-      widest = std::max(widest, row.dot(u) - given_back);
+      load += preload * row;  // the rail's weight, which the pad no longer carries
+      widest = std::max(widest, row.dot(u) - unloaded);
       ++open;
     }
   verified::above(where + ", open pads", "-", static_cast<double>(open), 2.5);
-  verified::above(where + ", least compression of a pressed pad", "m", least, 0);
+  verified::above(where + ", least compression of a closed pad", "m", least, 0);
   verified::below(where + ", largest compression of an open pad", "m", widest, 0);
   const Vector expected = stiffness.partialPivLu().solve(load);
-  verified::below(where + ", furthest from the track without these pads", "m",
+  verified::below(where + ", largest difference to the track without these pads", "m",
                   (u - expected).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(Uplift, BetweenLoadsIsTheTrackWithoutItsOpenPads) {
+TEST(Uplift, BetweenLoadsEqualsTheTrackWithoutOpenPads) {
   LineParameters p = lifting(24);
-  pulled_up(p, "one rail");
+  check_uplift(p, "one rail");
   p.track.sleeper.model = SleeperModel::beam;
-  pulled_up(p, "one rail, sleepers that bend");
+  check_uplift(p, "one rail, bending sleepers");
   p.track.sleeper.model = SleeperModel::rigid;
   p.track.dimension = Dimension::space;
-  pulled_up(p, "two rails");
+  check_uplift(p, "two rails");
 }
 
-TEST(Uplift, LiftedPadsHaveGivenBackTheirPreload) {
+TEST(Uplift, OpenPadsHaveLostTheirPreload) {
   LineParameters p = lifting(24, 400);
-  pulled_up(p, "one rail, preload");
+  check_uplift(p, "one rail, preload");
   p.track.dimension = Dimension::space;
-  pulled_up(p, "two rails, preload");
+  check_uplift(p, "two rails, preload");
 }
 
-// A crossing is three times as heavy; half a bay lies on the last pad.
-TEST(Uplift, PadsHoldTheWeightOfTheRailThatLiesOnThem) {
+// A crossing is three times as heavy; the last pad carries half a bay.
+TEST(Uplift, PreloadIsTheWeightOfTheRailOnThePad) {
   LineParameters p = lifting(24, -1);
   p.rail.mass = 60;
   p.track.zones = {{.from = 6, .to = 24, .rail = 3}};
@@ -149,9 +149,9 @@ TEST(Uplift, PadsHoldTheWeightOfTheRailThatLiesOnThem) {
   EXPECT_NEAR(all.seat(1), -bay, 1e-9 * bay);
 }
 
-// Over a run-in pads and ballast are stiffer, what pads have given back when they open is the same:
-// it lifts the sleeper, whose ballast pulls as much.
-TEST(Uplift, PadsInTheRunInGiveBackTheirPreload) {
+// In the run-in pads and ballast are stiffer, but the preload is the same: an open pad lifts the
+// sleeper by it, against an equal tension of the ballast.
+TEST(Uplift, PadsInTheRunInHaveTheSamePreload) {
   LineParameters p = lifting(24, 400);
   p.track.run_in = 6, p.track.run_in_factor = 10;
   Loaded at(p, 3.6, {0}, {-10e3});
@@ -161,13 +161,13 @@ TEST(Uplift, PadsInTheRunInGiveBackTheirPreload) {
     const double stiffer = std::pow(10, (1 + std::cos(std::numbers::pi * x / 6)) / 2);
     EXPECT_GT(at.rail(x) - height, 1.1 * 400 / (p.pad.stiffness * stiffer));
     verified::near(fmt::format("seat force at {:g} m", x), "N", at.seat(i), -400, 1e-6 * 400);
-    verified::near(fmt::format("pull of the ballast at {:g} m", x), "N",
+    verified::near(fmt::format("tension of the ballast at {:g} m", x), "N",
                    p.ballast.stiffness * stiffer * height, 400, 1e-6 * 400);
   }
 }
 
-// What a coach throws up comes down under its weight.
-TEST(Uplift, TheRailLiesOnItsPadsWhenTheTrainHasGone) {
+// A rail lifted by a coach returns to its pads under its weight.
+TEST(Uplift, TheRailReturnsToItsPadsAfterTheTrain) {
   LineParameters p = lifting(30, -1);
   const Line line(p);
   const TrainParameters motion{.vehicles = {"manchester_1"}, .speed = 50, .start = 0};
@@ -183,10 +183,10 @@ TEST(Uplift, TheRailLiesOnItsPadsWhenTheTrainHasGone) {
     }
   }
   verified::above("highest while the coach passes", "m", highest, 1e-5);
-  verified::below("furthest from its place 1 s after", "m", left, 1e-6);
+  verified::below("largest displacement 1 s after", "m", left, 1e-6);
 }
 
-// Least seat force of all sleepers while a coach passes, N; the dampers act.
+// Least seat force of all sleepers while a coach passes, N; with dampers.
 double least_seat(bool uplift) {
   LineParameters p;
   p.pad.uplift = uplift;
@@ -204,24 +204,24 @@ double least_seat(bool uplift) {
   return least;
 }
 
-TEST(Uplift, NoPadPullsWhileACoachPasses) {
-  verified::below("least seat force if pads pull", "N", least_seat(false), -500);
-  verified::near("least seat force if they lift off", "N", least_seat(true), 0, 1e-9);
+TEST(Uplift, NoTensionInPadsWhileACoachPasses) {
+  verified::below("least seat force without uplift", "N", least_seat(false), -500);
+  verified::near("least seat force with uplift", "N", least_seat(true), 0, 1e-9);
 }
 
-// J, of the matrices' springs without what open pads hold in them.
+// J, of the matrices' springs without the fictitious energy of open pads.
 double energy_of(const Passage& passage, const PadParameters& pad) {
   const Line& line = passage.line();
   double energy = passage.line_motion().energy();
   for (std::size_t i = 0; i < line.sleepers(); ++i) {
-    const double pressed = pad_row(line, i, 0).dot(passage.line_motion().displacement);
-    const double left = pressed + pad.preload / pad.stiffness;
+    const double compression = pad_row(line, i, 0).dot(passage.line_motion().displacement);
+    const double left = compression + pad.preload / pad.stiffness;
     energy -= pad.stiffness * std::pow(std::min(0.0, left), 2) / 2;
   }
   return energy;
 }
 
-// After an upward blow, without dampers: largest change of the energy over what there is.
+// After an upward impact, without dampers: largest change of the energy over the energy.
 double drift(double step, double preload) {
   LineParameters p = lifting(6, preload);
   p.pad.damping = p.ballast.damping = 0;

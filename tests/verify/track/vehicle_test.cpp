@@ -1,4 +1,4 @@
-// Vehicles: frequencies, loads at rest, and a mass on a spring that crosses a bridge.
+// Vehicles: natural frequencies, static loads, and a sprung mass that crosses a bridge.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -45,8 +45,8 @@ TEST(Vehicle, FrequenciesOfABogieAlone) {
   verified::near("pitch of the bogie", "Hz", found[2], hertz(turn), 1e-9);
 }
 
-// A coach of two such bogies whose body stays level moves as two of them: bounce, pitch and roll of
-// the bogie are among the coach's modes.
+// A coach of two such bogies without pitch of its body moves like two of them: bounce, pitch and
+// roll of the bogie are among the coach's modes.
 TEST(Vehicle, ABogieAloneIsHalfOfASymmetricCoach) {
   const VehicleParameters bogie = complete(of_library("x2_bogie"));
   VehicleParameters coach = bogie;
@@ -68,8 +68,8 @@ TEST(Vehicle, ABogieAloneIsHalfOfASymmetricCoach) {
   verified::below("furthest from a mode of the coach", "Hz", furthest, 1e-6);
 }
 
-// Axle loads and static sag of the springs, from the equilibrium a passage begins in.
-TEST(Vehicle, LoadsAtRest) {
+// Axle loads and static deflections of the springs, from the static equilibrium of a passage.
+TEST(Vehicle, StaticLoads) {
   const Line line((LineParameters()));
   TrainParameters motion;
   motion.start = 40;
@@ -83,7 +83,7 @@ TEST(Vehicle, LoadsAtRest) {
                      10);
     if (name != std::string("manchester_1")) continue;
     const Vector& u = passage.train_motion().displacement;
-    // Unknowns: body z, pitch; bogie z, pitch, wheelset, wheelset; the same again.
+    // Unknowns: body z, pitch; bogie z, pitch, wheelset, wheelset; the same for the second bogie.
     const double bogies = (u[2] + u[6]) / 2;
     verified::near("secondary springs", "m", bogies - u[0], 182.51e-3, 1e-5);
     verified::near("primary springs", "m", (u[4] + u[5]) / 2 - u[2], 37.42e-3, 1e-5);

@@ -1,4 +1,4 @@
-// Hertz's contact of wheel and rail, and the irregularities of the rail.
+// Hertzian wheel-rail contact, and the irregularities of the rail.
 #include "trackbed/track/wheel_rail.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ TEST(Hertz, WheelOfHalfAMetreOnARail) {
 //   d = c I(0,0),  A = c I(1,0),  B = c I(0,1),  c = 3 F/(4 pi E*)
 //   I(m,n) = int_0^inf (a^2 + w)^(-m-1/2) (b^2 + w)^(-n-1/2) w^(-1/2) dw
 // by quadrature with 40 digits (mpmath), without elliptic integrals.
-TEST(Hertz, ConstantHasTheDigitsOfHertzsIntegrals) {
+TEST(Hertz, ConstantAgreesWithHertzsIntegrals) {
   const std::vector<std::tuple<double, double, double>> cases = {{0.46, 0.3, 94125079189.525359},
                                                                  {0.5, 0.3, 96263563401.656411},
                                                                  {0.3, 0.3, 84265008846.9486328},
@@ -49,15 +49,15 @@ TEST(Hertz, EqualRadiiAreASphere) {
                  1e-8 * sphere);
 }
 
-// Radii in other units, too: what they are is for `check` to doubt. The longer the ellipse the
-// softer the contact.
-TEST(Hertz, AnyRatioOfRadiiEnds) {
+// Also for radii in other units, about which `check` warns. The longer the ellipse the softer the
+// contact.
+TEST(Hertz, ConvergesForAnyRatioOfRadii) {
   double last = 1e300;
   for (double ratio = 1; ratio < 1e7; ratio *= 1.03) {
     const double found = hertz_contact({.wheel_radius = 0.3 * ratio}).constant;
     EXPECT_NEAR(hertz_contact({.wheel_radius = 0.3, .rail_radius = 0.3 * ratio}).constant, found,
                 1e-9 * found);
-    // As large a curvature across the longer axis, so that only the ellipse changes.
+    // With equal curvature across the longer axis, so that only the ellipse changes.
     EXPECT_LT(found / std::sqrt(ratio), last);
     last = found / std::sqrt(ratio);
   }
@@ -76,13 +76,13 @@ TEST(Irregularities, RootMeanSquareInD1) {
     IrregularityParameters p;
     p.kind = IrregularityKind::spectrum;
     p.spectrum = spectrum;
-    // Lines are 1 % apart: at each end of D1 up to half a line is in or out.
+    // Lines are 1 % apart: at each end of D1 up to half a line is included or excluded.
     verified::near(fmt::format("{}, of the profile's lines", name), "m",
                    Irregularity(p, 100).spectrum_d1_rms(), reference, 0.005 * reference);
   }
 }
 
-// What wheels read has the power of the spectrum: 20 km of profile, 70 m at most in a wave.
+// The sampled profile has the power of the spectrum: 20 km of profile, wavelengths of up to 70 m.
 TEST(Irregularities, SamplesHaveThePowerOfTheSpectrum) {
   IrregularityParameters p;
   p.kind = IrregularityKind::spectrum;

@@ -1,0 +1,53 @@
+# trackbed_module(<name> [LINKS <target>...])
+# A module is a static library of all .cpp files of its folder. It can include the interfaces
+# (include/) of all modules; tests/style/layering.py checks which ones it may use.
+function(trackbed_module name)
+  cmake_parse_arguments(MODULE "" "" "LINKS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
+                                     PRIVATE ${CMAKE_SOURCE_DIR}/src)
+  target_link_libraries(${name} PUBLIC Eigen3::Eigen fmt::fmt PRIVATE trackbed_options)
+  target_link_libraries(${name} PUBLIC ${MODULE_LINKS})
+endfunction()
+
+# The environment of every test: Open MPI refuses root unless allowed, and ranks that share a core
+# must yield to each other. Transports are limited to those within one machine: a start then takes
+# 0.14 s instead of 0.35 s. Leaks are not checked, as Open MPI keeps memory to the end.
+# (ess_singleton_isolated would make it 0.08 s, but programs that start at once then remove each
+# other's session folder.)
+set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self,vader
+    ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg)
+
+# Where tests with the label verify write the rows of docs/verification.md.
+set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
+
+# trackbed_test(<file without .cpp> RANKS <n>... LINKS <module>... [LABELS <label>...]
+#               [TIMEOUT <s>])
+# One executable per file, run once for each number of ranks as <file>_on_<n>.
+function(trackbed_test name)
+  cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS" ${ARGN})
+  add_executable(${name} ${name}.cpp)
+  target_link_libraries(${name} PRIVATE test_support trackbed_options ${TEST_LINKS})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 300)
+  endif()
+  foreach(ranks ${TEST_RANKS})
+    set(test ${name}_on_${ranks})
+    add_test(NAME ${test}
+      COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe --bind-to none
+              $<TARGET_FILE:${name}>
+      WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
+      LABELS "${TEST_LABELS}"
+      ENVIRONMENT "${TRACKBED_TEST_ENVIRONMENT};TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
+    if("verify" IN_LIST TEST_LABELS)
+      set_property(TEST ${test} APPEND PROPERTY
+                   ENVIRONMENT "TRACKBED_VERIFICATION=${TRACKBED_VERIFICATION}")
+      set_tests_properties(${test} PROPERTIES FIXTURES_SETUP verification)
+    endif()
+  endforeach()
+endfunction()

@@ -1,0 +1,113 @@
+#include "app/command/command_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/track_rules/track_rules.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+// A problem of one rank is an exception on all of them: the others would wait for it.
+GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input::Deck& deck) {
+  GroundFile file;
+  std::string problem;
+  try {
+    file = require_ground(model, deck);
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  if (const std::string first = comm.first_problem(problem); !first.empty())
+    throw InputError({first});
+  return file;
+}
+
+}  // namespace
+
+void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string>& options) {
+  for (const std::string& option : options)
+    if (option != "no_signal_handler")
+      print(comm,
+            fmt::format("warning: the PETSc option -{} was set but never used (options of the "
+                        "ground begin with -ground_)\n",
+                        option));
+}
+
+input::Declaration declaration_of(Model& model) {
+  return [&model](input::Section& section) { model.declare(section); };
+}
+
+// Flushed at once: batch systems show stdout only when it is flushed, and the log of a run that is
+// killed must be complete.
+void print(const par::Comm& comm, const std::string& text) {
+  if (!comm.root()) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void Warnings::add(const std::vector<std::string>& more) {
+  for (const std::string& sentence : more) {
+    print(comm, fmt::format("warning: {}\n", sentence));
+    sentences.push_back(sentence);
+  }
+}
+
+Model read_model(const input::Deck& deck, Warnings& warnings) {
+  Model model;
+  warnings.add(deck.fill(declaration_of(model)));
+  return model;
+}
+
+int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
+  const Outcome outcome = simulation.run();
+  warn_of_unused_options(comm, fem::Petsc::unused_options());
+  if (outcome == Outcome::finished) {
+    print(comm, "results: " + folder + "\n");
+    return static_cast<int>(ExitCode::success);
+  }
+  print(comm, simulation.last_checkpoint().empty()
+                  ? "stopped early, before a checkpoint was written: run the deck again\n"
+                  : "stopped early; continue with: trackbed resume " + folder + "\n");
+  return static_cast<int>(ExitCode::stopped);
+}
+
+std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
+                             io::IfDamaged if_damaged, Warnings& warnings) {
+  const io::CheckpointChoice chosen = io::choose_checkpoint(comm, path, if_damaged);
+  warnings.add(chosen.passed_over);
+  if (!chosen.passed_over.empty()) print(comm, fmt::format("continuing from {}\n", chosen.file));
+  return chosen.file;
+}
+
+GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings) {
+  GroundFile file = ground_of_all(warnings.comm, model, deck);
+  warnings.add(file.warnings);
+  return file;
+}
+
+std::vector<std::string> try_options(const par::Comm& comm, const Model& model) {
+  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [](const Stage& stage) { return stage.ground_moves; });
+  if (!model.has_stages() || !model.ground.present || !moves) return fem::Petsc::unused_options();
+  return fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
+                                 model.time.window);
+}
+
+int run_alone(const par::Comm& comm, const Model& model, const TrackRunInput& of) {
+  const bool finished = run_track(comm, model, of);
+  warn_of_unused_options(comm, fem::Petsc::unused_options());
+  return static_cast<int>(finished ? ExitCode::success : ExitCode::stopped);
+}
+
+void look_at_profiles(const Model& model, Warnings& warnings) {
+  if (!model.has_stages()) return;
+  if (model.has_train()) warnings.add(warnings_of_files(model.track));
+  warnings.add(warnings_of_loads(model));
+}
+
+}  // namespace trackbed::app

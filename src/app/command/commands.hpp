@@ -1,0 +1,29 @@
+// The commands of the program. Each returns the exit code; InputError and RunError pass through.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/command/shapes.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::app {
+
+struct Arguments {
+  std::string deck;                    // run, check
+  std::string file;                    // resume, info
+  std::string section;                 // describe
+  std::vector<std::string> overrides;  // key=value
+  std::string folder;                  // -o; empty: chosen
+  ShapeArguments shapes;
+  bool force = false;  // run: results of an earlier run may be removed
+};
+
+int run(const par::Comm& comm, const Arguments& arguments);
+int resume(const par::Comm& comm, const Arguments& arguments);
+int check(const par::Comm& comm, const Arguments& arguments);
+int describe(const par::Comm& comm, const Arguments& arguments);
+int schema(const par::Comm& comm, const Arguments& arguments);
+int info(const par::Comm& comm, const Arguments& arguments);
+
+}  // namespace trackbed::app

@@ -1,0 +1,229 @@
+// Command line by CLI11. Arguments after `--` are passed to PETSc, so that any of its options can
+// be used. Every exception ends here, as a message of rank 0 and an exit code for scripts. Input
+// and run errors are equal on all ranks when they arrive; any other exception belongs to one rank.
+#include "app/command/program.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <optional>
+
+#include "app/command/commands.hpp"
+#include "app/parameters/version.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/fem/petsc.hpp"
+#include "trackbed/input/deck.hpp"
+#include "trackbed/par/meeting.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+using Command = std::function<int(const par::Comm&, const Arguments&)>;
+
+// Arguments after `--` are for PETSc and must be removed before CLI11 parses the others: PETSc's
+// options have one dash and would be parsed as bundled letters.
+std::vector<std::string> split_off_petsc(int& argc, char** argv) {
+  std::vector<std::string> petsc;
+  for (int i = 1; i < argc; ++i)
+    if (std::string(argv[i]) == "--") {
+      petsc.assign(argv + i + 1, argv + argc);
+      argc = i;
+    }
+  return petsc;
+}
+
+// Ranges are those of the module geom, whose own error messages are less helpful.
+void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
+  sub->add_option("file", shapes.files, "Decks (.toml), libraries (.h5), meshes (.stl .ply .obj)");
+  sub->add_option("--stones", shapes.stones, "Number of parametric stones of length 1 m")
+      ->check(CLI::Range(0, 100000));
+  sub->add_option("--elongation", shapes.stone.elongation, "Of stones: width over length, I/L")
+      ->check(CLI::Range(0.1, 0.995))
+      ->capture_default_str();
+  sub->add_option("--flatness", shapes.stone.flatness, "Of stones: thickness over width, S/I")
+      ->check(CLI::Range(0.1, 0.995))
+      ->capture_default_str();
+  sub->add_option("--spread", shapes.stone.spread, "Of stones: scatter of both proportions, +-")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  sub->add_option("--angularity", shapes.stone.angularity, "Of stones: 0 an ellipsoid, to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--seed", shapes.seed, "Of the first stone")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--vertices", shapes.mesh.vertices, "Of stones; of pieces of a mesh at most")
+      ->check(CLI::Range(6, 200))
+      ->capture_default_str();
+  sub->add_option("--rounding", shapes.mesh.rounding, "Radius over diameter of the same volume")
+      ->check(CLI::Range(0.0, 0.4))
+      ->capture_default_str();
+  sub->add_option("--unit", shapes.mesh.unit, "m per unit of meshes, for example 0.001")
+      ->capture_default_str();
+  sub->add_option("--parts", shapes.mesh.pieces, "Convex pieces of a mesh, at most")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
+  sub->add_option("--spheres", shapes.mesh.spheres, "Spheres for a mesh, instead of pieces")
+      ->check(CLI::Range(0, 1000));
+  sub->add_option("--library", shapes.library, "Write the shapes into this library (.h5)");
+  sub->add_option("--picture", shapes.picture, "Write their surfaces into this mesh (.obj)");
+}
+
+// Adds the commands to `line`; the chosen one is stored by its callback.
+void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Command>& chosen) {
+  const auto command = [&](const char* name, const char* words, Command what) {
+    CLI::App* sub = line.add_subcommand(name, words);
+    sub->callback([&chosen, what] { chosen = what; });
+    return sub;
+  };
+  const auto with_overrides = [&](CLI::App* sub) {
+    sub->add_option("override", arguments.overrides, "key=value, for example dem.safety=0.1");
+    return sub;
+  };
+  CLI::App* sub = command("run", "Run a deck from its first stage", run);
+  sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
+  with_overrides(sub)->add_option("-o,--output", arguments.folder,
+                                  "Result folder; default results/<name of the deck>");
+  sub->add_flag("--force", arguments.force, "Remove the results of an earlier run from it first");
+  sub = command("resume", "Continue a run that was stopped", resume);
+  sub->add_option("checkpoint", arguments.file, "Checkpoint or the folder it is in")->required();
+  with_overrides(sub)->add_option("-o,--output", arguments.folder,
+                                  "Result folder; default that of the stopped run");
+  sub->add_flag(
+      "--force", arguments.force,
+      "Remove results of other runs from it first, or replace those after the checkpoint");
+  sub = command("check", "Validate a deck and estimate its cost", check);
+  sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
+  with_overrides(sub);
+  sub = command("describe", "Print the reference of all parameters, or of one section", describe);
+  sub->add_option("section", arguments.section, "For example ground or stage");
+  command("schema", "Print the JSON schema of decks", schema);
+  sub = command("info", "Print the contents of a checkpoint or a results file", info);
+  sub->add_option("file", arguments.file, "Checkpoint (or its folder) or results.h5")->required();
+  sub = command("shapes", "Print measures of stones, write a library or a picture of them",
+                [&](const par::Comm& comm, const Arguments&) {
+                  arguments.shapes.stone.vertices = arguments.shapes.mesh.vertices;
+                  for (const CLI::Option* option : line.get_subcommand("shapes")->get_options())
+                    if (option->count() > 0) arguments.shapes.given.push_back(option->get_name());
+                  return shapes(comm, arguments.shapes);
+                });
+  declare_shapes(sub, arguments.shapes);
+  line.require_subcommand(1);
+}
+
+// Why the first argument is not a command, or empty. CLI11 would only report that a command is
+// missing, also if one is misspelt.
+std::string why_no_command(const CLI::App& line, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word.starts_with('-')) return "";  // an option, --help for example
+  std::vector<std::string> names;
+  for (const CLI::App* sub : line.get_subcommands(nullptr)) names.push_back(sub->get_name());
+  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
+  const std::string near = input::nearest(word, names);
+  return fmt::format(
+      "trackbed: {} (there are {}){}",
+      word.empty() ? "needs a command" : fmt::format("\"{}\" is not a command", word),
+      fmt::join(names, ", "), near.empty() ? "" : fmt::format("; did you mean {}?", near));
+}
+
+// Prints a message that is the same on all ranks; rank 0 alone prints.
+int complain(const par::Comm& comm, const std::string& text, ExitCode code) {
+  if (comm.root()) fmt::print(stderr, "{}\n", text);
+  return static_cast<int>(code);
+}
+
+// Exit code of a command whose answer is on stdout: an answer that could not be written, for
+// example on a full disk, is a failure. Not for runs, whose results are files.
+int answered(const par::Comm& comm, int code) {
+  const bool lost =
+      comm.root() && (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0);
+  if (comm.broadcast(lost ? "lost" : "").empty() || code != 0) return code;
+  return complain(comm, "trackbed: the answer cannot be written to standard output",
+                  ExitCode::run_failed);
+}
+
+// Ends the process of a rank that alone has an error: the others wait for it elsewhere, and mpirun
+// ends them when one process exits without finalising MPI.
+void leave_if_alone(const par::Comm& comm, par::Meeting& meeting, const std::exception& error,
+                    ExitCode code) {
+  constexpr double patience = 20;  // s: ranks reach a common error at nearly the same time
+  if (comm.size() == 1 || meeting.all_arrive(patience)) return;
+  fmt::print(stderr, "trackbed: rank {} alone: {}\n", comm.rank(), error.what());
+  std::fflush(stderr);
+  std::_Exit(static_cast<int>(code));
+}
+
+// PETSc is finalised after the model, whose matrices and solvers must be destroyed before;
+// finalising it is collective, so a rank that is alone exits before.
+int run_command(const par::Comm& comm, par::Meeting& meeting,
+                const std::vector<std::string>& petsc_options, const Command& command,
+                const Arguments& arguments) {
+  const fem::Petsc petsc(petsc_options);
+  try {
+    return command(comm, arguments);
+  } catch (const InputError& error) {
+    leave_if_alone(comm, meeting, error, ExitCode::bad_input);
+    throw;
+  } catch (const RunError& error) {
+    leave_if_alone(comm, meeting, error, ExitCode::run_failed);
+    throw;
+  } catch (const std::exception& error) {
+    if (comm.size() == 1) throw;
+    // No agreement between ranks: the others may wait for this one.
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    std::fflush(stderr);
+    std::_Exit(static_cast<int>(ExitCode::run_failed));
+  }
+}
+
+// --help and --version are errors to CLI11, with exit code 0.
+// CLI11 prints in `exit`: on rank 0 only.
+int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseError& error) {
+  if (!comm.root()) return error.get_exit_code() == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+  return line.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+}
+
+}  // namespace
+
+// InputError: the user must correct the input; RunError: the run failed; all else is unexpected.
+// Each kind has its own exit code.
+int program(const par::Comm& comm, int argc, char** argv) {
+  const std::vector<std::string> petsc_options = split_off_petsc(argc, argv);
+  CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");
+  line.set_version_flag("--version", "trackbed " + version());
+  line.footer(
+      "Run under mpirun -n N. PETSc options after --. Exit codes: 0 done, 2 bad input, "
+      "3 stopped early on request with a checkpoint, 4 error while running.");
+  Arguments arguments;
+  std::optional<Command> chosen;
+  declare_commands(line, arguments, chosen);
+  if (const std::string problem = why_no_command(line, argc, argv); !problem.empty())
+    return complain(comm, problem, ExitCode::bad_input);
+  try {
+    line.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return answered(comm, parse_error(comm, line, error));
+  }
+  try {
+    par::Meeting meeting(comm);
+    const int code = run_command(comm, meeting, petsc_options, *chosen, arguments);
+    return line.got_subcommand("run") || line.got_subcommand("resume") ? code
+                                                                       : answered(comm, code);
+  } catch (const InputError& error) {
+    return complain(comm, error.what(), ExitCode::bad_input);
+  } catch (const RunError& error) {
+    return complain(comm, std::string("trackbed: ") + error.what(), ExitCode::run_failed);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trackbed: rank {}: {}\n", comm.rank(), error.what());
+    return static_cast<int>(ExitCode::run_failed);
+  }
+}
+
+}  // namespace trackbed::app

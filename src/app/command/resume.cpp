@@ -1,0 +1,196 @@
+// The command that continues a run from a checkpoint: which parameters may change, whether the run
+// is unfinished, and where its results are written.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "app/command/command_parts.hpp"
+#include "app/command/commands.hpp"
+#include "app/parameters/version.hpp"
+#include "app/restart/compatible.hpp"
+#include "app/restart/spent.hpp"
+#include "app/run/result_folder.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/observe/results.hpp"
+
+namespace trackbed::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Refuses changes of parameters that have no effect on the rest of the run. All problems are
+// reported together, as for decks. Collective.
+void require_can_go_on(const par::Comm& comm, const io::File& file, const std::string& checkpoint,
+                       const Model& model, const input::Deck& deck) {
+  require_same_model(comm, file, checkpoint, effective_deck(model), deck);
+  std::vector<std::string> problems =
+      spent_changes(comm, file, checkpoint, model, deck, Continuation::within_the_run);
+  const std::int64_t done = file.read_all<std::int64_t>("run/counts").at(4);
+  const std::string key = deck.where("output.stop_after");
+  // The value that stopped the run is in its deck and does not mean to stop again.
+  if (model.output.stop_after > 0 && model.output.stop_after <= done &&
+      key.starts_with("command line"))
+    problems.push_back(
+        fmt::format("{} = {} windows of the whole run: {} are already done; give "
+                    "more, or 0",
+                    key, model.output.stop_after, done));
+  // The start of the run itself is in its deck.
+  if (const std::string place = deck.where("start"); place.starts_with("command line"))
+    problems.push_back(
+        fmt::format("{} has no effect: the run continues from {}", place, checkpoint));
+  if (!problems.empty()) throw InputError(problems);
+}
+
+// After the end of the last stage a run is finished, unless it was killed before it wrote its
+// summary. Collective: rank 0 reads it.
+bool is_finished(const par::Comm& comm, const io::File& checkpoint, const Model& model,
+                 const std::string& folder) {
+  if (checkpoint.integer_attribute("/", "stage_finished") == 0 ||
+      checkpoint.text_attribute("/", "stage") != model.stages.back().name)
+    return false;
+  std::stringstream summary;
+  if (comm.root()) summary << std::ifstream(folder + "/summary.json").rdbuf();
+  const bool reported = summary.str().find("\"finished\": true") != std::string::npos;
+  return !comm.broadcast(reported ? "reported" : "").empty();
+}
+
+// A run that continues from an older checkpoint in its own folder replaces later results, which
+// needs
+// --force. Collective: rank 0 reads the folder.
+void require_newest(const par::Comm& comm, const std::string& checkpoint,
+                    const std::string& folder) {
+  std::string newest;
+  if (comm.root()) std::getline(std::ifstream(folder + "/latest") >> std::ws, newest);
+  newest = comm.broadcast(newest);
+  if (newest.empty() || newest == fs::path(checkpoint).filename()) return;
+  throw InputError({fmt::format(
+      "{}: is not the newest checkpoint of the run in {}, which is {}: results after it would be "
+      "replaced; give -o DIR to keep them, or --force",
+      checkpoint, folder, newest)});
+}
+
+// Damaged histories are refused: the run would replace them. If they do not exist the run continues
+// with a warning. Collective.
+void look_for_histories(const io::File& file, const std::string& checkpoint, Warnings& warnings) {
+  const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
+  const std::int64_t rows = file.read_all<std::int64_t>("run/counts").at(5);
+  if (!observe::has_histories(warnings.comm, results, rows))
+    warnings.add(
+        {fmt::format("{}: does not exist; histories begin again at the checkpoint, "
+                     "at {:.6g} s, those before it are lost",
+                     results, file.number_attribute("/", "time"))});
+}
+
+// Whether a run of stages is unfinished. All problems are found before the folder is changed.
+// Collective.
+bool stages_left(const std::string& checkpoint, const Model& model, const input::Deck& deck,
+                 const Arguments& arguments, Warnings& warnings) {
+  const par::Comm& comm = warnings.comm;
+  const io::File file = io::open_checkpoint(comm, checkpoint);
+  require_can_go_on(comm, file, checkpoint, model, deck);
+  const std::string own = folder_of_checkpoint(checkpoint);
+  if (!is_finished(comm, file, model, own)) {
+    look_for_histories(file, checkpoint, warnings);
+    return true;
+  }
+  if (!arguments.overrides.empty())
+    throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
+                                  fmt::join(arguments.overrides, " "))});
+  return false;
+}
+
+// The folder of the checkpoint, and the folder in which the run continues.
+struct Place {
+  std::string own, folder;
+  bool at_home;
+};
+
+Place place_of(const par::Comm& comm, const Arguments& arguments) {
+  const std::string own = folder_of_checkpoint(arguments.file);
+  const std::string folder = arguments.folder.empty() ? own : arguments.folder;
+  return {own, folder, same_folder(comm, own, folder)};
+}
+
+// Locked before anything else: a run that still writes here removes checkpoints. A folder without
+// `latest` is not a result folder, and no lock file is made in it.
+std::optional<FolderLock> lock_of(const par::Comm& comm, const Place& place) {
+  std::optional<FolderLock> lock;
+  if (place.at_home &&
+      !comm.broadcast(fs::exists(fs::path(place.own) / "latest") ? "there" : "").empty())
+    lock.emplace(comm, place.folder);
+  return lock;
+}
+
+// Read and closed: the file must not stay open while new checkpoints may replace it.
+struct StoredDeck {
+  std::string deck, name;
+};
+StoredDeck stored_in(const par::Comm& comm, const std::string& checkpoint) {
+  const io::File file = io::open_checkpoint(comm, checkpoint);
+  return {file.text_attribute("/", "deck"), file.text_attribute("/", "deck_name")};
+}
+
+std::vector<std::string> joined(std::vector<std::string> some,
+                                const std::vector<std::string>& more) {
+  some.insert(some.end(), more.begin(), more.end());
+  return some;
+}
+
+}  // namespace
+
+// The deck is stored in the checkpoint; overrides may change what later windows use. A damaged
+// newest checkpoint is passed over with a warning, and the one before is used. A start from a
+// checkpoint refuses a damaged one instead, since there the user chose a definite state.
+int resume(const par::Comm& comm, const Arguments& arguments) {
+  require_track_checkpoint(comm, arguments.file);
+  const Place place = place_of(comm, arguments);
+  std::optional<FolderLock> lock = lock_of(comm, place);
+  Warnings warnings{comm}, origin{comm};
+  const std::string checkpoint =
+      checkpoint_meant(comm, arguments.file, io::IfDamaged::pass_over, origin);
+  const StoredDeck stored = stored_in(comm, checkpoint);
+  const input::Deck deck =
+      input::Deck::stored(stored.deck, "input stored in " + checkpoint, arguments.overrides);
+  const Model model = read_model(deck, warnings);
+  const bool alone = !model.has_stages();
+  // In another folder the last part of a finished track alone is computed again.
+  const bool left =
+      alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) ||
+                  !place.at_home
+            : stages_left(checkpoint, model, deck, arguments, origin);
+  if (!left) {
+    print(comm, checkpoint + ": the run is already finished\n");
+    return static_cast<int>(ExitCode::success);
+  }
+  if (place.at_home && !arguments.force && !fs::is_directory(arguments.file))
+    require_newest(comm, checkpoint, place.own);
+  // The files are those with which the run began.
+  checked_ground(model, deck, warnings);
+  try_options(comm, model);
+  look_at_profiles(model, warnings);
+  // Results beside the checkpoint are those of this run; any other folder is prepared as for `run`.
+  if (!place.at_home)
+    lock.emplace(prepare_folder(
+        comm, place.folder, arguments.force ? OldResults::remove : OldResults::refuse, checkpoint));
+  else if (!lock)
+    lock.emplace(comm, place.folder);
+  if (alone)
+    return run_alone(comm, model,
+                     {.deck = stored.name,
+                      .effective = effective_deck(model),
+                      .folder = place.folder,
+                      .checkpoint = checkpoint,
+                      .warnings = joined(warnings.sentences, origin.sentences)});
+  Simulation simulation(comm, model, deck, stored.name, place.folder);
+  simulation.keep(warnings.sentences);
+  simulation.resume(checkpoint);
+  simulation.keep_in_state(origin.sentences);
+  return finish(comm, simulation, place.folder);
+}
+
+}  // namespace trackbed::app

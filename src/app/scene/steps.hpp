@@ -1,0 +1,39 @@
+// Time steps of a stage, from the limits of the model that has been built.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/parameters/parameters.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::app {
+
+struct World;
+
+// A window is `substeps` sub-steps of equal length, each at most the stable one.
+struct Steps {
+  double window = 0;  // s
+  int substeps = 1;
+  std::string limit;  // description of what limits them
+};
+
+// Longest stable sub-step of the stones, safety included.
+struct StonesStep {
+  double longest = 0;   // s
+  std::string limit{};  // description of what limits it
+};
+StonesStep step_of(const World& world);  // of the existing stones; collective
+
+// The same on any number of ranks. Throws InputError if the deck's window or step is above the
+// stable one. Collective.
+Steps choose_steps(const World& world, const StonesStep& stones, const Stage& stage,
+                   const input::Deck& deck);
+
+// Windows of a ground alone: as given in the deck, otherwise the ground's own steps.
+Steps steps_alone(const World& world);
+// For `check`, of a ground alone: windows of the stages, and wall time measured on some windows.
+// Moves the ground. Collective.
+std::vector<std::string> estimate_alone(World& world);
+
+}  // namespace trackbed::app

@@ -1,0 +1,327 @@
+// The force of a contact as a pure function of overlap, velocities, history and parameters, for one
+// contact (Real = double) or eight in lanes (Real = Lanes) with the same roundings.
+//
+// linear: F_n = k_n delta + c_n v_n, F_s = -k_s xi - c_s v_t, |F_s| <= mu F_n
+//   (Cundall, Strack 1979, doi:10.1680/geot.1979.29.1.47), c = 2 zeta sqrt(m_eff k).
+// hertz: with the contact size a = sqrt(R delta), k_n = 4/3 E* a and k_s = 8 G* a (Hertz 1882;
+//   Mindlin 1949), damping 2 sqrt(5/6) beta sqrt(S m_eff), S = 2 E* a (Tsuji et al. 1992,
+//   doi:10.1016/0032-5910(92)88030-L), beta such that a collision has the wanted restitution.
+//
+// No closed motion of a contact returns more work than it received, but for the error of the steps:
+// - The tangential spring F = k_s xi of a Hertz contact changes with the overlap. Where k_s rises
+//   the force is kept, so that xi shrinks by k_old / k_new; where it falls xi is kept and the force
+//   falls with it (Thornton, Cummins, Cleary 2013, doi:10.1016/j.powtec.2012.08.012). Both take
+//   energy out of the spring, 1/2 k_s xi^2, and none puts any in.
+// - Coulomb's limit cuts the spring and then the sum of spring and dashpot, which leaves the spring
+//   its stretch: however strong the dashpot, friction is the limit while a contact slides. Cutting
+//   is a projection P onto the ball of forces within the limit. It takes energy from the spring,
+//   and since the spring's force lies in the ball, the dashpot only dissipates: (P(k xi + c v) - k
+//   xi) . v >= 0. Rejected: no dashpot while the spring slips. Where many contacts are at their
+//   limit, one that acts in one step and not in the next lets errors of rounding grow.
+// - Where a contact opens or closes within a step, the normal spring is corrected such that the
+//   step's work is that of the spring (`spring_force`).
+// Other codes and what they lose: docs/decisions/contact_laws.md.
+#pragma once
+
+#include "dem/lanes/lanes.hpp"
+
+namespace trackbed::dem {
+
+// One pair of materials.
+template <class Real>
+struct Springs {
+  Real k_n{}, k_s{};  // N/m; hertz: over the contact size a, Pa
+  Real c_n{}, c_s{};  // over sqrt(m_eff): 2 zeta sqrt(k); hertz: over sqrt(a m_eff)
+  Real mu{};
+  Real least{};  // N, F_n >= least: 0 without attraction, else -infinity
+  Real hertz{};  // 1: stiffnesses grow with a; 0: linear
+};
+
+// At one overlap. m_eff = m_i m_j / (m_i + m_j), kg; against a surface m_i, since what is behind it
+// is heavy.
+template <class Real>
+struct Coefficients {
+  Real k_n, k_s, c_n, c_s, mu, least;
+  Real size;  // a, m; 1 for linear springs
+};
+
+// R: 1/R = 1/R_i + 1/R_j (m); root_mass: sqrt(m_eff). `any_hertz` false: no law is, and the roots
+// are left out.
+template <bool any_hertz, class Real>
+[[gnu::always_inline]] inline Coefficients<Real> coefficients(const Springs<Real>& s, Real delta,
+                                                              Real root_mass, Real radius) {
+  if constexpr (any_hertz) {
+    const Real one = Real{} + 1.0;
+    const Real a = select(s.hertz > 0, root(radius * larger(delta, Real{})), one);
+    const Real damping = root(a) * root_mass;
+    return {s.k_n * a, s.k_s * a, s.c_n * damping, s.c_s * damping, s.mu, s.least, a};
+  } else {
+    return {s.k_n, s.k_s, s.c_n * root_mass, s.c_s * root_mass, s.mu, s.least, Real{} + 1.0};
+  }
+}
+
+// What a contact is computed from: unit normal n from i to j (surface: into it), velocity v of i
+// against j at the contact (m/s), overlap (m), twist: mean spin of the two about n (rad/s).
+template <class Real>
+struct Touch {
+  Triple<Real> n, v;
+  Real delta, twist;
+};
+
+template <class Real, std::size_t n>
+[[gnu::always_inline]] inline Real polynomial(const double (&c)[n], Real x) {
+  Real sum = Real{} + c[n - 1];
+  for (std::size_t k = n - 1; k-- > 0;) sum = sum * x + c[k];
+  return sum;
+}
+
+// The force of a Hertz spring, F = K delta^1.5, in the step in which the contact closes or opens,
+// over K t^1.5. It is chosen such that all steps of the contact together do the spring's work.
+//   theta = delta / t, in 0..1, where t is the travel of one step (m);
+//   e = dt^2 K sqrt(t) / m_eff, the fraction of the speed that K t^1.5 removes in one step.
+//
+// Derivation. The work is a sum over whole steps. By the formula of Euler and Maclaurin for an
+// algebraic endpoint (Navot 1961, doi:10.1002/sapm1961401271) it differs from the integral by terms
+// of the two ends only. In units of t, the overlaps x(n) after a free approach follow
+//   x(n) = n + e X(n) + O(e^2),  X(n + 1) - 2 X(n) + X(n - 1) = -n^1.5,
+// so that X(n) = n Z(-3/2, n) - Z(-5/2, n). Z is Hurwitz's zeta function; n is counted from where
+// x = 0. With x = theta in the closing step, the force that makes the difference vanish is
+//   g_0 + e g_1 + O(e^2),  g_0 = -Z(-3/2, 1 + theta),  g_1 = 3/2 Z(-1/2, 1 + theta) X(theta) - U,
+// where U is 3/2 times the sum over n > 0 of sqrt(theta + n) X(theta + n), its divergent part taken
+// by Z. When the contact closes, t is the travel of the step before. Opening is the mirror image,
+// with the travel of the step after, which is not yet known: the travel under the force K delta^1.5
+// is taken for it, which adds (g_0 - theta^1.5) (3/2 g_0 - theta g_0') to g_1.
+// The polynomials are fits on 0..1; they are right to 1e-8, 2e-8 and 3e-5.
+template <class Real, class Test>
+[[gnu::always_inline]] inline Real hertz_onset(Real theta, Real e, Test closes) {
+  constexpr double zeroth[] = {0.02548521102,  0.3118281237,  0.5476597213,    0.1630440743,
+                               -0.03044568576, 0.01072309566, -0.003383020826, 0.0005736895788};
+  constexpr double closing[] = {0.0001122760739, 0.01950982229,   0.0002183532768,
+                                -0.09186607972,  0.0001141661282, 0.07997077885};
+  constexpr double opening[] = {0.00111702391, 0.03026279809, -0.05310199237,
+                                -0.1014750637, 0.2056594391,  -0.08137581436};
+  const Real first = select(closes, polynomial(closing, theta), polynomial(opening, theta));
+  return polynomial(zeroth, theta) + e * first;
+}
+
+// The normal spring, in a step.
+template <class Real>
+struct NormalSpring {
+  Real force;     // N
+  Real linear{};  // 1, or 0 of Hertz's law
+  Real mass;      // kg, effective for a force along the normal
+};
+
+// The normal spring's force. `rate`: closing velocity of the half step before (m/s).
+//
+// In each step velocity Verlet adds the work (F_0 + F_1)/2 (x_1 - x_0) to the kinetic energy. For a
+// linear spring that is exact, except in the steps in which the contact closes or opens. In those
+// the force is chosen such that the two steps around it do the spring's work. With the overlap
+// delta, the travel s = |rate| dt of the step before and b = dt^2 / m_eff:
+//   closing: F (2 s - b F) = k delta (delta + s - b F), where s - b F is the travel of the next
+//   step, opening: F (2 s + b F) = k delta (delta + s).
+// An elastic collision of two bodies then keeps its energy to rounding. For a Hertz spring the sum
+// is not exact in between either; `hertz_onset` corrects all of it at the two ends. The error of a
+// collision of 50 steps is then 1e-11 of the energy (6e-5 without) and of order 7.5 in the step.
+// The force of a contact that neither closes nor opens is not changed.
+//
+// A Hertz contact has one corrected step at each end, which is the one with theta in 0..1. Where
+// two bodies touch just at the end of a step, rounding would decide whether two steps or none are
+// corrected (error 5e-5 of the energy). The interval is therefore `edge`..1 + `edge`, whose
+// ends round numbers in decks do not reach.
+inline constexpr double edge = 1e-5;
+
+template <bool any_hertz, class Real>
+[[gnu::always_inline]] inline NormalSpring<Real> spring_force(const Springs<Real>& spring,
+                                                              const Coefficients<Real>& c,
+                                                              Real delta, Real rate, Real root_mass,
+                                                              Real radius, double dt) {
+  const Real force = c.k_n * delta;
+  const Real s = larger(rate, -rate) * dt, mass = root_mass * root_mass;
+  const auto closes = rate > 0;
+  // Whether the overlap is below `part` of a step's travel. Of eight near pairs, many are not in
+  // contact: they need no correction.
+  const auto ends = [&](double part) {
+    const auto opens = (rate <= 0) & ((delta - part * s) * mass < (part * dt * dt) * force);
+    return (delta >= 0) & (opens | (closes & (delta < part * s)));
+  };
+  Real is_linear = Real{} + 1.0;
+  if constexpr (any_hertz) is_linear = select(spring.hertz > 0, Real{}, is_linear);
+  if (!any(ends(any_hertz ? 1 + edge : 1))) return {force, is_linear, mass};
+  const Real some_mass = larger(mass, Real{} + 1e-300);
+  const Real b = (dt * dt) * c.k_n / some_mass;
+  const Real area = delta * (delta + s), sum = 2.0 * s + b * delta;
+  const Real closing = 2.0 * area / (sum + root(larger(sum * sum - 4.0 * b * area, Real{})));
+  const Real opening = area / larger(s + root(s * s + b * area), Real{} + 1e-300);
+  const Real linear = select(ends(1), c.k_n * select(closes, closing, opening), force);
+  if constexpr (any_hertz) {
+    const Real travel = larger(select(closes, s, s + b * delta), Real{} + 1e-300);
+    const Real theta = smaller(delta / travel, Real{} + (1 + edge));
+    const Real stiffness = spring.k_n * root(radius * travel);
+    // Far below 1 in every step that is stable.
+    const Real e = smaller((dt * dt) * stiffness / some_mass, Real{} + 1.0);
+    const Real onset = stiffness * travel * hertz_onset(theta, e, closes);
+    const Real hertz = select(ends(1 + edge) & (theta > edge), onset, force);
+    return {select(spring.hertz > 0, hertz, linear), is_linear, mass};
+  } else {
+    return {linear, is_linear, mass};
+  }
+}
+
+// How much of the stretch of a spring remains when its stiffness becomes `now`.
+template <class Real>
+[[gnu::always_inline]] inline Real kept(Real before, Real now) {
+  return select(before < now, before / larger(now, Real{} + 1e-300), Real{} + 1.0);
+}
+
+// By how much a force must be multiplied to be no larger than the limit.
+template <class Real>
+[[gnu::always_inline]] inline Real within(const Triple<Real>& force, Real limit) {
+  const Real square = dot(force, force);
+  const auto beyond = square > limit * limit;
+  if (!any(beyond)) return Real{} + 1.0;
+  return select(beyond, limit / root(larger(square, Real{} + 1e-300)), Real{} + 1.0);
+}
+
+// A spring with dashpot in the tangent plane, whose force friction limits.
+template <class Real>
+struct Slider {
+  Real k, c;   // N/m, Ns/m
+  Real limit;  // N
+  Real kept;   // of the stretch, since the step before
+};
+
+// What is predicted for a slider in the next step.
+template <class Real>
+struct NextStep {
+  Real limit;  // N, half of the predicted limit of friction; of Hertz contacts infinite
+  Real mass;   // kg, effective for a force along the normal
+};
+
+// The factor of a slider's force while it drives the motion v and its stretch xi passes zero in the
+// next step. The trapezoid's work is exact also in that step, provided that the force of the next
+// step may act: it takes back what this step's force does too much. If the limit of the next step
+// cuts that force, because the contact is about to open, up to k (v dt)^2 / 8 would be gained each
+// time. The force is then multiplied by the stretch over the travel of one step. That travel
+// includes what the force itself adds to the velocity: the surface of a solid sphere yields to a
+// tangential force 7/2 times as much as to a normal one (rolling: 5/2 times).
+template <class Real>
+[[gnu::always_inline]] inline Real remaining(const Triple<Real>& force, const Triple<Real>& v,
+                                             const Triple<Real>& xi, Real k,
+                                             const NextStep<Real>& next, double dt) {
+  const Real stretch = root(dot(xi, xi)), tiny = Real{} + 1e-300;
+  const Real added = (3.5 * dt * dt) * k * stretch / larger(next.mass, tiny);
+  const Real travel = root(dot(v, v)) * dt + added;
+  const auto ends = (dot(force, v) > 0) & (next.limit < k * (travel - stretch));
+  return select(ends, stretch / larger(travel, tiny), Real{} + 1.0);
+}
+
+// Friction on i at the sliding velocity v (in the plane across n, m/s); moves the stretch xi (m) by
+// dt. The part of xi along the new normal is taken off (the plane has turned), the rest turns with
+// the contact, in a way that never lengthens it, and then moves with the surfaces.
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> slide(const Slider<Real>& s, const NextStep<Real>& next,
+                                                 const Triple<Real>& n, const Triple<Real>& v,
+                                                 Real twist, double dt, Triple<Real>& xi) {
+  const Triple<Real> plane = xi - dot(xi, n) * n;
+  const Real turn = twist * dt;
+  const Real shrink = s.kept * (1.0 - 0.5 * (turn * turn));  // of |plane + turn n x plane|
+  const Triple<Real> moved = shrink * (plane + turn * cross(n, plane)) + dt * v;
+  const Triple<Real> spring = s.k * moved;
+  const Real stuck = within(spring, s.limit);
+  // Without a spring the stretch has no use and is zero.
+  xi = select(s.k > 0, stuck, Real{}) * moved;
+  const Triple<Real> both = stuck * spring + s.c * v;
+  const Triple<Real> force = -within(both, s.limit) * both;
+  // Whether the limit may cut what two steps stretch; without a limit there is no force.
+  const Real reach = 2.0 * dt * s.k;
+  const auto near_end = (next.limit * next.limit < reach * reach * dot(v, v)) & (s.limit > 0);
+  if (!any(near_end)) return force;
+  return select(near_end, remaining(force, v, xi, s.k, next, dt), Real{} + 1.0) * force;
+}
+
+// The same in one dimension: moment about the normal, on i, of a ring of the contact's spread (mean
+// square radius, m^2), which has the stiffness k_s spread (Nm/rad) and slips at
+// mu F_n sqrt(spread). Corners have no spread and no torsion. Moves the angle `turn` (rad).
+template <class Real>
+[[gnu::always_inline]] inline Real torsion(const Slider<Real>& s, Real rate, double dt,
+                                           Real& turn) {
+  const Real moved = s.kept * turn + rate * dt;
+  const Real spring = s.k * moved, size = larger(spring, -spring);
+  const Real stuck = select(size > s.limit, s.limit / larger(size, Real{} + 1e-300), Real{} + 1.0);
+  turn = select(s.k > 0, stuck * moved, Real{});
+  const Real moment = stuck * spring + s.c * rate;
+  return -smaller(larger(moment, -s.limit), s.limit);
+}
+
+// Friction on i, normal force (along -n on i) and half of its predicted value in the next step, N
+// (of Hertz contacts infinite: they lose their tangential stiffness before they open).
+template <class Real>
+struct ContactForce {
+  Triple<Real> friction;
+  Real normal, next;
+};
+
+// Moves the stretch xi of friction by dt, of which `kept` remains. Spring and dashpot act in
+// parallel; their sum is cut, not the dashpot alone: damping may take away all of the spring's
+// force but, without attraction, no more.
+template <class Real>
+[[gnu::always_inline]] inline ContactForce<Real> contact_force(const Coefficients<Real>& c,
+                                                               const Touch<Real>& t,
+                                                               const NormalSpring<Real>& spring,
+                                                               Real kept, double dt,
+                                                               Triple<Real>& xi) {
+  const Real v_n = dot(t.v, t.n);  // > 0: approaching
+  const Real f_n = larger(spring.force + c.c_n * v_n, c.least);
+  const Triple<Real> sliding = t.v - v_n * t.n;
+  // The force in the next step if nothing else acts on the two, and half of it, since the force of
+  // an opening contact is smaller (`spring_force`).
+  const Real slower = v_n - f_n * dt / larger(spring.mass, Real{} + 1e-300);
+  const Real half = 0.5 * larger(f_n + c.k_n * dt * slower, Real{});
+  const Real next = select(spring.linear > 0, half, Real{} + 1e300);
+  // No friction from a contact that pulls.
+  const Slider<Real> slider{c.k_s, c.c_s, c.mu * larger(f_n, Real{}), kept};
+  const NextStep<Real> then{c.mu * next, spring.mass};
+  return {slide(slider, then, t.n, sliding, t.twist, dt, xi), f_n, next};
+}
+
+// Resistance to rolling; with mu = 0 the slider carries nothing and its stretch stays zero.
+template <class Real>
+struct Rolling {
+  Real mu{};
+  Real stiffness = Real{} + 1.0;  // over k_n
+  Real zeta{};
+};
+
+// What it reads: normal, twist as in Touch, spin of i less that of j, force along the normal now
+// and half of that of the next step (ContactForce), k_n (N/m), R: 1/R = 1/R_i + 1/R_j (m), R_i the
+// radius of the ball around the piece (a surface is flat: R = R_i).
+template <class Real>
+struct Rolls {
+  Triple<Real> n, spin;
+  Real twist, f_n, next, k_n, radius, root_mass;
+};
+
+// Moment on i against rolling, Nm, by an elastic spring, a dashpot and a slider (Ai, Chen, Rotter,
+// Ooi 2011, doi:10.1016/j.powtec.2010.09.030, model C; Iwashita, Oda 1998), in lengths instead of
+// angles:
+//   d roll/dt = R (w_i - w_j)_t,  f = -k roll - c d roll/dt,  |f| <= mu_r F_n,  moment on i = R f,
+// j gets the opposite moment; k = rolling_stiffness k_n, so k_r = k R^2 per angle, and
+// c = 2 zeta_r sqrt(k m_eff). The rate of rolling is the tangential part of the relative spin times
+// the reduced radius (Luding 2008, doi:10.1007/s10035-008-0099-x): an observer that turns with the
+// pair sees the same, whatever the two radii, it is zero when the pair turns as one body, and the
+// moment works on nothing else, so that no energy is gained. Critical damping is that of the
+// inertia m_eff R^2 (a sphere on a plane has 7/5 of it).
+template <class Real>
+[[gnu::always_inline]] inline Triple<Real> rolling_moment(const Rolling<Real>& law,
+                                                          const Rolls<Real>& t, Real kept,
+                                                          double dt, Triple<Real>& roll) {
+  const Real k = law.stiffness * t.k_n;
+  const Real c = 2.0 * law.zeta * root(k) * t.root_mass;
+  const Slider<Real> slider{k, c, law.mu * larger(t.f_n, Real{}), kept};
+  const NextStep<Real> next{law.mu * t.next, t.root_mass * t.root_mass};
+  const Triple<Real> v = t.radius * (t.spin - dot(t.spin, t.n) * t.n);
+  return t.radius * slide(slider, next, t.n, v, t.twist, dt, roll);
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,131 @@
+// Parameters of materials and contact laws, each declared once, and rules between them.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "trackbed/dem/law.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::dem {
+
+namespace {
+
+// A law applies to two materials in either order.
+bool is_of(const ContactLaw& law, const std::string& one, const std::string& other) {
+  return (law.first == one && law.second == other) || (law.first == other && law.second == one);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  return names.empty() ? "there is none" : fmt::format("there are {}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+// Densities are those of the solid, not of the bed with its voids. Parameters that only some laws
+// need may stay 0.
+void Material::declare(input::Section& s) {
+  s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
+  s.number("density", density,
+           {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
+           "Density of the solid: mass of the stones and sleepers made of it.");
+  s.number("local_damping", local_damping, {.unit = "-", .at_least = 0, .at_most = 0.999},
+           "Cundall's local damping: fraction of the net force that resists motion.");
+  s.number("young", young, {.unit = "Pa", .at_least = 0, .usually_from = 1e5, .usually_to = 1e12},
+           "Young's modulus, for hertz contacts.");
+  s.number("poisson", poisson, {.unit = "-", .above = -1, .at_most = 0.5},
+           "Poisson's ratio, for hertz contacts.");
+}
+
+// All parameters of every law are in one list: a deck may change its law and keep the rest.
+// Parameters that the chosen law does not use have no effect, as their descriptions state.
+void ContactLaw::declare(input::Section& s) {
+  s.text("first", first, "Name of one material.", {}, true);
+  s.text("second", second, "Name of the other (or the same) material.", {}, true);
+  s.choice(
+      "law", kind, {"linear", "hertz"},
+      "Contact law between the two materials. In a plane model hertz is the contact of parallel "
+      "cylinders whose length is the thickness of the model, k_n = pi/4 E* thickness.");
+  s.number("k_n", k_n, {.unit = "N/m", .above = 0, .usually_from = 1e3, .usually_to = 1e12},
+           "Normal stiffness, linear law.");
+  s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
+           "Tangential stiffness, linear law.");
+  s.number("friction", friction, {.unit = "-", .at_least = 0, .usually_to = 2},
+           "Coulomb's friction coefficient.");
+  s.number(
+      "zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
+      "Normal viscous damping over critical, linear law. A head-on collision has the restitution "
+      "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)), with attraction exp(-pi zeta / sqrt(1 - "
+      "zeta^2)).");
+  s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Tangential viscous damping over critical, linear law.");
+  s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
+           "Restitution of a head-on collision, hertz law.");
+  s.flag("attraction", attraction,
+         "Whether viscous damping may cause tension at the end of a collision; if not, F_n >= 0.");
+  s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
+           "Largest rolling moment over F_n R, R the reduced radius of the two pieces (of "
+           "the balls around them): the tangent of the steepest slope on which a sphere rests; 0: "
+           "rolling is free.");
+  // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some multiple of k_s / k_n
+  // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
+  s.number("rolling_stiffness", rolling_stiffness,
+           {.unit = "-", .above = 0, .usually_from = 1e-4, .usually_to = 10},
+           "Moment per angle of rolling over k_n R^2.");
+  s.number("zeta_r", zeta_r, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Viscous damping of rolling over critical.");
+}
+
+// Rules state the keys that they read, so that a message points to the wrong line. Whether every
+// pair in contact has a law is known only when particles and surfaces exist (`check_laws`).
+void Physics::declare(input::Section& s) {
+  s.tables("material", materials, "A material of particles, sleepers, ground or walls.");
+  s.tables("contact", laws, "The contact law of a pair of materials.");
+  for (std::size_t m = 0; m < materials.size(); ++m)
+    s.rule(fmt::format("material[{}].name", m), material(materials[m].name) == static_cast<int>(m),
+           "is already the name of an earlier [[material]]; choose another name",
+           {.reads = {"material"}});
+  for (std::size_t c = 0; c < laws.size(); ++c) {
+    const std::string key = fmt::format("contact[{}]", c);
+    const ContactLaw& law = laws[c];
+    rule_of_name(s, key + ".first", law.first);
+    rule_of_name(s, key + ".second", law.second);
+    const auto same = std::find_if(laws.begin(), laws.end(), [&](const ContactLaw& earlier) {
+      return is_of(earlier, law.first, law.second);
+    });
+    s.rule(key, same == laws.begin() + static_cast<std::ptrdiff_t>(c),
+           fmt::format("the law between \"{}\" and \"{}\" is given twice; remove one of them",
+                       law.first, law.second),
+           {.reads = {key}});
+    const auto stiff = [&](const std::string& name) {
+      const int number = material(name);
+      return number >= 0 && materials[static_cast<std::size_t>(number)].young > 0;
+    };
+    s.rule(key + ".law", !needs_young(law.kind) || (stiff(law.first) && stiff(law.second)),
+           "needs young above 0 in both materials", {.reads = {key, "material"}});
+  }
+}
+
+int Physics::material(const std::string& name) const {
+  for (std::size_t m = 0; m < materials.size(); ++m)
+    if (materials[m].name == name) return static_cast<int>(m);
+  return -1;
+}
+
+bool Physics::has_law(const std::string& one, const std::string& other) const {
+  return std::any_of(laws.begin(), laws.end(),
+                     [&](const ContactLaw& law) { return is_of(law, one, other); });
+}
+
+// For all tables that name a material, in this module and in others.
+void Physics::rule_of_name(input::Section& s, const std::string& key,
+                           const std::string& name) const {
+  std::vector<std::string> names;
+  for (const Material& known : materials) names.push_back(known.name);
+  const std::string near = input::nearest(name, names);
+  s.rule(key, material(name) >= 0,
+         fmt::format("there is no [[material]] \"{}\"; {}", name,
+                     near.empty() ? listed(names) : fmt::format("did you mean {}?", near)),
+         {.reads = {"material", key}});
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,123 @@
+// Particles in a checkpoint: the listed state, the templates and the contact history, each row
+// once. Every rank writes its rows and reads a fraction of them, in parallel; templates and
+// histories are read by all. The order of rows does not matter: particles are sent to their owners
+// and histories assigned to their particles at the next rebuild. Derived quantities (mass, inertia,
+// spin, radius) are not stored, so they cannot be inconsistent. Lists are not stored either: they
+// do not affect results.
+#include <algorithm>
+
+#include "dem/particles/impl.hpp"
+#include "dem/state/stored.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/dem/templates.hpp"
+
+namespace trackbed::dem {
+
+// Collective. May be called at any time between windows, also before new lists exist: waiting
+// histories are written like those in the lists.
+void Particles::save(io::File& file, const std::string& group) const {
+  Impl& r = *impl_;
+  visit_state(r.state, [&](auto quantity, const auto& array) {
+    using T = typename Number<std::decay_t<decltype(array[0])>>::type;
+    const auto numbers = flat(array, r.state.own, quantity.columns);
+    file.write<T>(group + "/" + quantity.name, numbers, quantity.columns,
+                  {quantity.unit, quantity.meaning});
+  });
+  save_templates(file, group + "/template", r.shapes.templates(), r.comm);
+  std::vector<std::int64_t> keys;
+  std::vector<double> xi, size, roll;
+  const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
+  for (const std::vector<History>& records : {r.history(), r.waiting})
+    for (const History& h : records)
+      // Both ranks of a contact have its history; the owner of the first particle writes it. Own
+      // particles are in the order of ids.
+      if (std::binary_search(r.state.id.begin(), end, particle_of(h.first))) {
+        keys.insert(keys.end(), {h.first, h.second});
+        xi.insert(xi.end(), {h.xi[0], h.xi[1], h.xi[2], h.turn});
+        size.insert(size.end(), {h.size, h.ring});
+        roll.insert(roll.end(), h.roll, h.roll + 3);
+      }
+  file.write<std::int64_t>(group + "/history/keys", keys, 2,
+                           {"-",
+                            "piece key (particle id * 65536 + piece) and the other piece's, or "
+                            "-1 - (surface name * 2^32 + patch)"});
+  file.write<double>(
+      group + "/history/xi", xi, 4,
+      {"m, m, m, rad", "tangential displacement x y z, relative rotation about the normal"});
+  file.write<double>(
+      group + "/history/size", size, 2,
+      {"m, m3",
+       "contact size sqrt(R delta) to which the displacement belongs, and that times "
+       "the contact's spread; with a linear law 1 and the spread, m2"});
+  if (r.laws.any_rolls())
+    file.write<double>(group + "/history/roll", roll, 3,
+                       {"m", "displacement of rolling x y z; missing if no contact resists it"});
+  for (std::size_t n = 0; n < r.names.size(); ++n)
+    file.attribute(group, "surface_" + std::to_string(n), r.names[n]);
+  file.attribute(group, "surfaces", static_cast<std::int64_t>(r.names.size()));
+  file.attribute(group, "steps", r.steps);
+  file.attribute(group, "rebuilds", r.rebuilds);
+  file.attribute(group, "local_damping", r.local_damping);
+  file.attribute(group, "growing", r.state.growing);
+  file.attribute(group, "grown", r.state.grown);
+  file.attribute(group, "load_quantum", r.load_quantum);
+}
+
+// A run without rolling resistance wrote no rolling displacements: they begin at zero.
+std::vector<History> read_histories(const io::File& file, const std::string& group) {
+  const auto keys = file.read_all<std::int64_t>(group + "/history/keys");
+  const auto xi = file.read_all<double>(group + "/history/xi");
+  const auto size = file.read_all<double>(group + "/history/size");
+  const std::string rolling = group + "/history/roll";
+  auto roll = file.has(rolling) ? file.read_all<double>(rolling) : std::vector<double>{};
+  roll.resize(3 * keys.size() / 2, 0.0);
+  std::vector<History> all;
+  for (std::size_t k = 0; 2 * k < keys.size(); ++k)
+    all.push_back({keys[2 * k],
+                   keys[2 * k + 1],
+                   {xi[4 * k], xi[4 * k + 1], xi[4 * k + 2]},
+                   xi[4 * k + 3],
+                   size[2 * k],
+                   size[2 * k + 1],
+                   {roll[3 * k], roll[3 * k + 1], roll[3 * k + 2]}});
+  return all;
+}
+
+std::vector<std::string> read_surface_names(const io::File& file, const std::string& group) {
+  std::vector<std::string> names;
+  for (std::int64_t n = 0; n < file.integer_attribute(group, "surfaces"); ++n)
+    names.push_back(file.text_attribute(group, "surface_" + std::to_string(n)));
+  return names;
+}
+
+// Collective; any number of ranks. Replaces particles, templates and names of surfaces, so surfaces
+// must be set again afterwards: their histories refer to these names by number.
+void Particles::load(const io::File& file, const std::string& group) {
+  Impl& r = *impl_;
+  r.shapes = {};
+  for (const Template& shape : load_templates(file, group + "/template")) r.shapes.add(shape);
+  visit_state(r.state, [&](auto quantity, auto& array) {
+    using T = typename Number<std::decay_t<decltype(array[0])>>::type;
+    const std::string path = group + "/" + quantity.name;
+    if (is_stored(file, path)) unflatten(file.read_own_rows<T>(path), array, quantity.columns);
+  });
+  r.state.held.resize(r.state.id.size(), 0);
+  r.state.growing = file.integer_attribute(group, "growing");
+  r.state.grown = file.number_attribute(group, "grown");
+  // A fraction by number of rows, not by position; the rebuild sends each particle to its owner.
+  r.state.own = r.state.id.size();
+  r.sort_own();
+  r.derive(0);
+  // Every rank reads all records; those of other ranks' particles are dropped at the rebuild.
+  r.forget_contacts();
+  r.waiting = read_histories(file, group);
+  r.names = read_surface_names(file, group);
+  r.steps = file.integer_attribute(group, "steps");
+  r.rebuilds = file.integer_attribute(group, "rebuilds");
+  r.local_damping = file.number_attribute(group, "local_damping");
+  r.load_quantum = file.number_attribute(group, "load_quantum");
+  // Last: the work of the first partition is counted from the waiting histories.
+  r.choose_grid(r.work());
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,197 @@
+// Private part of Particles: the data of a rank and the operations of a sub-step.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dem/contact/stones.hpp"
+#include "dem/law/laws.hpp"
+#include "dem/search/grid.hpp"
+#include "dem/search/near_pairs.hpp"
+#include "dem/search/pairs.hpp"
+#include "dem/shape/mesh.hpp"
+#include "dem/state/state.hpp"
+#include "trackbed/core/exact_sum.hpp"
+#include "trackbed/par/halo.hpp"
+
+namespace trackbed::dem {
+
+// The sub-step `number` (from 1) of the `count` of a window; fraction = number / count of the
+// window has passed at its end.
+struct SubStep {
+  double dt;  // s
+  double fraction;
+  int number, count;
+};
+
+// Data for the rolling resistance of a piece on a patch: its contacts, their weights, and their
+// resultant.
+struct PatchLoad {
+  std::span<const MeshContact> contacts;
+  std::span<const double> weights;
+  double k_n;        // N/m
+  double f_n, next;  // N, along the normal: now and least value in the next step
+  double kept;       // fraction of the stretch of springs kept since the step before
+};
+
+// The rank's particles with all derived data. A checkpoint holds the state, the templates,
+// histories, names of surfaces, counts, damping and quantum; the rest is derived again.
+struct Particles::Impl {
+  Impl(const par::Comm& comm, const Physics& physics, const Parameters& parameters,
+       const Domain& domain);
+
+  void substep(const SubStep& step);            // step.cpp
+  bool lists_are_old() const;                   // collective
+  bool crossed_a_border() const;                // by an own particle since the last rebuild
+  double surface_motion_since_rebuild() const;  // m, at the end of this window
+  // Begin a sub-step with one or two half kicks (kick.hpp).
+  void kick_and_drift(double dt, int halves);
+  void kick_and_drift_spheres(double dt, int halves);
+  void drift_in_space(double dt);
+  double motion_since_rebuild(std::size_t b) const;  // m, of a surface point
+  void kick(double dt, int halves);
+  double local_damping_of(std::size_t b) const;
+  void update_spin(std::size_t b);  // w from l and q, always by this formula
+  // pair_contacts.cpp, surface_contacts.cpp
+  Scene scene() const { return {state, shapes, grid, laws, pieces, skin}; }
+  // Forces and torques on own particles, at the present poses; histories advance by one sub-step.
+  void compute_pair_forces(double dt);
+  void gather_near_pairs(const std::vector<Vec4>& piece_x, double dt);  // if they may be too few
+  double speed(std::size_t b) const;
+  void mark_slow_particles(double dt);
+  double fastest_slow() const;
+  void store_near_pairs();
+  void compute_surface_forces(const SubStep& step);
+  double touch_with_ball(Approach& a, const SubStep& step);     // largest overlap over radius
+  double touch_with_corners(Approach& a, const SubStep& step);  // over rounding
+  double mass_at(std::size_t b, const Vec3& arm, const Vec3& n) const;
+  void apply_ball_contact(Approach& a, const MeshContact& c, const SubStep& step);
+  double apply_patch_contact(Approach& a, std::span<const MeshContact> contacts, double rounding,
+                             const SubStep& step);
+  StoneView stone_view(const Approach& a, double fraction) const;
+  void add_to_surface(const Approach& a, const MeshContact& c, const Vec3& force,
+                      const Vec3& motion, const SubStep& step);
+  void add_rolling_resistance(const Approach& a, Approach::Patch& patch, const PatchLoad& load,
+                              const SubStep& step);
+  void add_to_node(Surface& surface, int triangle, std::size_t k, const Vec3& force,
+                   const SubStep& step);
+  void update_surface_paths();  // path lengths, at the begin of a window
+  // leap.cpp; `surface_travel`: m, of the fastest surface in dt.
+  std::optional<FastParticle> fast_particle(double dt, double surface_travel) const;
+  void check_tunnelling(const SubStep& step);
+  // rebuild.cpp: new owners, ghosts and lists, from the state alone.
+  // `rebuild`, `migrate` and `find_ghosts` are collective, `update_ghosts` among neighbours.
+  void rebuild();
+  void migrate(std::vector<History>& history);
+  void find_ghosts();
+  void update_ghosts();
+  void sort_own();
+  void derive(std::size_t begin);   // masses, inertias, radii of particles from `begin` on
+  void derive_size(std::size_t b);  // quantities that depend on mass and size
+  void grow_to(double fraction);    // grow.cpp
+  void choose_quantum();
+  // N/m of the stiffest law; hertz: at the largest overlap allowed on a particle of this radius
+  // (m).
+  double stiffest_contact(double radius) const;
+  void find_at_border();
+  void store_reference();
+  // balance.cpp: sizes of cells and their owners; collective.
+  void choose_grid(const std::vector<double>& work);  // of own particles
+  double default_skin() const;
+  std::vector<double> level_bounds() const;  // m
+  std::vector<double> work() const;          // of own particles, counted, ns per sub-step; local
+  double load() const;                       // the same of this rank, including ghosts; local
+  std::vector<double> by_cell(const std::vector<double>& work) const;
+  double upkeep(std::size_t b) const;
+  template <class Visit>
+  void visit_work(Visit&& visit) const;
+
+  bool has_corners(std::int32_t piece) const {
+    const auto p = static_cast<std::size_t>(piece);
+    return shapes.any_stones() && shapes.core(pieces.core[p]).corners.size() > 1;
+  }
+  double mass(std::size_t b) const { return state.v[b].w; }
+  // Of a particle of full size: grid and levels are made for that.
+  double radius(std::size_t b) const { return shapes.bound(state.shape[b]) * state.scale[b]; }
+  // The first problem of a window is the cause, later ones are mostly its effects. Ranks agree on
+  // it at the end of the window.
+  void report(std::string problem) {
+    if (trouble.empty()) trouble = std::move(problem);
+  }
+  int name_number(const std::string& name);
+  void check_laws() const;  // throws InputError; collective
+  std::vector<History> history() {
+    store_near_pairs(), stone_contacts.store(stones);
+    return collect_history(state, pieces, pairs, stones, approaches, surface_names);
+  }
+  void forget_contacts() {
+    approaches.clear(), pairs.clear(), stones.clear();
+    near.clear(), near_valid = false;
+    stone_contacts.reset(scene(), stones);
+  }
+  par::Comm comm;
+  Physics physics;
+  Parameters parameters;
+  Domain domain;
+  LawTable laws;
+  Shapes shapes;
+  State state;
+
+  Grid grid;
+  double skin = 0;              // m
+  double bound = 0;             // m, largest bounding radius over all ranks
+  std::int64_t population = 0;  // of all ranks
+  bool ready = false;           // lists match the state
+
+  Balance balance;
+  std::vector<std::vector<Vec3>> points_of_shape;  // m at unit scale; see Particles::points
+
+  par::Halo halo;
+  Pieces pieces;
+  // Lists of this rank's pieces, ghosts included; made by `rebuild`, valid while `ready`.
+  PairList pairs;
+  NearPairs near;
+  bool near_valid = false;  // blocks match the list and the sizes of particles
+  double near_path = 0;     // m, longest of a slow particle since they were gathered
+  StoneList stones;
+  StoneContacts stone_contacts;
+  std::vector<Approach> approaches;
+  // Own particles that may cross a periodic side before the next rebuild and touch a surface: which
+  // of its images is in contact depends on its position, not on when lists were made.
+  struct AtBorder {
+    std::size_t body;
+    Cell wrap;
+  };
+  std::vector<AtBorder> at_border;
+  std::vector<Vec4> reference_x, reference_q;  // own poses at the last rebuild
+  double reference_grown = 1;                  // fraction of their size then
+  double largest_motion = 0;  // m, of a surface point of an own particle since then
+  double largest_speed = 0;   // m/s, of a slow own sphere in this sub-step; not stored for others
+
+  // Not owned.
+  std::vector<Surface*> surfaces;
+  std::vector<int> surface_names;
+  std::vector<std::string> names;  // of all surfaces up to now; history refers to their numbers
+  std::vector<Mesh> meshes;
+  double load_quantum = 0;                           // N; only grows; the same after a restart
+  std::vector<std::vector<Vec3>> surface_reference;  // m, at the end of the rebuild's window
+  double surface_motion = 0;                         // m, largest of a node since then
+  // m, upper bound of the path of every node of a surface up to this window, and of its travel in
+  // it.
+  std::vector<double> surface_path, surface_travel;
+  std::vector<std::vector<Vec3>> surface_last;  // m, nodes at the end of this window
+  std::vector<History> waiting;  // history of a loaded checkpoint until the lists are built
+
+  // Of all particles; below 0: each material's own.
+  double local_damping = -1;
+  SurfaceAction action;
+  std::string trouble;
+  std::int64_t steps = 0, rebuilds = 0;
+  // Not owned; without them times are not recorded.
+  Timers* timers = nullptr;
+  Timers own_timers;
+};
+
+}  // namespace trackbed::dem

@@ -1,0 +1,341 @@
+// Evaluation of the particles' state; nothing here changes it. Sums over ranks are exact
+// (core/exact_sum.hpp): bitwise identical for any number of ranks. Each evaluation costs as much as
+// a sub-step or more, so it is done at the rows of the results and not in each sub-step.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "dem/particles/impl.hpp"
+#include "trackbed/core/hash.hpp"
+#include "trackbed/geom/stone.hpp"
+#include "trackbed/par/exact_totals.hpp"
+
+namespace trackbed::dem {
+
+// Spin from the angular momentum and not from `w`, which in the force loop is that of half a
+// sub-step earlier: all values are at one time level.
+ParticleView Particles::operator[](std::size_t b) const {
+  const State& s = impl_->state;
+  const Quat q = quat(s.q[b]);
+  const Vec3 body = q.conjugate() * s.l[b].vec3();
+  return {s.id[b],
+          static_cast<int>(s.shape[b]),
+          static_cast<int>(s.material[b]),
+          s.scale_now(b),
+          s.v[b].w,
+          mass_of(impl_->shapes[s.shape[b]], s.scale_now(b), 1, impl_->domain),
+          impl_->shapes[s.shape[b]].sieve * s.scale_now(b),
+          s.x[b].w,
+          s.x[b].vec3(),
+          s.v[b].vec3(),
+          q * Vec3(body.cwiseQuotient(s.inertia[b].vec3())),
+          s.f[b].vec3(),
+          s.t[b].vec3(),
+          q,
+          s.l[b].vec3(),
+          s.held[b] != 0};
+}
+
+void Particles::pieces(std::size_t b, const std::function<void(const Vec3&, double)>& visit) const {
+  const State& s = impl_->state;
+  const Quat q = quat(s.q[b]);
+  for (std::size_t k = impl_->shapes.begin(s.shape[b]); k < impl_->shapes.end(s.shape[b]); ++k) {
+    const Vec4& piece = impl_->shapes.piece(k);
+    visit(s.x[b].vec3() + s.scale_now(b) * (q * piece.vec3()), s.scale_now(b) * piece.w);
+  }
+}
+
+void Particles::corners(std::size_t b,
+                        const std::function<void(const Vec3&, double)>& visit) const {
+  const State& s = impl_->state;
+  const Quat q = quat(s.q[b]);
+  for (std::size_t k = impl_->shapes.begin(s.shape[b]); k < impl_->shapes.end(s.shape[b]); ++k) {
+    const Core& core = impl_->shapes.core(k);
+    for (const Vec4& corner : core.corners)
+      visit(s.x[b].vec3() + s.scale_now(b) * (q * corner.vec3()), s.scale_now(b) * core.radius);
+  }
+}
+
+// Made at the first use: 12 kB for each template.
+void Particles::points(std::size_t b, const std::function<void(const Vec3&)>& visit) const {
+  const State& s = impl_->state;
+  const auto shape = static_cast<std::size_t>(s.shape[b]);
+  auto& known = impl_->points_of_shape;
+  if (known.size() <= shape) known.resize(shape + 1);
+  if (known[shape].empty())
+    known[shape] = geom::points_within(impl_->shapes[s.shape[b]], points_of_particle,
+                                       impl_->domain.dimension == Dimension::plane);
+  const Quat q = quat(s.q[b]);
+  for (const Vec3& point : known[shape]) visit(s.x[b].vec3() + s.scale_now(b) * (q * point));
+}
+
+namespace {
+
+// Elastic part of a contact's force on the first piece. Dampers are left out: they depend on
+// velocities of half a sub-step earlier, which are no longer available.
+Vec3 elastic_force(const Law& law, double delta, double radius, const Vec4& xi, const Vec3& n) {
+  const auto c = coefficients<true>(law.springs, delta, 0.0, radius);
+  return -c.k_n * delta * n - c.k_s * xi.vec3();
+}
+
+}  // namespace
+
+// All contacts that this rank counts, with their elastic energies. Local. A contact across ranks is
+// known on both; the owner of the lower id counts it. Order: balls, stones, surfaces, each in the
+// order of the lists.
+struct Particles::ContactLoop {
+  const State& state;
+  const Shapes& shapes;
+  const Pieces& pieces;
+  const PairList& pairs;
+  const StoneList& stones;
+  const std::vector<Overlap> overlaps;  // of stones, as computed last
+  const std::vector<Approach>& approaches;
+  const LawTable& laws;
+
+  explicit ContactLoop(const Particles::Impl& r)
+      : state(r.state),
+        shapes(r.shapes),
+        pieces(r.pieces),
+        pairs(r.pairs),
+        stones(r.stones),
+        overlaps(r.stone_contacts.overlaps(r.scene(), r.stones)),
+        approaches(r.approaches),
+        laws(r.laws) {}
+
+  Vec4 piece(std::size_t p) const {
+    const auto b = static_cast<std::size_t>(pieces.body[p]);
+    return shapes.only_spheres() ? state.x[b] : pieces.x[p];
+  }
+
+  template <class Visit>
+  void run(Visit&& visit) const {
+    for (const Row& row : pairs.rows) {
+      const auto i = static_cast<std::size_t>(row.piece);
+      const auto bi = static_cast<std::size_t>(pieces.body[i]);
+      if (bi >= state.own) continue;  // the owner of the lower id counts the contact
+      for (std::uint32_t e = row.begin; e < row.end; ++e)
+        if (pairs.entries[e].touching) pair(i, bi, e, visit);
+    }
+    for (const Overlap& o : overlaps)
+      // The first piece has the lower id here as well.
+      if (body(o.piece) < state.own) stone_pair(o, visit);
+    for (const Approach& a : approaches)
+      for (const Approach::Patch& p : a.patches) surface(a, p, visit);
+  }
+
+ private:
+  std::size_t body(std::int32_t piece) const {
+    return static_cast<std::size_t>(pieces.body[static_cast<std::size_t>(piece)]);
+  }
+
+  Vec3 centre(std::int32_t piece) const { return state.x[body(piece)].vec3(); }
+
+  // Normal spring along the generalised normal, tangential spring, and the ring that resists
+  // torsion: 1/2 k_s spread turn^2, J (stone_law.hpp).
+  template <class Visit>
+  void stone_pair(const Overlap& o, Visit& visit) const {
+    const Entry& entry = stones.entries[o.entry];
+    const auto i = static_cast<std::size_t>(o.piece), j = static_cast<std::size_t>(entry.piece);
+    const double ri = pieces.rounding[i], rj = pieces.rounding[j], radius = ri * rj / (ri + rj);
+    const Law& law = laws[entry.law];
+    const Vec4& xi = stones.xi[o.entry];
+    const auto c = coefficients<true>(law.springs, o.wrench.M, 0.0, radius);
+    const Vec3 force = -c.k_n * o.wrench.M * o.wrench.N - c.k_s * xi.vec3();
+    const double turn = stones.turn[o.entry].x;
+    visit(ContactView{state.id[body(o.piece)], state.id[body(entry.piece)], pieces.x[i].vec3(),
+                      pieces.x[j].vec3() + stones.shifts[entry.shift].vec3(), force, o.wrench.M,
+                      centre(o.piece), centre(entry.piece) + stones.shifts[entry.shift].vec3(),
+                      o.wrench.N.normalized()},
+          stored_energy(law, o.wrench.M, radius, xi) + 0.5 * c.k_s * o.wrench.spread * turn * turn +
+              rolling(stones, o.entry, o.wrench.M, radius));
+  }
+
+  // From the present positions: for balls the overlap is recomputed at low cost.
+  template <class Visit>
+  void pair(std::size_t i, std::size_t bi, std::uint32_t e, Visit& visit) const {
+    const Entry& entry = pairs.entries[e];
+    const auto j = static_cast<std::size_t>(entry.piece);
+    const Vec4 xi = piece(i), xj = piece(j);
+    const Vec3 to = xj.vec3() + pairs.shifts[entry.shift].vec3();
+    const Vec3 d = to - xi.vec3();
+    const double reach = xi.w + xj.w, delta = reach - d.norm(), radius = xi.w * xj.w / reach;
+    const Law& law = laws[entry.law];
+    const Vec3 force = elastic_force(law, delta, radius, pairs.xi[e], d.normalized());
+    const auto bj = static_cast<std::size_t>(pieces.body[j]);
+    visit(ContactView{state.id[bi], state.id[bj], xi.vec3(), to, force, delta, state.x[bi].vec3(),
+                      state.x[bj].vec3() + pairs.shifts[entry.shift].vec3(), d.normalized()},
+          stored_energy(law, delta, radius, pairs.xi[e]) + rolling(pairs, e, delta, radius));
+  }
+
+  double rolling(const PairList& list, std::uint32_t e, double delta, double radius) const {
+    return list.roll.empty()
+               ? 0
+               : rolling_energy(laws[list.entries[e].law], delta, radius, list.roll[e]);
+  }
+
+  // As computed last: finding the contacts of a stone again would be expensive.
+  template <class Visit>
+  void surface(const Approach& a, const Approach::Patch& p, Visit& visit) const {
+    if (!(p.radius > 0)) return;  // loaded from a checkpoint, not yet computed
+    const auto i = static_cast<std::size_t>(a.piece);
+    const Law& law = laws[static_cast<std::size_t>(a.law)];
+    const auto c = coefficients<true>(law.springs, p.overlap, 0.0, p.radius);
+    const Vec3 force = elastic_force(law, p.overlap, p.radius, p.xi, p.N);
+    visit(ContactView{state.id[body(a.piece)], -1 - a.surface, piece(i).vec3(), p.point, force,
+                      p.overlap, centre(a.piece), p.point, p.N.normalized()},
+          stored_energy(law, p.overlap, p.radius, p.xi) + 0.5 * c.k_s * p.spread * p.turn * p.turn +
+              rolling_energy(law, p.overlap, p.radius, p.roll));
+  }
+};
+
+void Particles::contacts(const std::function<void(const ContactView&)>& visit) const {
+  const Impl& r = *impl_;
+  ContactLoop(r).run([&](const ContactView& view, double) { visit(view); });
+}
+
+namespace {
+
+// All terms are stored temporarily. Collective.
+double exact_total(const par::Comm& comm, const std::vector<double>& terms) {
+  return par::exact_totals(comm, {}, terms.size(), [&](std::size_t k) {
+    return par::ExactTerm{0, terms[k]};
+  })[0];
+}
+
+// One list of terms for every sum in Totals. Lists and not running sums: the range of an exact sum
+// must be known before the first term is added.
+struct Terms {
+  using Axes = std::array<std::vector<double>, 3>;
+  std::vector<double> mass, kinetic, potential, elastic;
+  std::vector<double> net, contact;  // N, sizes of net forces and of contact forces
+  Axes momentum, force;
+
+  static void add(Axes& axes, const Vec3& term) {
+    for (int a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(term[a]);
+  }
+  void add(const ParticleView& p, double g) {
+    mass.push_back(p.mass);
+    // Rotation: 1/2 L . w, the same in any axes.
+    kinetic.push_back(0.5 * p.mass * p.velocity.squaredNorm() +
+                      0.5 * p.angular_momentum.dot(p.spin));
+    potential.push_back(p.mass * g * p.position.z());
+    // Gravity is not in the stored force. The force that holds a held particle balances all forces
+    // on it.
+    net.push_back(p.held ? 0 : (p.force - Vec3(0, 0, p.mass * g)).norm());
+    add(momentum, p.mass * p.velocity);
+  }
+  void add(const ContactView& c, double energy) {
+    elastic.push_back(energy);
+    contact.push_back(c.force.norm());
+    if (c.second >= 0) return;  // the following is for surfaces only
+    add(force, -c.force);
+  }
+};
+
+Vec3 exact_total(const par::Comm& comm, const Terms::Axes& terms) {
+  return {exact_total(comm, terms[0]), exact_total(comm, terms[1]), exact_total(comm, terms[2])};
+}
+
+double mean(double sum, std::int64_t count) {
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+// Two particles may be in contact with many pieces, all of them counted on the same rank. A surface
+// has no neighbours of its own.
+std::int64_t neighbours(std::vector<std::pair<Id, Id>>& touching) {
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  std::int64_t count = 0;
+  for (const auto& [first, second] : touching) count += second < 0 ? 1 : 2;
+  return count;
+}
+
+}  // namespace
+
+// `unbalanced` is 1 without contacts: free fall is not equilibrium.
+Totals Particles::totals() const {
+  const Impl& r = *impl_;
+  Totals total;
+  Terms terms;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    const ParticleView p = (*this)[b];
+    terms.add(p, r.parameters.gravity);
+    total.pieces += static_cast<std::int64_t>(r.shapes.end(p.shape) - r.shapes.begin(p.shape));
+  }
+  std::vector<std::pair<Id, Id>> touching;
+  ContactLoop(r).run([&](const ContactView& c, double energy) {
+    ++total.contacts;
+    touching.emplace_back(c.first, c.second);
+    total.largest_overlap = std::max(total.largest_overlap, c.overlap);
+    terms.add(c, energy);
+  });
+  total.particles = r.comm.sum(static_cast<std::int64_t>(r.state.own));
+  total.pieces = r.comm.sum(total.pieces);
+  total.contacts = r.comm.sum(total.contacts);
+  total.neighbours = r.comm.sum(neighbours(touching));
+  total.largest_overlap = r.comm.max(total.largest_overlap);
+  total.mass = exact_total(r.comm, terms.mass);
+  total.kinetic = exact_total(r.comm, terms.kinetic);
+  total.potential = exact_total(r.comm, terms.potential);
+  total.elastic = exact_total(r.comm, terms.elastic);
+  total.momentum = exact_total(r.comm, terms.momentum);
+  total.surface_force = exact_total(r.comm, terms.force);
+  const double mean_contact = mean(exact_total(r.comm, terms.contact), total.contacts);
+  const double mean_net = mean(exact_total(r.comm, terms.net), total.particles);
+  total.unbalanced = mean_contact > 0 ? mean_net / mean_contact : 1;
+  return total;
+}
+
+// All data that determine the further motion: poses, motion and histories, with the names of their
+// objects. Forces are left out, as they follow from these. Sums of hashes wrap around, so the order
+// does not matter.
+std::uint64_t Particles::state_hash() const {
+  Impl& r = *impl_;
+  std::uint64_t sum = 0;
+  for (std::size_t b = 0; b < r.state.own; ++b) {
+    const State& s = r.state;
+    std::uint64_t h = hash_bytes(&s.id[b], sizeof s.id[b]);
+    h = hash_bytes(&s.x[b], 3 * sizeof(double), h);
+    h = hash_bytes(&s.q[b], sizeof s.q[b], h);
+    h = hash_bytes(&s.v[b], 3 * sizeof(double), h);
+    h = hash_bytes(&s.l[b], 3 * sizeof(double), h);
+    if (s.held[b] != 0) h = hash_bytes(&s.held[b], sizeof s.held[b], h);
+    sum += mix(h);
+  }
+  for (const std::vector<History>& records : {r.history(), r.waiting})
+    for (const History& record : records) {
+      const Id first = particle_of(record.first);
+      const auto end = r.state.id.begin() + static_cast<std::ptrdiff_t>(r.state.own);
+      if (std::binary_search(r.state.id.begin(), end, first))
+        sum += mix(hash_bytes(&record, sizeof record));
+    }
+  return static_cast<std::uint64_t>(r.comm.sum(static_cast<std::int64_t>(sum)));
+}
+
+// Memory that is reserved, used or not. Local.
+Memory Particles::memory() const {
+  const Impl& r = *impl_;
+  Memory memory;
+  std::size_t* to = &memory.particles;
+  const auto count = [&](const auto&... arrays) {
+    ((*to += arrays.capacity() * sizeof(arrays[0])), ...);
+  };
+  visit_all(r.state, [&](auto, auto& array) { count(array); });
+  count(r.reference_x, r.reference_q);
+  count(r.pieces.x, r.pieces.body, r.pieces.begin);
+  count(r.pieces.core, r.pieces.rounding, r.pieces.turns);
+  count(r.pieces.last_x, r.pieces.last_q, r.pieces.path);
+  count(r.pieces.pace, r.pieces.last_path);
+  to = &memory.contacts;
+  for (const PairList* list : {&r.pairs, static_cast<const PairList*>(&r.stones)})
+    count(list->rows, list->entries, list->xi, list->roll, list->size);
+  count(r.near.blocks, r.near.size, r.near.roll);
+  count(r.stones.turn, r.approaches);
+  for (const Approach& a : r.approaches) count(a.triangles, a.patches, a.near.features);
+  memory.contacts += r.stone_contacts.memory();
+  return memory;
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,63 @@
+// Local particles sorted into the cells of their levels, in the box that they fill: memory and time
+// follow the rank's particles, not the domain.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "dem/search/grid.hpp"
+#include "dem/state/state.hpp"
+
+namespace trackbed::dem {
+
+// A snapshot, made for a rebuild and dropped after it. Level by level, since a particle is searched
+// only among those of its size.
+class Cells {
+ public:
+  // The first `count` particles.
+  Cells(const State& state, const Grid& grid, std::size_t count);
+
+  // Calls visit(particle, across) for all particles of a level that may be within `reach` of a
+  // point in the domain, in an order that does not matter; across: see Lattice::any.
+  template <class Visit>
+  void near(std::size_t level, const Vec3& place, double reach, Visit&& visit) const {
+    const Table& table = tables_[level];
+    if (table.members.empty()) return;
+    grid_.levels()[level].lattice.around(place, reach, [&](const Cell& cell, const Cell& across) {
+      if (!table.holds(cell)) return;
+      const std::size_t k = table.index(cell);
+      for (std::uint32_t m = table.begin[k]; m < table.begin[k + 1]; ++m)
+        visit(static_cast<std::size_t>(table.members[m]), across);
+    });
+  }
+  // Periods that shift the particle into the domain; the same for all levels, whose lattices cover
+  // the same box.
+  const Cell& wrap(std::size_t particle) const { return wraps_[particle]; }
+
+ private:
+  // The cells of one level in compressed rows: members of cell k are in [begin[k], begin[k + 1]).
+  struct Table {
+    Cell low, high;  // box of the cells in use
+    std::vector<std::uint32_t> begin;
+    std::vector<std::int32_t> members;
+
+    bool holds(const Cell& c) const {
+      for (std::size_t a = 0; a < 3; ++a)
+        if (c[a] < low[a] || c[a] > high[a]) return false;
+      return true;
+    }
+    std::size_t index(const Cell& c) const {
+      const auto n = [&](std::size_t a) { return static_cast<std::size_t>(high[a] - low[a] + 1); };
+      const auto i = [&](std::size_t a) { return static_cast<std::size_t>(c[a] - low[a]); };
+      return (i(0) * n(1) + i(1)) * n(2) + i(2);
+    }
+    void fill(const std::vector<Cell>& cells, const std::vector<std::int32_t>& particles);
+  };
+
+  const Grid& grid_;
+  std::vector<Cell> wraps_;
+  std::vector<Table> tables_;  // of each level
+};
+
+}  // namespace trackbed::dem

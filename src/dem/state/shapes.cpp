@@ -1,0 +1,53 @@
+// Templates are added and never removed: particles refer to them by number, and a number never
+// changes its meaning.
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "dem/state/state.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::dem {
+
+// A shape is checked as a whole before anything is stored: after an InputError nothing has changed.
+// Whether the kernels may skip attitudes and corners is decided by all templates together: one
+// stone among spheres requires attitudes of all particles.
+int Shapes::add(const Template& shape) {
+  std::vector<std::string> problems;
+  const auto number = templates_.size();
+  if (shape.pieces.empty() || shape.pieces.size() >= (1u << piece_bits))
+    problems.push_back(fmt::format("shape {} needs 1 to {} pieces", number, (1 << piece_bits) - 1));
+  if (!(shape.volume > 0) || !(shape.gyration.minCoeff() > 0))
+    problems.push_back(fmt::format("shape {} has no volume or inertia", number));
+  std::vector<Core> cores;
+  for (const Piece& piece : shape.pieces) try {
+      cores.push_back(core_of(piece));
+    } catch (const std::invalid_argument& problem) {
+      problems.push_back(fmt::format("shape {} has {}", number, problem.what()));
+    }
+  if (!problems.empty()) throw InputError(problems);
+  for (Core& core : cores) {
+    any_stones_ = any_stones_ || core.corners.size() > 1;
+    pieces_.push_back(ball_around(core));
+    first_corner_.push_back(static_cast<std::uint32_t>(corners_.size()));
+    corners_.insert(corners_.end(), core.corners.begin(), core.corners.end());
+    cores_.push_back(std::move(core));
+  }
+  // Centred: only then nothing depends on the attitude.
+  only_spheres_ = only_spheres_ && shape.pieces.size() == 1 &&
+                  shape.pieces[0].core.vertices.size() == 1 &&
+                  shape.pieces[0].core.vertices[0].isZero();
+  bound_.push_back(geom::bounding_radius(shape));
+  begin_.push_back(pieces_.size());
+  templates_.push_back(shape);
+  return static_cast<int>(number);
+}
+
+// Volume grows with scale^3; in a plane model the template has an area, which grows with scale^2.
+double mass_of(const Template& shape, double scale, double density, const Domain& domain) {
+  const double size = domain.dimension == Dimension::plane ? scale * scale * domain.thickness
+                                                           : scale * scale * scale;
+  return density * shape.volume * size;
+}
+
+}  // namespace trackbed::dem

@@ -1,0 +1,199 @@
+// The state of the ground in a checkpoint: one row per node, identified by its number in the
+// lattice, so that a checkpoint can be read on any number of ranks.
+//
+// The file contains State and the number of steps: mesh, operators and borders follow from the
+// deck. Collective.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fem/ground/impl.hpp"
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::fem {
+
+namespace {
+// Rows that a rank reads at once: 8 MB of node numbers.
+constexpr std::size_t rows_at_once = 1u << 20;
+}  // namespace
+
+// The order in which datasets are written; they are read by name.
+void State::list(const Visit& visit) {
+  visit("displacement", "m", "deviation from static equilibrium", displacement);
+  visit("velocity", "m/s", "at the time of the checkpoint", velocity);
+  visit("acceleration", "m/s^2", "at the end of the last window", acceleration);
+  visit("internal", "N",
+        "nodal force of the present deformation; implicit steps: of the last predictor", internal);
+  visit("load", "N", "top load of the last window minus the settled one", load);
+  visit("settled", "N", "top load of static equilibrium", settled);
+  visit("offset", "m", "displacement at the last static equilibrium, part of the shape", offset);
+  visit("rest", "m", "static displacement under weight and settled load", static_displacement);
+  if (one_before.of[0].empty()) return;
+  visit("acceleration_one_before", "m/s^2", "a window before the last one; implicit steps",
+        one_before);
+  visit("acceleration_two_before", "m/s^2", "two windows before the last one; implicit steps",
+        two_before);
+}
+
+namespace {
+
+// Yielding elements, each written once with its number.
+void save_plasticity(Plasticity& plasticity, const Mesh& mesh, io::File& file,
+                     const std::string& group) {
+  std::vector<std::int64_t> names;
+  std::vector<std::size_t> rows;
+  for (std::size_t n = 0; n < plasticity.elements().size(); ++n) {
+    const std::size_t element = plasticity.elements()[n];
+    if (!mesh.writes(element)) continue;
+    names.push_back(mesh.element[element]);
+    rows.push_back(n);
+  }
+  file.write<std::int64_t>(group + "/plastic/element", names, 1, {"-", "number in the lattice"});
+  plasticity.list([&](const char* name, const char* unit, const char* meaning, std::size_t width,
+                      std::vector<double>& values) {
+    std::vector<double> mine;
+    for (const std::size_t row : rows)
+      for (std::size_t c = 0; c < width; ++c) mine.push_back(values[row * width + c]);
+    file.write<double>(group + "/" + name, mine, width, {unit, meaning});
+  });
+}
+
+// Every rank reads the elements it holds, including those at its borders.
+void load_plasticity(Plasticity& plasticity, const Mesh& mesh, const io::File& file,
+                     const std::string& group) {
+  const std::size_t total = file.extent(group + "/plastic/element")[0];
+  constexpr std::size_t at_once = rows_at_once / 16;  // a row has up to 48 numbers
+  for (std::size_t begin = 0; begin < total; begin += at_once) {
+    const std::size_t count = std::min(at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/plastic/element", begin, count);
+    plasticity.list([&](const char* name, const char*, const char*, std::size_t width,
+                        std::vector<double>& values) {
+      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
+      for (std::size_t r = 0; r < count; ++r) {
+        const std::int64_t element = mesh.local_element(names[r]);
+        if (element < 0) continue;
+        const std::int64_t number = plasticity.number(static_cast<std::size_t>(element));
+        if (number < 0) continue;
+        std::copy_n(
+            rows.begin() + static_cast<std::ptrdiff_t>(r * width), width,
+            values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(number) * width));
+      }
+    });
+  }
+  plasticity.loaded();
+}
+
+// As save_plasticity: elements by number.
+void save_extremes(const Extremes& extremes, const Mesh& mesh, io::File& file,
+                   const std::string& group) {
+  std::vector<std::int64_t> names;
+  std::vector<double> rows;
+  for (std::size_t z = 0; z < mesh.element.size(); ++z) {
+    if (!mesh.writes(z)) continue;
+    names.push_back(mesh.element[z]);
+    for (std::size_t q = 0; q < Extremes::count; ++q)
+      rows.push_back(extremes.values[z * Extremes::count + q]);
+  }
+  file.write<std::int64_t>(group + "/extremes/element", names, 1, {"-", "number in the lattice"});
+  file.write<double>(
+      group + "/extremes/stress", rows, Extremes::count,
+      {"Pa", "largest and least principal, largest shear, largest and least vertical up to now"});
+}
+
+void load_extremes(Extremes& extremes, const Mesh& mesh, const io::File& file,
+                   const std::string& group) {
+  const std::size_t total = file.extent(group + "/extremes/element")[0];
+  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/extremes/element", begin, count);
+    const auto rows = file.read_rows<double>(group + "/extremes/stress", begin, count);
+    for (std::size_t r = 0; r < count; ++r) {
+      const std::int64_t element = mesh.local_element(names[r]);
+      if (element < 0) continue;
+      for (std::size_t q = 0; q < Extremes::count; ++q)
+        extremes.values[static_cast<std::size_t>(element) * Extremes::count + q] =
+            rows[r * Extremes::count + q];
+    }
+  }
+}
+
+}  // namespace
+
+// Own nodes only: every node of the model is in the file once.
+void Ground::save(io::File& file, const std::string& group) const {
+  const Mesh& mesh = impl_->mesh;
+  const int components = impl_->components();
+  std::vector<std::int64_t> names;
+  for (const std::int32_t n : mesh.own) names.push_back(mesh.node[static_cast<std::size_t>(n)]);
+  file.write<std::int64_t>(group + "/node", names, 1, {"-", "number in the lattice"});
+  impl_->state.list([&](const char* name, const char* unit, const char* meaning, Nodal& values) {
+    std::vector<double> rows;
+    for (const std::int32_t n : mesh.own)
+      for (int c = 0; c < components; ++c) rows.push_back(values[c][n]);
+    file.write<double>(group + "/" + name, rows, static_cast<std::size_t>(components),
+                       {unit, meaning});
+  });
+  file.attribute(group, "steps", impl_->steps);
+  if (impl_->plasticity) save_plasticity(*impl_->plasticity, mesh, file, group);
+  if (impl_->extremes) save_extremes(*impl_->extremes, mesh, file, group);
+  if (!impl_->free_field) return;
+  // The free-field columns are the same on every rank: the first rank writes them.
+  const std::string beside = group + "/free_field";
+  file.write<double>(beside + "/time",
+                     mesh.comm.root() ? std::vector<double>{impl_->time} : std::vector<double>{}, 1,
+                     {"s", "since the ground was released"});
+  impl_->free_field->list([&](const char* name, const char* unit, std::vector<double>& values) {
+    if (values.empty()) return;  // no columns: sides of another kind
+    file.write<double>(beside + "/" + name, mesh.comm.root() ? values : std::vector<double>{}, 1,
+                       {unit, "of the columns beside the model, from the base up"});
+  });
+}
+
+// Each rank reads all rows in blocks and keeps its own: memory is bounded. Sorting rows to their
+// owners first would read less per rank, but is not worthwhile until reading is measured to be
+// slow.
+void Ground::load(const io::File& file, const std::string& group) {
+  Mesh& mesh = impl_->mesh;
+  const auto components = static_cast<std::size_t>(impl_->components());
+  const std::size_t total = file.extent(group + "/node")[0];
+  if (total != static_cast<std::size_t>(mesh.node_count()))
+    throw RunError(fmt::format(
+        "the checkpoint holds a ground of {} nodes, but that of the deck has {}; restart with the "
+        "same ground",
+        total, mesh.node_count()));
+  for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, total - begin);
+    const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);
+    impl_->state.list([&](const char* name, const char*, const char*, Nodal& values) {
+      // An explicit run that continues with implicit steps has no earlier accelerations.
+      const bool guess = &values == &impl_->state.one_before || &values == &impl_->state.two_before;
+      if (guess && !file.has(group + "/" + name)) return;
+      const auto rows = file.read_rows<double>(group + "/" + name, begin, count);
+      for (std::size_t r = 0; r < count; ++r) {
+        const std::int32_t n = mesh.local_node(names[r]);
+        if (n < 0 || mesh.owned[static_cast<std::size_t>(n)] == 0) continue;
+        for (std::size_t c = 0; c < components; ++c)
+          values[static_cast<int>(c)][n] = rows[r * components + c];
+      }
+    });
+  }
+  // Ghost displacements are set by refresh_surface; the other arrays are used on own nodes only.
+  for (Nodal* values : {&impl_->state.offset, &impl_->state.static_displacement})
+    mesh.exchange(*values);
+  impl_->steps = file.integer_attribute(group, "steps");
+  if (impl_->plasticity) load_plasticity(*impl_->plasticity, mesh, file, group);
+  if (file.has(group + "/extremes/element")) {
+    begin_extremes();
+    load_extremes(*impl_->extremes, mesh, file, group);
+  }
+  if (impl_->free_field) {
+    const std::string beside = group + "/free_field";
+    impl_->time = file.read_rows<double>(beside + "/time", 0, 1)[0];
+    impl_->free_field->list([&](const char* name, const char*, std::vector<double>& values) {
+      if (!values.empty()) values = file.read_rows<double>(beside + "/" + name, 0, values.size());
+    });
+  }
+  impl_->refresh_surface();
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,410 @@
+// The deck section [ground]: every number is declared once, with unit, range and meaning.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "trackbed/fem/ground.hpp"
+
+namespace trackbed::fem {
+
+using input::About;
+using input::Section;
+
+namespace {
+
+// Every rank partitions all of them redundantly, with 56 bytes for each.
+constexpr double most_elements = 1e8;
+
+// Minimum number of corners of an outline; two numbers per corner.
+constexpr std::size_t fewest_corners = 3;
+// At this value the bulk modulus is 1700 times the shear modulus and rounding affects the pressure.
+constexpr double largest_poisson = 0.4999;
+
+// s, stiffness-proportional damping: 3 % of critical at 1 Hz. A larger value is probably a damping
+// ratio.
+constexpr double longest_usual = 0.01;
+
+// Of the extent of the ground: an outline may end where the ground ends.
+constexpr double rounding = 1e-9;
+
+// An interval of x or z, to compare a block with the ground and its elements.
+struct Range {
+  double low, high;  // m
+  bool holds(const Range& other) const {
+    const double margin = rounding * (high - low);
+    return other.low >= low - margin && other.high <= high + margin;
+  }
+};
+
+// m, width of the elements between these borders whose centres are in a range; below 0: none.
+double width_in(const Range& range, const std::vector<double>& edges) {
+  double sum = -1;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    const double centre = 0.5 * (edges[i] + edges[i + 1]);
+    if (centre < range.low || centre > range.high) continue;
+    sum = std::max(sum, 0.0) + edges[i + 1] - edges[i];
+  }
+  return sum;
+}
+
+// Range of every second number from `first`.
+Range range_of(const std::vector<double>& outline, std::size_t first) {
+  Range range{outline[first], outline[first]};
+  for (std::size_t k = first; k < outline.size(); k += 2)
+    range = {std::min(range.low, outline[k]), std::max(range.high, outline[k])};
+  return range;
+}
+
+// Position of a block, judged by the bounding box of its outline. An error if it changes no
+// element: the block would be ignored without notice.
+void declare_place(const GroundParameters& ground, std::size_t number, Section& s) {
+  const Block& block = ground.blocks[number];
+  if (!ground.present || !block.present || block.outline.size() < 2 || ground.x.size() != 2) return;
+  const std::string key = fmt::format("block[{}].outline", number);
+  double depth = 0;
+  for (const Layer& layer : ground.layers) depth += layer.thickness;
+  const Range x{ground.x[0], ground.x[1]}, z{-depth, 0};
+  const Range wide = range_of(block.outline, 0), high = range_of(block.outline, 1);
+  const About about{.reads = {"x", "elements_x", "ratio_x", "fine_x", "elements_z", "layer", key}};
+  const std::string place =
+      fmt::format("the ground: x from {:g} to {:g} m, z from {:g} to 0 m", x.low, x.high, z.low);
+  if (high.high > rounding * depth)
+    return s.rule(key, false,
+                  fmt::format("has a corner at z = {:g} m, above {}; z is negative below the top",
+                              high.high, place),
+                  about);
+  // Cells of an embankment are not boxes: look_at_mesh counts them.
+  const bool level = ground.sections.empty();
+  if (level && (width_in(wide, ground.edges(0)) < 0 || width_in(high, ground.edges(2)) < 0))
+    return s.rule(
+        key, false,
+        fmt::format("contains the centre of no element of {}; move or enlarge it, use smaller "
+                    "elements, or set present = false",
+                    place),
+        about);
+  s.rule(key, x.holds(wide) && z.holds(high),
+         fmt::format("is cut off where it extends beyond {}", place),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+// Position across the track, in space.
+void declare_width(const GroundParameters& ground, std::size_t number, Section& s) {
+  const Block& block = ground.blocks[number];
+  if (!ground.present || !block.present || block.y.size() != 2 || ground.y.size() != 2) return;
+  const std::string key = fmt::format("block[{}].y", number);
+  const Range y{ground.y[0], ground.y[1]}, wide{block.y[0], block.y[1]};
+  const About about{.reads = {"y", "elements_y", "ratio_y", "fine_y", key}};
+  const std::string place = fmt::format("the ground: y from {:g} to {:g} m", y.low, y.high);
+  if (ground.sections.empty() && width_in(wide, ground.edges(1)) < 0)
+    return s.rule(key, false,
+                  fmt::format("contains the centre of no element of {}; move or widen it", place),
+                  about);
+  s.rule(key, y.holds(wide), fmt::format("is cut off where it extends beyond {}", place),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+// A layer between the centres of two rows of elements would be left out without notice.
+void declare_height(const GroundParameters& ground, std::size_t number, Section& s) {
+  if (!ground.present || ground.elements_z < 1 || ground.layers[number].thickness <= 0) return;
+  const std::string key = fmt::format("layer[{}].thickness", number);
+  const About about{.reads = {"elements_z", "layer"}};
+  Range range{0, 0};
+  for (std::size_t l = 0; l <= number; ++l)
+    range = {range.low - ground.layers[l].thickness, range.low};
+  const double made = width_in(range, ground.edges(2)), asked = range.high - range.low;
+  if (made < 0)
+    return s.rule(
+        key, false,
+        "contains the centre of no element: the layer would be left out; give each layer its "
+        "`elements`, or use more elements_z",
+        about);
+  constexpr double odd = 0.25;  // of its height: larger deviations are reported
+  s.rule(key, std::abs(made - asked) <= odd * asked,
+         fmt::format("becomes {:.3g} m, the height of the elements whose centres are in it; give "
+                     "each layer its `elements`, or use more elements_z",
+                     made),
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+// Twice the area of the triangle of three corners of an outline, m^2; above 0: it turns left.
+double turn(const std::vector<double>& outline, std::size_t a, std::size_t b, std::size_t c) {
+  const auto x = [&](std::size_t k) { return outline[2 * k]; };
+  const auto z = [&](std::size_t k) { return outline[2 * k + 1]; };
+  return (x(b) - x(a)) * (z(c) - z(a)) - (z(b) - z(a)) * (x(c) - x(a));
+}
+
+// Whether two edges of an outline intersect. Edges that only touch are permitted, since any point
+// is still either inside or outside. O(corners^2), of a handful of corners.
+bool crosses_itself(const std::vector<double>& outline) {
+  const std::size_t corners = outline.size() / 2;
+  const auto parts = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
+    return turn(outline, a, b, c) * turn(outline, a, b, d) < 0;  // c and d on opposite sides of a-b
+  };
+  for (std::size_t a = 0; a < corners; ++a)
+    for (std::size_t c = a + 2; c < corners; ++c) {
+      const std::size_t b = a + 1, d = (c + 1) % corners;
+      if (parts(a, b, c, d) && parts(c, d, a, b)) return true;
+    }
+  return false;
+}
+
+// Consistency of layers and numbers of elements.
+void declare_elements(const GroundParameters& p, Section& s) {
+  const bool all = std::all_of(p.layers.begin(), p.layers.end(),
+                               [](const Layer& layer) { return layer.elements > 0; });
+  s.rule("layer", all || !p.layers_have_elements(), "need `elements` each, or none of them any",
+         {.reads = {"layer"}});
+  s.rule("elements_z", !p.layers_have_elements() || p.elements_z == GroundParameters().elements_z,
+         "has no effect: layers have their own `elements`",
+         {.weight = input::Weight::warning, .reads = {"elements_z", "layer"}});
+  const double elements = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
+                          static_cast<double>(p.elements_over_depth());
+  s.rule("elements_x", !p.present || elements <= most_elements,
+         fmt::format(
+             "makes {:.3g} elements with elements_y and elements_z: at most {:g} are supported",
+             elements, most_elements),
+         {.reads = {"elements_x", "elements_y", "elements_z", "layer"}});
+}
+
+// Numerical damping of frequencies that the windows do not resolve, without loss of order. HHT is
+// unconditionally stable down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak also below.
+void declare_alphas(GroundParameters& p, Section& s) {
+  s.number("alpha", p.alpha, {.at_least = -1, .at_most = 0},
+           "Numerical damping (hht, bossak): 0 none; more negative values damp more.");
+  s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
+         "must be at least -1/3 for hht, or the integrator is not stable",
+         {.reads = {"integrator", "alpha"}});
+  s.number("rho_inf", p.rho_inf, {.at_least = 0, .at_most = 1},
+           "Numerical damping (generalized_alpha): amplitude of the highest frequencies after a "
+           "step over that before; 1: none.");
+}
+
+// Parameters of integrators that are not used have no effect.
+void declare_idle_numbers(const GroundParameters& p, Section& s) {
+  const GroundParameters usual;
+  const auto idle = [&](const char* key, double given, double left, bool acts, const char* of) {
+    s.rule(key, acts || given == left, fmt::format("has no effect: it is for integrator = {}", of),
+           {.weight = input::Weight::warning, .reads = {"integrator", key}});
+  };
+  const bool newmark = p.integrator == Integrator::newmark;
+  idle("safety", p.safety, usual.safety, p.integrator == Integrator::explicit_, "\"explicit\"");
+  idle("newmark_beta", p.newmark_beta, usual.newmark_beta, newmark, "\"newmark\"");
+  idle("newmark_gamma", p.newmark_gamma, usual.newmark_gamma, newmark, "\"newmark\"");
+  idle("alpha", p.alpha, usual.alpha,
+       p.integrator == Integrator::hht || p.integrator == Integrator::bossak,
+       "\"hht\" and \"bossak\"");
+  idle("rho_inf", p.rho_inf, usual.rho_inf, p.integrator == Integrator::generalized_alpha,
+       "\"generalized_alpha\"");
+}
+
+bool rises(const std::vector<double>& range) { return range.size() != 2 || range[1] > range[0]; }
+
+}  // namespace
+
+void Elastic::declare(Section& s) {
+  s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e5, .usually_to = 1e12},
+           "Young's modulus.");
+  s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");
+  s.number("density", density,
+           {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4},
+           "Mass per volume.");
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
+           "Rayleigh damping: factor of the mass matrix; below 0: that of the ground.");
+  s.number("rayleigh_stiffness", rayleigh_stiffness,
+           {.unit = "s", .at_least = -1, .at_most = 1e3, .usually_to = longest_usual},
+           "Rayleigh damping: factor of the stiffness matrix; below 0: that of the ground.");
+}
+
+// Parameters of a triaxial test. A dilation angle above the friction angle would create energy; a
+// cut-off beyond the apex would have no effect.
+void Strength::declare(Section& s) {
+  s.choice("yield", yield, {"none", "mohr_coulomb"},
+           "none: elastic at any stress; mohr_coulomb: with tension cut-off, without hardening.");
+  s.number("cohesion", cohesion,
+           {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
+           "Shear strength without pressure (mohr_coulomb).");
+  s.number("friction_angle", friction_angle,
+           {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 5},
+           "Slope of the shear strength over the pressure (mohr_coulomb).");
+  s.number("dilation_angle", dilation_angle,
+           {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 1},
+           "Volume increase over plastic shear strain, as an angle (mohr_coulomb).");
+  s.number("tensile_strength", tensile_strength,
+           {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
+           "Largest tension (mohr_coulomb).");
+  if (yield == Yield::none) {
+    const Strength common;
+    s.rule("yield",
+           cohesion == common.cohesion && friction_angle == common.friction_angle &&
+               dilation_angle == common.dilation_angle &&
+               tensile_strength == common.tensile_strength,
+           "is none: cohesion, angles and tensile_strength have no effect",
+           {.weight = input::Weight::warning});
+    return;
+  }
+  const About about{.reads = {"cohesion", "friction_angle", "dilation_angle", "tensile_strength"}};
+  s.rule("friction_angle", cohesion > 0 || friction_angle > 0,
+         "and cohesion are 0: the solid has no shear strength", about);
+  s.rule("dilation_angle", dilation_angle <= friction_angle,
+         fmt::format("is above friction_angle ({:g}): yielding creates energy", friction_angle),
+         about);
+  const double slope = std::tan(friction_angle * std::numbers::pi / 180);
+  s.rule("tensile_strength", slope * tensile_strength <= cohesion * (1 + rounding),
+         fmt::format("is above cohesion / tan(friction_angle) = {:.6g} Pa, the tension at the "
+                     "apex of the yield surface",
+                     slope > 0 ? cohesion / slope : 0.0),
+         about);
+  s.rule("cohesion", cohesion > 0,
+         "leaves the top without strength where it is not loaded: it yields under the first wave; "
+         "sand between sleepers has some kPa",
+         {.weight = input::Weight::warning, .reads = about.reads});
+}
+
+void Layer::declare(Section& s) {
+  s.text("name", name, "Name of the layer in messages and overrides.");
+  s.number("thickness", thickness,
+           {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 200},
+           "Height of the layer; without `elements` its borders may be within elements.");
+  s.integer("elements", elements, {.at_least = 0, .at_most = 1e5},
+            "Elements over its height, for all layers or none; 0: the elements of elements_z whose "
+            "centres are in it.");
+  solid.declare(s);
+  s.file("young_file", young_file,
+         "CSV with columns x_m, young_Pa: Young's modulus along the track, linear between rows and "
+         "constant beyond them; overrides young; empty: none.");
+  strength.declare(s);
+}
+
+void Block::declare(Section& s) {
+  s.text("name", name, "Name of the block in messages and overrides.");
+  s.flag("present", present, "If false, the layers continue through it.");
+  s.numbers("outline", outline, {.unit = "m"},
+            "Corners as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
+  s.rule("outline", outline.size() % 2 == 0 && outline.size() >= 2 * fewest_corners,
+         "must list x and z of at least 3 corners");
+  s.rule("outline", !crosses_itself(outline),
+         "crosses itself; list the corners in order around the outline");
+  s.numbers("y", y, {.unit = "m"},
+            "From and to, across the track (space); none: the whole width of the ground.");
+  s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two numbers, from and to");
+  solid.declare(s);
+  strength.declare(s);
+}
+
+bool GroundParameters::yields() const {
+  const auto may_yield = [](const auto& of) { return of.strength.yield != Yield::none; };
+  return present && (std::any_of(layers.begin(), layers.end(), may_yield) ||
+                     std::any_of(solids.begin(), solids.end(), may_yield) ||
+                     std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+                       return block.present && may_yield(block);
+                     }));
+}
+
+// Small elements below the track, large ones far from it.
+void GroundParameters::declare_grading(Section& s) {
+  const input::Limits ratio{.at_least = 1, .at_most = 2};
+  s.number("ratio_x", ratio_x, ratio,
+           "Length of each element over that of its neighbour towards fine_x; 1: equal lengths. "
+           "Unequal lengths along the track make explicit steps several times more expensive.");
+  s.number("fine_x", fine_x, {.unit = "m"},
+           "Position of the shortest elements along the track (ratio_x).");
+  s.number("ratio_y", ratio_y, ratio,
+           "Width of each element over that of its neighbour towards fine_y; 1: equal widths.");
+  s.number("fine_y", fine_y, {.unit = "m"},
+           "Position of the narrowest elements across the track (ratio_y).");
+  const auto inside = [&](const char* name, double ratio_of, double fine,
+                          const std::vector<double>& range, const About& about) {
+    s.rule(name, ratio_of == 1 || range.size() != 2 || (fine >= range[0] && fine <= range[1]),
+           "must be within the ground", about);
+    s.rule(name, ratio_of != 1 || fine == 0, "has no effect: all elements are equal (ratio 1)",
+           {.weight = input::Weight::warning, .reads = about.reads});
+  };
+  inside("fine_x", ratio_x, fine_x, x, {.reads = {"x", "ratio_x", "fine_x"}});
+  inside("fine_y", ratio_y, fine_y, y, {.reads = {"y", "ratio_y", "fine_y"}});
+}
+
+void GroundParameters::declare_shape(Section& s) {
+  s.numbers("x", x, {.unit = "m"}, "Begin and end of the ground along the track.", 2);
+  s.rule("x", rises(x), "must end beyond its begin");
+  s.numbers("y", y, {.unit = "m"},
+            "Lateral begin and end; a plane model takes its thickness from the model.", 2);
+  s.rule("y", rises(y), "must end beyond its begin");
+  s.integer("elements_x", elements_x, {.at_least = 1, .at_most = 1e5}, "Elements along the track.");
+  s.integer("elements_y", elements_y, {.at_least = 1, .at_most = 1e5},
+            "Elements across; a plane model has one.");
+  s.integer("elements_z", elements_z, {.at_least = 1, .at_most = 1e5},
+            "Elements over the depth; layers may have their own instead.");
+  declare_grading(s);
+  s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
+  declare_elements(*this, s);
+  s.tables("block", blocks, "Regions cut out of the layers; later ones overrule earlier ones.");
+  s.tables(
+      "section", sections,
+      "An embankment: its outline across the track at positions along it, linear between them and "
+      "constant beyond; none: layers as wide as y.");
+  s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
+            "Number of layers, from the top down, that form the embankment (section); those below "
+            "are the natural ground on both sides.");
+  for (std::size_t l = 0; l < layers.size(); ++l) declare_height(*this, l, s);
+  for (std::size_t b = 0; b < blocks.size(); ++b) declare_place(*this, b, s);
+  for (std::size_t b = 0; b < blocks.size(); ++b) declare_width(*this, b, s);
+}
+
+void GroundParameters::declare_steps(Section& s) {
+  s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
+           "Rayleigh damping: factor of the mass matrix in the damping matrix.");
+  s.number("rayleigh_stiffness", rayleigh_stiffness,
+           {.unit = "s", .at_least = 0, .at_most = 1e3, .usually_to = longest_usual},
+           "Rayleigh damping: factor of the stiffness matrix; lowers the stable explicit step.");
+  s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
+           "explicit: central differences, as many steps in a window as stability requires; the "
+           "others take one implicit step per window.");
+  s.number("safety", safety, {.above = 0, .at_most = 1},
+           "Longest explicit step over the critical one.");
+  s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
+  s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
+           "Newmark's gamma; values above 0.5 damp (newmark).");
+  s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
+         "must be at least half of newmark_gamma, or the integrator is not stable");
+  declare_alphas(*this, s);
+  declare_idle_numbers(*this, s);
+  s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
+           "Relative residual at which linear solves stop (implicit steps, static equilibrium); "
+           "Newton iterations of yielding layers stop at 100 times it.");
+  s.integer("static_iterations", static_iterations, {.at_least = 1},
+            "Yielding layers: number of iterations within which the out-of-balance force of the "
+            "static solve must halve; otherwise it is stopped as not converging. Near collapse "
+            "convergence takes some thousand iterations.");
+}
+
+// Incompatibilities with a mesh file or sections are checked last.
+void GroundParameters::declare(Section& s) {
+  s.flag("present", present, "If false, the stones are on a rigid floor at z = 0.");
+  declare_shape(s);
+  s.choice("plane", plane, {"stress", "strain"},
+           "Plane stress or plane strain across a plane model.");
+  s.choice("base", base, {"fixed", "viscous"},
+           "Lower border; fixed: held; viscous: Lysmer-Kuhlemeyer dashpots that absorb waves.");
+  s.number(
+      "base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
+      "Springs in parallel with the dashpots of a viscous base, representing the ground below; "
+      "below 0: shear modulus at the base over its depth; 0: none, so that it sinks as long as it "
+      "is loaded. With base_motion there are none.");
+  s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
+         "must be 0, or left out, with base_motion: springs would oppose the motion of the ground, "
+         "whose amplitude is twice that of the wave",
+         {.reads = {"base_stiffness", "base_motion"}});
+  s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
+         "is very soft below a track: is it in Pa/m?",
+         {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
+  declare_sides(s);
+  declare_steps(s);
+  declare_mesh(s);
+  check_embankment(s);
+  s.rule("layer", !present || !layers.empty() || !mesh.empty(),
+         "must be given at least once: the ground is empty");
+}
+
+}  // namespace trackbed::fem

@@ -1,0 +1,153 @@
+// Spheres that fill a mesh.
+//
+// Centres are tried on a grid; for each, the largest sphere inside the mesh is known. The next
+// sphere is the one with most grid points that are in no other sphere (greedy cover, within 1 - 1/e
+// of the best choice of as many); since that number only falls, few have to be counted again each
+// time.
+//
+// Bound of the greedy cover: Nemhauser, Wolsey, Fisher 1978, doi:10.1007/BF01588971; counting
+// lazily: Minoux 1978, doi:10.1007/BFb0006528.
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <stdexcept>
+
+#include "geom/convex/hull.hpp"
+#include "trackbed/geom/mesh.hpp"
+
+namespace trackbed::geom {
+
+namespace {
+
+// Cell centres of the box around the mesh, x running fastest. Cost: a distance per point, 64000 for
+// a cube.
+class Grid {
+ public:
+  Grid(const Mesh& mesh, int cells) {
+    low_ = high_ = mesh.vertices[0];
+    for (const Vec3& p : mesh.vertices) low_ = low_.cwiseMin(p), high_ = high_.cwiseMax(p);
+    spacing_ = (high_ - low_).maxCoeff() / cells;
+    for (int k = 0; k < 3; ++k)
+      count_[k] = std::max(1, static_cast<int>(std::ceil((high_ - low_)[k] / spacing_)));
+    std::vector<Vec3> points;
+    for (int i = 0; i < count_.prod(); ++i) points.push_back(at(i));
+    depth_ = depths(mesh, points);
+    free_.assign(points.size(), false);
+    for (std::size_t i = 0; i < points.size(); ++i) free_[i] = depth_[i] > 0;
+  }
+  int size() const { return static_cast<int>(depth_.size()); }
+  Vec3 at(int i) const {
+    const Eigen::Vector3d cell(i % count_[0], i / count_[0] % count_[1], i / count_[0] / count_[1]);
+    const Vec3 margin = (high_ - low_ - spacing_ * count_.cast<double>()) / 2;
+    return low_ + margin + spacing_ * (cell + Vec3::Constant(0.5));
+  }
+  double depth(int i) const { return depth_[static_cast<std::size_t>(i)]; }
+  // Free grid points in the sphere around point i; marks them as used if `take`.
+  int free_around(int i, bool take) {
+    const double reach = depth(i) / spacing_;
+    const int n = static_cast<int>(reach), x = i % count_[0], y = i / count_[0] % count_[1],
+              z = i / count_[0] / count_[1];
+    int found = 0;
+    for (int c = std::max(0, z - n); c <= std::min(count_[2] - 1, z + n); ++c)
+      for (int b = std::max(0, y - n); b <= std::min(count_[1] - 1, y + n); ++b)
+        for (int a = std::max(0, x - n); a <= std::min(count_[0] - 1, x + n); ++a) {
+          if ((a - x) * (a - x) + (b - y) * (b - y) + (c - z) * (c - z) > reach * reach) continue;
+          const auto k = static_cast<std::size_t>(a + count_[0] * (b + count_[1] * c));
+          found += free_[k];
+          if (take) free_[k] = false;
+        }
+    return found;
+  }
+
+ private:
+  Vec3 low_, high_;
+  double spacing_ = 0;
+  Eigen::Vector3i count_;
+  std::vector<double> depth_;
+  std::vector<bool> free_;
+};
+
+// The queue holds the gain of each point when it was last counted. Gains only fall, so a point
+// whose new count is still the largest in the queue is the best of all.
+std::vector<Sphere> inner_spheres(const Mesh& mesh, int wanted) {
+  constexpr int cells = 40;  // along the longest side
+  Grid grid(mesh, cells);
+  std::priority_queue<std::pair<int, int>> gains;  // upper bound, grid point
+  for (int i = 0; i < grid.size(); ++i)
+    if (grid.depth(i) > 0) gains.push({grid.free_around(i, false), i});
+  std::vector<Sphere> spheres;
+  while (static_cast<int>(spheres.size()) < wanted && !gains.empty()) {
+    const int i = gains.top().second;
+    gains.pop();
+    const int gain = grid.free_around(i, false);
+    if (gain == 0) continue;
+    if (!gains.empty() && gain < gains.top().first) {
+      gains.push({gain, i});
+      continue;
+    }
+    grid.free_around(i, true);
+    spheres.push_back({grid.at(i), grid.depth(i)});
+  }
+  return spheres;
+}
+
+std::vector<Sphere> grown(std::vector<Sphere> spheres, double by) {
+  for (Sphere& s : spheres) s.radius += by;
+  return spheres;
+}
+
+// All radii are increased by the same amount, such that the union has the volume of the mesh. The
+// volume grows with the radii, so bisection finds it. Spheres then extend beyond the mesh about as
+// far as the mesh extends beyond them: mean error near 0.
+std::vector<Sphere> filled(const std::vector<Sphere>& spheres, double volume, double extent) {
+  constexpr int halvings = 30, cells = 128;
+  double low = 0, high = extent / 4;
+  for (int k = 0; k < halvings; ++k) {
+    const double middle = (low + high) / 2;
+    (union_solid(grown(spheres, middle), cells).volume < volume ? low : high) = middle;
+  }
+  return grown(spheres, (low + high) / 2);
+}
+
+// Distances of evenly spread points of the surface from the union. Inside the union the depth in
+// the nearest sphere, which is no more than the distance.
+void measure(const Mesh& mesh, Clump& clump) {
+  // Each triangle is divided into n^2 equal ones: the centres of those with the orientation of the
+  // triangle are the samples. They have equal weights, which add up to the area of the triangle.
+  const double step = extent_of(mesh.vertices) / 100;
+  double total = 0, sum = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[static_cast<std::size_t>(i)],
+               &b = mesh.vertices[static_cast<std::size_t>(j)],
+               &c = mesh.vertices[static_cast<std::size_t>(k)];
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const int n = std::max(1, static_cast<int>(std::ceil(longest / step)));
+    const double area = (b - a).cross(c - a).norm() / (n * (n + 1));
+    for (int p = 0; p < n; ++p)
+      for (int q = 0; p + q < n; ++q) {
+        const Vec3 x = a + (b - a) * (p + 1.0 / 3) / n + (c - a) * (q + 1.0 / 3) / n;
+        double distance = (x - clump.spheres[0].centre).norm() - clump.spheres[0].radius;
+        for (const Sphere& s : clump.spheres)
+          distance = std::min(distance, (x - s.centre).norm() - s.radius);
+        total += area;
+        sum += area * std::abs(distance);
+        clump.surface_furthest = std::max(clump.surface_furthest, std::abs(distance));
+      }
+  }
+  clump.surface_error = sum / total;
+}
+
+}  // namespace
+
+Clump clump(const Mesh& mesh, int spheres) {
+  const double volume = mesh_solid(mesh).volume;
+  const auto inner = inner_spheres(mesh, spheres);
+  if (inner.empty()) throw std::invalid_argument("the mesh is too thin to contain spheres");
+  Clump result;
+  result.spheres = filled(inner, volume, extent_of(mesh.vertices));
+  result.volume_error = union_solid(result.spheres, 192).volume / volume - 1;
+  measure(mesh, result);
+  return result;
+}
+
+}  // namespace trackbed::geom

@@ -1,0 +1,61 @@
+// Implementation of Results: columns of the histories and their file.
+#pragma once
+
+#include <functional>
+
+#include "trackbed/observe/results.hpp"
+
+namespace trackbed::observe {
+
+inline constexpr const char* results_kind = "trackbed results";
+
+// A dataset [rows, width] that grows; `values` are rows not yet in the file. width 0: nothing was
+// sampled yet, so no dataset is created.
+struct Column {
+  std::string path;
+  io::Label label;
+  std::size_t width = 0;
+  std::vector<double> values{};
+};
+
+// All ranks hold the same columns; rank 0 writes them.
+struct Results::Impl {
+  Impl(const par::Comm& comm, std::string path, About about);
+  void begin_file();
+  void put_head(io::File& file);
+  void take_name(const std::string& part);  // `part` replaces the results. Collective.
+  // Changes a copy of the file, which then replaces it. Collective.
+  void replace(const std::function<void(io::File&)>& change);
+  std::vector<std::vector<Column>*> groups() {
+    return {&energy, &sleeper, &ground, &region, &wall, &platen, &train, &solid, &placed};
+  }
+  void append_to(io::File& file);
+  void sample_energy(const dem::Totals& totals);
+  void sample_sleepers(const track::Sleepers* sleepers, std::span<const double> seat_force);
+  void set_ground_nodes(const std::vector<std::int32_t>& nodes, Dimension dimension);
+  void sample_ground(const fem::Ground& ground);
+  void sample_walls(std::span<const WallState> walls);
+  void sample_solids(const SolidState& state);
+  void sample_platen(const PlatenState& state);
+  void sample_placed(const PlacedInstant& instant);
+  void sample_train(const TrainInstant& instant, std::size_t sleepers);
+  void sample_regions(const dem::Particles& particles);
+
+  par::Comm comm;
+  std::string path;
+  About about;
+  bool resumed = false;       // continues the file of a stopped run
+  std::int64_t rows = 0;      // in file and memory
+  std::vector<double> times;  // s, of rows in memory
+  std::vector<std::int64_t> stages;
+  std::vector<std::int32_t> nodes;  // of the ground's top
+  std::vector<int> axes;            // of their motion, the vertical first
+  std::vector<Region> regions;
+  std::vector<Column> energy, sleeper, ground;
+  std::vector<Column> platen, train, solid;
+  std::vector<Column> placed;  // totals of all stones and surfaces, then those of each
+  std::vector<Column> wall;    // force and displacement of the first, then those of the next
+  std::vector<Column> region;  // those of the first region, then those of the next
+};
+
+}  // namespace trackbed::observe

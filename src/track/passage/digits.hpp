@@ -1,0 +1,29 @@
+// Check of the accuracy of a factorised stiffness matrix. Private to the module.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+// Digits are lost by elimination where a soft part is connected to a much stiffer one: with a ratio
+// of pivot to diagonal of 1e-10, results keep six of sixteen digits.
+inline constexpr double least_pivot = 1e-10;
+
+// `pivots` of the factors and the diagonal of the matrix: N/m, or N m for rotations. Throws
+// InputError.
+inline void require_digits(const Eigen::VectorXd& pivots, const Eigen::VectorXd& diagonal) {
+  for (Eigen::Index k = 0; k < diagonal.size(); ++k)
+    if (!(pivots[k] > least_pivot * diagonal[k]))
+      throw InputError({fmt::format(
+          "the stiffness matrix of the track is ill-conditioned: for a degree of freedom with "
+          "{:.3g} N/m (rotations: N m) the ratio of pivot to diagonal is {:.2g}, and it must "
+          "exceed {:g}; reduce the largest stiffness of rail, pads, ballast or springs, or "
+          "increase the smallest",
+          diagonal[k], pivots[k] / diagonal[k], least_pivot)});
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,155 @@
+// The sleepers of the bed are integrated explicitly, rail, vehicles and all sleepers on springs
+// implicitly. Forces are exchanged at common times (docs/decisions/train_on_bed.md):
+//   F_n = k (w_n - u_n) + c (w'_n - u'_n)        N, on rail and sleeper, at t_n
+//   the caller moves the sleepers under F_n to t_n+1, then `advance` moves the rail with w, w' at
+//   t_n+1.
+// w, w' are height (m) and velocity (m/s) of a sleeper since the rail was placed, u, u' those of
+// the rail above it. Second order in the step, as Newmark and leapfrog are, and stable as long as
+// the sleepers' step is (Belytschko, Mullen 1978, doi:10.1002/nme.1620121008). Rejected: including
+// these sleepers in the rail's solve; they have six degrees of freedom, and the reaction of the
+// stones is delayed by half a window in any case.
+//
+// Sleepers with an implicit step need the force at its end. They are linear: with w*, w'* of the
+// seats without that force, Y = `mobility` (m/s per N, of a seat) and h the step (s),
+//   w' = w'* - Y r F,  w = w* - h/2 Y r F,   F = f [k (w* - u) + c (w'* - u')],
+//   f = 1/(1 + r Y (c + k h/2)),   r rails of a seat,
+// which is a softer pad on w*, w'*. Rail, pads and sleepers thus have one common implicit step
+// without a delay of forces.
+//
+// With two rails there are two seats on every sleeper; w is then that of the seat, which the caller
+// computes including the roll of the sleeper. The force at one seat also moves the other one: F, w
+// are then pairs, Y and f symmetric 2 x 2 matrices, and the off-diagonal term of f couples the
+// pads.
+#include "trackbed/track/on_bed.hpp"
+
+#include <Eigen/LU>
+
+#include "trackbed/core/error.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+double rails_of_seat(const TrainOnBedParameters& p) {
+  return p.line.track.dimension == Dimension::space ? p.seat.rails / 2 : p.seat.rails;
+}
+
+LineParameters on_moved_sleepers(const TrainOnBedParameters& p) {
+  LineParameters line = p.line;
+  line.first_moved = static_cast<std::size_t>(p.seat.before);
+  line.moved = p.sleepers;
+  const PadParameters& pad = p.line.pad;
+  const double follows = rails_of_seat(p) * (pad.damping + pad.stiffness * p.step / 2);
+  for (const Matrix2& mobility : p.mobility)
+    line.moved_pads.emplace_back((Matrix2::Identity() + follows * mobility).inverse());
+  return line;
+}
+
+}  // namespace
+
+// The order of the members matters: the passage keeps references to line and train.
+struct TrainOnBed::Impl {
+  Impl(const TrainOnBedParameters& p, const std::vector<double>& at)
+      : begin(p.first - static_cast<double>(p.seat.before) * p.line.track.spacing),
+        levels(at),
+        line(on_moved_sleepers(p)),
+        rails(rails_of_seat(p)),
+        step(p.step),
+        mobility(p.mobility),
+        train(p.train, p.vehicles, p.line.track.rails, p.line.track.wheel_gauge()),
+        passage(line, train, WheelRail(p.wheel_rail),
+                Irregularity(p.irregularity, p.line.track.length), p.train,
+                {.step = p.step, .duration = 0, .tolerance = p.tolerance}, right_of(p)) {
+    require(at.size() == line.seats() && (p.mobility.empty() || p.mobility.size() == p.sleepers),
+            "one level for each seat of the bed");
+  }
+
+  static std::optional<Irregularity> right_of(const TrainOnBedParameters& p) {
+    if (!p.irregularity_right) return {};
+    return Irregularity(*p.irregularity_right, p.line.track.length);
+  }
+
+  double begin;                // m, x of the bed at the start of the track
+  std::vector<double> levels;  // m, of the seats when the rail was placed: state
+  Line line;
+  double rails;  // number of rails per seat
+  double step;   // s
+  std::vector<Matrix2> mobility;
+  Train train;
+  Passage passage;
+};
+
+// Limits: a slice may be as thin as a stone, whole sleepers carry two rails.
+void SeatParameters::declare(input::Section& s) {
+  s.integer("before", before, {.at_least = 0, .at_most = 10000},
+            "Sleepers of the track, on springs ([ballast]), before the first one of the bed; the "
+            "rest of track.length is behind the last one.");
+  s.number("rails", rails, {.above = 0, .at_most = 2},
+           "Number of rails whose load the sleepers of the model carry: 1 for half a track, 2 for "
+           "a whole one, for a slice of a bed the fraction of a rail carried by its width; 2 on "
+           "two rails (track.dimension = \"space\").");
+}
+
+TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)
+    : impl_(std::make_unique<Impl>(parameters, levels)) {}
+TrainOnBed::~TrainOnBed() = default;
+TrainOnBed::TrainOnBed(TrainOnBed&&) noexcept = default;
+
+const Train& TrainOnBed::train() const { return impl_->train; }
+const Line& TrainOnBed::line() const { return impl_->line; }
+const Passage& TrainOnBed::passage() const { return impl_->passage; }
+void TrainOnBed::restart_train() { impl_->passage.restart_train(); }
+
+double TrainOnBed::seat_force(std::size_t i) const {
+  double sum = 0;
+  for (std::size_t side = 0; side < impl_->line.sides(); ++side) sum += seat_force(i, side);
+  return sum;
+}
+
+double TrainOnBed::seat_force(std::size_t i, std::size_t side) const {
+  return impl_->rails * impl_->passage.seat_force(i, side);
+}
+
+double TrainOnBed::seat_displacement(std::size_t i, std::size_t side) const {
+  const Impl& impl = *impl_;
+  double height = impl.passage.seat(i, side).height;
+  for (std::size_t by = 0; !impl.mobility.empty() && by < impl.line.sides(); ++by)
+    height -= impl.step / 2 * seat_force(i, by) *
+              impl.mobility[i](static_cast<Eigen::Index>(side), static_cast<Eigen::Index>(by));
+  return height;
+}
+
+void TrainOnBed::advance(const std::vector<double>& levels, const std::vector<double>& rates) {
+  Impl& impl = *impl_;
+  require(levels.size() == impl.levels.size() && rates.size() == levels.size(),
+          "level and rate of each seat of the bed");
+  std::vector<Seat> seats(levels.size());
+  for (std::size_t i = 0; i < seats.size(); ++i)
+    seats[i] = {.height = levels[i] - impl.levels[i], .rate = rates[i]};
+  impl.passage.place_seats(seats);
+  impl.passage.advance();
+}
+
+double TrainOnBed::wheel_x(std::size_t i) const { return impl_->begin + impl_->passage.wheel_x(i); }
+
+double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {
+  return impl_->passage.rail_displacement(impl_->line.sleeper_x(impl_->line.first_moved() + i),
+                                          side);
+}
+
+void TrainOnBed::save(io::File& file, const std::string& group, const par::Comm& comm) const {
+  impl_->passage.save(file, group, comm);
+  const std::vector<double>& levels = impl_->levels;
+  file.write<double>(
+      group + "/levels", std::span(levels).first(comm.root() ? levels.size() : 0), 1,
+      {"m", "height of the sleepers' seats since they were placed, when the rail was placed"});
+}
+
+void TrainOnBed::load(const io::File& file, const std::string& group) {
+  impl_->passage.load(file, group);
+  impl_->levels = file.read_all<double>(group + "/levels");
+  if (impl_->levels.size() != impl_->line.seats())
+    throw RunError(group + "/levels was written for a different number of sleepers");
+}
+
+}  // namespace trackbed::track

@@ -1,0 +1,247 @@
+// Parameters of the track as a structure and of the run of a train over it, each declared once.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "trackbed/track/passage.hpp"
+
+namespace trackbed::track {
+
+namespace {
+
+// Relative, of lengths that should be multiples but are written with few digits.
+constexpr double rounding = 1e-6;
+
+bool is_multiple(double length, double of) {
+  const double ratio = length / of;
+  return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < rounding * ratio;
+}
+
+}  // namespace
+
+// Defaults are those of a medium pad under traffic; static values of a manufacturer may be half.
+void PadParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
+           "Of the pads on one rail seat.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},
+           "Of the pads on one rail seat.");
+  s.number("bilinear_at", bilinear_at, {.unit = "m", .at_least = 0, .usually_to = 5e-3},
+           "Compression at which a pad becomes stiffer; 0: it does not.");
+  s.number("bilinear_stiffness", bilinear_stiffness,
+           {.unit = "N/m", .at_least = 0, .usually_to = 1e10}, "Stiffness beyond `bilinear_at`.");
+  s.flag("uplift", uplift,
+         "Whether the rail lifts off when a pad has lost its preload; otherwise pads also act in "
+         "tension, without limit (track alone).");
+  s.number("preload", preload, {.unit = "N", .at_least = -1, .usually_to = 1e5},
+           "Static compressive force of each pad (uplift), from the rail's weight and fastenings; "
+           "below 0: the rail's weight.");
+  s.rule("preload", uplift || preload < 0, "has no effect: pads do not lift off (uplift = false)",
+         {.weight = input::Weight::warning, .reads = {"uplift", "preload"}});
+  s.rule("bilinear_stiffness", bilinear_at == 0 || bilinear_stiffness > stiffness,
+         "must be above pad.stiffness",
+         {.reads = {"stiffness", "bilinear_at", "bilinear_stiffness"}});
+  s.rule("bilinear_stiffness", bilinear_at > 0 || bilinear_stiffness == 0,
+         "has no effect with bilinear_at = 0",
+         {.weight = input::Weight::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
+  s.rule("damping", bilinear_at == 0 || damping > 0,
+         "leaves bilinear pads undamped: energy may increase in steps that pass bilinear_at",
+         {.weight = input::Weight::warning, .reads = {"bilinear_at", "damping"}});
+}
+
+// One spring, or two with a mass between, for which Zhai, Wang and Lin (Modelling and experiment of
+// railway ballast vibrations, 2004) give 137.75 MN/m, 58.8 kN s/m, 531.4 kg, 77.5 MN/m, 31.15 kN
+// s/m.
+void BallastParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
+           "Of the ballast below one rail seat.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
+           "Of the ballast below one rail seat.");
+  s.number("mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
+           "Of the ballast that moves with one rail seat; 0: none, the ballast is on rigid "
+           "ground.");
+  s.number("below_stiffness", below_stiffness, {.unit = "N/m", .above = 0},
+           "Below the ballast mass.");
+  s.number("below_damping", below_damping, {.unit = "N s/m", .at_least = 0},
+           "Below the ballast mass.");
+  const BallastParameters none;
+  const input::About about{.weight = input::Weight::warning,
+                           .reads = {"mass", "below_stiffness", "below_damping"}};
+  s.rule("below_stiffness", mass > 0 || below_stiffness == none.below_stiffness,
+         "has no effect without a mass of the ballast", about);
+  s.rule("below_damping", mass > 0 || below_damping == none.below_damping,
+         "has no effect without a mass of the ballast", about);
+}
+
+// Measured by their bedding modulus (N/mm^3, EN 16730): times the face of half a sleeper, about
+// 0.35 m^2, 0.1 to 0.4 N/mm^3 are 35 to 140 MN/m.
+void UnderSleeperPadParameters::declare(input::Section& s) {
+  s.number("stiffness", stiffness,
+           {.unit = "N/m", .at_least = 0, .usually_from = 5e6, .usually_to = 1e10},
+           "Of the pad below a sleeper, for one rail seat, in series with the ballast; 0: none.");
+  s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
+           "Of the same, in parallel with its spring.");
+  s.number("from", from, {.unit = "m", .at_least = 0},
+           "x from which sleepers have pads below them.");
+  s.number("to", to, {.unit = "m", .at_least = 0},
+           "x up to which sleepers have pads; a sleeper at this x has none. 0: up to the end.");
+  s.rule("to", to == 0 || to > from, "must lie beyond from, or be 0");
+  const UnderSleeperPadParameters none;
+  const input::About about{.weight = input::Weight::warning,
+                           .reads = {"stiffness", "damping", "from", "to"}};
+  const auto unused = [&](const char* name, double value, double unset) {
+    s.rule(name, stiffness > 0 || value == unset, "has no effect without a stiffness of the pad",
+           about);
+  };
+  unused("damping", damping, none.damping);
+  unused("from", from, none.from), unused("to", to, none.to);
+}
+
+// Where ballast is missing, a gap is more realistic than a factor: the sleeper strikes the ballast.
+void TrackZone::declare(input::Section& s) {
+  s.number("from", from, {.unit = "m", .required = true}, "x at the start of the zone.");
+  s.number("to", to, {.unit = "m", .required = true},
+           "x at its end, which is not part of the zone except at the end of the track.");
+  s.number("rail", rail, {.above = 0, .at_most = 1e9, .usually_to = 100},
+           "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
+  s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
+           "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
+  s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
+           "Between sleepers and ballast of the unloaded track: hanging sleepers.");
+  s.choice("side", side, {"both", "left", "right"},
+           "Rail, or end of the sleepers, to which the zone applies, of two rails.");
+  s.rule("to", to > from, "must lie beyond from");
+}
+
+// Parameters of a track with two rails only.
+void TrackParameters::declare_space(input::Section& s) {
+  s.choice("dimension", dimension, {"plane", "space"},
+           "plane: one rail with its part of vehicles and sleepers; space: two rails, sleepers and "
+           "vehicles also roll.");
+  s.number("gauge", gauge, {.unit = "m", .above = 0, .usually_from = 0.6, .usually_to = 2},
+           "Distance of the rails' centrelines (space, or bending sleepers).");
+  s.number("sleeper_length", sleeper_length,
+           {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 5},
+           "Of sleepers, over which the ballast is uniform (space, or bending sleepers).");
+  s.number("sleeper_inertia", sleeper_inertia, {.unit = "kg m2", .at_least = 0},
+           "Of a whole rigid sleeper in roll (space); 0: of a uniform bar.");
+  s.rule("rails", dimension == Dimension::plane || rails == 2, "must be 2 where dimension = space",
+         {.reads = {"dimension", "rails"}});
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    s.rule(fmt::format("zone[{}].side", i),
+           zones[i].side == ZoneSide::both || dimension == Dimension::space,
+           "is for dimension = space", {.reads = {"dimension", "zone"}});
+}
+
+// With these values the first bending frequency of a free sleeper of 2.6 m and 300 kg is 121 Hz;
+// that of concrete monoblock sleepers is 100 to 150 Hz.
+void SleeperBeamParameters::declare(input::Section& s) {
+  s.choice("model", model, {"rigid", "beam"},
+           "beam: sleepers bend across the track; a plane track has half of each, with symmetry in "
+           "the middle.");
+  s.choice("theory", theory, {"timoshenko", "euler"},
+           "euler: rigid in shear, without rotary inertia (beam).");
+  s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
+           "Young's modulus (beam).");
+  s.number("poisson", poisson, {.at_least = 0, .at_most = 0.5},
+           "Poisson's ratio: shear modulus (beam, timoshenko).");
+  s.number("width", width, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
+           "Width of the constant rectangular cross-section (beam).");
+  s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
+           "Height of the same (beam).");
+  s.integer("elements", elements, {.at_least = 2, .at_most = 100},
+            "Between the rails, an even number; elements beyond are not longer (beam).");
+  s.number("unsupported", unsupported, {.unit = "m", .at_least = 0, .usually_to = 2},
+           "Length in the middle without ballast below; the stiffness of the rest is increased "
+           "accordingly (space, or beam).");
+  s.rule("elements", elements % 2 == 0, "must be even: the middle is a node");
+}
+
+// Mass and support of a bending sleeper are distributed along it.
+void TrackParameters::declare_sleepers(input::Section& s) {
+  const bool bends = sleeper.model == SleeperModel::beam;
+  const input::About about{.reads = {"sleeper", "support", "dimension", "rails", "gauge",
+                                     "sleeper_length", "sleeper_inertia"}};
+  s.rule("sleeper.model", !bends || support == Support::sleepers,
+         "must be rigid: the track has no sleepers (support)", about);
+  s.rule(
+      "sleeper_length", !bends || sleeper_length > gauge,
+      fmt::format("must be longer than the gauge of {:g} m: the seats are on the sleepers", gauge),
+      about);
+  s.rule("rails", !bends || rails == 2,
+         "must be 2 with bending sleepers: a plane track has half of each", about);
+  s.rule("sleeper_inertia", !bends || sleeper_inertia == 0,
+         "is for rigid sleepers: that of bending ones follows from their mass", about);
+  s.rule("sleeper.unsupported", sleeper.unsupported < sleeper_length,
+         fmt::format("must be shorter than the sleeper, which is {:g} m long", sleeper_length),
+         about);
+  s.rule("sleeper.unsupported", sleeper.unsupported == 0 || bends || dimension == Dimension::space,
+         "has no effect on a plane track with rigid sleepers", about);
+}
+
+// All values are for one rail, except those of the sleeper, as usual in drawings.
+void TrackParameters::declare(input::Section& s) {
+  s.choice(
+      "support", support, {"sleepers", "continuous", "none"},
+      "sleepers: pads, sleepers, ballast; continuous: a Kelvin bed directly under the rail; none: "
+      "supported at its ends only, as a bridge.");
+  s.choice("ends", ends, {"free", "pinned"},
+           "Ends of the rail; pinned ends have a fixed height, equal to that of the rigid rails "
+           "beyond.");
+  s.integer("rails", rails, {.at_least = 1, .at_most = 2},
+            "Identical rails that carry equal parts of vehicles and sleepers; 1: one beam carries "
+            "all.");
+  s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
+           "Of the track, from x = 0; beyond it wheels roll on rigid rails.");
+  s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
+           "Of sleepers; the length is a multiple of it.");
+  s.integer("elements", elements, {.at_least = 1, .at_most = 100}, "Of the rail in a spacing.");
+  s.number("sleeper_mass", sleeper_mass,
+           {.unit = "kg", .above = 0, .usually_from = 10, .usually_to = 2000},
+           "Of a whole sleeper (sleepers).");
+  s.number("bed_stiffness", bed_stiffness,
+           {.unit = "N/m2", .above = 0, .usually_from = 1e5, .usually_to = 1e10},
+           "Below one rail, per length (continuous).");
+  s.number("bed_damping", bed_damping, {.unit = "N s/m2", .at_least = 0, .usually_to = 1e7},
+           "Below one rail, per length (continuous).");
+  s.number(
+      "run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
+      "Length at both ends over which rail, pads and bed become stiffer towards the rigid rails "
+      "beyond; a rail without support (a bridge) has none.");
+  s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
+           "Stiffness and damping at the ends of the track over those of the track.");
+  s.tables("zone", zones,
+           "Parts of the track with other properties; factors of overlapping zones multiply.");
+  s.table("sleeper", sleeper, "Sleepers across the track.");
+  declare_space(s);
+  declare_sleepers(s);
+  s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
+         {.reads = {"length", "spacing"}});
+  s.rule("ends", support != Support::none || ends == RailEnds::pinned,
+         "must be pinned: the rail has no other support");
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
+           "is for hanging sleepers; the track has no sleepers", {.reads = {"support", "zone"}});
+  s.rule("run_in", support == Support::none || 2 * run_in <= length,
+         "must be at most half the length");
+}
+
+// Wheel and rail oscillate against each other on the contact stiffness at several hundred Hz, and
+// together on the track at 50 to 100 Hz: 0.2 ms resolves the latter well and the former roughly.
+void PassageParameters::declare(input::Section& s) {
+  s.number("step", step, {.unit = "s", .above = 0, .usually_from = 1e-6, .usually_to = 1e-2},
+           "Time step.");
+  s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 1000},
+           "Simulated time; 0: until the last axle has left the track.");
+  s.choice(
+      "loaded_by", loaded_by, {"train", "seats"},
+      "train: wheels on the rail; seats: [load] on each rail seat, without pads and rail (of a "
+      "track alone, or on a ground).");
+  s.number("tolerance", tolerance,
+           {.unit = "m", .at_least = 1e-20, .usually_from = 1e-16, .usually_to = 1e-8},
+           "Convergence tolerance of the approach of wheel and rail in each step; with 1e9 N/m, "
+           "1e-12 m correspond to 1 mN.");
+}
+
+}  // namespace trackbed::track
