@@ -1,7 +1,7 @@
 # Shared by the scripts in jobs/ and tests/; sourced, not run. Afterwards the working directory is
 # the project's folder, Open MPI accepts root if the user is root, and these functions exist:
 #   install_packages           Debian packages of cmake/packages.txt that are missing
-#   build PRESET [TARGET...]   configures build/PRESET and builds the targets (default: all)
+#   build PRESET [-DOPTION=VALUE...] [TARGET...]   configures build/PRESET, builds (default: all)
 #   part "TEXT" COMMAND...     runs a command and prints its wall time
 #   run_model DECK DIR [--force] [key=value...]   the program on $RANKS ranks (default 2)
 #   still_checkpoint DECK DIR   prints DIR's checkpoint of the last stage before the ground moves
@@ -37,10 +37,14 @@ install_packages() {
 }
 
 build() {
-  local preset=$1 targets=()
+  local preset=$1 options=() targets=()
   shift
+  while [[ "${1:-}" == -D* ]]; do
+    options+=("$1")
+    shift
+  done
   if [ $# -gt 0 ]; then targets=(--target "$@"); fi
-  cmake --preset "$preset"
+  cmake --preset "$preset" "${options[@]}"
   cmake --build --preset "$preset" "${targets[@]}"
 }
 

@@ -14,8 +14,7 @@ case "${1:-}" in
 esac
 
 part "Packages" install_packages
-part "Configure" cmake --preset "$preset" -DTRACKBED_WERROR=ON
-part "Build" build "$preset"
+part "Build" build "$preset" -DTRACKBED_WERROR=ON
 printf '\n== Tests\n'
 if [ "${1:-}" = long ]; then
   shift

@@ -135,7 +135,7 @@ double reach_behind(const geom::Piece& piece) {
   for (const Vec3& corner : corners) middle += corner / static_cast<double>(corners.size());
   double ball = 0;
   for (const Vec3& corner : corners) ball = std::max(ball, (corner - middle).norm());
-  return std::max(piece.radius, dem::deepest * (ball + piece.radius));
+  return std::max(piece.radius, dem::largest_corner_depth * (ball + piece.radius));
 }
 
 }  // namespace
@@ -164,9 +164,11 @@ std::optional<Impact> first_impact(const std::vector<geom::Piece>& pieces, const
     const Surface& surface = placed.surfaces()[k];
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const Polygon triangle = corners_of(surface, t);
-      for (const geom::Piece& piece : pieces)
+      for (const geom::Piece& piece : pieces) {
+        const double behind = reach_behind(piece);
         for (const Vec3& corner : piece.core.vertices)
-          follow(corner, piece.radius, reach_behind(piece), k, triangle);
+          follow(corner, piece.radius, behind, k, triangle);
+      }
     }
   }
   return first;

@@ -28,6 +28,7 @@ ROW = re.compile(r"^\| `(.+)` \| (.+) \| ([a-z ]+) \|$")
 class Term:
     def __init__(self, pattern, instead, scope):
         self.instead, self.scope = instead, set(scope.split())
+        pattern = pattern.replace("\\|", "|")  # escaped in tables of Markdown
         self.found = re.compile(rf"(?<![\w`:])(?:{pattern})(?![\w`])", re.IGNORECASE)
 
 

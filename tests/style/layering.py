@@ -26,11 +26,15 @@ LIBRARIES = {  # name in the table -> pattern of its headers
 }
 
 
+def cells_of(line):
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
 def read_table(architecture):
     """{module: (modules it may include, its own libraries)} from the rows of the first table."""
     modules = {}
     for line in architecture.read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        cells = cells_of(line)
         if line.startswith("| module |"):
             modules = {}
         elif line.startswith("|") and len(cells) == 4 and re.fullmatch(r"[a-z]+", cells[0]):
@@ -45,7 +49,7 @@ def read_submodules(architecture):
     their order."""
     rows = {}
     for line in architecture.read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        cells = cells_of(line)
         if line.startswith("|") and len(cells) == 3 and re.fullmatch(r"[a-z]+/[a-z_]+", cells[0]):
             rows[cells[0]] = cells[1].split()
     return rows

@@ -77,7 +77,7 @@ def test_layering_finds_crowded_folders_and_cycles_of_the_table(tree_with):
 
 
 def test_glossary_finds_terms_by_scope(tree_with):
-    table = "| `so far` | up to now | text code |\n| `way_` | travel | code |\n"
+    table = "| `so far\\|until today` | up to now | text code |\n| `way_` | travel | code |\n"
     root = tree_with(docs__glossary_Dmd=table, src__core__c_Dhpp="// the way_ so far\nint way_;\n",
                      tests__a_Dpy='"""So far."""\n')
     problems, terms = glossary.check(root)

@@ -46,9 +46,9 @@ struct Domain {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m; particles beyond a non-periodic side are lost
 };
 
-// Distance of a corner behind a surface up to which it counts as in contact, over the radius of the
-// ball around its piece (balls: 1).
-inline constexpr double deepest = 0.5;
+// Depth of a corner behind a surface up to which it is in contact with it, over the radius of the
+// bounding sphere of its piece. Balls are in contact up to a depth of one radius.
+inline constexpr double largest_corner_depth = 0.5;
 
 struct Parameters {
   double skin = 0;          // m, reach of neighbour lists beyond contact; 0: automatic

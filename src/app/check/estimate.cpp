@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -201,6 +202,36 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   lines.push_back(
       fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));
   return lines;
+}
+
+// Starts from static equilibrium, whose solution may take long for layers that yield: not tried for
+// these. Output is not included.
+std::vector<std::string> estimate_alone(World& world) {
+  const Model& model = world.model;
+  const Steps steps = steps_alone(world);
+  constexpr double rounding = 1e-9;  // relative, of durations that are whole windows
+  double windows = 0;
+  for (const Stage& stage : model.stages)
+    windows += std::max(1.0, std::ceil(stage.duration / steps.window * (1 - rounding)));
+  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
+                                 model.duration(), windows, steps.window, steps.limit);
+  if (model.ground.yields()) return {line};
+  const int tried = static_cast<int>(std::min(10.0, windows));
+  const auto now = std::chrono::steady_clock::now;
+  const auto start = now();
+  std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
+  if (world.pressures) world.pressures->add_dead(load);
+  world.ground->settle(load);
+  const auto begin = now();
+  for (int k = 1; k <= tried; ++k) {
+    std::fill(load.begin(), load.end(), Vec3::Zero());
+    if (world.pressures) world.pressures->add(k * steps.window, load);
+    world.ground->advance(steps.window, load);
+  }
+  const std::chrono::duration<double> settling = begin - start, took = now() - begin;
+  line += fmt::format(", about {:.0f} s of wall time",
+                      settling.count() + took.count() / tried * windows);
+  return {line};
 }
 
 }  // namespace trackbed::app

@@ -27,5 +27,7 @@ std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& st
 // Sentences for `check`. `world` is filled by the first stage. Collective.
 std::vector<std::string> estimate(const World& world, const StageActions& actions,
                                   const StonesOfLayers& stones, const input::Deck& deck);
+// The same of a ground alone, with the wall time of some windows. Moves the ground. Collective.
+std::vector<std::string> estimate_alone(World& world);
 
 }  // namespace trackbed::app

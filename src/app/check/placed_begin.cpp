@@ -96,8 +96,7 @@ std::vector<std::string> from_behind(const World& world,
                                      const std::vector<bed::PlacedShape>& shapes,
                                      const input::Deck& deck) {
   const Model& model = world.model;
-  double until = 0;
-  for (const Stage& stage : model.stages) until += stage.duration;
+  const double until = model.duration();
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < model.placed.stones.size(); ++i) {
     const bed::StoneParameters& stone = model.placed.stones[i];

@@ -17,8 +17,6 @@
 #include "app/restart/compatible.hpp"
 #include "app/restart/spent.hpp"
 #include "app/run/result_folder.hpp"
-#include "app/scene/layer_stones.hpp"
-#include "app/scene/steps.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/io/checkpoint.hpp"

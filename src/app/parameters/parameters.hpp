@@ -151,6 +151,7 @@ struct Model {
   void declare(input::Section& s);
 
   bool periodic_in(const std::string& axis) const;
+  double duration() const;  // s, of all stages
   bool has_stage(StageKind kind) const;
   bool has_one_grading() const;  // all stones are poured by this deck, by one stage
   bool uses_platen() const;

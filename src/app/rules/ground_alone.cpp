@@ -15,15 +15,9 @@ namespace {
 
 constexpr double rounding = 1e-9;  // m
 
-double duration_of(const Model& model) {
-  double time = 0;
-  for (const Stage& stage : model.stages) time += stage.duration;
-  return time;
-}
-
 // m, range in x that a moving rectangle covers during the run.
 std::array<double, 2> covered_range(const Model& model, const couple::PressureParameters& p) {
-  const double travel = p.speed * duration_of(model);
+  const double travel = p.speed * model.duration();
   return {p.x[0] + std::min(travel, 0.0), p.x[1] + std::max(travel, 0.0)};
 }
 
@@ -172,7 +166,7 @@ void declare_pressures(const Model& model, input::Section& s) {
     s.rule(key + ".across", !plane || p.across == 0, "must be 0 in a plane model",
            {.reads = {key, "dimension"}});
     declare_resolved(model, p, key, s);
-    const double time = duration_of(model);
+    const double time = model.duration();
     const bool begins = p.course != couple::Course::dead && p.course != couple::Course::table;
     s.rule(key + ".begin", !begins || time <= 0 || p.begin < time,
            fmt::format("is after the end of the last stage at {:g} s", time),

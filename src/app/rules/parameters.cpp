@@ -316,6 +316,12 @@ bool Model::periodic_in(const std::string& axis) const {
   return std::find(periodic.begin(), periodic.end(), axis) != periodic.end();
 }
 
+double Model::duration() const {
+  double time = 0;
+  for (const Stage& stage : stages) time += stage.duration;
+  return time;
+}
+
 bool Model::has_stage(StageKind kind) const {
   return std::any_of(stages.begin(), stages.end(),
                      [&](const Stage& stage) { return stage.kind == kind; });

@@ -253,7 +253,8 @@ dem::Domain domain_of_placed(const Model& model) {
     domain.low = vector_of(placed.domain.low), domain.high = vector_of(placed.domain.high);
   } else {
     Eigen::AlignedBox3d box;
-    double speed = 0, time = 0;
+    const double time = model.duration();
+    double speed = 0;
     for (const bed::StoneParameters& stone : placed.stones) {
       const Vec3 at = vector_of(stone.position), reach = Vec3::Constant(reach_of(stone));
       box.extend(Eigen::AlignedBox3d(at - reach, at + reach));
@@ -268,7 +269,6 @@ dem::Domain domain_of_placed(const Model& model) {
       speed = std::max(speed, surfaces.velocity(k).norm());
     }
     if (box.isEmpty()) box.extend(Vec3(Vec3::Zero()));
-    for (const Stage& stage : model.stages) time += stage.duration;
     const double extent = box.sizes().maxCoeff();
     double travel = 2 * speed * time + model.dem.gravity * time * time;
     if (!surfaces.surfaces().empty()) travel = std::min(travel, far * extent);

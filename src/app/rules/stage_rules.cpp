@@ -6,19 +6,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "app/rules/rules.hpp"
 
 namespace trackbed::app {
 
 namespace {
-
-bool names_are_unique(const auto& tables) {
-  std::set<std::string> names;
-  for (const auto& table : tables) names.insert(table.name);
-  return names.size() == tables.size();
-}
 
 // For names of checkpoints and of groups in HDF5 files: accepted by every file system and shell.
 bool is_a_word(const std::string& name) {

@@ -13,6 +13,8 @@ namespace trackbed::app {
 
 namespace {
 
+const char* plural_ending(std::int64_t count) { return count == 1 ? "" : "s"; }
+
 // A line costs sums over all contacts: at intervals of wall time their cost is always negligible.
 constexpr double seconds_between_lines = 5;
 
@@ -63,7 +65,7 @@ bool Progress::due() const { return wall_time() - last_line_ > seconds_between_l
 
 // The main properties of the model, to check that it is the intended one.
 void Progress::start(World& world, const Model& model, const std::string& name) {
-  say(comm_, "trackbed: {} on {} rank{}{}{}\n", name, comm_.size(), comm_.size() > 1 ? "s" : "",
+  say(comm_, "trackbed: {} on {} rank{}{}{}\n", name, comm_.size(), plural_ending(comm_.size()),
       model.title.empty() ? "" : ": ", model.title);
   if (world.ground) {
     const fem::GroundTotals totals = world.ground->totals();
@@ -95,12 +97,6 @@ void Progress::start(World& world, const Model& model, const std::string& name) 
       model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
-namespace {
-
-const char* s_of(std::int64_t count) { return count == 1 ? "" : "s"; }
-
-}  // namespace
-
 // Memory is the largest of all ranks, since that rank fails first.
 void Progress::stage_begins(const Stage& stage, const Course& course, World& world) {
   const dem::Totals totals = world.particles.totals();
@@ -110,12 +106,13 @@ void Progress::stage_begins(const Stage& stage, const Course& course, World& wor
       "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.2g} MB per "
       "rank\n",
       stage.name,
-      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles, s_of(totals.particles),
-                           totals.pieces, s_of(totals.pieces))
+      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
+                           plural_ending(totals.particles), totals.pieces,
+                           plural_ending(totals.pieces))
              : "",
       course.clock.dt(),
       stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
-                           course.steps.substeps > 1 ? "s" : "")
+                           plural_ending(course.steps.substeps))
              : "",
       course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
       course.clock.windows(), bytes);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -18,12 +17,6 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;  // relative, so that a given step equal to the limit passes
-
-double duration_of(const Model& model) {
-  double time = 0;
-  for (const Stage& stage : model.stages) time += stage.duration;
-  return time;
-}
 
 }  // namespace
 
@@ -105,35 +98,6 @@ Steps steps_alone(const World& world) {
   steps.window = world.model.time.window > 0 ? world.model.time.window : own;
   steps.limit = world.model.time.window > 0 ? "given" : "ground: " + steps.limit;
   return steps;
-}
-
-// Starts from static equilibrium, whose solution may take long for layers that yield: not tried for
-// these. Output is not included.
-std::vector<std::string> estimate_alone(World& world) {
-  const Model& model = world.model;
-  const Steps steps = steps_alone(world);
-  double windows = 0;
-  for (const Stage& stage : model.stages)
-    windows += std::max(1.0, std::ceil(stage.duration / steps.window * (1 - rounding)));
-  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
-                                 duration_of(model), windows, steps.window, steps.limit);
-  if (model.ground.yields()) return {line};
-  const int tried = static_cast<int>(std::min(10.0, windows));
-  const auto now = std::chrono::steady_clock::now;
-  const auto start = now();
-  std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
-  if (world.pressures) world.pressures->add_dead(load);
-  world.ground->settle(load);
-  const auto begin = now();
-  for (int k = 1; k <= tried; ++k) {
-    std::fill(load.begin(), load.end(), Vec3::Zero());
-    if (world.pressures) world.pressures->add(k * steps.window, load);
-    world.ground->advance(steps.window, load);
-  }
-  const std::chrono::duration<double> settling = begin - start, took = now() - begin;
-  line += fmt::format(", about {:.0f} s of wall time",
-                      settling.count() + took.count() / tried * windows);
-  return {line};
 }
 
 }  // namespace trackbed::app

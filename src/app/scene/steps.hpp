@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "app/parameters/parameters.hpp"
 #include "trackbed/input/deck.hpp"
@@ -32,8 +31,5 @@ Steps choose_steps(const World& world, const StonesStep& stones, const Stage& st
 
 // Windows of a ground alone: as given in the deck, otherwise the ground's own steps.
 Steps steps_alone(const World& world);
-// For `check`, of a ground alone: windows of the stages, and wall time measured on some windows.
-// Moves the ground. Collective.
-std::vector<std::string> estimate_alone(World& world);
 
 }  // namespace trackbed::app

@@ -203,7 +203,7 @@ void Particles::expect_load(double newtons) {
 // which it is still in contact, and twice the skin, since stones leave their cells before the next
 // rebuild and surfaces move too.
 bool Particles::reaches(const Vec3& low, const Vec3& high) const {
-  const double deep = impl_->shapes.any_stones() ? 1 + deepest : 1;
+  const double deep = impl_->shapes.any_stones() ? 1 + largest_corner_depth : 1;
   const Vec3 margin = Vec3::Constant(deep * impl_->bound + 2 * impl_->skin);
   return impl_->grid.owns_part_of(low - margin, high + margin, impl_->comm.rank());
 }

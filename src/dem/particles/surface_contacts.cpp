@@ -196,7 +196,7 @@ double Particles::Impl::touch_with_corners(Approach& a, const SubStep& step) {
     report(
         fmt::format("a corner of particle {} is further behind the surface \"{}\" than {} of the "
                     "particle's radius and would be lost: use smaller steps or stiffer contacts",
-                    state.id[b], s.surface.name, deepest));
+                    state.id[b], s.surface.name, largest_corner_depth));
   double worst = 0;
   for (std::size_t begin = 0, end = 0; begin < found.size(); begin = end) {
     while (end < found.size() && found[end].patch == found[begin].patch) ++end;

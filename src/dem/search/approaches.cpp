@@ -114,9 +114,9 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
   approaches.clear();
   const State& s = scene.state;
   std::vector<int> found;
-  // A corner may be behind the surface by `deepest` of the radius; its triangle must still be
-  // found.
-  const double beyond = scene.shapes.any_stones() ? 1 + deepest : 1;
+  // A corner may be behind the surface by `largest_corner_depth` of the radius; its triangle must
+  // still be found.
+  const double beyond = scene.shapes.any_stones() ? 1 + largest_corner_depth : 1;
   const auto reach = [&](double radius) { return beyond * radius + scene.skin; };
   double furthest = 0;
   for (std::size_t b = 0; b < s.own; ++b) furthest = std::max(furthest, reach(s.x[b].w));

@@ -303,7 +303,7 @@ int touch_surface(const StoneView& s, const std::vector<SurfaceFeature>& feature
   }
   rows.compute();
   const double radius = s.stone.radius, equal = 1e-12 * radius * radius;
-  const double deep = std::max(radius, deepest * s.ball.radius);
+  const double deep = std::max(radius, largest_corner_depth * s.ball.radius);
   int lost = -1;
   std::array<std::size_t, 3> slot{};
   for (std::size_t k = 0; k < features.size();) {

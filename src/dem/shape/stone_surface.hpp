@@ -66,7 +66,7 @@ struct StoneView {
 void find_features(const StoneView& view, const std::vector<int>& triangles, double path,
                    double pace, NearFeatures& near);
 // Contacts with overlap, in the order of patches. Returns a patch if a corner is further behind it
-// than the limit `deepest`, or -1.
+// than the limit `largest_corner_depth`, or -1.
 int touch_surface(const StoneView& view, const std::vector<SurfaceFeature>& features,
                   std::vector<MeshContact>& found);
 

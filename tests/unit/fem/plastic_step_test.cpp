@@ -288,16 +288,16 @@ TEST_P(Step, AgreesWithTheExplicitScheme) {
     p.alpha = -0.3;
     p.rho_inf = 0.3;
     Ground ground(self, p, GetParam(), 1.0);
-    const auto viscous = settled(ground.top()), push = load_of(ground.top(), 5);
-    ground.settle(viscous);
+    const auto static_load = settled(ground.top()), push = load_of(ground.top(), 5);
+    ground.settle(static_load);
     const int windows = static_cast<int>(std::lround(4e-3 / dt));
     for (int w = 0; w < windows; ++w) {
       // Rises and falls: loading and unloading. Linear within a window for one scheme, constant at
       // its mean for the other.
       const double t = (integrator == Integrator::explicit_ ? w + 0.5 : w + 1) * dt / 4e-3;
-      auto load = viscous;
+      auto load = static_load;
       for (std::size_t n = 0; n < load.size(); ++n)
-        load[n] += std::sin(M_PI * t) * (push[n] - viscous[n]);
+        load[n] += std::sin(M_PI * t) * (push[n] - static_load[n]);
       ground.advance(dt, load);
     }
     EXPECT_GT(ground.totals().plastic, 0);

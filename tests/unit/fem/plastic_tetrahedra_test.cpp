@@ -93,15 +93,16 @@ TEST(PlasticTetrahedra, EnergyIsBalanced) {
     p.rayleigh_mass = 0;
     p.safety = safety;
     Ground ground(Comm::self(), p, Dimension::space, 1);
-    const std::vector<Vec3> viscous = load(ground.top(), 0), push = load(ground.top(), pressure);
-    ground.settle(viscous);
+    const std::vector<Vec3> static_load = load(ground.top(), 0),
+                            push = load(ground.top(), pressure);
+    ground.settle(static_load);
     double work = 0;
     EXPECT_EQ(ground.totals().plastic, 0);
     for (int w = 0; w < 150; ++w) {
-      const std::vector<Vec3>& force = w < 80 ? push : viscous;
+      const std::vector<Vec3>& force = w < 80 ? push : static_load;
       ground.advance(1e-3, force);
       for (std::size_t n = 0; n < force.size(); ++n)
-        work += (force[n] - viscous[n]).dot(ground.top().motion[n]);
+        work += (force[n] - static_load[n]).dot(ground.top().motion[n]);
     }
     const GroundTotals end = ground.totals();
     EXPECT_GT(end.plastic, 0.15 * work);

@@ -154,15 +154,15 @@ TEST_P(Plastic, EnergyIsBalanced) {
     p.rayleigh_stiffness = 0;
     p.safety = safety;
     Ground ground(self, p, GetParam(), 1.0);
-    const auto viscous = settled(ground.top()), push = load_of(ground.top(), 5);
-    ground.settle(viscous);
+    const auto static_load = settled(ground.top()), push = load_of(ground.top(), 5);
+    ground.settle(static_load);
     double work = 0;
     const double lost = ground.totals().plastic, dt = 1e-4;
     for (int w = 0; w < 150; ++w) {
-      const auto& load = w < 40 ? push : viscous;
+      const auto& load = w < 40 ? push : static_load;
       ground.advance(dt, load);
       for (std::size_t n = 0; n < load.size(); ++n)
-        work += (load[n] - viscous[n]).dot(ground.top().motion[n]);
+        work += (load[n] - static_load[n]).dot(ground.top().motion[n]);
     }
     const GroundTotals end = ground.totals();
     EXPECT_GT(end.plastic - lost, 0.1 * work);
