@@ -61,7 +61,7 @@ template <bool rolls, class Real>
   law.mu = law.mu * length;
   const auto c = coefficients<true>(law, g.M, g.root_mass, g.radius);
   const NormalSpring<Real> spring =
-      spring_force<true>(law, c, g.M, rate, g.root_mass, g.radius, dt);
+      spring_force<true>(law, c, OverlapMotion<Real>{g.M, rate}, g.root_mass, g.radius, dt);
   const Real remains = kept(h.size, c.size);
   const Touch<Real> touch{n, v, g.M, 0.5 * dot(g.wi + g.wj, n)};
   const auto contact = contact_force(c, touch, spring, remains, dt, h.xi);

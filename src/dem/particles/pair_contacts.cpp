@@ -80,7 +80,6 @@ struct BlockForce {
 // centres have no normal; none is assumed, and the overlap ends the run. The partner is brought to
 // the image beside i by its shift; raw positions are subtracted first and the shift is added to the
 // difference, in this order on every rank. A distance that is not a number gives no contact.
-// difference, in this order on every rank. What is not a number does not touch.
 template <bool spheres, bool hertz, bool rolls>
 [[gnu::always_inline]] inline BlockForce respond(const Arrays& a, const NearPairs& near,
                                                  const BlockLaws& laws, const Bodies<spheres>& at,
@@ -90,14 +89,15 @@ template <bool spheres, bool hertz, bool rolls>
   const Lanes3 d = rows_of([&](std::size_t k) {
                      return four(px[b.j[k]]) - four(px[b.i[k]]) + four(shifts[b.shift[k]]);
                    }).xyz();
-  const Lanes3 u =
+  const Lanes3 velocity =
       rows_of([&](std::size_t k) { return four(a.v[at.i(k)]) - four(a.v[at.j(k)]); }).xyz();
   const Lanes3 wi = rows(a.w, [&](std::size_t k) { return at.i(k); }).xyz();
   const Lanes3 wj = rows(a.w, [&](std::size_t k) { return at.j(k); }).xyz();
   const Lanes squared = dot(d, d), reach = b.ri + b.rj;
   const Mask touches = squared < reach * reach;
   const Lanes distance = root(squared);
-  const Lanes3 n = (1.0 / larger(distance, all(1e-300))) * d;
+  const Lanes inverse = 1.0 / larger(distance, all(1e-300));
+  const Lanes3 n = inverse * d;
   const Lanes delta = reach - distance;
   const Lanes ci = b.ri - 0.5 * delta, cj = 0.5 * delta - b.rj;
   // From the centres of mass to those of the pieces; zero for a sphere.
@@ -106,15 +106,17 @@ template <bool spheres, bool hertz, bool rolls>
     to_i = rows_of([&](std::size_t k) { return four(px[b.i[k]]) - four(a.x[at.i(k)]); }).xyz();
     to_j = rows_of([&](std::size_t k) { return four(px[b.j[k]]) - four(a.x[at.j(k)]); }).xyz();
   }
+  Lanes3 u = velocity;  // of the centres of the pieces
+  if constexpr (!spheres) u = u + (cross(wi, to_i) - cross(wj, to_j));
   Lanes3 v = u + cross(ci * wi - cj * wj, n);
-  if constexpr (!spheres) v = v + (cross(wi, to_i) - cross(wj, to_j));
   const Lanes radius = hertz || rolls ? b.ri * b.rj / reach : Lanes{};
   const auto c = coefficients<hertz>(laws.springs, delta, b.root_mass, radius);
   const Lanes rate = dot(v, n);
+  const Lanes turning = (0.5 * dt * dt) * inverse * larger(dot(u, u) - rate * rate, Lanes{});
   v = v + (0.25 * dt) * rate * cross(wi + wj, n);
   const Touch<Lanes> touch{n, v, delta, 0.5 * dot(wi + wj, n)};
-  const NormalSpring<Lanes> spring =
-      spring_force<hertz>(laws.springs, c, delta, rate, b.root_mass, radius, dt);
+  const NormalSpring<Lanes> spring = spring_force<hertz>(
+      laws.springs, c, OverlapMotion<Lanes>{delta, rate, turning}, b.root_mass, radius, dt);
   const Lanes remains = hertz ? kept(*size, c.size) : all(1);
   const auto contact = contact_force(c, touch, spring, remains, dt, b.xi);
   const Lanes3 none{};

@@ -123,8 +123,8 @@ void Particles::Impl::apply_ball_contact(Approach& a, const MeshContact& c, cons
   // The corrections at the ends of a contact need the speed that a force changes in a step; the
   // damper's mass is part of the law.
   const double end_mass = shapes.only_spheres() ? root_mass : std::sqrt(mass_at(b, arm, c.normal));
-  const NormalSpring<double> spring =
-      spring_force<true>(law, k, touch.delta, rate, end_mass, piece.w, step.dt);
+  const NormalSpring<double> spring = spring_force<true>(
+      law, k, OverlapMotion<double>{touch.delta, rate}, end_mass, piece.w, step.dt);
   const double remains = kept(patch.size, k.size);
   Triple<double> xi = triple(patch.xi.vec3());
   const auto contact = contact_force(k, touch, spring, remains, step.dt, xi);

@@ -185,25 +185,45 @@ TEST(Bounces, OfAnySizeStiffnessAndSpeedNeverRaiseTheEnergy) {
                        fmt::format("R {:g} m, E {:g} Pa, {:g} m/s", radius, young, speed));
 }
 
-// Relative change of the energy of two balls of different sizes in a head-on collision, in 50 steps
-// of contact, after `steps` steps of flight.
-double energy_change(double ratio, double steps) {
-  const Ball large, small{.radius = ratio * large.radius};
-  const double speed = 2 * large.speed, e_star = large.young / (2 * (1 - 0.25 * 0.25));
-  const double mass = large.mass() * small.mass() / (large.mass() + small.mass());
-  const double radius = large.radius * small.radius / (large.radius + small.radius);
-  const double depth = std::pow(15 * mass * speed * speed / (16 * e_star * std::sqrt(radius)), 0.4);
-  const double dt = 0.02 * 2.943 * depth / speed;
+// Two balls that collide in 50 steps of contact, after `steps` steps of flight.
+struct Collision {
+  Ball large{};
+  double ratio = 1;   // radius of the second over that of the first
+  double offset = 0;  // of the centres across the velocity, over the sum of the radii
+  double steps = 2;
+
+  Ball small() const {
+    Ball b = large;
+    b.radius *= ratio;
+    return b;
+  }
+  double contact_time() const {
+    const double mass = large.mass() * small().mass() / (large.mass() + small().mass());
+    if (!large.hertz) return std::numbers::pi * std::sqrt(mass / k_n);
+    const double radius = large.radius * ratio / (1 + ratio), speed = 2 * large.speed;
+    const double e_star = large.young / (2 * (1 - large.poisson * large.poisson));
+    const double depth =
+        std::pow(15 * mass * speed * speed / (16 * e_star * std::sqrt(radius)), 0.4);
+    return 2.943 * depth / speed;
+  }
+};
+
+// Relative change of the energy.
+double energy_change(const Collision& c) {
+  const double dt = 0.02 * c.contact_time(), small = c.small().radius;
+  const double reach = c.large.radius + small, across = c.offset * reach;
+  const double gap = std::sqrt(reach * reach - across * across) - reach;
   dem::Parameters parameters;
   parameters.gravity = 0, parameters.largest_overlap = 10;
-  dem::Particles p(par::Comm::self(), physics_of(large), parameters,
+  dem::Particles p(par::Comm::self(), physics_of(c.large), parameters,
                    test::box(Vec3::Constant(-1), Vec3::Constant(1)));
   p.add_template(test::sphere());
   std::vector<dem::NewParticle> two(2);
   two[1].id = 1;
-  two[0].scale = large.radius, two[0].position.x() = -large.radius - steps * large.speed * dt;
-  two[1].scale = small.radius, two[1].position.x() = small.radius + steps * large.speed * dt;
-  two[0].velocity.x() = large.speed, two[1].velocity.x() = -large.speed;
+  two[0].scale = c.large.radius, two[0].position.x() = -c.large.radius;
+  two[1].scale = small, two[1].position = {small + gap, across, 0};
+  two[0].velocity.x() = c.large.speed, two[1].velocity.x() = -c.large.speed;
+  for (dem::NewParticle& ball : two) ball.position -= c.steps * dt * ball.velocity;
   p.add(two);
   const double before = p.totals().kinetic;
   p.advance(100 * dt, 100);
@@ -212,16 +232,35 @@ double energy_change(double ratio, double steps) {
   return p.totals().kinetic / before - 1;
 }
 
-TEST(Bounces, OfTwoBallsKeepTheEnergy) {
-  for (const double ratio : {1.0, 0.3}) {
-    double most = 0;
-    for (int k = 0; k < 64; ++k)
-      most = std::max(most, std::abs(energy_change(ratio, 2 + k / 64.0)));
-    // Twice the error of a collision of 50 steps. With k = 0 they touch at the end of a step, and
-    // rounding decides whether in that step.
-    verified::below(fmt::format("change of energy in a collision, sizes 1 and {:g}", ratio),
-                    "of the first", most, 5e-11);
+// Of 64 collisions that begin at different points of a step.
+double largest_energy_change(Collision c) {
+  double most = 0;
+  for (int k = 0; k < 64; ++k) {
+    c.steps = 2 + k / 64.0;
+    most = std::max(most, std::abs(energy_change(c)));
   }
+  return most;
+}
+
+TEST(Bounces, OfTwoBallsKeepTheEnergy) {
+  // Twice the error of a collision of 50 steps. With k = 0 they touch at the end of a step, and
+  // rounding decides whether in that step.
+  for (const double ratio : {1.0, 0.3})
+    verified::below(fmt::format("change of energy in a collision, sizes 1 and {:g}", ratio),
+                    "of the first", largest_energy_change({.ratio = ratio}), 5e-11);
+}
+
+// The line of centres of an oblique collision turns while the balls are in contact. The linear law
+// allows for it in the first and the last step; without that the energy changes by up to 5.4e-7.
+// The bound is twice what was measured; what remains is of higher order in the turn of one step.
+TEST(Bounces, ThatAreObliqueKeepTheEnergy) {
+  const Ball ball{.hertz = false, .friction = 0, .speed = 2};
+  for (const double ratio : {1.0, 0.3})
+    for (const double offset : {0.3, 0.6, 0.9})
+      verified::below(
+          fmt::format("change of energy, sizes 1 and {:g}, centres {:g} off", ratio, offset),
+          "of the first", largest_energy_change({.large = ball, .ratio = ratio, .offset = offset}),
+          1e-9);
 }
 
 // The neglected terms at the ends of a Hertz contact are of third order in the fraction of the
