@@ -20,8 +20,6 @@ import support
 
 OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train", "wheel_rail",
                 "irregularity", "irregularity_right", "passage")
-# Keys of [passage] that have no effect on a bed, and therefore none in its loop.
-OF_A_TRACK_ALONE = ("duration", "wall_time", "stop_after", "checkpoint_interval")
 # Keys of the train's stage that would end it before the last axle has left, or that the loop
 # sets. All other keys also hold for the trains of the rounds.
 INSTEAD = {"duration": "the loop's trains run until their last axle has left",
@@ -217,9 +215,9 @@ class LoopDeck:
         deck = {"model": "track", **{name: dict(self.section(name)) for name in OF_THE_TRAIN},
                 "vehicle": self.values.get("vehicle", [])}
         at, spacing = self.seats_on_track(), self.sleepers["spacing"]
-        for key in OF_A_TRACK_ALONE:
-            deck["passage"].pop(key, None)
-        deck["passage"] |= {"points": [float(x) for x in at], "history_interval": 5e-4}
+        deck["passage"].pop("duration", None)
+        deck["passage"]["points"] = [float(x) for x in at]
+        deck["output"] = {"history_interval": 5e-4}
         for section, file in zip(("irregularity", "irregularity_right"), geometry):
             deck[section] = {"kind": "file", "file": str(file), "fade": spacing}
         own = [{"from": float(x - 0.45 * spacing), "to": float(x + 0.45 * spacing),

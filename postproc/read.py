@@ -3,7 +3,7 @@
     results = read.results("results/quickstart/wedge")     # folder or results.h5
     results.sleeper["displacement"].values                 # [time, sleeper], m, up positive
     state = read.checkpoint("results/quickstart/wedge")         # the one named in `latest`
-    state["run/clock"].unit
+    state["run/window"].unit
 
 As a program it lists the datasets of a file: `read.py FILE`. A file that cannot be read ends any
 script with one message and code 2.

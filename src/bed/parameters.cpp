@@ -52,15 +52,15 @@ void declare_limits(const LayerParameters& bed, input::Section& s) {
     s.rule("passing", limits.low[k] <= bed.passing[k] && bed.passing[k] <= limits.high[k],
            fmt::format("is {:g} % at {:g} mm, where the grading allows {:g} to {:g} %",
                        bed.passing[k], limits.sieve[k], limits.low[k], limits.high[k]),
-           {.weight = input::Weight::warning, .reads = {"grading", "sieve", "passing"}});
+           {.severity = input::Severity::warning, .reads = {"grading", "sieve", "passing"}});
 }
 
 // As on a sieve report: openings in mm, passing in per cent by mass.
 void declare_grading(LayerParameters& bed, input::Section& s) {
   s.numbers("sieve", bed.sieve, {.unit = "mm", .above = 0, .usually_to = 300},
-            "Openings of the sieves, increasing: square holes in space, slots in a plane.");
+            "Sieve openings, increasing: square holes in space, slots in a plane.");
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
-            "Per cent of the mass that passes each sieve, from 0 to 100.");
+            "Percentage of the mass that passes each sieve, from 0 to 100.");
   s.rule("sieve", bed.sieve.size() >= 2 && increases(bed.sieve),
          "must be at least two, each above the previous one");
   s.rule("sieve", bed.sieve.empty() || bed.sieve.back() >= smallest_ballast,
@@ -85,9 +85,9 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
             "Number of different shapes. Pebbles: each represents the same fraction of the mass; "
             "in space: each occurs in all sizes.");
   s.number("elongation", bed.elongation, {.above = 0, .at_most = 1},
-           "Smallest width over largest extent of an outline (pebbles).");
+           "Elongation: smallest width over largest extent of an outline (pebbles).");
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
-           "0: corners on an ellipse; 1: corners far from it (pebbles).");
+           "Angularity (pebbles); 0: corners on an ellipse; 1: corners far from it.");
   s.numbers("clump", bed.clump, {.unit = "m"},
             "x, y, z, radius of each sphere of the stone, at any size (clump); none: polyhedra are "
             "filled with spheres (space).");
@@ -116,10 +116,10 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
 
 void LayerParameters::declare(input::Section& s) {
   s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
-           "disk: round stones; pebbles: a ring of disks along an irregular plane outline; clump: "
-           "rigidly joined spheres; polyhedra: rounded irregular ones (space); compound: the same "
-           "cut into "
-           "convex pieces; library: the shapes of a file with equal frequencies (space).");
+           "Kind of stone; disk: round; pebbles: a ring of disks along an irregular plane outline; "
+           "clump: rigidly joined spheres; polyhedra: rounded irregular polyhedra (space); "
+           "compound: the same cut into convex pieces; library: the shapes of a file with equal "
+           "frequencies (space).");
   s.text("material", material, "Contact material of the stones.");
   s.number(
       "height", height,
@@ -149,23 +149,23 @@ void BedParameters::declare(input::Section& s) {
   s.rule("x", is_range(x), "must be two increasing numbers");
   s.rule("y", is_range(y), "must be two increasing numbers");
   s.numbers("crest", crest, {.unit = "m"},
-            "Begin and end of the level top across the track: if a stage cuts the bed at its "
-            "profile, the sides beyond have the `slope`; none: level everywhere (space).");
+            "Ends of the crest across the track (space); if a stage cuts the bed at its profile, "
+            "the sides beyond have the `slope`; none: the top is level everywhere.");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
-           "Run over rise of the sides beyond the crest; below 1 few stones are stable.");
+           "Slope of the sides beyond the crest, horizontal to vertical; below 1 few stones are "
+           "stable.");
   s.rule("crest", crest.empty() || is_range(crest), "must be two increasing numbers",
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
          "lies beyond the sides of the bed (y)", {.reads = {"crest", "y"}});
-  s.file(
-      "cell", cell,
-      "Checkpoint at the end of a stage of a deck that is periodic in x (a file stage_*.h5, or a "
-      "result folder: the one its `latest` names): the stage fill places copies of its stones side "
-      "by side along x instead of generating new ones.",
-      input::FileRole::origin);
+  s.file("cell", cell,
+         "Checkpoint of a cell (a file stage_*.h5, or a result folder: the one its `latest` names) "
+         "at the end of a stage of a deck that is periodic in x; the stage fill places copies of "
+         "its stones side by side along x instead of generating new ones.",
+         input::FileRole::origin);
   s.choice("container", container, {"box", "cylinder"},
-           "box: flat walls at sides that are not periodic; cylinder: upright, inscribed in x and "
-           "y, a wall of 64 facets (space).");
+           "Shape of the walls; box: flat, at sides that are not periodic; cylinder: upright, "
+           "inscribed in x and y, of 64 facets (space).");
   s.number("split", split, {.unit = "m", .at_least = 0},
            "Height at which walls are divided into two halves, as of a shear box; 0: undivided.");
   s.number(
@@ -174,7 +174,8 @@ void BedParameters::declare(input::Section& s) {
       "removed.");
   LayerParameters::declare(s);
   s.tables("layer", layers,
-           "Layers below (sub-ballast); a stage of kind fill generates the layer that it names.");
+           "Layers below the ballast (sub-ballast); a stage of kind fill generates the layer that "
+           "it names.");
 }
 
 // Level between the ends of the crest.
@@ -212,25 +213,24 @@ std::vector<double> LayerParameters::grading_table() const {
 
 void PlatenParameters::declare(input::Section& s) {
   s.number("pressure", pressure, {.unit = "Pa", .above = 0, .usually_from = 1e3, .usually_to = 1e7},
-           "Target pressure.");
+           "Target pressure of the platen.");
   s.number("speed", speed, {.unit = "m/s", .above = 0, .usually_to = 10},
-           "Speed of approach, the largest one.");
+           "Largest speed of the platen, with which it approaches the bed.");
   s.number("acceleration", acceleration, {.unit = "m/s^2", .above = 0},
-           "Largest acceleration of the plate; braking is not limited.");
+           "Largest acceleration of the platen; braking is not limited.");
   s.number("average", average, {.unit = "s", .above = 0},
-           "Time constant of the measured pressure; the servo acts on a tenth of it.");
+           "Time constant of the averaged pressure; without vibration the servo uses one tenth of "
+           "this time constant.");
   s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
            "Relative tolerance of the averaged pressure.");
-  s.number(
-      "hold", hold, {.unit = "s", .above = 0},
-      "Compaction ends when the averaged pressure has been within its tolerance for this time; "
-      "if it is too low for as long, the gain of the servo is doubled.");
-  s.number(
-      "vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
-      "Compaction: amplitude of a vertical sine superposed on the servo's motion; 0: none. The "
-      "averaged pressure is controlled.");
+  s.number("hold", hold, {.unit = "s", .above = 0},
+           "Time for which the averaged pressure must be within its tolerance for compaction to "
+           "end; if it is too low for as long, the gain of the servo is doubled.");
+  s.number("vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
+           "Amplitude of a vertical sine superposed on the servo's motion in compaction; 0: none. "
+           "The averaged pressure is controlled.");
   s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
-           "Frequency of the vibration.");
+           "Frequency of the vibration of the platen.");
   s.rule("average", vibration == 0 || average * frequency >= 1,
          fmt::format("must be at least a period of the vibration ({:.3g} s)", 1 / frequency));
 }

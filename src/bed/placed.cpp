@@ -19,11 +19,12 @@ const std::vector<std::string_view> shape_words = {"ball",       "block",    "cl
 std::string_view word_of(ShapeKind kind) { return shape_words[static_cast<std::size_t>(kind)]; }
 
 constexpr const char* meaning_of_axis =
-    "Axis, of any length, of the rotation by `angle`, counter-clockwise seen from its tip.";
+    "Axis, of any length, of the rotation by `angle`, which is counter-clockwise seen from its "
+    "tip.";
 
 void declare_turn(std::vector<double>& axis, double& angle, input::Section& s) {
   s.numbers("axis", axis, {.unit = "-"}, meaning_of_axis, 3);
-  s.number("angle", angle, {.unit = "degrees"}, "Angle of that rotation.");
+  s.number("angle", angle, {.unit = "degrees"}, "Angle of the rotation about `axis`.");
   s.rule("axis", axis.size() != 3 || vector_of(axis).norm() > 0, "must not be zero");
 }
 
@@ -99,12 +100,12 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
 void ShapeParameters::declare(input::Section& s) {
   s.choice(
       "shape", shape, shape_words,
-      "ball: sphere, in a plane disk; block: cuboid; clump: rigidly joined spheres, in a plane "
-      "disks; hull: convex hull of corners; polyhedron: randomly generated irregular one; "
-      "compound: the same cut into convex pieces; library: one of a file of shapes; mesh: a "
-      "closed mesh, in convex pieces. All but ball and clump are for space.");
+      "Shape of the stone; ball: sphere, in a plane disk; block: cuboid; clump: rigidly joined "
+      "spheres, in a plane disks; hull: convex hull of corners; polyhedron: randomly generated and "
+      "irregular; compound: the same cut into convex pieces; library: one of a file of shapes; "
+      "mesh: a closed mesh, in convex pieces. All but ball and clump are for space.");
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-5, .usually_to = 1},
-           "Radius (ball).");
+           "Radius of the ball.");
   s.numbers("sides", sides, {.unit = "m", .above = 0},
             "Overall lengths along x, y, z, rounding included (block).");
   s.numbers("corners", corners, {.unit = "m"}, "x, y, z of each corner before rounding (hull).");
@@ -123,10 +124,9 @@ void ShapeParameters::declare(input::Section& s) {
   s.file("file", file, "Mesh (.stl, .ply, .obj) or library of shapes.", input::FileRole::origin);
   s.text("entry", entry, "Name of the shape in its library; may be omitted if there is only one.");
   s.number("unit", unit, {.unit = "m", .above = 0}, "Length unit of the mesh.");
-  s.number(
-      "size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
-      "Smallest square hole the stone passes, which scales it (generated, library, mesh); 0: as "
-      "in the file.");
+  s.number("size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
+           "Size of the stone: smallest square hole that it passes (generated, library, mesh); 0: "
+           "as in the file.");
   declare_rules_of_shape(*this, s);
   declare_idle_of_shape(*this, s);
 }
@@ -134,10 +134,10 @@ void ShapeParameters::declare(input::Section& s) {
 void StoneParameters::declare(input::Section& s) {
   s.text("name", name, "Name of the stone in histories, messages and overrides.", {}, true);
   ShapeParameters::declare(s);
-  s.text("material", material, "Contact material, which defines the density.");
+  s.text("material", material, "Contact material of the stone, which defines its density.");
   s.choice("motion", motion, {"free", "fixed", "driven"},
-           "free: moved by forces; fixed: at rest; driven: constant velocity and spin, independent "
-           "of the forces.");
+           "Motion of the stone; free: moved by forces; fixed: at rest; driven: constant velocity "
+           "and spin, independent of the forces.");
   s.numbers("position", position, {.unit = "m"}, "Position of the centre of mass.", 3);
   declare_turn(axis, angle, s);
   s.numbers("velocity", velocity, {.unit = "m/s"}, "Initial velocity of the centre of mass.", 3);
@@ -152,21 +152,20 @@ void StoneParameters::declare(input::Section& s) {
 
 void PlateParameters::declare(input::Section& s) {
   s.text("name", name, "Name of the plate in histories, messages and overrides.", {}, true);
-  s.text("material", material, "Contact material.");
-  s.numbers("centre", centre, {.unit = "m"}, "Centre of the rectangle at time 0.", 3);
+  s.text("material", material, "Contact material of the plate.");
+  s.numbers("centre", centre, {.unit = "m"}, "Centre of the plate at time 0.", 3);
   s.numbers("normal", normal, {.unit = "-"},
-            "Normal towards the stones, of any length; a stone that reaches the plate from behind "
-            "ends the "
-            "run.",
+            "Normal of the plate towards the stones, of any length; a stone that reaches the plate "
+            "from behind ends the run.",
             3);
   s.numbers("size", size, {.unit = "m", .above = 0},
-            "Lengths of its sides; in a plane only the first is used.", 2);
+            "Side lengths of the plate; in a plane only the first is used.", 2);
   s.numbers("edge", edge, {.unit = "-"},
-            "Direction of the first side, of which the component across the normal is used; zero: "
-            "x, or y if the normal is along x (space).",
+            "Direction of the first side of the plate, of which the component across the normal is "
+            "used; zero: x, or y if the normal is along x (space).",
             3);
   s.numbers("velocity", velocity, {.unit = "m/s"},
-            "Velocity, constant and independent of the forces.", 3);
+            "Velocity of the plate, constant and independent of the forces.", 3);
   const Vec3 n = vector_of(normal), e = vector_of(edge);
   s.rule("normal", normal.size() != 3 || n.norm() > 0, "must not be zero");
   constexpr double least = 1e-6;  // sine of the angle between both
@@ -176,15 +175,17 @@ void PlateParameters::declare(input::Section& s) {
 
 void BoxParameters::declare(input::Section& s) {
   s.text("name", name, "Name of the box in histories, messages and overrides.", {}, true);
-  s.text("material", material, "Contact material.");
-  s.numbers("low", low, {.unit = "m"}, "Corner of smallest x, y, z, before the rotation.", 3);
-  s.numbers("high", high, {.unit = "m"}, "Corner of largest x, y, z, before the rotation.", 3);
+  s.text("material", material, "Contact material of the box.");
+  s.numbers("low", low, {.unit = "m"},
+            "Corner of the box with smallest x, y, z, before the rotation.", 3);
+  s.numbers("high", high, {.unit = "m"},
+            "Corner of the box with largest x, y, z, before the rotation.", 3);
   s.choice("side", side, {"inside", "outside"},
-           "inside: a container of stones; outside: a body that stones touch from outside. In a "
-           "plane it has no faces across y.");
+           "Side on which the stones are; inside: a container; outside: a body. In a plane the box "
+           "has no faces across y.");
   declare_turn(axis, angle, s);
   s.numbers("velocity", velocity, {.unit = "m/s"},
-            "Velocity, constant and independent of the forces.", 3);
+            "Velocity of the box, constant and independent of the forces.", 3);
   s.rule("high",
          low.size() != 3 || high.size() != 3 || (vector_of(high) - vector_of(low)).minCoeff() > 0,
          "must be above `low` in x, y and z", {.reads = {"low", "high"}});

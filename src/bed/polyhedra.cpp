@@ -45,30 +45,28 @@ int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t sh
 
 void PolyhedronParameters::declare(input::Section& s) {
   s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
-            "Corners of a stone; its faces are triangles, twice as many less four.");
+            "Number of corners of a stone; its triangular faces are twice as many less four.");
   constexpr double most = 0.995;  // the largest value that stretching of many corners attains
-  s.number(
-      "elongation", elongation, {.above = 0, .at_most = most},
-      "Width over length (I/L) of the stone, rounding included, measured by callipers: thickness S "
-      "is the smallest distance of parallel jaws, width I the smallest one at right angles to "
-      "it, length L at right angles to both. Above about 0.95 there may be no such stone.");
+  s.number("elongation", elongation, {.above = 0, .at_most = most},
+           "Elongation I/L (width over length) of the stone, rounding included, measured by "
+           "callipers: thickness S is the smallest distance of parallel jaws, width I the smallest "
+           "one at right angles to it, length L that at right angles to both. Above about 0.95 "
+           "there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = most},
-           "Thickness over width (S/I), measured in the same way.");
-  s.number(
-      "spread", spread, {.at_least = 0, .at_most = 0.5},
-      "Scatter of elongation and flatness over the shapes: each is uniformly distributed over the "
-      "specified value +- this; values below 0.1 become 0.1, values above 0.95 become 0.95 (with "
-      "elongation 0.85 +- 0.23 for 28 % of the stones). 0: all shapes have exactly the specified "
-      "proportions.");
+           "Flatness S/I (thickness over width) of the stone, measured as elongation.");
+  s.number("spread", spread, {.at_least = 0, .at_most = 0.5},
+           "Half-width of the uniform distributions of elongation and flatness over the shapes; "
+           "values below 0.1 become 0.1, values above 0.95 become 0.95 (with elongation 0.85 +- "
+           "0.23 for 28 % of the stones); 0: all shapes have exactly the specified proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
-           "0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with few main "
-           "corners.");
+           "Angularity; 0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with "
+           "few main corners.");
   s.number(
       "rounding", rounding, {.above = 0, .at_most = 0.2},
       "Radius of edges and corners over the diameter of the sphere of equal volume; the volume "
       "is kept.");
   s.integer("pieces", pieces, {.at_least = 2, .at_most = 100},
-            "Convex pieces of equal volume that a stone is cut into (compound).");
+            "Number of convex pieces of equal volume into which a stone is cut (compound).");
   s.numbers("spheres", spheres, {.at_least = 1, .at_most = 200},
             "Smallest and largest number of spheres in a stone, evenly distributed over the shapes "
             "(clump).",

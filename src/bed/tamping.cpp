@@ -63,7 +63,7 @@ void TampingParameters::declare(input::Section& s) {
       "Lift of the sleepers during the first insertion of the tines; they are held there until "
       "the stage ends.");
   s.number("depth", depth, {.unit = "m", .above = 0, .usually_to = 0.3},
-           "Depth of the tips below the lower faces of the lifted sleepers.");
+           "Depth of the tips of the tines below the lower faces of the lifted sleepers.");
   s.number("gap", gap, {.unit = "m", .above = 0, .usually_to = 0.3},
            "Distance from a sleeper's face to the open tines beside it.");
   s.number("closing", closing, {.unit = "m", .at_least = 0, .usually_to = 0.2},
@@ -74,9 +74,9 @@ void TampingParameters::declare(input::Section& s) {
            "Width of a tine across the track (space).");
   s.numbers("y", y, {.unit = "m"}, "y of the centres of the tines beside a sleeper (space).");
   s.number("amplitude", amplitude, {.unit = "m", .at_least = 0, .usually_to = 0.02},
-           "Amplitude of the vibration along the track.");
+           "Amplitude of the vibration of the tines along the track.");
   s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
-           "Frequency of the vibration.");
+           "Frequency of the vibration of the tines.");
   s.number("insertion", insertion, {.unit = "s", .above = 0, .usually_to = 5},
            "Duration of the insertion of the tines.");
   s.number("squeeze", squeeze, {.unit = "s", .above = 0, .usually_to = 5},
@@ -84,7 +84,7 @@ void TampingParameters::declare(input::Section& s) {
   s.number("withdrawal", withdrawal, {.unit = "s", .above = 0, .usually_to = 5},
            "Duration of the withdrawal and opening of the tines.");
   s.number("force", force, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e5},
-           "Resistance of the stones to insertion or closing of one tine at which it stops; its "
+           "Resistance of the stones at which the insertion or closing of one tine stops; its "
            "speed decreases in proportion to the resistance.");
   s.rule("closing", closing + amplitude <= gap,
          fmt::format("and amplitude exceed the gap of {:g} m: tines would hit the sleeper", gap),

@@ -196,7 +196,7 @@ void Reader::rule(std::string_view name, bool holds, std::string_view sentence,
   const std::string rest = fmt::format(
       "{}: {}", place.reached && place.node->is_value() ? " = " + shown(*place.node) : "",
       sentence);
-  if (about.weight == Weight::warning) return problems_.warn(place.node, path_of(name) + rest);
+  if (about.severity == Severity::warning) return problems_.warn(place.node, path_of(name) + rest);
   // The parameter counts as rejected, so that other rules that use it do not report the same
   // problem.
   problem(place.node, path_of(name), rest);

@@ -116,11 +116,11 @@ void Reader::finish() {
 
 // A name of another model's deck, or a typing error.
 std::string Reader::describe_unknown(const Unknown& unknown) const {
-  const bool elsewhere =
-      unknown.section.empty() && std::any_of(paths_.begin(), paths_.end(), [&](const auto& known) {
-        return known.path == unknown.name || known.path.starts_with(unknown.name + ".") ||
-               known.path.starts_with(unknown.name + "[");
-      });
+  const std::string path = unknown.path();
+  const bool elsewhere = std::any_of(paths_.begin(), paths_.end(), [&](const auto& known) {
+    return known.path == path || known.path.starts_with(path + ".") ||
+           known.path.starts_with(path + "[");
+  });
   const char* kind = unknown.node->is_value() ? "parameter" : "section";
   if (elsewhere) return fmt::format(" is not a {} of a deck with this `model`; leave it out", kind);
   return fmt::format(" is not a {}{}", kind, did_you_mean(suggestion(unknown)));

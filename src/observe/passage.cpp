@@ -7,6 +7,7 @@
 #include "observe/impl.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::observe {
 
@@ -121,7 +122,7 @@ void PassageHistories::sample(const track::Passage& passage) {
     }
   const track::Newmark& train = passage.train_motion();
   for (std::size_t i = 0; i < train_.vehicles().size(); ++i) {
-    const bool forces = train_.vehicles()[i].kind == track::VehicleKind::forces;
+    const bool forces = track::layout_of(train_.vehicles()[i].kind).constant;
     const std::int32_t body = train_.first_unknown()[i];
     put(body_displacement, forces ? 0 : train.displacement[body]);
     put(body_acceleration, forces ? 0 : train.acceleration[body]);

@@ -293,16 +293,16 @@ Measurement measured_of(const double* sum, double volume) {
 
 void Region::declare(input::Section& s) {
   s.text("name", name, "Name of the region in the results.", {}, true);
-  s.choice("kind", kind, {"box", "sphere"}, "Form of the region.");
-  s.numbers("x", x, {.unit = "m"}, "Ends along the track (box).", 2);
+  s.choice("kind", kind, {"box", "sphere"}, "Shape of the region.");
+  s.numbers("x", x, {.unit = "m"}, "Ends of the box along the track.", 2);
   s.numbers("y", y, {.unit = "m"},
-            "Sides (box); a plane model is measured over its whole thickness.", 2);
-  s.numbers("z", z, {.unit = "m"}, "Lower and upper end (box).", 2);
+            "Sides of the box; a plane model is measured over its whole thickness.", 2);
+  s.numbers("z", z, {.unit = "m"}, "Lower and upper end of the box.", 2);
   s.numbers("cells", cells, {.at_least = 1, .at_most = 1000},
             "Number of equal cells along x, y and z, each with its own values (box).", 3);
-  s.numbers("centre", centre, {.unit = "m"}, "x, y, z of the centre (sphere).", 3);
+  s.numbers("centre", centre, {.unit = "m"}, "Centre of the sphere (x, y, z).", 3);
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-3, .usually_to = 10},
-           "Radius (sphere).");
+           "Radius of the sphere.");
   for (const auto& [key, ends] : {std::pair{"x", &x}, {"y", &y}, {"z", &z}})
     s.rule(key, ends->size() != 2 || (*ends)[0] < (*ends)[1], "must be two increasing numbers");
   const bool whole =

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "observe/impl.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::observe {
 
@@ -75,7 +76,7 @@ void Results::Impl::sample_train(const TrainInstant& instant, std::size_t sleepe
   add_seats(instant, sleepers, train);
   const track::Newmark& motion = on_bed.passage().train_motion();
   for (std::size_t i = 0; i < instant.bodies; ++i) {
-    const bool forces = on_bed.train().vehicles()[i].kind == track::VehicleKind::forces;
+    const bool forces = track::layout_of(on_bed.train().vehicles()[i].kind).constant;
     const std::int32_t body = on_bed.train().first_unknown()[i];
     train[body_displacement].values.push_back(forces ? 0 : motion.displacement[body]);
     train[body_motion].values.push_back(forces ? 0 : motion.acceleration[body]);

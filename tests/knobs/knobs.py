@@ -284,7 +284,7 @@ EXCEPTIONS = {
 SPEED_ONLY = {"dem.skin": "dem.skin=0.01", "dem.rebalance": "dem.rebalance=0"}
 
 # Values that differ from run to run.
-TIMES = re.compile(r"wall|dem_time|cpu_time|seconds|per_core|memory|share|imbalance|deck")
+TIMES = re.compile(r"wall|timers|dem_time|cpu_time|seconds|per_core|memory|share|imbalance|deck")
 
 
 def figures(value, name=""):

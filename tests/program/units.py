@@ -19,10 +19,13 @@ PLAIN = {
     "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",
     # checkpoints
     "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "/node_work",
-    "/plastic/opened",
-    "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces", "/template/pieces",
-    "/template/sizes", "/element", "run/balance", "run/counts", "run/warnings", "train/counts",
-    "/quaternion"}
+    "/plastic/opened", "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces",
+    "/template/pieces", "/template/sizes", "/element", "/quaternion", "train/counts",
+    "run/stage", "run/stage_has_begun",
+    "run/substeps", "run/windows", "run/windows_of_stage", "run/windows_in_stage", "run/warnings",
+    "run/history_rows", "run/ground_settled", "run/balance/force", "run/balance/moment",
+    "run/balance/impulse", "run/balance/work", "run/stages/name", "run/stages/substeps",
+    "run/stages/particles", "run/stages/aim"}
 # Words in the meaning of a dataset that imply a unit.
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 

@@ -62,8 +62,9 @@ def all_at_once(program, deck, numbers):
             sys.exit(f"{deck} is valid with {value} everywhere")
         for key, entries in numbers:
             name = shown(key) + ("[0]" if entries else "")
-            # Sections of other models are refused as a whole.
-            if f"{name} = " not in text and f": {key.split('.')[0]} is not a" not in text:
+            # Sections and keys of other models are refused whatever their value.
+            others = any(f": {one} is not a" in text for one in (key, key.split(".")[0]))
+            if f"{name} = " not in text and not others:
                 sys.exit(f"{deck}: {key} = {value} is not refused:\n{text[:3000]}")
 
 

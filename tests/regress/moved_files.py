@@ -22,7 +22,7 @@ FAR = ["passage.duration=0.05"]
 def stop_of(whole):
     """In the middle of the passage, or some windows before the end of the last stage."""
     if "stages" not in whole:
-        return "passage.stop_after=20"
+        return "output.stop_after=20"
     windows = sum(round(stage["duration_s"] / stage["window_s"]) for stage in whole["stages"])
     return f"output.stop_after={windows - 10}"
 
@@ -59,12 +59,12 @@ def check_unread(program, folder):
     unread, place = folder / "unread.csv", folder / "unread"
     unread.write_text("x_m,z_m\n0,0\n30,0\n", encoding="utf-8")
     program.done(1, "run", INPUTS / "track/plain.toml", *FAR, "irregularity.kind=spectrum",
-                 f"irregularity.file={unread}", f"title={unread}", "passage.stop_after=20",
+                 f"irregularity.file={unread}", f"title={unread}", "output.stop_after=20",
                  "-o", place, code=3)
     unread.write_text("x_m,z_m\n0,0\n60,0\n", encoding="utf-8")
     program.done(1, "resume", place, "passage.duration=0.06", "passage.tolerance=1e-11",
-                 "passage.stop_after=30", code=3)
-    program.done(2, "resume", place, "passage.stop_after=0")
+                 "output.stop_after=30", code=3)
+    program.done(2, "resume", place, "output.stop_after=0")
     kept = [text for text in summary(place)["warnings"] if "resumed" in text]
     if len(kept) != 1 or "passage.tolerance = " not in kept[0]:
         raise SystemExit(f"changes of a resume must be kept, and nothing else: {kept}")

@@ -200,7 +200,6 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
               "ends the stage before the train is on the bed: its first axle reaches 2 m, the",
           f"{TRAIN} passage.points=[1]": "has no effect on a bed: the histories contain the rail",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: use the duration",
-          f"{TRAIN} passage.history_interval=1e-2": "has no effect on a bed: use output.history",
           "dem.gravity=9810": "usual values (at most 100 m/s2)",
           "contact.0.friction=60": "usual values (at most 2)",
           "stage.sleepers.height=0.01": "less than a stone (0.063 m)"}

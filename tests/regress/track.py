@@ -34,7 +34,7 @@ REFUSED = {
     "wheel_rail.flat_axle=5": "must be at most the number of axles of the train, 4",
     "wheel_rail.flat_length=0.5 wheel_rail.flat_axle=1": "must be at most the radius",
     "passage.points=[70]": "70 m is beyond the track",
-    "passage.stop_after=-1": "at least 0",
+    "output.stop_after=-1": "at least 0",
     "track.dimension=space track.rails=1": "must be 2 where dimension = space",
     "track.sleeper.model=beam track.sleeper.elements=7": "must be even: the middle is a node",
     "track.sleeper.model=beam track.support=continuous": "must be rigid: the track has no sleepers",
@@ -93,7 +93,7 @@ def check_refusals(program, decks, folder):
         path = folder / "changed.toml"
         path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
         refuse(program, path, [], words)
-    for changes, words in ((["passage.history_interval=1e-6"], "a row is written after every"),
+    for changes, words in ((["output.history_interval=1e-6"], "a row is written after every"),
                            (["train.times=[1]", "train.speeds=[20]"], "by up to 30 m/s2; trains")):
         ran = program.done(1, "check", decks / "plain.toml", *changes)
         if words not in ran.stdout:
@@ -180,7 +180,7 @@ def check_resume(program, decks, folder):
     program.done(1, "run", deck, *words, "-o", folder / "through")
     for steps in (1, 100, 203, 249):
         place = folder / f"stopped_{steps}"
-        program.done(2, "run", deck, *words, f"passage.stop_after={steps}", "-o", place, code=3)
+        program.done(2, "run", deck, *words, f"output.stop_after={steps}", "-o", place, code=3)
         if summary(place)["finished"] or summary(place)["windows"] != steps:
             raise SystemExit(f"stopped after {steps} steps: {summary(place)}")
         program.done(1, "resume", place)
@@ -188,11 +188,11 @@ def check_resume(program, decks, folder):
     lifts, even = [*SHORT, "pad.uplift=true"], decks / "plain.toml"
     refuse(program, deck, lifts, "pad.uplift = true: must be false with hanging sleepers")
     program.done(2, "run", even, *lifts, "-o", folder / "lifts")
-    program.done(1, "run", even, *lifts, "passage.stop_after=203", "-o", folder / "lifted", code=3)
+    program.done(1, "run", even, *lifts, "output.stop_after=203", "-o", folder / "lifted", code=3)
     program.done(2, "resume", folder / "lifted")
     same_bits(folder / "lifts", folder / "lifted", "pads that lift off, stopped after 203 steps")
     written = folder / "written"
-    program.done(1, "run", deck, *words, "passage.checkpoint_interval=0.01", "-o", written)
+    program.done(1, "run", deck, *words, "output.checkpoint_interval=0.01", "-o", written)
     left = sorted(file.name for file in written.glob("checkpoint_*.h5"))
     if left != [f"checkpoint_{steps:010d}.h5" for steps in (200, 250)]:
         raise SystemExit(f"the last two checkpoints must be kept: {left}")
@@ -205,7 +205,7 @@ def check_resume(program, decks, folder):
     if summary(folder / "longer")["windows"] != 300:
         raise SystemExit("the extension of a finished run must be accepted")
     for change, words in (("pad.stiffness=1e8", "was made with 120000000.0"),
-                          ("passage.stop_after=200", "are already done"),
+                          ("output.stop_after=200", "are already done"),
                           ("passage.points=[31]", "was made with [30.0, 30.3]")):
         ran = program(1, "resume", written, change, "-o", folder / "refused")
         if ran.returncode != 2 or words not in ran.stderr:
@@ -232,7 +232,7 @@ def check_braking(program, decks, folder):
     for steps in (700, 2100):
         stopped = folder / f"brakes_stopped_{steps}"
         program.done(2, "run", decks / "plain.toml", *words, "passage.duration=0.5",
-                     f"passage.stop_after={steps}", "-o", stopped, code=3)
+                     f"output.stop_after={steps}", "-o", stopped, code=3)
         program.done(1, "resume", stopped)
         same_bits(place, stopped, f"braking, stopped after {steps} steps")
     # 60 m plus 21.56 m to the last axle: 50 m at 50 m/s, then 31.56 m at 25 m/s on average.
@@ -254,7 +254,7 @@ def check_two_rails(program, decks, folder):
     deck = folder / "hanging.toml"
     program.done(2, "run", deck, *words, "-o", folder / "space")
     place = folder / "space_stopped"
-    program.done(1, "run", deck, *words, "passage.stop_after=111", "-o", place, code=3)
+    program.done(1, "run", deck, *words, "output.stop_after=111", "-o", place, code=3)
     program.done(3, "resume", place)
     same_bits(folder / "space", place, "two rails")
     with h5py.File(place / "results.h5") as file:
@@ -284,7 +284,7 @@ def check_bending_sleepers(program, decks, folder):
         program.done(ranks, "run", deck, *words, "-o", folder / f"bending_{ranks}")
         same_bits(place, folder / f"bending_{ranks}", f"bending sleepers on {ranks} ranks")
     stopped = folder / "bending_stopped"
-    program.done(2, "run", deck, *words, "passage.stop_after=111", "-o", stopped, code=3)
+    program.done(2, "run", deck, *words, "output.stop_after=111", "-o", stopped, code=3)
     program.done(1, "resume", stopped)
     same_bits(place, stopped, "bending sleepers, stopped")
     moments = []
@@ -312,7 +312,7 @@ def check_seat_loads(program, decks, folder):
         program.done(ranks, "run", decks / "plain.toml", *words, "-o", folder / f"seats_{ranks}")
         same_bits(place, folder / f"seats_{ranks}", f"seat loads on {ranks} ranks")
     stopped = folder / "seats_stopped"
-    program.done(2, "run", decks / "plain.toml", *words, "passage.stop_after=1003", "-o", stopped,
+    program.done(2, "run", decks / "plain.toml", *words, "output.stop_after=1003", "-o", stopped,
                  code=3)
     program.done(3, "resume", stopped)
     same_bits(place, stopped, "seat loads, stopped")

@@ -19,8 +19,8 @@ from track_warnings import COACH, TWO_RAILS, VEHICLE, deck_with  # noqa: E402
 def check_extremes(program, decks, folder):
     """Extremes include every step for any number of rows of the histories, also across a stop."""
     found = []
-    for name, words in (("each", ["passage.history_interval=2e-4"]),
-                        ("few", ["passage.history_interval=0.03"])):
+    for name, words in (("each", ["output.history_interval=0"]),
+                        ("few", ["output.history_interval=0.03"])):
         program.done(1, "run", decks / "plain.toml", *SHORT, *words, "-o", folder / name)
         found.append(summary(folder / name)["track"])
     with h5py.File(folder / "each/results.h5") as file:
@@ -35,8 +35,8 @@ def check_extremes(program, decks, folder):
         raise SystemExit(f"extremes depend on the interval of the histories: {found}")
     check_envelope(folder / "each")
     stopped = folder / "few_stopped"
-    program.done(2, "run", decks / "plain.toml", *SHORT, "passage.history_interval=0.03",
-                 "passage.stop_after=149", "-o", stopped, code=3)
+    program.done(2, "run", decks / "plain.toml", *SHORT, "output.history_interval=0.03",
+                 "output.stop_after=149", "-o", stopped, code=3)
     program.done(1, "resume", stopped)
     same_bits(folder / "few", stopped, "extremes after a stop")
 
@@ -65,7 +65,7 @@ def check_raised(program, decks, folder):
     """A rail uplifted at all times, before a train at rest, has no downward displacement."""
     ran = program.done(1, "run", decks / "plain.toml", "train.speed=0", "train.start=20",
                        "irregularity.kind=none", "irregularity.fade=10", "passage.duration=4e-3",
-                       "passage.points=[22.2]", "passage.history_interval=2e-4", "-o",
+                       "passage.points=[22.2]", "output.history_interval=2e-4", "-o",
                        folder / "raised")
     with h5py.File(folder / "raised/results.h5") as file:
         least = file["history/rail/displacement"][()].min()
@@ -79,7 +79,7 @@ def check_run_ins(program, decks, folder):
     """A flat on the nearly rigid rail of the run-in has several times the impact force of that on
     the track, whose forces are reported; a bridge has no run-in."""
     words = ["irregularity.kind=none", "irregularity.fade=10", "wheel_rail.flat_axle=1",
-             "passage.history_interval=2e-4"]
+             "output.history_interval=2e-4"]
     for name, support, span, text in (("flat", [], (6, 54), ", between the run-ins (6 to 54 m)"),
                                       ("bridge", ["track.support=none", "rail.inertia=1"],
                                        (0, 60), " kN\n")):
@@ -141,7 +141,7 @@ def check_lost(program, decks, folder):
     place = folder / "flies"
     program.done(1, "run", decks / "plain.toml", "irregularity.kind=vee", "irregularity.at=59.7",
                  "irregularity.length=0.6", "irregularity.depth=-6e-3", "train.start=55",
-                 "passage.duration=0.12", "passage.history_interval=2e-4", "-o", place)
+                 "passage.duration=0.12", "output.history_interval=2e-4", "-o", place)
     with h5py.File(place / "results.h5") as file:
         off = file["history/wheel/force"][()] == 0
         on = file["history/wheel/x"][()] <= 60
@@ -174,7 +174,7 @@ length = 4e-3
             program.done(1, "run", deck, "train.vehicles=[]", "irregularity.kind=none",
                          *words, "pad.damping=0", "ballast.damping=0",
                          "track.length=6", "track.run_in=0", "passage.points=[3]",
-                         "passage.step=5e-6", "passage.history_interval=5e-6",
+                         "passage.step=5e-6", "output.history_interval=5e-6",
                          f"passage.duration={until}", "-o", place)
             with h5py.File(place / "results.h5") as file:
                 force = -file["history/rail/force"][()].ravel()  # upwards
@@ -197,7 +197,7 @@ def check_order(program, decks, folder):
             place = folder / f"{theory}_{step}"
             program.done(1, "run", decks / "plain.toml", "irregularity.kind=none",
                          "train.start=20", "passage.duration=0.12", f"rail.theory={theory}",
-                         "passage.points=[24]", "passage.history_interval=8e-4",
+                         "passage.points=[24]", "output.history_interval=8e-4",
                          f"passage.step={step}", "-o", place)
             with h5py.File(place / "results.h5") as file:
                 late = file["history/time"][()].ravel() > 0.0595

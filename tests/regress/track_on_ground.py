@@ -54,8 +54,8 @@ WARNED = {"footing.width=0.7":
 # The ground divides the step: what is reported is of the step taken.
 STEPS = [
     (["passage.step=1e-2"], [], ["in a step", "history_interval"]),
-    (["passage.step=1e-2", "passage.history_interval=1e-4"],
-     ["passage.history_interval = 0.0001: is less than a time step of 0.0003448 s"], []),
+    (["passage.step=1e-2", "output.history_interval=1e-4"],
+     ["output.history_interval = 0.0001: is less than a time step of 0.0003448 s"], []),
     (["passage.step=1e-2", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"],
      ["irregularity.length = 0.2: is 7.2 times the travel of wheels in a step, 0.0276 m"], []),
@@ -125,7 +125,7 @@ def check_resume(program, deck, folder):
     steps = summary(folder / "ranks_1")["windows"]
     for stop, before, after in ((1, 2, 3), (steps // 2 + 3, 3, 1), (steps - 1, 1, 2)):
         place = folder / f"stopped_{stop}"
-        program.done(before, "run", deck, f"passage.stop_after={stop}", "-o", place, code=3)
+        program.done(before, "run", deck, f"output.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
         same_bits(folder / "ranks_1", place, f"stopped after {stop} steps", facts)
     ran = program(1, "resume", place, "ground.layer.soil.young=70e6", "-o", folder / "other")
@@ -156,7 +156,7 @@ def check_implicit(program, deck, folder):
                     raise SystemExit(f"implicit, {name}: {quantity} on {ranks} ranks is off by "
                                      f"{off}")
         stopped = folder / f"implicit_{name}_stopped"
-        program.done(2, "run", here, *step, *words, "passage.stop_after=37", "-o", stopped, code=3)
+        program.done(2, "run", here, *step, *words, "output.stop_after=37", "-o", stopped, code=3)
         program.done(2, "resume", stopped)
         same_bits(folder / f"implicit_{name}_2", stopped, "implicit, stopped after 37 steps", facts)
     if summary(stopped)["ground"]["steps"] != 90:
@@ -210,7 +210,7 @@ def check_bending_sleepers(program, deck, folder):
         same_bits(folder / "bending_1", place, f"bending sleepers on {ranks} ranks", facts)
         check_balance(place, "bending sleepers")
     place = folder / "bending_stopped"
-    program.done(1, "run", deck, *words, "passage.stop_after=333", "-o", place, code=3)
+    program.done(1, "run", deck, *words, "output.stop_after=333", "-o", place, code=3)
     program.done(3, "resume", place)
     same_bits(folder / "bending_1", place, "bending sleepers, stopped", facts)
     rigid, bending = (datasets(folder / name / "results.h5") for name in ("ranks_1", "bending_1"))
@@ -228,7 +228,7 @@ def check_seat_loads(program, deck, folder):
         same_bits(folder / "seats_1", place, f"seat loads on {ranks} ranks", facts)
         check_balance(place, "seat loads")
     place = folder / "seats_stopped"
-    program.done(2, "run", deck, *words, "passage.stop_after=222", "-o", place, code=3)
+    program.done(2, "run", deck, *words, "output.stop_after=222", "-o", place, code=3)
     program.done(1, "resume", place)
     same_bits(folder / "seats_1", place, "seat loads, stopped", facts)
     found = datasets(place / "results.h5")
@@ -265,7 +265,7 @@ def check_two_rails(program, deck, folder):
             raise SystemExit("no balance of moments about the track")
     for stop, before, after in ((1, 2, 1), (217, 3, 2)):
         place = folder / f"two_rails_stopped_{stop}"
-        program.done(before, "run", path, *words, f"passage.stop_after={stop}", "-o", place, code=3)
+        program.done(before, "run", path, *words, f"output.stop_after={stop}", "-o", place, code=3)
         program.done(after, "resume", place)
         same_bits(folder / "two_rails_1", place, f"two rails, stopped after {stop} steps", facts)
         check_balance(place, "two rails, stopped")
@@ -283,7 +283,7 @@ def check_two_rails(program, deck, folder):
         same_bits(folder / "two_rails_bending_1", place, f"bending, {ranks} ranks", facts)
         check_balance(place, "two rails, sleepers that bend")
     place = folder / "two_rails_bending_stopped"
-    program.done(2, "run", deck, *words, "passage.stop_after=217", "-o", place, code=3)
+    program.done(2, "run", deck, *words, "output.stop_after=217", "-o", place, code=3)
     program.done(1, "resume", place)
     same_bits(folder / "two_rails_bending_1", place, "two rails, bending, stopped", facts)
     program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "-o", folder / "alike")
@@ -317,7 +317,7 @@ def check_netirail(program, deck, folder):
     program.done(2, "run", deck, *words, "-o", folder / "begin")
     check_balance(folder / "begin", "the deck's begin", 1e-6)  # relative to a very small work
     place = folder / "begin_stopped"
-    program.done(1, "run", deck, *words, "passage.stop_after=151", "-o", place, code=3)
+    program.done(1, "run", deck, *words, "output.stop_after=151", "-o", place, code=3)
     program.done(2, "resume", place)
     same_bits(folder / "begin", place, "the deck, stopped", facts)
 

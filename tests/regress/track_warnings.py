@@ -498,7 +498,7 @@ def check_kept(program, decks, folder):
     reported = [line[len("warning: "):] for line in ran.stdout.splitlines()
                 if line.startswith("warning: ")]
     program.done(1, "run", decks / "plain.toml", *words, "passage.duration=0.01",
-                 "passage.stop_after=20", "-o", place, code=3)
+                 "output.stop_after=20", "-o", place, code=3)
     if len(reported) != 2 or summary(place)["warnings"] != reported:
         raise SystemExit(f"check warns of {reported}, the run has {summary(place)['warnings']}")
     program.done(1, "resume", place)

@@ -1,5 +1,5 @@
-// Wall time of each phase of the step. Timing is a scope:
-//   const auto timing = timers.scope(Verb::dem);
+// Wall time of each phase of a run. Timing is a scope:
+//   const auto timing = timers.scope(Phase::dem);
 #pragma once
 
 #include <array>
@@ -8,11 +8,33 @@
 
 namespace trackbed {
 
-// The phases of a step, in order; `dem` covers halo, neighbours and contacts.
-enum class Verb { track, ground, coupling, dem, halo, neighbours, observe, output, count };
-std::string_view name_of(Verb verb);
-// Whether the time of this phase is already included in that of another one.
-inline bool is_part(Verb verb) { return verb == Verb::halo || verb == Verb::neighbours; }
+// A tree: parts follow the phase that includes their time, see `parent_of`.
+enum class Phase {
+  track,              // sleepers, rails, vehicles, solids, tines
+  ground,             // steps and static equilibrium
+  ground_elements,    // internal forces of explicit steps
+  ground_plasticity,  // return mapping
+  ground_solve,       // linear systems of implicit steps and of static equilibrium
+  coupling,           // exchange of surfaces and forces between their owners and the stones
+  dem,                // sub-steps of the stones
+  search,             // neighbour lists, with migration between ranks
+  pair_forces,
+  surface_forces,
+  integration,
+  waiting,    // for the slowest rank, in the reduction of a sub-step
+  halo,       // exchange of ghosts
+  agreement,  // of the ranks, after a window
+  partition,  // of the stones over the ranks, again
+  observe,    // rows of histories
+  output,     // files
+  count
+};
+inline constexpr auto phases = static_cast<std::size_t>(Phase::count);
+
+std::string_view name_of(Phase phase);  // in the table of times and in summary.json
+// The phase of which it is a part; itself if of none.
+Phase parent_of(Phase phase);
+inline bool is_part(Phase phase) { return parent_of(phase) != phase; }
 
 class Timers {
   using Watch = std::chrono::steady_clock;
@@ -20,23 +42,23 @@ class Timers {
  public:
   class Scope {
    public:
-    Scope(Timers& timers, Verb verb) : timers_(timers), verb_(verb), begin_(Watch::now()) {}
-    ~Scope() { timers_.add(verb_, std::chrono::duration<double>(Watch::now() - begin_).count()); }
+    Scope(Timers& timers, Phase phase) : timers_(timers), phase_(phase), begin_(Watch::now()) {}
+    ~Scope() { timers_.add(phase_, std::chrono::duration<double>(Watch::now() - begin_).count()); }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
    private:
     Timers& timers_;
-    Verb verb_;
+    Phase phase_;
     Watch::time_point begin_;
   };
 
-  [[nodiscard]] Scope scope(Verb verb) { return Scope(*this, verb); }
-  void add(Verb verb, double seconds) { seconds_[static_cast<std::size_t>(verb)] += seconds; }
-  double seconds(Verb verb) const { return seconds_[static_cast<std::size_t>(verb)]; }
+  [[nodiscard]] Scope scope(Phase phase) { return Scope(*this, phase); }
+  void add(Phase phase, double seconds) { seconds_[static_cast<std::size_t>(phase)] += seconds; }
+  double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
 
  private:
-  std::array<double, static_cast<std::size_t>(Verb::count)> seconds_{};
+  std::array<double, phases> seconds_{};
 };
 
 }  // namespace trackbed

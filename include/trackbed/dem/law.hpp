@@ -1,4 +1,4 @@
-// Contact laws and the materials to which they apply. The kernels are in src/dem/law/laws.hpp.
+// Contact laws and the materials to which they apply. The kernels are in src/dem/law/contact.hpp.
 #pragma once
 
 #include <string>

@@ -210,7 +210,7 @@ class Particles {
   // Collective.
   std::int64_t core_overlaps() const;
   const Domain& domain() const;
-  void time_with(Timers& timers);  // timers for halo and neighbours
+  void time_with(Timers& timers);  // for the parts of Phase::dem
 
   void save(io::File& file, const std::string& group) const;  // collective
   void load(const io::File& file, const std::string& group);  // any rank count; collective

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "trackbed/core/surface.hpp"
+#include "trackbed/core/timers.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/input/section.hpp"
 #include "trackbed/io/fields.hpp"
@@ -259,9 +260,10 @@ class Ground {
   void begin_extremes();
   void take_extremes();
   void end_extremes();
-  GroundTotals totals() const;  // collective
-  double seconds() const;       // wall time of steps on this rank
-  std::size_t memory() const;   // bytes on this rank
+  GroundTotals totals() const;     // collective
+  void time_with(Timers& timers);  // for the parts of Phase::ground
+  double seconds() const;          // wall time of steps on this rank
+  std::size_t memory() const;      // bytes on this rank
 
   void save(io::File& file, const std::string& group) const;
   void load(const io::File& file, const std::string& group);

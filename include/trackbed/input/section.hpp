@@ -34,11 +34,11 @@ struct Limits {
   double usually_from = -unbounded, usually_to = unbounded;
 };
 
-enum class Weight { problem, warning };  // warning: allowed but unusual
+enum class Severity { problem, warning };  // warning: allowed but unusual
 
 // Options of a rule.
 struct About {
-  Weight weight = Weight::problem;
+  Severity severity = Severity::problem;
   // Parameters and sections that the rule uses, named relative to the same section. The rule is
   // skipped if one of them was rejected, because it then still has its default. Empty: the rule is
   // skipped if the open section has a problem.

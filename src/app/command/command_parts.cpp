@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/track_rules/track_rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 
@@ -14,11 +13,12 @@ namespace trackbed::app {
 namespace {
 
 // A problem of one rank is an exception on all of them: the others would wait for it.
-GroundFile ground_of_all(const par::Comm& comm, const Model& model, const input::Deck& deck) {
-  GroundFile file;
+model::GroundFile ground_of_all(const par::Comm& comm, const model::Model& model,
+                                const input::Deck& deck) {
+  model::GroundFile file;
   std::string problem;
   try {
-    file = require_ground(model, deck);
+    file = model::require_ground(model, deck);
   } catch (const InputError& error) {
     problem = error.what();
   }
@@ -38,10 +38,6 @@ void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string
                         option));
 }
 
-input::Declaration declaration_of(Model& model) {
-  return [&model](input::Section& section) { model.declare(section); };
-}
-
 // Flushed at once: batch systems show stdout only when it is flushed, and the log of a run that is
 // killed must be complete.
 void print(const par::Comm& comm, const std::string& text) {
@@ -57,22 +53,23 @@ void Warnings::add(const std::vector<std::string>& more) {
   }
 }
 
-Model read_model(const input::Deck& deck, Warnings& warnings) {
-  Model model;
-  warnings.add(deck.fill(declaration_of(model)));
+model::Model read_model(const input::Deck& deck, Warnings& warnings) {
+  model::Model model;
+  warnings.add(deck.fill(model::declaration_of(model)));
   return model;
 }
 
-int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder) {
-  const Outcome outcome = simulation.run();
+int finish(Run& run, const model::RunContext& context) {
+  const par::Comm& comm = context.comm;
+  const Outcome outcome = run.execute();
   warn_of_unused_options(comm, fem::Petsc::unused_options());
   if (outcome == Outcome::finished) {
-    print(comm, "results: " + folder + "\n");
+    print(comm, "results: " + context.folder + "\n");
     return static_cast<int>(ExitCode::success);
   }
-  print(comm, simulation.last_checkpoint().empty()
+  print(comm, run.last_checkpoint().empty()
                   ? "stopped early, before a checkpoint was written: run the deck again\n"
-                  : "stopped early; continue with: trackbed resume " + folder + "\n");
+                  : "stopped early; continue with: trackbed resume " + context.folder + "\n");
   return static_cast<int>(ExitCode::stopped);
 }
 
@@ -84,30 +81,25 @@ std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
   return chosen.file;
 }
 
-GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings) {
-  GroundFile file = ground_of_all(warnings.comm, model, deck);
+model::GroundFile checked_ground(const model::Model& model, const input::Deck& deck,
+                                 Warnings& warnings) {
+  model::GroundFile file = ground_of_all(warnings.comm, model, deck);
   warnings.add(file.warnings);
   return file;
 }
 
-std::vector<std::string> try_options(const par::Comm& comm, const Model& model) {
+std::vector<std::string> try_options(const par::Comm& comm, const model::Model& model) {
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
-                                 [](const Stage& stage) { return stage.ground_moves; });
+                                 [](const model::Stage& stage) { return stage.ground_moves; });
   if (!model.has_stages() || !model.ground.present || !moves) return fem::Petsc::unused_options();
   return fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
                                  model.time.window);
 }
 
-int run_alone(const par::Comm& comm, const Model& model, const TrackRunInput& of) {
-  const bool finished = run_track(comm, model, of);
-  warn_of_unused_options(comm, fem::Petsc::unused_options());
-  return static_cast<int>(finished ? ExitCode::success : ExitCode::stopped);
-}
-
-void look_at_profiles(const Model& model, Warnings& warnings) {
+void look_at_profiles(const model::Model& model, Warnings& warnings) {
   if (!model.has_stages()) return;
-  if (model.has_train()) warnings.add(warnings_of_files(model.track));
-  warnings.add(warnings_of_loads(model));
+  if (model.has_train()) warnings.add(model::warnings_of_files(model.track));
+  warnings.add(model::warnings_of_loads(model));
 }
 
 }  // namespace trackbed::app

@@ -4,13 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "app/parameters/parameters.hpp"
-#include "app/restart/track_resume.hpp"
-#include "app/rules/rules.hpp"
-#include "app/run/simulation.hpp"
-#include "app/run/track_run.hpp"
+#include "app/run/run.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/checkpoint.hpp"
+#include "trackbed/model/checks.hpp"
+#include "trackbed/model/effective.hpp"
+#include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -25,28 +24,27 @@ struct Warnings {
   void add(const std::vector<std::string>& more);
 };
 
-input::Declaration declaration_of(Model& model);
 // Warnings are printed; problems are raised as InputError. Collective; all ranks parse the same
 // text and have the same sentences.
-Model read_model(const input::Deck& deck, Warnings& warnings);
+model::Model read_model(const input::Deck& deck, Warnings& warnings);
 // The checkpoint meant by a file name or a folder; a warning names each damaged one that is passed
 // over. Collective.
 std::string checkpoint_meant(const par::Comm& comm, const std::string& path,
                              io::IfDamaged if_damaged, Warnings& warnings);
 // Throws InputError for bad files of the ground. Collective.
-GroundFile checked_ground(const Model& model, const input::Deck& deck, Warnings& warnings);
+model::GroundFile checked_ground(const model::Model& model, const input::Deck& deck,
+                                 Warnings& warnings);
 // Options that PETSc does not accept are refused before anything is made or removed. A ground that
 // never moves does not use them. Returns the names of those that a run would not use, as far as
 // this is known before it. Collective.
-std::vector<std::string> try_options(const par::Comm& comm, const Model& model);
+std::vector<std::string> try_options(const par::Comm& comm, const model::Model& model);
 void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string>& options);
 // Checks profiles of the rail of a train and loads on a bed; a track alone checks them when it is
 // built.
-void look_at_profiles(const Model& model, Warnings& warnings);
+void look_at_profiles(const model::Model& model, Warnings& warnings);
 
-// Both run and return the exit code, from which a script decides whether to run `resume`; a log
-// line states the same. Collective.
-int finish(const par::Comm& comm, Simulation& simulation, const std::string& folder);
-int run_alone(const par::Comm& comm, const Model& model, const TrackRunInput& of);
+// Runs and returns the exit code, from which a script decides whether to run `resume`; a log line
+// states the same. Collective.
+int finish(Run& run, const model::RunContext& context);
 
 }  // namespace trackbed::app

@@ -15,10 +15,10 @@
 #include <optional>
 
 #include "app/command/commands.hpp"
-#include "app/parameters/version.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
 #include "trackbed/input/deck.hpp"
+#include "trackbed/model/effective.hpp"
 #include "trackbed/par/meeting.hpp"
 
 namespace trackbed::app {
@@ -197,7 +197,7 @@ int parse_error(const par::Comm& comm, const CLI::App& line, const CLI::ParseErr
 int program(const par::Comm& comm, int argc, char** argv) {
   const std::vector<std::string> petsc_options = split_off_petsc(argc, argv);
   CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");
-  line.set_version_flag("--version", "trackbed " + version());
+  line.set_version_flag("--version", "trackbed " + model::version());
   line.footer(
       "Run under mpirun -n N. PETSc options after --. Exit codes: 0 done, 2 bad input, "
       "3 stopped early on request with a checkpoint, 4 error while running.");

@@ -10,11 +10,13 @@
 
 #include "app/command/command_parts.hpp"
 #include "app/command/commands.hpp"
-#include "app/parameters/version.hpp"
 #include "app/restart/compatible.hpp"
 #include "app/restart/spent.hpp"
+#include "app/restart/track_resume.hpp"
 #include "app/run/result_folder.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/model/checks.hpp"
+#include "trackbed/model/effective.hpp"
 #include "trackbed/observe/results.hpp"
 
 namespace trackbed::app {
@@ -23,22 +25,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The value that stopped the run is in its deck and does not mean to stop again. Collective.
+void require_later_stop(const io::File& checkpoint, const model::Model& model,
+                        const input::Deck& deck) {
+  const std::int64_t done = model::course_in(checkpoint).windows, stop = model.output.stop_after;
+  const std::string key = deck.where("output.stop_after");
+  if (stop > 0 && stop <= done && key.starts_with("command line"))
+    throw InputError(
+        {fmt::format("{} = {} windows of the whole run: {} are already done; give more, or 0", key,
+                     stop, done)});
+}
+
 // Refuses changes of parameters that have no effect on the rest of the run. All problems are
 // reported together, as for decks. Collective.
 void require_can_go_on(const par::Comm& comm, const io::File& file, const std::string& checkpoint,
-                       const Model& model, const input::Deck& deck) {
-  require_same_model(comm, file, checkpoint, effective_deck(model), deck);
+                       const model::Model& model, const input::Deck& deck) {
+  require_same_model(comm, file, checkpoint, model::effective_deck(model), deck);
   std::vector<std::string> problems =
       spent_changes(comm, file, checkpoint, model, deck, Continuation::within_the_run);
-  const std::int64_t done = file.read_all<std::int64_t>("run/counts").at(4);
-  const std::string key = deck.where("output.stop_after");
-  // The value that stopped the run is in its deck and does not mean to stop again.
-  if (model.output.stop_after > 0 && model.output.stop_after <= done &&
-      key.starts_with("command line"))
-    problems.push_back(
-        fmt::format("{} = {} windows of the whole run: {} are already done; give "
-                    "more, or 0",
-                    key, model.output.stop_after, done));
   // The start of the run itself is in its deck.
   if (const std::string place = deck.where("start"); place.starts_with("command line"))
     problems.push_back(
@@ -48,7 +52,7 @@ void require_can_go_on(const par::Comm& comm, const io::File& file, const std::s
 
 // After the end of the last stage a run is finished, unless it was killed before it wrote its
 // summary. Collective: rank 0 reads it.
-bool is_finished(const par::Comm& comm, const io::File& checkpoint, const Model& model,
+bool is_finished(const par::Comm& comm, const io::File& checkpoint, const model::Model& model,
                  const std::string& folder) {
   if (checkpoint.integer_attribute("/", "stage_finished") == 0 ||
       checkpoint.text_attribute("/", "stage") != model.stages.back().name)
@@ -78,8 +82,7 @@ void require_newest(const par::Comm& comm, const std::string& checkpoint,
 // with a warning. Collective.
 void look_for_histories(const io::File& file, const std::string& checkpoint, Warnings& warnings) {
   const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
-  const std::int64_t rows = file.read_all<std::int64_t>("run/counts").at(5);
-  if (!observe::has_histories(warnings.comm, results, rows))
+  if (!observe::has_histories(warnings.comm, results, model::history_rows_in(file)))
     warnings.add(
         {fmt::format("{}: does not exist; histories begin again at the checkpoint, "
                      "at {:.6g} s, those before it are lost",
@@ -88,11 +91,12 @@ void look_for_histories(const io::File& file, const std::string& checkpoint, War
 
 // Whether a run of stages is unfinished. All problems are found before the folder is changed.
 // Collective.
-bool stages_left(const std::string& checkpoint, const Model& model, const input::Deck& deck,
+bool stages_left(const std::string& checkpoint, const model::Model& model, const input::Deck& deck,
                  const Arguments& arguments, Warnings& warnings) {
   const par::Comm& comm = warnings.comm;
   const io::File file = io::open_checkpoint(comm, checkpoint);
   require_can_go_on(comm, file, checkpoint, model, deck);
+  require_later_stop(file, model, deck);
   const std::string own = folder_of_checkpoint(checkpoint);
   if (!is_finished(comm, file, model, own)) {
     look_for_histories(file, checkpoint, warnings);
@@ -102,6 +106,15 @@ bool stages_left(const std::string& checkpoint, const Model& model, const input:
     throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
                                   fmt::join(arguments.overrides, " "))});
   return false;
+}
+
+// The same of a passage.
+bool passage_left(const std::string& checkpoint, const model::Model& model, const input::Deck& deck,
+                  const Warnings& warnings) {
+  const bool left =
+      is_track_left(warnings.comm, checkpoint, model.track, model::effective_deck(model), deck);
+  require_later_stop(io::open_checkpoint(warnings.comm, checkpoint), model, deck);
+  return left;
 }
 
 // The folder of the checkpoint, and the folder in which the run continues.
@@ -135,12 +148,6 @@ StoredDeck stored_in(const par::Comm& comm, const std::string& checkpoint) {
   return {file.text_attribute("/", "deck"), file.text_attribute("/", "deck_name")};
 }
 
-std::vector<std::string> joined(std::vector<std::string> some,
-                                const std::vector<std::string>& more) {
-  some.insert(some.end(), more.begin(), more.end());
-  return some;
-}
-
 }  // namespace
 
 // The deck is stored in the checkpoint; overrides may change what later windows use. A damaged
@@ -156,13 +163,11 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
   const StoredDeck stored = stored_in(comm, checkpoint);
   const input::Deck deck =
       input::Deck::stored(stored.deck, "input stored in " + checkpoint, arguments.overrides);
-  const Model model = read_model(deck, warnings);
-  const bool alone = !model.has_stages();
+  const model::Model model = read_model(deck, warnings);
   // In another folder the last part of a finished track alone is computed again.
-  const bool left =
-      alone ? is_track_left(comm, checkpoint, model.track, effective_deck(model), deck) ||
-                  !place.at_home
-            : stages_left(checkpoint, model, deck, arguments, origin);
+  const bool left = model.has_stages()
+                        ? stages_left(checkpoint, model, deck, arguments, origin)
+                        : passage_left(checkpoint, model, deck, warnings) || !place.at_home;
   if (!left) {
     print(comm, checkpoint + ": the run is already finished\n");
     return static_cast<int>(ExitCode::success);
@@ -179,18 +184,13 @@ int resume(const par::Comm& comm, const Arguments& arguments) {
         comm, place.folder, arguments.force ? OldResults::remove : OldResults::refuse, checkpoint));
   else if (!lock)
     lock.emplace(comm, place.folder);
-  if (alone)
-    return run_alone(comm, model,
-                     {.deck = stored.name,
-                      .effective = effective_deck(model),
-                      .folder = place.folder,
-                      .checkpoint = checkpoint,
-                      .warnings = joined(warnings.sentences, origin.sentences)});
-  Simulation simulation(comm, model, deck, stored.name, place.folder);
-  simulation.keep(warnings.sentences);
-  simulation.resume(checkpoint);
-  simulation.keep_in_state(origin.sentences);
-  return finish(comm, simulation, place.folder);
+  model::RunContext context(comm, model, deck, stored.name, place.folder);
+  const std::unique_ptr<model::Scheme> scheme = model::make_scheme(context, {});
+  Run run(context, *scheme);
+  run.add_deck_warnings(warnings.sentences);
+  run.resume(checkpoint);
+  run.add_state_warnings(origin.sentences);
+  return finish(run, context);
 }
 
 }  // namespace trackbed::app

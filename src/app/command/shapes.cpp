@@ -13,12 +13,12 @@
 #include <fstream>
 #include <string_view>
 
-#include "app/parameters/parameters.hpp"
-#include "app/scene/placement.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/geom/mesh.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/replace.hpp"
+#include "trackbed/model/checks.hpp"
+#include "trackbed/model/parameters.hpp"
 
 namespace trackbed::app {
 
@@ -28,10 +28,9 @@ namespace fs = std::filesystem;
 using bed::NamedShape;
 
 // Each placed stone of the deck at its size, with its name.
-std::vector<NamedShape> shapes_of_placed(const par::Comm& comm, const Model& model) {
+std::vector<NamedShape> shapes_of_placed(const par::Comm& comm, const model::Model& model) {
   std::vector<NamedShape> shapes;
-  Placement placement(comm, model);
-  const std::vector<bed::PlacedShape>& made = placement.make_shapes();
+  const std::vector<bed::PlacedShape> made = model::placed_shapes(comm, model);
   for (std::size_t i = 0; i < made.size(); ++i) {
     dem::Template shape = made[i].shape;
     const double scale = made[i].scale;
@@ -52,7 +51,7 @@ std::vector<NamedShape> shapes_of_placed(const par::Comm& comm, const Model& mod
 std::vector<NamedShape> shapes_of_deck(const par::Comm& comm, const std::string& file,
                                        Dimension& dimension) {
   const input::Deck deck = input::Deck::read(comm, file, {});
-  Model model;
+  model::Model model;
   deck.fill([&](input::Section& section) { model.declare(section); });
   dimension = model.dimension;
   if (model.is_placed()) return shapes_of_placed(comm, model);

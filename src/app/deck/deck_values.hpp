@@ -1,20 +1,17 @@
-// The effective text of a deck as keys and values, to compare two decks.
+// What differs between two decks.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
+#include "trackbed/input/values.hpp"
+
 namespace trackbed::app {
 
-using Values = std::map<std::string, std::string>;  // ground.layer[0].young -> 1.5e+08
+using input::Values;
+using input::values_of;
 
-// `effective`: as `input::effective` writes it. "ground.layer" becomes "ground.layer[1]" if it is
-// the second such table. Equal values have equal texts (numbers have 17 digits).
-// Local, on a text that all ranks have.
-Values values_of(const std::string& effective);
-
-// "key = new, before old" for each value that differs, except those of [output] that set when to
+// "key = new, before old" for each value that differs, except the title and those that set when to
 // stop and when to write a checkpoint.
 std::vector<std::string> changes(const Values& before, const Values& now);
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "app/deck/deck_files.hpp"
-#include "app/parameters/version.hpp"
 #include "trackbed/core/error.hpp"
+#include "trackbed/model/effective.hpp"
 
 namespace trackbed::app {
 
@@ -140,21 +140,58 @@ std::string worded(const Values& values, const std::string& key) {
   return found == values.end() ? "without it" : "with " + found->second;
 }
 
+std::string value_of(const Values& values, const std::string& key) {
+  const auto found = values.find(key);
+  return found == values.end() ? "" : found->second;
+}
+
+// "contact[0]", "contact[1]" ... with Hertz's law, which takes its stiffness from the materials.
+std::vector<std::string> rows_of_hertz(const Values& values) {
+  std::vector<std::string> rows;
+  for (const auto& [key, value] : values)
+    if (key.starts_with("contact[") && key.ends_with("].law") && value == "\"hertz\"")
+      rows.push_back(key.substr(0, key.rfind('.')));
+  return rows;
+}
+
+// Whether the stiffness of contacts depends on it. `row`: that of the key.
+bool makes_stiffness(const Values& values, const std::string& key, const std::string& row) {
+  const std::vector<std::string> hertz = rows_of_hertz(values);
+  if (key.starts_with("contact[")) {
+    if (key.ends_with("].law")) return true;
+    const bool given = std::find(hertz.begin(), hertz.end(), row) == hertz.end();
+    return given && (key.ends_with("].k_n") || key.ends_with("].k_s"));
+  }
+  if (!key.ends_with("].young") && !key.ends_with("].poisson")) return false;
+  const std::string name = value_of(values, row + ".name");
+  return key.starts_with("material[") &&
+         std::any_of(hertz.begin(), hertz.end(), [&](const std::string& pair) {
+           return value_of(values, pair + ".first") == name ||
+                  value_of(values, pair + ".second") == name;
+         });
+}
+
+// What a row of [[contact]] or [[material]] is about.
+std::string names_of_row(const Values& values, const std::string& row) {
+  return value_of(values, row + ".name") + value_of(values, row + ".first") +
+         value_of(values, row + ".second");
+}
+
 // All default values, with one row of each table.
 Values defaults_of(const std::string& kind) {
-  Model model;
-  if (kind == "\"track\"") model.kind = ModelKind::track;
-  if (kind == "\"track_on_ground\"") model.kind = ModelKind::track_on_ground;
-  if (kind == "\"ground\"") model.kind = ModelKind::ground, model.pressures.resize(1);
+  model::Model model;
+  if (kind == "\"track\"") model.set_kind(model::ModelKind::track);
+  if (kind == "\"track_on_ground\"") model.set_kind(model::ModelKind::track_on_ground);
+  if (kind == "\"ground\"") model.kind = model::ModelKind::ground, model.pressures.resize(1);
   if (kind == "\"stones\"") {
-    model.kind = ModelKind::stones;
+    model.kind = model::ModelKind::stones;
     model.placed.stones.resize(1), model.placed.plates.resize(1), model.placed.boxes.resize(1);
   }
   model.ground.layers.resize(1), model.ground.blocks.resize(1), model.ground.solids.resize(1);
   model.ground.borders.resize(1), model.ground.sections.resize(1);
   model.track.vehicles.resize(1), model.track.line.track.zones.resize(1);
   model.track.passage.forces.resize(1);
-  return values_of(effective_deck(model));
+  return values_of(model::effective_deck(model));
 }
 
 }  // namespace
@@ -221,27 +258,23 @@ std::vector<std::string> changed_springs(const io::File& checkpoint, const std::
                                          const std::string& effective, const input::Deck& deck) {
   const Values then = values_of(checkpoint.text_attribute("/", "deck"));
   const Values now = values_of(effective);
-  const auto of = [](const Values& values, const std::string& key) {
-    const auto found = values.find(key);
-    return found == values.end() ? std::string() : found->second;
-  };
   std::vector<std::string> sentences;
   for (const auto& [key, value] : now) {
-    if (!key.starts_with("contact[") || !key.ends_with("].k_n")) continue;
-    const std::string pair = key.substr(0, key.rfind('.')), before = of(then, key);
-    const bool same = of(now, pair + ".first") == of(then, pair + ".first") &&
-                      of(now, pair + ".second") == of(then, pair + ".second");
-    if (before.empty() || !same || before == value) continue;
+    const std::string row = key.substr(0, key.find("].") + 1);
+    if (!makes_stiffness(now, key, row)) continue;
+    if (names_of_row(now, row) != names_of_row(then, row)) continue;  // of other materials
+    const auto before = then.find(key);
+    if (before == then.end() || before->second == value) continue;
     sentences.push_back(fmt::format(
         "{} = {}: the overlaps of the stones of {} were made with {}, so that contact forces jump "
-        "by the ratio; let the stones settle with high damping first",
-        deck.where(key), value, path, before));
+        "with the stiffness; let the stones settle with high damping first",
+        deck.where(key), value, path, before->second));
   }
   return sentences;
 }
 
-std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
-                        const input::Deck& deck) {
+std::size_t stage_after(const io::File& checkpoint, const std::string& path,
+                        const model::Model& model, const input::Deck& deck) {
   const std::string name = checkpoint.text_attribute("/", "stage");
   const auto refuse = [&](const std::string& why) {
     throw InputError({fmt::format("{} \"{}\" was written {}", deck.where("start"), path, why)});

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/deck/deck_values.hpp"
-#include "app/parameters/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -26,8 +26,8 @@ Values stored_values(const io::File& checkpoint, const Values& now);
 // Number of the stage of `model` that follows the one `checkpoint` was written after. Stages are
 // matched by name, so that the deck may have others before and after. Throws InputError if it was
 // written within a stage or the deck does not have that stage. Collective.
-std::size_t stage_after(const io::File& checkpoint, const std::string& path, const Model& model,
-                        const input::Deck& deck);
+std::size_t stage_after(const io::File& checkpoint, const std::string& path,
+                        const model::Model& model, const input::Deck& deck);
 
 // A sentence for each contact law whose stiffness differs from that of the stored equilibrium:
 // overlaps are kept, so that forces and energies jump.

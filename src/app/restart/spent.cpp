@@ -12,8 +12,9 @@
 
 #include "app/deck/deck_files.hpp"
 #include "app/deck/deck_values.hpp"
-#include "app/parameters/version.hpp"
 #include "app/restart/compatible.hpp"
+#include "trackbed/model/course.hpp"
+#include "trackbed/model/effective.hpp"
 
 namespace trackbed::app {
 
@@ -27,43 +28,48 @@ struct Position {
   bool same_run;  // its stages are those of the checkpoint's deck, by number
 };
 
-bool is_to_come(const Model& model, std::size_t from, std::initializer_list<StageKind> kinds) {
+bool is_to_come(const model::Model& model, std::size_t from,
+                std::initializer_list<model::StageKind> kinds) {
   for (std::size_t i = from; i < model.stages.size(); ++i)
     if (std::find(kinds.begin(), kinds.end(), model.stages[i].kind) != kinds.end()) return true;
   return false;
 }
 
 // Cribs are cut at the end of the stage; other stages cut when they begin.
-bool cuts_to_come(const Model& model, std::size_t now, std::size_t next) {
+bool cuts_to_come(const model::Model& model, std::size_t now, std::size_t next) {
   for (std::size_t i = now; i < model.stages.size(); ++i)
-    if (model.stages[i].profile > 0 && (i >= next || model.stages[i].kind == StageKind::cribs))
+    if (model.stages[i].profile > 0 &&
+        (i >= next || model.stages[i].kind == model::StageKind::cribs))
       return true;
   return false;
 }
 
 // Parameters that a stage uses only when it begins. Loads, damping and friction act in every
 // window, and `resume` sets them again.
-bool acts_at_begin(std::string_view name, StageKind kind) {
+bool acts_at_begin(std::string_view name, model::StageKind kind) {
   static constexpr std::array names = {"name",   "kind",         "duration", "cycles",
                                        "height", "ground_moves", "train"};
-  if (name == "profile") return kind != StageKind::cribs;
+  if (name == "profile") return kind != model::StageKind::cribs;
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 // Why a change of `key` has no effect any more, or empty.
-std::string why_spent(std::string_view key, const Model& model, const Position& at) {
+std::string why_spent(std::string_view key, const model::Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key == "bed.crest" || key == "bed.slope")
     return cuts_to_come(model, at.stage, next) ? "" : "the bed has been cut";
   if (key.starts_with("bed."))
-    return is_to_come(model, next, {StageKind::fill, StageKind::cribs}) ? ""
-                                                                        : "the stones are made";
+    return is_to_come(model, next, {model::StageKind::fill, model::StageKind::cribs})
+               ? ""
+               : "the stones are made";
   if (key.starts_with("platen."))
-    return is_to_come(model, at.stage, {StageKind::compact, StageKind::shear, StageKind::triaxial})
+    return is_to_come(
+               model, at.stage,
+               {model::StageKind::compact, model::StageKind::shear, model::StageKind::triaxial})
                ? ""
                : "no stage with a platen is left";
   if (key.starts_with("tamping."))
-    return is_to_come(model, next, {StageKind::tamp}) ? "" : "no stage of kind tamp is left";
+    return is_to_come(model, next, {model::StageKind::tamp}) ? "" : "no stage of kind tamp is left";
   if (key == "settle_average") return at.ground_moved ? "the ground already moves" : "";
   if (key.starts_with("time.") || key == "dem.safety")
     return next < model.stages.size() ? "" : "the steps of the last stage are already chosen";
@@ -79,19 +85,18 @@ std::string why_spent(std::string_view key, const Model& model, const Position& 
 }
 
 // A ground is in the checkpoint once it has moved.
-Position position_of(const io::File& checkpoint, const std::string& path, const Model& model,
+Position position_of(const io::File& checkpoint, const std::string& path, const model::Model& model,
                      const input::Deck& deck, Continuation goes_on) {
-  const bool begun = checkpoint.integer_attribute("/", "stage_finished") == 0;
-  const auto counts = checkpoint.read_all<std::int64_t>("run/counts");
   const bool moved = checkpoint.has("ground");
   if (goes_on == Continuation::in_another)
     return {stage_after(checkpoint, path, model, deck), false, moved, false};
-  return {static_cast<std::size_t>(counts.at(0)) + (begun ? 0 : 1), begun, moved, true};
+  const model::Course course = model::course_in(checkpoint);
+  return {course.stage + (course.begun ? 0 : 1), course.begun, moved, true};
 }
 
 // Keys of the stages of another deck, renumbered by the names of this deck's stages; stages that
 // this deck does not have are left out.
-Values renumbered(const Values& then, const Model& model) {
+Values renumbered(const Values& then, const model::Model& model) {
   Values values;
   for (const auto& [key, value] : then) {
     if (!key.starts_with("stage[")) {
@@ -110,9 +115,9 @@ Values renumbered(const Values& then, const Model& model) {
 }  // namespace
 
 std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& checkpoint,
-                                       const std::string& path, const Model& model,
+                                       const std::string& path, const model::Model& model,
                                        const input::Deck& deck, Continuation goes_on) {
-  const std::string effective = effective_deck(model);
+  const std::string effective = model::effective_deck(model);
   Values then = values_of(checkpoint.text_attribute("/", "deck"));
   if (goes_on == Continuation::in_another) then = renumbered(then, model);
   then = with_moved_files(comm, checkpoint, then, effective);

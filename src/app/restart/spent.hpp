@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "app/parameters/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
@@ -16,7 +16,7 @@ namespace trackbed::app {
 // without effect on a run that continues from there. Collective.
 enum class Continuation { within_the_run, in_another };  // `resume`; `start`
 std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& checkpoint,
-                                       const std::string& path, const Model& model,
+                                       const std::string& path, const model::Model& model,
                                        const input::Deck& deck, Continuation goes_on);
 
 }  // namespace trackbed::app

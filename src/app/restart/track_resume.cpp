@@ -17,9 +17,9 @@
 
 #include "app/deck/deck_files.hpp"
 #include "app/restart/compatible.hpp"
-#include "app/track_rules/track_rules.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/io/checkpoint.hpp"
+#include "trackbed/model/checks.hpp"
 
 namespace trackbed::app {
 
@@ -28,8 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array free_to_change = {"passage.duration", "passage.tolerance",
-                                       "passage.checkpoint_interval", "passage.wall_time",
-                                       "passage.stop_after"};
+                                       "output.checkpoint_interval", "output.wall_time",
+                                       "output.stop_after"};
 
 bool is_free(std::string_view key) {
   for (const char* known : free_to_change)
@@ -60,13 +60,14 @@ void require_track_checkpoint(const par::Comm& comm, const std::string& path) {
   if (!found.empty())
     throw InputError({found + ": contains a run of a track alone without a checkpoint; such a run "
                               "writes checkpoints only when it is stopped, or every "
-                              "passage.checkpoint_interval: run the deck again"});
+                              "output.checkpoint_interval: run the deck again"});
 }
 
 // All tables and keys of both decks are compared, so that a missing one counts as a difference. A
 // finished run may be made longer; the part after the checkpoint is then computed again.
-bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
-                   const std::string& effective, const input::Deck& deck) {
+bool is_track_left(const par::Comm& comm, const std::string& checkpoint,
+                   const model::TrackModel& model, const std::string& effective,
+                   const input::Deck& deck) {
   const io::File file = io::open_checkpoint(comm, checkpoint);
   const Values now = values_of(effective),
                then = with_moved_files(comm, file, stored_values(file, now), effective);
@@ -86,13 +87,6 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
   }
   for (const auto& [key, sentence] : changed_files(comm, file, checkpoint, effective, deck))
     problems.push_back(sentence);
-  const std::int64_t done = file.read_all<std::int64_t>("train/counts").at(0);
-  // The value that stopped the run is in its deck and does not mean to stop again.
-  const std::string stop = deck.where("passage.stop_after");
-  if (stop.starts_with("command line") && model.passage.stop_after > 0 &&
-      model.passage.stop_after <= done)
-    problems.push_back(fmt::format("{} = {} steps: {} are already done; give more, or 0", stop,
-                                   model.passage.stop_after, done));
   if (!problems.empty()) throw InputError(problems);
   require_files(model);
   const bool reported =
@@ -100,31 +94,12 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const T
   return changed || comm.broadcast(reported ? "reported" : "").empty();
 }
 
-std::vector<std::string> changed_on_resumes(const par::Comm& comm, const io::File& checkpoint,
-                                            const std::string& effective) {
-  std::vector<std::string> sentences;
-  if (checkpoint.has_attribute("/", "changed")) {
-    std::istringstream lines(checkpoint.text_attribute("/", "changed"));
-    for (std::string line; std::getline(lines, line);) sentences.push_back(line);
-  }
-  Values now = values_of(effective);
-  for (const char* key : {"title", "passage.duration", "passage.stop_after", "passage.wall_time",
-                          "passage.checkpoint_interval"})
-    now.erase(key);
-  const double time = checkpoint.number_attribute("/", "time");
-  const Values then = with_moved_files(comm, checkpoint, stored_values(checkpoint, now), effective);
-  for (const std::string& change : changes(then, now))
-    sentences.push_back(
-        fmt::format("from {:.6g} s on, where the run was resumed: {}", time, change));
-  return sentences;
-}
-
 // They are read again when the model is built; they are small.
-void require_files(const TrackModel& model) {
+void require_files(const model::TrackModel& model) {
   for (const auto* one : {&model.irregularity, &model.irregularity_right})
     if (one->kind == track::IrregularityKind::file)
       track::Irregularity(*one, model.line.track.length);
-  seats_of(model);
+  model::seats_of(model);
 }
 
 }  // namespace trackbed::app

@@ -4,27 +4,24 @@
 #include <string>
 #include <vector>
 
-#include "app/parameters/parameters.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/io/file.hpp"
+#include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
 
 // Reads the files the deck names, so that a bad one is refused before anything is changed. Local;
 // throws InputError.
-void require_files(const TrackModel& model);
+void require_files(const model::TrackModel& model);
 // Throws InputError if `path` is, or is in, the result folder of a track alone without a
 // checkpoint. Collective.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path);
 // Whether the run that wrote `checkpoint` is unfinished. Throws InputError with all parameters in
 // which its deck and `effective` differ, except those that may change, and for bad files.
 // Collective.
-bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const TrackModel& model,
-                   const std::string& effective, const input::Deck& deck);
-// A sentence for each parameter that this resume, and earlier ones, changed within the run, except
-// those that set when to stop and to write. Collective.
-std::vector<std::string> changed_on_resumes(const par::Comm& comm, const io::File& checkpoint,
-                                            const std::string& effective);
+bool is_track_left(const par::Comm& comm, const std::string& checkpoint,
+                   const model::TrackModel& model, const std::string& effective,
+                   const input::Deck& deck);
 
 }  // namespace trackbed::app

@@ -46,7 +46,8 @@ bool is_result(std::string_view name) {
 
 // Only the endings are compared: the names begin with names of stages, which the deck chooses.
 bool is_picture(std::string_view name) {
-  for (const std::string_view part : {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf"})
+  for (const std::string_view part :
+       {"_stones.vtkhdf", "_contacts.vtkhdf", "_ground.vtkhdf", "_solids.vtkhdf"})
     if (name.ends_with(part)) return true;
   return false;
 }

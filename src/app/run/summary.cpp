@@ -1,19 +1,11 @@
-// The names of these figures are fixed (docs/running.md). Speeds are particles (elements) times
-// steps over the largest wall time of any rank, per rank, of the last stage.
-//
-// All sums are collective: every rank computes the figures, and rank 0 writes them. Names include
-// the unit; a figure without meaning in a run is 0 or left out, never a text.
-#include "app/run/summary.hpp"
-
-#include <fmt/format.h>
+// summary.json: what all runs have, and the figures of the scheme. Names and units are fixed
+// (docs/running.md).
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <ctime>
-#include <nlohmann/json.hpp>
 
 #include "app/run/result_folder.hpp"
-#include "trackbed/core/error.hpp"
+#include "app/run/run.hpp"
 
 namespace trackbed::app {
 
@@ -21,95 +13,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// 0 if the denominator is 0: JSON has no infinity.
-double ratio(double above, double below) { return below > 0 ? above / below : 0; }
-
 double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts in KiB
 }
 
-// s, CPU time of this rank: less sensitive than wall time on a shared machine. Waiting in MPI is
-// included if MPI polls.
-double cpu_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-Json dem_figures(const SummaryInput& run, const dem::Totals& totals) {
-  const par::Comm& comm = run.world.comm;
-  // Of the slowest rank, since the others wait for it.
-  const double seconds = comm.max(run.timers.seconds(Verb::dem) - run.measured.dem_seconds);
-  const double own = run.timers.seconds(Verb::dem) - run.measured.dem_seconds;
-  const double neighbours = run.timers.seconds(Verb::neighbours) - run.measured.neighbour_seconds;
-  const dem::Memory memory = run.world.particles.memory();
-  const auto per_particle = [&](std::size_t bytes) {
-    return ratio(static_cast<double>(comm.sum(static_cast<std::int64_t>(bytes))),
-                 static_cast<double>(totals.particles));
-  };
-  const auto particles = static_cast<double>(totals.particles);
-  const std::int64_t steps = run.world.particles.steps() - run.measured.dem_steps;
-  // From the start of the last stage, since earlier stages (packing) have other speeds.
-  const double done = particles * static_cast<double>(steps);
-  // Factor 2: a contact is counted once and belongs to two stones.
-  return {{"particles", totals.particles},
-          {"pieces", totals.pieces},
-          {"steps", run.world.particles.steps()},
-          {"contacts_per_particle", ratio(2 * static_cast<double>(totals.contacts), particles)},
-          {"neighbours_per_particle", ratio(static_cast<double>(totals.neighbours), particles)},
-          {"particle_steps_per_second_per_core", ratio(done, seconds) / comm.size()},
-          {"core_overlaps", run.world.particles.core_overlaps()},
-          {"state_hash", fmt::format("{:016x}", run.world.particles.state_hash())},
-          {"measured_stage", run.measured.stage},
-          {"measured_steps", steps},
-          {"measured_dem_time_s", seconds},
-          {"measured_cpu_time_s", comm.max(cpu_time() - run.measured.cpu_seconds)},
-          {"neighbour_share", ratio(comm.sum(neighbours), comm.sum(own))},
-          {"memory_per_particle_b", per_particle(memory.total())},
-          {"memory_per_particle_without_contacts_b", per_particle(memory.particles)}};
-}
-
-Json ground_figures(const SummaryInput& run) {
-  if (!run.world.ground) return {{"elements", 0}};
-  const par::Comm& comm = run.world.comm;
-  const fem::GroundTotals totals = run.world.ground->totals();
-  const double seconds = comm.max(totals.seconds - run.measured.ground_seconds);
-  const auto steps = static_cast<double>(totals.steps - run.measured.ground_steps);
-  const auto elements = static_cast<double>(totals.elements);
-  return {{"elements", totals.elements},
-          {"unknowns", totals.unknowns},
-          {"steps", totals.steps},
-          {"element_steps_per_second_per_core", ratio(elements * steps, seconds) / comm.size()},
-          {"iterations_mean", totals.iterations_mean},
-          {"newton_iterations_mean", totals.newton_mean},
-          {"newton_iterations_max", totals.newton_most},
-          {"newton_steps_lagging", totals.lagging_steps},
-          {"seconds_per_step", ratio(seconds, steps)},
-          {"kinetic_j", totals.kinetic},
-          {"elastic_j", totals.elastic},
-          {"plastic_j", totals.plastic}};
-}
-
-// Their wall time is included in share.track.
-Json solid_figures(const fem::Bodies& bodies) {
-  const fem::BodiesTotals totals = bodies.totals();
-  return {{"elements", totals.elements},
-          {"unknowns", totals.unknowns},
-          {"factor_entries", totals.factor},
-          {"kinetic_j", totals.kinetic},
-          {"elastic_j", totals.elastic}};
-}
-
-// Fractions of the wall time, mean over ranks. Halo and neighbours are parts of dem.
-Json time_fractions(const SummaryInput& run) {
-  const par::Comm& comm = run.world.comm;
-  const auto fraction = [&](Verb verb) {
-    return ratio(comm.sum(run.timers.seconds(verb)) / comm.size(), run.wall_time);
+// Fractions of the wall time (s), mean over ranks. Collective.
+Json time_fractions(const par::Comm& comm, const Timers& timers, double wall) {
+  const auto fraction = [&](Phase phase) {
+    return wall > 0 ? comm.sum(timers.seconds(phase)) / comm.size() / wall : 0;
   };
   Json result;
   double known = 0;
   for (const auto& [name, value] :
-       {std::pair{"dem", fraction(Verb::dem)}, std::pair{"ground", fraction(Verb::ground)},
-        std::pair{"track", fraction(Verb::track)}, std::pair{"coupling", fraction(Verb::coupling)},
-        std::pair{"output", fraction(Verb::output) + fraction(Verb::observe)}}) {
+       {std::pair{"dem", fraction(Phase::dem)}, std::pair{"ground", fraction(Phase::ground)},
+        std::pair{"track", fraction(Phase::track)},
+        std::pair{"coupling", fraction(Phase::coupling)},
+        std::pair{"output", fraction(Phase::output) + fraction(Phase::observe)}}) {
     result[name] = value;
     known += value;
   }
@@ -118,138 +39,56 @@ Json time_fractions(const SummaryInput& run) {
   return result;
 }
 
-// Figures that a stage does not have are left out.
-Json stage_list(const Course& course) {
-  Json list = Json::array();
-  for (const StageRecord& r : course.done) {
-    Json stage{{"name", r.name},
-               {"time_s", r.time},
-               {"duration_s", r.duration},
-               {"window_s", r.window},
-               {"substeps", static_cast<std::int64_t>(r.substeps)},
-               {"particles", static_cast<std::int64_t>(r.particles)},
-               {"bulk_density_kg_m3", r.bulk_density},
-               {"wall_time_s", r.wall_time}};
-    if (r.platen_pressure >= 0) stage["platen_pressure_pa"] = r.platen_pressure;
-    if (r.settlement >= 0) stage["settlement_m"] = r.settlement;
-    if (r.aim != Aim::none) stage["aim_reached"] = r.aim == Aim::reached;
-    list.push_back(stage);
+// Of each phase, s; parts within the phase that includes them. Collective.
+Json times(const par::Comm& comm, const Timers& timers) {
+  Json result = Json::object();
+  for (const model::PhaseTime& time : model::times_over_ranks(comm, timers)) {
+    const std::string name(name_of(time.phase));
+    Json& here = is_part(time.phase)
+                     ? result[std::string(name_of(parent_of(time.phase)))]["parts"][name]
+                     : result[name];
+    here["min_s"] = time.least, here["mean_s"] = time.mean, here["max_s"] = time.largest;
   }
-  return list;
+  return result;
 }
 
-// Values at the end of the run; a box of several cells gives a list of them. Collective.
-Json region_list(const SummaryInput& run) {
-  Json list = Json::array();
-  for (const observe::Region& region : run.regions) {
-    Json cells = Json::array();
-    for (const observe::Measurement& m :
-         observe::measure(run.world.comm, run.world.particles, region))
-      cells.push_back({{"porosity", m.porosity},
-                       {"bulk_density_kg_m3", m.bulk_density},
-                       {"stones", m.stones},
-                       {"coordination", m.coordination},
-                       {"contacts", m.contacts},
-                       {"contact_force_n", m.contact_force},
-                       {"stress_pa", m.stress},
-                       {"fabric", m.fabric}});
-    list.push_back({{"name", region.name}, {"cells", cells}});
+const char* name_of(model::ModelKind kind) {
+  switch (kind) {
+    case model::ModelKind::bed:
+      return "bed";
+    case model::ModelKind::track:
+      return "track";
+    case model::ModelKind::track_on_ground:
+      return "track_on_ground";
+    case model::ModelKind::ground:
+      return "ground";
+    case model::ModelKind::stones:
+      return "stones";
   }
-  return list;
-}
-
-// Largest over mean of the ranks' work on stones; 1: balanced. The halo exchange is left out, since
-// ranks with less work wait there.
-double imbalance(const SummaryInput& run) {
-  const par::Comm& comm = run.world.comm;
-  const double work = run.timers.seconds(Verb::dem) - run.timers.seconds(Verb::halo);
-  return ratio(comm.max(work) * comm.size(), comm.sum(work));
+  return "?";
 }
 
 }  // namespace
 
-// Local: differences are summed over ranks when the figures are made.
-SpeedCounters measure_from(const std::string& stage, const Timers& timers, const World& world) {
-  SpeedCounters measured{.stage = stage,
-                         .dem_seconds = timers.seconds(Verb::dem),
-                         .neighbour_seconds = timers.seconds(Verb::neighbours),
-                         .cpu_seconds = cpu_time(),
-                         .dem_steps = world.particles.steps(),
-                         .ground_seconds = 0,
-                         .ground_steps = 0};
-  if (!world.ground) return measured;
-  const fem::GroundTotals totals = world.ground->totals();
-  measured.ground_seconds = totals.seconds;
-  measured.ground_steps = totals.steps;
-  return measured;
-}
-
-// Bulk density, kg/m^3: mass over the volume of a uniform layer with the same mean height, m,
-//   rho = m/(L B 2 (z_mean - z_ground)),
-// with L B the floor between the walls. Exact only for a uniform layer; for comparisons of stages.
 // Collective.
-StageRecord record_of(const Stage& stage, const Course& course, const Model& model,
-                      const World& world) {
-  const dem::Totals totals = world.particles.totals();
-  // The top of a layer of uniform density is at twice the mean height, which is less sensitive to
-  // loose stones on top than the highest stone. E_pot/(m g) is the height of the centre of mass.
-  const double mean_height =
-      ratio(totals.potential, totals.mass * model.dem.gravity) - world.mean_ground_level();
-  // 0 for a heap without walls.
-  const auto& names = world.walls.names();
-  const bool heap = !names.empty() && world.walls.displacement(names.back()).z() > 0;
-  const double volume = heap || !model.has_bed() ? 0 : world.walls.area() * 2 * mean_height;
-  const bool loaded = has_platen_load(stage.kind) && world.platen;
-  return {.name = stage.name,
-          .time = course.clock.time(),
-          .duration = course.clock.time() - course.clock.start(),
-          .window = course.steps.window,
-          .substeps = static_cast<double>(course.steps.substeps),
-          .particles = static_cast<double>(totals.particles),
-          .bulk_density = ratio(totals.mass, volume),
-          .platen_pressure = loaded ? world.platen->pressure() : -1};
-}
-
-// Written at the end of a run, also if it was stopped (`finished` is then false).
-void write_summary(const SummaryInput& run) {
-  const par::Comm& comm = run.world.comm;
-  const dem::Totals totals = run.world.particles.totals();
-  const couple::Balance& balance = run.world.coupler.balance();
-  Json json{{"deck", run.deck},
-            {"finished", run.finished},
+void Run::write_summary(Outcome outcome) {
+  const par::Comm& comm = context_.comm;
+  const double wall = context_.log.wall_time();
+  Json json{{"deck", context_.name},
+            {"model", name_of(context_.model.kind)},
+            {"finished", outcome == Outcome::finished},
             {"ranks", comm.size()},
-            {"simulated_time_s", run.course.clock.time()},
-            {"wall_time_s", comm.max(run.wall_time)},
-            {"windows", run.course.windows}};
-  const bool stones = run.world.model.has_stones();
-  if (stones) json["dem"] = dem_figures(run, totals);
-  json["ground"] = ground_figures(run);
-  if (run.world.solids) json["solids"] = solid_figures(run.world.solids->bodies());
-  if (stones)
-    json["coupling"] = {{"force", balance.force},
-                        {"moment", balance.moment},
-                        {"impulse", balance.impulse},
-                        {"work", balance.work}};
-  if (run.wheels.any)
-    json["track"] = {{"wheel_force_max_n", run.wheels.most},
-                     {"wheel_force_min_n", run.wheels.least}};
-  json["share"] = time_fractions(run);
-  if (stones)
-    json["energy"] = {
-        {"kinetic", totals.kinetic}, {"potential", totals.potential}, {"elastic", totals.elastic}};
+            {"simulated_time_s", course_.clock.time()},
+            {"wall_time_s", comm.max(wall)},
+            {"windows", course_.windows}};
+  scheme_.summarize(json);
+  json["share"] = time_fractions(comm, context_.timers, wall);
+  json["timers"] = times(comm, context_.timers);
   json["memory_mb_per_rank"] = comm.max(peak_memory_mb());
-  if (stones) {
-    json["imbalance"] = imbalance(run);
-    json["balance"] = {{"rebalances", run.world.particles.balance().rebalances},
-                       {"imbalance_before", run.world.particles.balance().before},
-                       {"imbalance_now", run.world.particles.imbalance()}};
-  }
-  json["stages"] = stage_list(run.course);
-  if (!run.regions.empty()) json["regions"] = region_list(run);
-  std::vector<std::string> warnings = run.deck_warnings;
-  warnings.insert(warnings.end(), run.course.warnings.begin(), run.course.warnings.end());
+  std::vector<std::string> warnings = deck_warnings_;
+  warnings.insert(warnings.end(), course_.warnings.begin(), course_.warnings.end());
   json["warnings"] = warnings;
-  write_summary_file(comm, run.folder, json.dump(2));
+  write_summary_file(comm, context_.folder, json.dump(2));
 }
 
 }  // namespace trackbed::app

@@ -24,7 +24,7 @@ std::string listed(const std::vector<std::string>& names) {
 // Densities are those of the solid, not of the bed with its voids. Parameters that only some laws
 // need may stay 0.
 void Material::declare(input::Section& s) {
-  s.text("name", name, "Name by which contacts, bed and sleepers refer to it.", {}, true);
+  s.text("name", name, "Name by which contacts, bed and sleepers refer to the material.", {}, true);
   s.number("density", density,
            {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
            "Density of the solid: mass of the stones and sleepers made of it.");
@@ -50,29 +50,28 @@ void ContactLaw::declare(input::Section& s) {
   s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Tangential stiffness, linear law.");
   s.number("friction", friction, {.unit = "-", .at_least = 0, .usually_to = 2},
-           "Coulomb's friction coefficient.");
+           "Coulomb's coefficient of friction.");
   s.number(
       "zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
-      "Normal viscous damping over critical, linear law. A head-on collision has the restitution "
-      "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)), with attraction exp(-pi zeta / sqrt(1 - "
-      "zeta^2)).");
+      "Normal viscous damping ratio, linear law. A head-on collision has the restitution exp(-2 "
+      "zeta acos(zeta) / sqrt(1 - zeta^2)), with attraction exp(-pi zeta / sqrt(1 - zeta^2)).");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
-           "Tangential viscous damping over critical, linear law.");
+           "Tangential viscous damping ratio, linear law.");
   s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
-           "Restitution of a head-on collision, hertz law.");
+           "Coefficient of restitution of a head-on collision, hertz law.");
   s.flag("attraction", attraction,
          "Whether viscous damping may cause tension at the end of a collision; if not, F_n >= 0.");
   s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
-           "Largest rolling moment over F_n R, R the reduced radius of the two pieces (of "
-           "the balls around them): the tangent of the steepest slope on which a sphere rests; 0: "
-           "rolling is free.");
+           "Coefficient of rolling friction: largest rolling moment over F_n R, where R is the "
+           "reduced radius of the two pieces (of the balls around them). It is the tangent of the "
+           "steepest slope on which a sphere rests; 0: rolling is free.");
   // From 2.25 mu_r^2 with mu_r = 0.01 (Ai et al. 2011, model C) to some multiple of k_s / k_n
   // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
   s.number("rolling_stiffness", rolling_stiffness,
            {.unit = "-", .above = 0, .usually_from = 1e-4, .usually_to = 10},
-           "Moment per angle of rolling over k_n R^2.");
+           "Rolling stiffness: moment per angle of rolling over k_n R^2.");
   s.number("zeta_r", zeta_r, {.unit = "-", .at_least = 0, .at_most = 1},
-           "Viscous damping of rolling over critical.");
+           "Viscous damping ratio of rolling.");
 }
 
 // Rules state the keys that they read, so that a message points to the wrong line. Whether every

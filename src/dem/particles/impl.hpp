@@ -190,8 +190,9 @@ struct Particles::Impl {
   std::string trouble;
   std::int64_t steps = 0, rebuilds = 0;
   // Not owned; without them times are not recorded.
-  Timers* timers = nullptr;
   Timers own_timers;
+  Timers* timers = &own_timers;
+  Timers::Scope scope(Phase phase) { return timers->scope(phase); }
 };
 
 }  // namespace trackbed::dem

@@ -17,19 +17,21 @@ namespace trackbed::dem {
 
 void Parameters::declare(input::Section& s) {
   s.number("skin", skin, {.unit = "m", .at_least = 0},
-           "Reach of the neighbour lists beyond contact; 0: 0.3 of the smallest particle's "
-           "radius, with stones that have corners 0.15. Changes speed, not results.");
+           "Verlet skin: distance beyond contact up to which neighbour lists hold pairs; 0: 0.3 of "
+           "the smallest particle's radius, with stones that have corners 0.15. It changes speed, "
+           "not results.");
   s.number("rebalance", rebalance, {.unit = "-", .at_least = 0},
-           "Work of the busiest rank over the mean above which stones are redistributed; 0: "
-           "never. Changes speed, not results.");
+           "Load ratio (busiest rank over mean) above which stones are redistributed; 0: never. It "
+           "changes speed, not results.");
   // A collision takes pi/safety sub-steps: 6 hardly resolve it, 3000 only cost time.
   s.number("safety", safety,
            {.unit = "-", .above = 0, .at_most = 1, .usually_from = 1e-3, .usually_to = 0.5},
-           "Longest sub-step over sqrt(m/k) of the stiffest contact and the lightest particle.");
+           "Safety factor on sqrt(m/k) of the lightest particle and the stiffest contact, for the "
+           "longest sub-step.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
-           "Overlap over the smaller radius beyond which the run stops.");
+           "Largest overlap over the smaller radius; beyond it the run stops.");
   s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
-           "Acceleration along -z.");
+           "Gravitational acceleration along -z.");
 }
 
 namespace {

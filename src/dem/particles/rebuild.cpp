@@ -262,7 +262,7 @@ void forward(par::Halo& halo, State& state) {
 }  // namespace
 
 void Particles::Impl::update_ghosts() {
-  const auto timing = (timers ? *timers : own_timers).scope(Verb::halo);
+  const auto timing = scope(Phase::halo);
   if (shapes.only_spheres())
     forward<false>(halo, state);
   else
@@ -326,7 +326,7 @@ bool Particles::Impl::crossed_a_border() const {
 // Collective. The order matters: histories are read from the old lists before these are deleted;
 // owners before ghosts, ghosts before pieces, pieces before lists.
 void Particles::Impl::rebuild() {
-  const auto timing = (timers ? *timers : own_timers).scope(Verb::neighbours);
+  const auto timing = scope(Phase::search);
   std::vector<History> carried = history();
   if (!waiting.empty()) carried.insert(carried.end(), waiting.begin(), waiting.end());
   waiting.clear();

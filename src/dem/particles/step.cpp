@@ -162,6 +162,7 @@ bool Particles::Impl::lists_are_old() const {
                         2 * bound * (state.grown - reference_grown);
   // Written so that a position that is not a number causes a rebuild, which reports it.
   const bool old = !(closer <= skin) || crossed_a_border();
+  const auto timing = timers->scope(Phase::waiting);
   return comm.max(static_cast<std::int64_t>(old)) > 0;
 }
 
@@ -170,13 +171,22 @@ bool Particles::Impl::lists_are_old() const {
 // kick that closes the previous one, so that velocities are at half time at its end; `advance`
 // closes the window.
 void Particles::Impl::substep(const SubStep& step) {
-  kick_and_drift(step.dt, step.number == 1 ? 1 : 2);
+  {
+    const auto timing = scope(Phase::integration);
+    kick_and_drift(step.dt, step.number == 1 ? 1 : 2);
+  }
   if (lists_are_old())
     rebuild();
   else
     update_ghosts();
-  compute_pair_forces(step.dt);
-  compute_surface_forces(step);
+  {
+    const auto timing = scope(Phase::pair_forces);
+    compute_pair_forces(step.dt);
+  }
+  {
+    const auto timing = scope(Phase::surface_forces);
+    compute_surface_forces(step);
+  }
   ++steps;
 }
 

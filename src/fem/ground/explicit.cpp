@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "fem/ground/impl.hpp"
+#include "trackbed/core/whole_steps.hpp"
 
 namespace trackbed::fem {
 
@@ -81,6 +82,7 @@ void Ground::Impl::move(Part part, double h) {
 // Internal force: solid and springs below the base. The springs are excluded from the
 // stiffness-proportional damping, whose damping ratio belongs to the solid.
 void Ground::Impl::internal_force(const Nodal& w, const Nodal& u) {
+  const auto timing = timers->scope(Phase::ground_elements);
   stiffness.apply(w, state.internal);
   for (const Spring& spring : terms.springs)
     for (int c = 0; c < components(); ++c)
@@ -90,6 +92,7 @@ void Ground::Impl::internal_force(const Nodal& w, const Nodal& u) {
 // Stiffness-proportional damping remains elastic: the yield criterion uses the displacement alone,
 // whose ghosts are not exchanged otherwise if elements use displacement plus damping.
 void Ground::Impl::yield(bool ghosts_current) {
+  const auto timing = timers->scope(Phase::ground_plasticity);
   if (!ghosts_current) mesh.exchange(state.displacement);
   plasticity->flow(state.static_displacement, state.displacement);
   plasticity->act_on(state.internal);
@@ -115,11 +118,7 @@ void Ground::Impl::compute_forces(double h, double at) {
 // As many equal steps as fill the window, each at most the stable one. The load is constant in the
 // window: the mean of the last window.
 void Ground::Impl::explicit_window(double dt) {
-  // A step that exceeds the allowed one by rounding only must not be halved.
-  constexpr double rounding = 1e-9;
-  const double allowed = parameters.safety * critical;
-  const auto count = static_cast<std::int64_t>(std::ceil(dt / allowed - rounding));
-  const std::int64_t n = count > 0 ? count : 1;
+  const std::int64_t n = steps_covering(dt, parameters.safety * critical);
   const double h = dt / static_cast<double>(n);
   prepare_step(h);
   for (std::int64_t s = 0; s < n; ++s) {

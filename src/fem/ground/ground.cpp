@@ -231,8 +231,8 @@ void Ground::initialise_acceleration(std::span<const Vec3> top_force) {
 }
 void Ground::try_solvers(double dt) { impl_->try_solvers(dt); }
 
-// Collective. The load of the whole window is the mean force of the stones in the last one; see
-// simulation in app for the scheme.
+// Collective. The load of the whole window is the mean force of the stones in the last one
+// (docs/architecture.md, The step).
 void Ground::advance(double dt, std::span<const Vec3> top_force) {
   const auto begin = std::chrono::steady_clock::now();
   const bool implicit = is_implicit();

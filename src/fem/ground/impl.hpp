@@ -83,6 +83,7 @@ struct Ground::Impl {
   void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);
   // Solves the window again, with state.load instead of `expected` as the load at its end.
+  void solve(const Nodal& right, double rounding);
   void correct_window(double dt, const Nodal& expected);
   // m: displacements at the end of a window due to state.load plus the settled load.
   Nodal deflection(double dt);
@@ -129,6 +130,8 @@ struct Ground::Impl {
                lagging_steps = 0;
   std::vector<double> newton_residuals;  // relative to the forces of the step
   double seconds = 0;
+  Timers own_timers;
+  Timers* timers = &own_timers;
 
  private:
   void make_surface();

@@ -132,7 +132,7 @@ void Ground::Impl::implicit_window(double dt, const Nodal& before) {
   if (plasticity) {
     newton(dt, s, rounding_);
   } else {
-    iterations += implicit_->solve(right_, state.acceleration, rounding_);
+    solve(right_, rounding_);
     ++solves;
   }
   ++steps;
@@ -141,6 +141,11 @@ void Ground::Impl::implicit_window(double dt, const Nodal& before) {
       state.displacement[c][n] += s.beta * dt * dt * state.acceleration[c][n];
       state.velocity[c][n] += s.gamma * dt * state.acceleration[c][n];
     }
+}
+
+void Ground::Impl::solve(const Nodal& right, double rounding) {
+  const auto timing = timers->scope(Phase::ground_solve);
+  iterations += implicit_->solve(right, state.acceleration, rounding);
 }
 
 // Solved with the accelerations of the expected load as first guess, whose right-hand side is still
@@ -152,7 +157,7 @@ void Ground::Impl::correct_window(double dt, const Nodal& expected_load) {
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own)
       right_[c][n] += (1 - s.alpha_f) * (state.load[c][n] - expected_load[c][n]);
-  iterations += implicit_->solve(right_, state.acceleration, rounding_);
+  solve(right_, rounding_);
   ++solves;
   for (int c = 0; c < components(); ++c)
     for (const std::int32_t n : mesh.own) {

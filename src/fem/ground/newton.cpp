@@ -98,7 +98,7 @@ void Ground::Impl::newton(double dt, const AlphaScheme& s, double rounding) {
   NewtonStep step{dt, s, rounding};
   step.scale = implicit_->residual(mixed_, newton_step_, residual_);
   ++newton_steps;
-  iterations += implicit_->solve(mixed_, state.acceleration, rounding);
+  solve(mixed_, rounding);
   if (plastic_step_->has_potential()) {
     if (!converges(step, PlasticStep::Follow::at_once, most_iterations_of_a_step))
       throw RunError(not_converged(step));

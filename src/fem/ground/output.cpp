@@ -182,6 +182,8 @@ GroundTotals Ground::totals() const {
 
 double Ground::seconds() const { return impl_->seconds; }
 
+void Ground::time_with(Timers& timers) { impl_->timers = &timers; }
+
 // Bytes on this rank; PETSc matrices are not included.
 std::size_t Ground::memory() const {
   const Impl& impl = *impl_;

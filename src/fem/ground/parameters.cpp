@@ -86,7 +86,7 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
         about);
   s.rule(key, x.holds(wide) && z.holds(high),
          fmt::format("is cut off where it extends beyond {}", place),
-         {.weight = input::Weight::warning, .reads = about.reads});
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // Position across the track, in space.
@@ -102,7 +102,7 @@ void declare_width(const GroundParameters& ground, std::size_t number, Section& 
                   fmt::format("contains the centre of no element of {}; move or widen it", place),
                   about);
   s.rule(key, y.holds(wide), fmt::format("is cut off where it extends beyond {}", place),
-         {.weight = input::Weight::warning, .reads = about.reads});
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // A layer between the centres of two rows of elements would be left out without notice.
@@ -125,7 +125,7 @@ void declare_height(const GroundParameters& ground, std::size_t number, Section&
          fmt::format("becomes {:.3g} m, the height of the elements whose centres are in it; give "
                      "each layer its `elements`, or use more elements_z",
                      made),
-         {.weight = input::Weight::warning, .reads = about.reads});
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // Twice the area of the triangle of three corners of an outline, m^2; above 0: it turns left.
@@ -158,7 +158,7 @@ void declare_elements(const GroundParameters& p, Section& s) {
          {.reads = {"layer"}});
   s.rule("elements_z", !p.layers_have_elements() || p.elements_z == GroundParameters().elements_z,
          "has no effect: layers have their own `elements`",
-         {.weight = input::Weight::warning, .reads = {"elements_z", "layer"}});
+         {.severity = input::Severity::warning, .reads = {"elements_z", "layer"}});
   const double elements = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
                           static_cast<double>(p.elements_over_depth());
   s.rule("elements_x", !p.present || elements <= most_elements,
@@ -172,13 +172,13 @@ void declare_elements(const GroundParameters& p, Section& s) {
 // unconditionally stable down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak also below.
 void declare_alphas(GroundParameters& p, Section& s) {
   s.number("alpha", p.alpha, {.at_least = -1, .at_most = 0},
-           "Numerical damping (hht, bossak): 0 none; more negative values damp more.");
+           "Parameter alpha of numerical damping (hht, bossak); 0: none; more negative values damp "
+           "more.");
   s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
          "must be at least -1/3 for hht, or the integrator is not stable",
          {.reads = {"integrator", "alpha"}});
   s.number("rho_inf", p.rho_inf, {.at_least = 0, .at_most = 1},
-           "Numerical damping (generalized_alpha): amplitude of the highest frequencies after a "
-           "step over that before; 1: none.");
+           "Spectral radius at infinite frequency (generalized_alpha); 1: no numerical damping.");
 }
 
 // Parameters of integrators that are not used have no effect.
@@ -186,7 +186,7 @@ void declare_idle_numbers(const GroundParameters& p, Section& s) {
   const GroundParameters usual;
   const auto idle = [&](const char* key, double given, double left, bool acts, const char* of) {
     s.rule(key, acts || given == left, fmt::format("has no effect: it is for integrator = {}", of),
-           {.weight = input::Weight::warning, .reads = {"integrator", key}});
+           {.severity = input::Severity::warning, .reads = {"integrator", key}});
   };
   const bool newmark = p.integrator == Integrator::newmark;
   idle("safety", p.safety, usual.safety, p.integrator == Integrator::explicit_, "\"explicit\"");
@@ -208,32 +208,32 @@ void Elastic::declare(Section& s) {
            "Young's modulus.");
   s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");
   s.number("density", density,
-           {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4},
-           "Mass per volume.");
+           {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4}, "Mass density.");
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
-           "Rayleigh damping: factor of the mass matrix; below 0: that of the ground.");
+           "Coefficient of mass-proportional Rayleigh damping; below 0: that of the ground.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
            {.unit = "s", .at_least = -1, .at_most = 1e3, .usually_to = longest_usual},
-           "Rayleigh damping: factor of the stiffness matrix; below 0: that of the ground.");
+           "Coefficient of stiffness-proportional Rayleigh damping; below 0: that of the ground.");
 }
 
 // Parameters of a triaxial test. A dilation angle above the friction angle would create energy; a
 // cut-off beyond the apex would have no effect.
 void Strength::declare(Section& s) {
   s.choice("yield", yield, {"none", "mohr_coulomb"},
-           "none: elastic at any stress; mohr_coulomb: with tension cut-off, without hardening.");
+           "Yield criterion; none: elastic at any stress; mohr_coulomb: with tension cut-off, "
+           "without hardening.");
   s.number("cohesion", cohesion,
            {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
-           "Shear strength without pressure (mohr_coulomb).");
+           "Cohesion (mohr_coulomb).");
   s.number("friction_angle", friction_angle,
            {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 5},
-           "Slope of the shear strength over the pressure (mohr_coulomb).");
+           "Angle of internal friction (mohr_coulomb).");
   s.number("dilation_angle", dilation_angle,
            {.unit = "degrees", .at_least = 0, .at_most = 60, .usually_from = 1},
-           "Volume increase over plastic shear strain, as an angle (mohr_coulomb).");
+           "Dilation angle (mohr_coulomb).");
   s.number("tensile_strength", tensile_strength,
            {.unit = "Pa", .at_least = 0, .usually_from = 100, .usually_to = 1e7},
-           "Largest tension (mohr_coulomb).");
+           "Tensile strength, i.e. tension cut-off (mohr_coulomb).");
   if (yield == Yield::none) {
     const Strength common;
     s.rule("yield",
@@ -241,7 +241,7 @@ void Strength::declare(Section& s) {
                dilation_angle == common.dilation_angle &&
                tensile_strength == common.tensile_strength,
            "is none: cohesion, angles and tensile_strength have no effect",
-           {.weight = input::Weight::warning});
+           {.severity = input::Severity::warning});
     return;
   }
   const About about{.reads = {"cohesion", "friction_angle", "dilation_angle", "tensile_strength"}};
@@ -259,35 +259,35 @@ void Strength::declare(Section& s) {
   s.rule("cohesion", cohesion > 0,
          "leaves the top without strength where it is not loaded: it yields under the first wave; "
          "sand between sleepers has some kPa",
-         {.weight = input::Weight::warning, .reads = about.reads});
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 void Layer::declare(Section& s) {
   s.text("name", name, "Name of the layer in messages and overrides.");
   s.number("thickness", thickness,
            {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 200},
-           "Height of the layer; without `elements` its borders may be within elements.");
+           "Thickness of the layer; without `elements` its borders may be within elements.");
   s.integer("elements", elements, {.at_least = 0, .at_most = 1e5},
-            "Elements over its height, for all layers or none; 0: the elements of elements_z whose "
-            "centres are in it.");
+            "Number of elements over the thickness, for all layers or none; 0: the layer has the "
+            "elements of elements_z whose centres are in it.");
   solid.declare(s);
   s.file("young_file", young_file,
-         "CSV with columns x_m, young_Pa: Young's modulus along the track, linear between rows and "
-         "constant beyond them; overrides young; empty: none.");
+         "CSV of Young's modulus along the track with columns x_m, young_Pa, linear between rows "
+         "and constant beyond; it overrides young; empty: none.");
   strength.declare(s);
 }
 
 void Block::declare(Section& s) {
   s.text("name", name, "Name of the block in messages and overrides.");
-  s.flag("present", present, "If false, the layers continue through it.");
+  s.flag("present", present, "Whether the block exists; otherwise the layers continue through it.");
   s.numbers("outline", outline, {.unit = "m"},
-            "Corners as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
+            "Corners of the block as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
   s.rule("outline", outline.size() % 2 == 0 && outline.size() >= 2 * fewest_corners,
          "must list x and z of at least 3 corners");
   s.rule("outline", !crosses_itself(outline),
          "crosses itself; list the corners in order around the outline");
   s.numbers("y", y, {.unit = "m"},
-            "From and to, across the track (space); none: the whole width of the ground.");
+            "Ends of the block across the track (space); none: the whole width of the ground.");
   s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two numbers, from and to");
   solid.declare(s);
   strength.declare(s);
@@ -306,12 +306,12 @@ bool GroundParameters::yields() const {
 void GroundParameters::declare_grading(Section& s) {
   const input::Limits ratio{.at_least = 1, .at_most = 2};
   s.number("ratio_x", ratio_x, ratio,
-           "Length of each element over that of its neighbour towards fine_x; 1: equal lengths. "
+           "Length ratio of each element to its neighbour towards fine_x; 1: equal lengths. "
            "Unequal lengths along the track make explicit steps several times more expensive.");
   s.number("fine_x", fine_x, {.unit = "m"},
            "Position of the shortest elements along the track (ratio_x).");
   s.number("ratio_y", ratio_y, ratio,
-           "Width of each element over that of its neighbour towards fine_y; 1: equal widths.");
+           "Width ratio of each element to its neighbour towards fine_y; 1: equal widths.");
   s.number("fine_y", fine_y, {.unit = "m"},
            "Position of the narrowest elements across the track (ratio_y).");
   const auto inside = [&](const char* name, double ratio_of, double fine,
@@ -319,31 +319,33 @@ void GroundParameters::declare_grading(Section& s) {
     s.rule(name, ratio_of == 1 || range.size() != 2 || (fine >= range[0] && fine <= range[1]),
            "must be within the ground", about);
     s.rule(name, ratio_of != 1 || fine == 0, "has no effect: all elements are equal (ratio 1)",
-           {.weight = input::Weight::warning, .reads = about.reads});
+           {.severity = input::Severity::warning, .reads = about.reads});
   };
   inside("fine_x", ratio_x, fine_x, x, {.reads = {"x", "ratio_x", "fine_x"}});
   inside("fine_y", ratio_y, fine_y, y, {.reads = {"y", "ratio_y", "fine_y"}});
 }
 
 void GroundParameters::declare_shape(Section& s) {
-  s.numbers("x", x, {.unit = "m"}, "Begin and end of the ground along the track.", 2);
+  s.numbers("x", x, {.unit = "m"}, "Ends of the ground along the track.", 2);
   s.rule("x", rises(x), "must end beyond its begin");
   s.numbers("y", y, {.unit = "m"},
-            "Lateral begin and end; a plane model takes its thickness from the model.", 2);
+            "Ends of the ground across the track; a plane model uses its thickness instead.", 2);
   s.rule("y", rises(y), "must end beyond its begin");
-  s.integer("elements_x", elements_x, {.at_least = 1, .at_most = 1e5}, "Elements along the track.");
+  s.integer("elements_x", elements_x, {.at_least = 1, .at_most = 1e5},
+            "Number of elements along the track.");
   s.integer("elements_y", elements_y, {.at_least = 1, .at_most = 1e5},
-            "Elements across; a plane model has one.");
+            "Number of elements across the track; a plane model has one.");
   s.integer("elements_z", elements_z, {.at_least = 1, .at_most = 1e5},
-            "Elements over the depth; layers may have their own instead.");
+            "Number of elements over the depth, unless layers have their own.");
   declare_grading(s);
-  s.tables("layer", layers, "Horizontal layers from the top down; their sum is the depth.");
+  s.tables("layer", layers,
+           "Horizontal layers from the top down; the sum of their thicknesses is the depth.");
   declare_elements(*this, s);
-  s.tables("block", blocks, "Regions cut out of the layers; later ones overrule earlier ones.");
-  s.tables(
-      "section", sections,
-      "An embankment: its outline across the track at positions along it, linear between them and "
-      "constant beyond; none: layers as wide as y.");
+  s.tables("block", blocks,
+           "Blocks that replace parts of the layers; later blocks override earlier ones.");
+  s.tables("section", sections,
+           "Cross-sections of an embankment at positions along the track, linear between them and "
+           "constant beyond; none: layers as wide as y.");
   s.integer("embankment_layers", embankment_layers, {.at_least = 0, .at_most = 1000},
             "Number of layers, from the top down, that form the embankment (section); those below "
             "are the natural ground on both sides.");
@@ -354,15 +356,16 @@ void GroundParameters::declare_shape(Section& s) {
 
 void GroundParameters::declare_steps(Section& s) {
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = 0, .usually_to = 1e4},
-           "Rayleigh damping: factor of the mass matrix in the damping matrix.");
+           "Coefficient of mass-proportional Rayleigh damping.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
            {.unit = "s", .at_least = 0, .at_most = 1e3, .usually_to = longest_usual},
-           "Rayleigh damping: factor of the stiffness matrix; lowers the stable explicit step.");
+           "Coefficient of stiffness-proportional Rayleigh damping; it lowers the stable explicit "
+           "step.");
   s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
-           "explicit: central differences, as many steps in a window as stability requires; the "
-           "others take one implicit step per window.");
+           "Time integrator; explicit: central differences, with as many steps in a window as "
+           "stability requires; the others take one implicit step per window.");
   s.number("safety", safety, {.above = 0, .at_most = 1},
-           "Longest explicit step over the critical one.");
+           "Safety factor on the critical step (explicit).");
   s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
            "Newmark's gamma; values above 0.5 damp (newmark).");
@@ -372,33 +375,33 @@ void GroundParameters::declare_steps(Section& s) {
   declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},
            "Relative residual at which linear solves stop (implicit steps, static equilibrium); "
-           "Newton iterations of yielding layers stop at 100 times it.");
+           "Newton iterations of yielding layers stop at 100 times this value.");
   s.integer("static_iterations", static_iterations, {.at_least = 1},
-            "Yielding layers: number of iterations within which the out-of-balance force of the "
-            "static solve must halve; otherwise it is stopped as not converging. Near collapse "
+            "Number of iterations within which the out-of-balance force of the static solve must "
+            "halve (yielding layers); otherwise the solve stops as not converging. Near collapse "
             "convergence takes some thousand iterations.");
 }
 
 // Incompatibilities with a mesh file or sections are checked last.
 void GroundParameters::declare(Section& s) {
-  s.flag("present", present, "If false, the stones are on a rigid floor at z = 0.");
+  s.flag("present", present,
+         "Whether there is a ground; otherwise the stones are on a rigid floor at z = 0.");
   declare_shape(s);
-  s.choice("plane", plane, {"stress", "strain"},
-           "Plane stress or plane strain across a plane model.");
+  s.choice("plane", plane, {"stress", "strain"}, "Plane stress or plane strain in a plane model.");
   s.choice("base", base, {"fixed", "viscous"},
-           "Lower border; fixed: held; viscous: Lysmer-Kuhlemeyer dashpots that absorb waves.");
-  s.number(
-      "base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
-      "Springs in parallel with the dashpots of a viscous base, representing the ground below; "
-      "below 0: shear modulus at the base over its depth; 0: none, so that it sinks as long as it "
-      "is loaded. With base_motion there are none.");
+           "Boundary condition of the base; fixed: held; viscous: Lysmer-Kuhlemeyer dashpots that "
+           "absorb waves.");
+  s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
+           "Stiffness of springs in parallel with the dashpots of a viscous base, representing the "
+           "ground below; below 0: shear modulus at the base over its depth; 0: no springs, so "
+           "that the ground sinks as long as it is loaded. With base_motion there are none.");
   s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
          "must be 0, or left out, with base_motion: springs would oppose the motion of the ground, "
          "whose amplitude is twice that of the wave",
          {.reads = {"base_stiffness", "base_motion"}});
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is very soft below a track: is it in Pa/m?",
-         {.weight = input::Weight::warning, .reads = {"base_stiffness"}});
+         {.severity = input::Severity::warning, .reads = {"base_stiffness"}});
   declare_sides(s);
   declare_steps(s);
   declare_mesh(s);

@@ -11,7 +11,7 @@ namespace trackbed::fem {
 
 using input::About;
 using input::Section;
-using input::Weight;
+using input::Severity;
 
 namespace {
 
@@ -148,7 +148,8 @@ void declare_upright(const GroundParameters& p, const std::array<bool, 2>& ends,
                        "(x = {:g} to {:g} m), since the ground ends there; a slope above 0, or "
                        "\"free\", leaves it free",
                        from, to),
-           {.weight = Weight::warning, .reads = {"section", "layer", "x", "y", "elements_x", key}});
+           {.severity = Severity::warning,
+            .reads = {"section", "layer", "x", "y", "elements_x", key}});
     named = named || common;
   }
 }
@@ -207,20 +208,21 @@ void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
   s.rule(fmt::format("section[{}].x", number), on_edge || x < edges.front() || x > edges.back(),
          "is within a row of elements: the shape has its kinks at element borders, and that of "
          "this section is cut off; use other elements_x",
-         {.weight = Weight::warning, .reads = of_shape.reads});
+         {.severity = Severity::warning, .reads = of_shape.reads});
 }
 
 }  // namespace
 
 void CrossSection::declare(Section& s) {
-  s.number("x", x, {.unit = "m"}, "Position along the track; the next section must be beyond.");
+  s.number("x", x, {.unit = "m"},
+           "Position of the section along the track; the next section must be beyond.");
   s.number("crest", crest, {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 50},
-           "Half the width of the crest, from y = 0 to either side.");
+           "Half-width of the crest, from y = 0 to either side.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 50},
-           "Of the crest above the natural ground; 0: that of the layers of the embankment. Their "
-           "lowest layer takes the difference.");
+           "Height of the crest above the natural ground; 0: that of the layers of the embankment, "
+           "whose lowest layer otherwise takes the difference.");
   s.number("slope", slope, {.at_least = 0, .usually_to = 10},
-           "Of the sides, horizontal to vertical; 0: vertical, with the boundary conditions "
+           "Slope of the sides, horizontal to vertical; 0: vertical, with the boundary conditions "
            "side_y_low and side_y_high where y ends.");
 }
 

@@ -61,16 +61,17 @@ void refuse_layers(const GroundParameters& p, Section& s) {
 }  // namespace
 
 void MeshSolid::declare(Section& s) {
-  s.text("name", name, "Physical volume of the mesh that consists of it.");
+  s.text("name", name, "Name of the physical volume of the mesh.");
   solid.declare(s);
   strength.declare(s);
 }
 
 void MeshBorder::declare(Section& s) {
-  s.text("name", name, "Physical surface of the mesh.");
+  s.text("name", name, "Name of the physical surface of the mesh.");
   s.choice("holds", holds, {"free", "fixed", "roller", "viscous"},
-           "free: none; fixed: in all directions; roller: along its normal; viscous: dashpots that "
-           "absorb waves, and at the base the springs of base_stiffness.");
+           "Boundary condition; free: none; fixed: held in all directions; roller: held along its "
+           "normal; viscous: dashpots that absorb waves, and at the base the springs of "
+           "base_stiffness.");
 }
 
 void GroundParameters::declare_mesh(Section& s) {
@@ -78,7 +79,7 @@ void GroundParameters::declare_mesh(Section& s) {
          "Gmsh file (ASCII, 4.1 or 2.2) of 10-node tetrahedra instead of layers and elements; its "
          "physical volumes need a solid, its physical surfaces a border; empty: none.");
   s.text("mesh_top", mesh_top,
-         "Physical surface of the mesh below the stones; it must be at z = 0.");
+         "Name of the physical surface of the mesh below the stones; it must be at z = 0.");
   s.tables("solid", solids, "Material of a physical volume of the mesh.");
   s.tables("border", borders, "Boundary condition of a physical surface of the mesh.");
   const About with_mesh{.reads = {"mesh", "mesh_top", "solid", "border"}};

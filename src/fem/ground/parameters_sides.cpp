@@ -14,7 +14,7 @@ namespace trackbed::fem {
 
 using input::About;
 using input::Section;
-using input::Weight;
+using input::Severity;
 
 namespace {
 
@@ -50,7 +50,7 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, const std::s
                   Section& s) {
   const std::string key = before + side.key;
   const About odd{
-      .weight = Weight::warning,
+      .severity = Severity::warning,
       .reads = {before + "base", before + "base_motion", before + "layer", before + "block", key}};
   s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
          "acts as a viscous one: there is no motion beside the ground; give base_motion", odd);
@@ -162,28 +162,27 @@ Sides GroundParameters::side(int axis, bool high) const {
 // Without a wave from below the ground beside the model is at rest, and a viscous side is
 // sufficient.
 void GroundParameters::declare_sides(Section& s) {
-  s.choice(
-      "sides", sides, {"free", "roller", "viscous", "free_field"},
-      "Lateral borders; roller: held along the normal, a plane of symmetry; viscous: dashpots that "
-      "absorb waves; free_field: the same, against columns of the ground beside that move with "
-      "base_motion. Periodic ones come in pairs: side_x_low and side_x_high.");
+  s.choice("sides", sides, {"free", "roller", "viscous", "free_field"},
+           "Boundary condition of all sides; roller: held along the normal, as in a plane of "
+           "symmetry; viscous: dashpots that absorb waves; free_field: dashpots relative to "
+           "free-field columns that move with base_motion. Periodic sides are given in pairs, as "
+           "side_x_low and side_x_high.");
   const auto one = [&](const char* key, Sides& side, const char* where) {
     s.choice(key, side,
              {"free", "roller", "viscous", "free_field", "fixed", "as_sides", "periodic"},
-             fmt::format("Boundary condition of the side {}; as_sides: that of sides; fixed: held "
-                         "in all directions; periodic: joined to the opposite side.",
+             fmt::format("Boundary condition of the side at the {}; as_sides: that of `sides`; "
+                         "fixed: held in all directions; periodic: joined to the opposite side.",
                          where));
   };
-  one("side_x_low", side_x_low, "at the begin along the track");
-  one("side_x_high", side_x_high, "at the end along the track");
-  one("side_y_low", side_y_low, "at the lateral begin");
-  one("side_y_high", side_y_high, "at the lateral end");
-  s.file(
-      "base_motion", base_motion,
-      "CSV with columns time_s (since the ground was released), vx_m_s, vz_m_s: velocity of a wave "
-      "that enters through a viscous base, half of an outcrop's; rows before 0 s have no effect on "
-      "the ground; the first and the last row must be at rest, as are rows at both ends of less "
-      "than 1e-9 of the largest speed; empty: none.");
+  one("side_x_low", side_x_low, "lowest x");
+  one("side_x_high", side_x_high, "highest x");
+  one("side_y_low", side_y_low, "lowest y");
+  one("side_y_high", side_y_high, "highest y");
+  s.file("base_motion", base_motion,
+         "CSV of a wave that enters through a viscous base, with columns time_s (since the release "
+         "of the ground), vx_m_s, vz_m_s: half the velocity at an outcrop; empty: none. Rows "
+         "before 0 s have no effect on the ground. The first and the last row must be at rest; "
+         "rows at both ends with less than 1e-9 of the largest speed count as such.");
   s.rule("base_motion", base_motion.empty() || base == Base::viscous,
          "needs base = \"viscous\": a wave enters through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});

@@ -115,6 +115,7 @@ void Ground::Impl::try_solvers(double dt) {
 }
 
 void Ground::Impl::elastic_equilibrium(const Nodal& right) {
+  const auto timing = timers->scope(Phase::ground_solve);
   LinearSystem statics(mesh, stiffness, static_spec());
   // The old static solution is the first guess: settling again under nearly the same load is cheap.
   iterations += statics.solve(right, state.static_displacement);
@@ -153,10 +154,16 @@ bool Ground::Impl::yielding_equilibrium(const Nodal& right, const StaticMonitor&
     // The first iteration is the elastic solution, which is final if nothing yields.
     reached =
         iteration == 0 ? parameters.tolerance : std::max(parameters.tolerance, rough * residual);
-    iterations += solver.solve(load, state.static_displacement, reached, all);
+    {
+      const auto timing = timers->scope(Phase::ground_solve);
+      iterations += solver.solve(load, state.static_displacement, reached, all);
+    }
     ++solves;
     acceleration.apply(iteration, state.static_displacement);
-    for (int k = 0; k < returns; ++k) plasticity->flow(state.static_displacement, none);
+    {
+      const auto timing = timers->scope(Phase::ground_plasticity);
+      for (int k = 0; k < returns; ++k) plasticity->flow(state.static_displacement, none);
+    }
     after.fill(0);
     plasticity->act_on(after);
     for (int c = 0; c < components(); ++c)

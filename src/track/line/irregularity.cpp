@@ -104,9 +104,9 @@ double rms_of(Spectrum spectrum, double shortest, double longest) {
 // Each kind uses some of these; the descriptions state which.
 void IrregularityParameters::declare(input::Section& s) {
   s.choice("kind", kind, {"none", "versine", "vee", "joint", "waves", "spectrum", "file", "same"},
-           "Shape of the running surface: even; a dip that is smooth, of two ramps, or of two "
-           "parabolas with a kink between them; smooth dips one after the other; random from a "
-           "spectrum; measured; same: the right rail has that of the left one.");
+           "Shape of the running surface; none: even; versine: a smooth dip; vee: a dip of two "
+           "ramps; joint: a dip of two parabolas with a kink; waves: successive smooth dips; "
+           "spectrum: random; file: measured; same: that of the left rail.");
   s.number("at", at, {.unit = "m"}, "x of the middle of the dip, or of the start of the waves.");
   s.number("depth", depth, {.unit = "m", .usually_from = -0.02, .usually_to = 0.02},
            "Depth of dip or waves; negative: a bump.");
@@ -115,7 +115,8 @@ void IrregularityParameters::declare(input::Section& s) {
   s.integer("waves", waves, {.at_least = 1}, "Number of waves.");
   s.choice("spectrum", spectrum,
            {"erri_low", "erri_high", "fra_1", "fra_2", "fra_3", "fra_4", "fra_5", "fra_6", "china"},
-           "Vertical profile after ERRI B176, FRA track classes, or TB/T 3352 (ballastless).");
+           "Spectrum of the vertical profile after ERRI B176, FRA track classes, or TB/T 3352 "
+           "(ballastless).");
   s.number("shortest", shortest, {.unit = "m", .above = 0, .usually_to = 10},
            "Shortest wavelength of the spectrum.");
   s.number("longest", longest, {.unit = "m", .above = 0, .usually_to = 300},
@@ -123,9 +124,10 @@ void IrregularityParameters::declare(input::Section& s) {
   s.integer("seed", seed, {.at_least = 0}, "Seed of the random profile.");
   s.number("fade", fade, {.unit = "m", .at_least = 0},
            "Distance from the start of the track over which spectrum or file fade in.");
-  s.file("file", file,
-         "CSV with columns x_m, z_m (upwards), x increasing: cubic between equidistant rows, "
-         "linear between others; constant before the first and after the last row.");
+  s.file(
+      "file", file,
+      "CSV of the profile with columns x_m (increasing), z_m (upwards): cubic between equidistant "
+      "rows, linear between others; constant before the first and after the last row.");
   s.rule("file", kind != IrregularityKind::file || !file.empty(), "is needed for kind = \"file\"");
   s.rule("longest", longest > shortest, "must be longer than the shortest");
 }

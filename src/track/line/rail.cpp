@@ -35,22 +35,24 @@ const RailSection& rail_section(std::string_view name) {
 void RailParameters::declare(input::Section& s) {
   std::vector<std::string_view> names;
   for (const RailSection& known : rail_sections()) names.push_back(known.name);
-  s.text("section", section, "Rail section: area, inertia and mass where these are 0.", names);
+  s.text("section", section, "Rail section, which gives area, inertia and mass where these are 0.",
+         names);
   s.choice("theory", theory, {"timoshenko", "euler"},
-           "Timoshenko: bending, shear and rotary inertia. Euler: bending only (Euler-Bernoulli).");
+           "Beam theory of the rail; timoshenko: bending, shear and rotary inertia; euler: bending "
+           "only (Euler-Bernoulli).");
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
-           "Young's modulus.");
+           "Young's modulus of the rail.");
   s.number("poisson", poisson, {.above = -1, .at_most = 0.5},
-           "Poisson's ratio, which gives the shear modulus.");
+           "Poisson's ratio of the rail, for the shear modulus.");
   s.number("shear_factor", shear_factor, {.above = 0, .at_most = 1},
            "Shear coefficient: effective shear area over area (timoshenko).");
   s.number("area", area, {.unit = "m2", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
-           "Cross-section of one rail; 0: of the section.");
+           "Cross-sectional area of one rail; 0: that of the section.");
   s.number("inertia", inertia,
            {.unit = "m4", .at_least = 0, .usually_from = 1e-8, .usually_to = 10},
-           "Second moment of area of one rail about its horizontal axis; 0: of the section.");
+           "Second moment of area of one rail about its horizontal axis; 0: that of the section.");
   s.number("mass", mass, {.unit = "kg/m", .at_least = 0, .usually_from = 1, .usually_to = 1e5},
-           "Mass per length of one rail; 0: of the section.");
+           "Mass per length of one rail; 0: that of the section.");
 }
 
 //   k G A = kappa A E/(2 (1 + nu)),   rho I = (m/A) I

@@ -22,20 +22,24 @@ double smooth(double s) {
 
 }  // namespace
 
-// Positions are checked where the length of the track is known (app/track_rules/track_model.cpp).
+// Positions are checked where the length of the track is known (model/track_rules/track_model.cpp).
 void RailForce::declare(input::Section& s) {
-  s.choice("kind", kind, {"harmonic", "impact"},
-           "harmonic: a sine without end; impact: half a sine, as of a hammer.");
-  s.choice("side", side, {"left", "right"}, "Rail on which it acts, of two rails.");
-  s.number("at", at, {.unit = "m", .at_least = 0},
-           "x at which it acts; preferably a node of the rail (see passage.points).");
+  s.choice(
+      "kind", kind, {"harmonic", "impact"},
+      "Course of the force; harmonic: a sine without end; impact: half a sine, as of a hammer.");
+  s.choice("side", side, {"left", "right"}, "Rail on which the force acts, of two rails.");
+  s.number(
+      "at", at, {.unit = "m", .at_least = 0},
+      "x of the force, preferably at a rail node (a multiple of track.spacing / track.elements).");
   s.number("size", size, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
-           "Amplitude or peak, downwards, on one rail.");
-  s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 5000}, "Harmonic.");
-  s.number("begin", begin, {.unit = "s", .at_least = 0}, "Time at which it starts.");
+           "Amplitude (harmonic) or peak (impact) of the force on one rail, downwards.");
+  s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 5000},
+           "Frequency of a harmonic force.");
+  s.number("begin", begin, {.unit = "s", .at_least = 0}, "Time at which the force starts.");
   s.number("rise", rise, {.unit = "s", .at_least = 0},
            "Time in which a harmonic force reaches its amplitude.");
-  s.number("length", length, {.unit = "s", .above = 0, .usually_to = 1}, "Duration of an impact.");
+  s.number("length", length, {.unit = "s", .above = 0, .usually_to = 1},
+           "Duration of an impact force.");
 }
 
 double RailForce::duration() const { return kind == ForceKind::impact ? length : 1 / frequency; }

@@ -23,30 +23,31 @@ bool is_multiple(double length, double of) {
 void PadParameters::declare(input::Section& s) {
   s.number("stiffness", stiffness,
            {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
-           "Of the pads on one rail seat.");
+           "Stiffness of the rail pads at one rail seat.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},
-           "Of the pads on one rail seat.");
+           "Damping of the rail pads at one rail seat.");
   s.number("bilinear_at", bilinear_at, {.unit = "m", .at_least = 0, .usually_to = 5e-3},
-           "Compression at which a pad becomes stiffer; 0: it does not.");
+           "Compression beyond which `bilinear_stiffness` applies; 0: pads are linear.");
   s.number("bilinear_stiffness", bilinear_stiffness,
-           {.unit = "N/m", .at_least = 0, .usually_to = 1e10}, "Stiffness beyond `bilinear_at`.");
+           {.unit = "N/m", .at_least = 0, .usually_to = 1e10},
+           "Tangent stiffness of the rail pads beyond `bilinear_at`.");
   s.flag("uplift", uplift,
-         "Whether the rail lifts off when a pad has lost its preload; otherwise pads also act in "
-         "tension, without limit (track alone).");
+         "Whether the rail lifts off a pad that has lost its preload (track alone); otherwise pads "
+         "transmit unlimited tension.");
   s.number("preload", preload, {.unit = "N", .at_least = -1, .usually_to = 1e5},
-           "Static compressive force of each pad (uplift), from the rail's weight and fastenings; "
-           "below 0: the rail's weight.");
+           "Static compressive force of each pad from rail weight and fastenings (uplift); below "
+           "0: the rail's weight alone.");
   s.rule("preload", uplift || preload < 0, "has no effect: pads do not lift off (uplift = false)",
-         {.weight = input::Weight::warning, .reads = {"uplift", "preload"}});
+         {.severity = input::Severity::warning, .reads = {"uplift", "preload"}});
   s.rule("bilinear_stiffness", bilinear_at == 0 || bilinear_stiffness > stiffness,
          "must be above pad.stiffness",
          {.reads = {"stiffness", "bilinear_at", "bilinear_stiffness"}});
   s.rule("bilinear_stiffness", bilinear_at > 0 || bilinear_stiffness == 0,
          "has no effect with bilinear_at = 0",
-         {.weight = input::Weight::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
+         {.severity = input::Severity::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
   s.rule("damping", bilinear_at == 0 || damping > 0,
          "leaves bilinear pads undamped: energy may increase in steps that pass bilinear_at",
-         {.weight = input::Weight::warning, .reads = {"bilinear_at", "damping"}});
+         {.severity = input::Severity::warning, .reads = {"bilinear_at", "damping"}});
 }
 
 // One spring, or two with a mass between, for which Zhai, Wang and Lin (Modelling and experiment of
@@ -55,18 +56,18 @@ void PadParameters::declare(input::Section& s) {
 void BallastParameters::declare(input::Section& s) {
   s.number("stiffness", stiffness,
            {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
-           "Of the ballast below one rail seat.");
+           "Stiffness of the ballast below one rail seat.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
-           "Of the ballast below one rail seat.");
-  s.number("mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
-           "Of the ballast that moves with one rail seat; 0: none, the ballast is on rigid "
-           "ground.");
+           "Damping of the ballast below one rail seat.");
+  s.number(
+      "mass", mass, {.unit = "kg", .at_least = 0, .usually_to = 5000},
+      "Vibrating mass of the ballast below one rail seat; 0: massless ballast on rigid ground.");
   s.number("below_stiffness", below_stiffness, {.unit = "N/m", .above = 0},
-           "Below the ballast mass.");
+           "Stiffness of the spring below the ballast mass.");
   s.number("below_damping", below_damping, {.unit = "N s/m", .at_least = 0},
-           "Below the ballast mass.");
+           "Damping of the spring below the ballast mass.");
   const BallastParameters none;
-  const input::About about{.weight = input::Weight::warning,
+  const input::About about{.severity = input::Severity::warning,
                            .reads = {"mass", "below_stiffness", "below_damping"}};
   s.rule("below_stiffness", mass > 0 || below_stiffness == none.below_stiffness,
          "has no effect without a mass of the ballast", about);
@@ -79,16 +80,18 @@ void BallastParameters::declare(input::Section& s) {
 void UnderSleeperPadParameters::declare(input::Section& s) {
   s.number("stiffness", stiffness,
            {.unit = "N/m", .at_least = 0, .usually_from = 5e6, .usually_to = 1e10},
-           "Of the pad below a sleeper, for one rail seat, in series with the ballast; 0: none.");
+           "Stiffness of the under-sleeper pad at one rail seat, in series with the ballast; 0: no "
+           "pad.");
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e7},
-           "Of the same, in parallel with its spring.");
+           "Damping of the under-sleeper pad, in parallel with its stiffness.");
   s.number("from", from, {.unit = "m", .at_least = 0},
-           "x from which sleepers have pads below them.");
-  s.number("to", to, {.unit = "m", .at_least = 0},
-           "x up to which sleepers have pads; a sleeper at this x has none. 0: up to the end.");
+           "x from which sleepers have under-sleeper pads.");
+  s.number(
+      "to", to, {.unit = "m", .at_least = 0},
+      "x up to which sleepers have under-sleeper pads (exclusive); 0: up to the end of the track.");
   s.rule("to", to == 0 || to > from, "must lie beyond from, or be 0");
   const UnderSleeperPadParameters none;
-  const input::About about{.weight = input::Weight::warning,
+  const input::About about{.severity = input::Severity::warning,
                            .reads = {"stiffness", "damping", "from", "to"}};
   const auto unused = [&](const char* name, double value, double unset) {
     s.rule(name, stiffness > 0 || value == unset, "has no effect without a stiffness of the pad",
@@ -102,30 +105,31 @@ void UnderSleeperPadParameters::declare(input::Section& s) {
 void TrackZone::declare(input::Section& s) {
   s.number("from", from, {.unit = "m", .required = true}, "x at the start of the zone.");
   s.number("to", to, {.unit = "m", .required = true},
-           "x at its end, which is not part of the zone except at the end of the track.");
+           "x at the end of the zone (exclusive, except at the end of the track).");
   s.number("rail", rail, {.above = 0, .at_most = 1e9, .usually_to = 100},
-           "Factor of the rail's bending and shear stiffness and mass, as in a crossing.");
+           "Factor on bending stiffness, shear stiffness and mass of the rail, as in a crossing.");
   s.number("bed", bed, {.at_least = 0, .usually_to = 1000},
-           "Factor of stiffness and damping of the bed, or of the ballast below sleepers.");
+           "Factor on stiffness and damping of the bed, or of the ballast below sleepers.");
   s.number("gap", gap, {.unit = "m", .at_least = 0, .at_most = 100, .usually_to = 0.02},
-           "Between sleepers and ballast of the unloaded track: hanging sleepers.");
+           "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},
-           "Rail, or end of the sleepers, to which the zone applies, of two rails.");
+           "Rail, or end of the sleepers, to which the zone applies (space).");
   s.rule("to", to > from, "must lie beyond from");
 }
 
 // Parameters of a track with two rails only.
 void TrackParameters::declare_space(input::Section& s) {
   s.choice("dimension", dimension, {"plane", "space"},
-           "plane: one rail with its part of vehicles and sleepers; space: two rails, sleepers and "
-           "vehicles also roll.");
+           "Dimension of the track; plane: one rail with its part of vehicles and sleepers; space: "
+           "two rails, sleepers and vehicles also roll.");
   s.number("gauge", gauge, {.unit = "m", .above = 0, .usually_from = 0.6, .usually_to = 2},
-           "Distance of the rails' centrelines (space, or bending sleepers).");
+           "Distance between rail centrelines: track gauge plus head width (space, or bending "
+           "sleepers).");
   s.number("sleeper_length", sleeper_length,
            {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 5},
-           "Of sleepers, over which the ballast is uniform (space, or bending sleepers).");
+           "Length of the sleepers, with uniform ballast below (space, or bending sleepers).");
   s.number("sleeper_inertia", sleeper_inertia, {.unit = "kg m2", .at_least = 0},
-           "Of a whole rigid sleeper in roll (space); 0: of a uniform bar.");
+           "Roll inertia of a whole rigid sleeper (space); 0: that of a uniform bar.");
   s.rule("rails", dimension == Dimension::plane || rails == 2, "must be 2 where dimension = space",
          {.reads = {"dimension", "rails"}});
   for (std::size_t i = 0; i < zones.size(); ++i)
@@ -138,23 +142,24 @@ void TrackParameters::declare_space(input::Section& s) {
 // that of concrete monoblock sleepers is 100 to 150 Hz.
 void SleeperBeamParameters::declare(input::Section& s) {
   s.choice("model", model, {"rigid", "beam"},
-           "beam: sleepers bend across the track; a plane track has half of each, with symmetry in "
-           "the middle.");
+           "Model of the sleepers; beam: they bend across the track, and a plane track has half of "
+           "each, symmetric about the middle.");
   s.choice("theory", theory, {"timoshenko", "euler"},
-           "euler: rigid in shear, without rotary inertia (beam).");
+           "Beam theory; euler: without shear deformation and rotary inertia (beam).");
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
-           "Young's modulus (beam).");
+           "Young's modulus of the sleepers (beam).");
   s.number("poisson", poisson, {.at_least = 0, .at_most = 0.5},
-           "Poisson's ratio: shear modulus (beam, timoshenko).");
+           "Poisson's ratio of the sleepers, for the shear modulus (beam, timoshenko).");
   s.number("width", width, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
-           "Width of the constant rectangular cross-section (beam).");
+           "Width of the constant rectangular cross-section of the sleepers (beam).");
   s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
-           "Height of the same (beam).");
+           "Height of the cross-section of the sleepers (beam).");
   s.integer("elements", elements, {.at_least = 2, .at_most = 100},
-            "Between the rails, an even number; elements beyond are not longer (beam).");
+            "Number of elements of a sleeper between the rails, even; elements beyond are not "
+            "longer (beam).");
   s.number("unsupported", unsupported, {.unit = "m", .at_least = 0, .usually_to = 2},
-           "Length in the middle without ballast below; the stiffness of the rest is increased "
-           "accordingly (space, or beam).");
+           "Unsupported length in the middle of each sleeper; the ballast below the rest keeps the "
+           "total stiffness (space, or beam).");
   s.rule("elements", elements % 2 == 0, "must be even: the middle is a node");
 }
 
@@ -182,38 +187,37 @@ void TrackParameters::declare_sleepers(input::Section& s) {
 
 // All values are for one rail, except those of the sleeper, as usual in drawings.
 void TrackParameters::declare(input::Section& s) {
-  s.choice(
-      "support", support, {"sleepers", "continuous", "none"},
-      "sleepers: pads, sleepers, ballast; continuous: a Kelvin bed directly under the rail; none: "
-      "supported at its ends only, as a bridge.");
+  s.choice("support", support, {"sleepers", "continuous", "none"},
+           "Support of the rail; sleepers: pads, sleepers and ballast; continuous: a Winkler bed "
+           "with dampers; none: the ends of the rail only, as of a bridge.");
   s.choice("ends", ends, {"free", "pinned"},
            "Ends of the rail; pinned ends have a fixed height, equal to that of the rigid rails "
            "beyond.");
   s.integer("rails", rails, {.at_least = 1, .at_most = 2},
-            "Identical rails that carry equal parts of vehicles and sleepers; 1: one beam carries "
-            "all.");
+            "Number of identical rails that carry equal parts of vehicles and sleepers; 1: one "
+            "beam carries all.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
-           "Of the track, from x = 0; beyond it wheels roll on rigid rails.");
+           "Length of the track, from x = 0; beyond its ends wheels roll on rigid rails.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
-           "Of sleepers; the length is a multiple of it.");
-  s.integer("elements", elements, {.at_least = 1, .at_most = 100}, "Of the rail in a spacing.");
+           "Sleeper spacing, of which the length of the track is a multiple.");
+  s.integer("elements", elements, {.at_least = 1, .at_most = 100},
+            "Number of rail elements per sleeper spacing.");
   s.number("sleeper_mass", sleeper_mass,
            {.unit = "kg", .above = 0, .usually_from = 10, .usually_to = 2000},
-           "Of a whole sleeper (sleepers).");
+           "Mass of a whole sleeper (with sleepers).");
   s.number("bed_stiffness", bed_stiffness,
            {.unit = "N/m2", .above = 0, .usually_from = 1e5, .usually_to = 1e10},
-           "Below one rail, per length (continuous).");
+           "Stiffness of the bed below one rail, per length (continuous).");
   s.number("bed_damping", bed_damping, {.unit = "N s/m2", .at_least = 0, .usually_to = 1e7},
-           "Below one rail, per length (continuous).");
-  s.number(
-      "run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
-      "Length at both ends over which rail, pads and bed become stiffer towards the rigid rails "
-      "beyond; a rail without support (a bridge) has none.");
+           "Damping of the bed below one rail, per length (continuous).");
+  s.number("run_in", run_in, {.unit = "m", .at_least = 0, .usually_to = 50},
+           "Length of run-in and run-out, in which rail, pads and bed become stiffer towards the "
+           "rigid rails beyond; a rail without support (a bridge) has none.");
   s.number("run_in_factor", run_in_factor, {.at_least = 1, .at_most = 1e6},
-           "Stiffness and damping at the ends of the track over those of the track.");
+           "Stiffness and damping at the ends of the track over those between run-in and run-out.");
   s.tables("zone", zones,
            "Parts of the track with other properties; factors of overlapping zones multiply.");
-  s.table("sleeper", sleeper, "Sleepers across the track.");
+  s.table("sleeper", sleeper, "Sleepers as beams across the track.");
   declare_space(s);
   declare_sleepers(s);
   s.rule("length", is_multiple(length, spacing), "must be a multiple of track.spacing",
@@ -231,17 +235,16 @@ void TrackParameters::declare(input::Section& s) {
 // together on the track at 50 to 100 Hz: 0.2 ms resolves the latter well and the former roughly.
 void PassageParameters::declare(input::Section& s) {
   s.number("step", step, {.unit = "s", .above = 0, .usually_from = 1e-6, .usually_to = 1e-2},
-           "Time step.");
+           "Time step of track and train (on a ground or a bed its upper limit).");
   s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 1000},
            "Simulated time; 0: until the last axle has left the track.");
-  s.choice(
-      "loaded_by", loaded_by, {"train", "seats"},
-      "train: wheels on the rail; seats: [load] on each rail seat, without pads and rail (of a "
-      "track alone, or on a ground).");
+  s.choice("loaded_by", loaded_by, {"train", "seats"},
+           "Load of the track; train: wheels on the rail; seats: [load] on each rail seat, without "
+           "pads and rail (track alone or on a ground).");
   s.number("tolerance", tolerance,
            {.unit = "m", .at_least = 1e-20, .usually_from = 1e-16, .usually_to = 1e-8},
-           "Convergence tolerance of the approach of wheel and rail in each step; with 1e9 N/m, "
-           "1e-12 m correspond to 1 mN.");
+           "Convergence tolerance of the approach of wheel and rail in each step; at 1e9 N/m, "
+           "1e-12 m corresponds to 1 mN.");
 }
 
 }  // namespace trackbed::track

@@ -15,6 +15,7 @@
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/types.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::track {
 
@@ -119,38 +120,21 @@ void add_bogie(Builder& to, const VehicleParameters& v, const Point& above,
   }
 }
 
-std::vector<Body> add_coach(Builder& to, const VehicleParameters& v) {
-  std::vector<Body> wheelsets;
-  const Body body = to.body({v.body_mass, v.body_inertia, v.body_roll, v.body_offset});
-  for (const double side : {1.0, -1.0})
-    add_bogie(to, v, {body, side * v.bogie_distance / 2}, wheelsets);
-  return wheelsets;
-}
-
 // On one rail a wheelset represents both its wheels.
 std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
-  if (v.kind == VehicleKind::coach) return add_coach(to, v);
-  if (v.kind == VehicleKind::wheel) return {to.body({v.wheelset_mass, 0, v.wheelset_roll})};
-  const Body body = to.body({v.body_mass, 0, v.body_roll, v.body_offset});
-  if (v.kind == VehicleKind::bogie) {
-    std::vector<Body> wheelsets;
-    add_bogie(to, v, {body}, wheelsets);
-    return wheelsets;
-  }
+  const VehicleLayout layout = layout_of(v.kind);
+  if (!layout.body) return {to.body({v.wheelset_mass, 0, v.wheelset_roll})};
+  const double inertia = layout.pitches ? v.body_inertia : 0;
+  const Body body = to.body({v.body_mass, inertia, v.body_roll, v.body_offset});
+  std::vector<Body> wheelsets;
+  if (layout.bogies == 2)
+    for (const double side : {1.0, -1.0})
+      add_bogie(to, v, {body, side * v.bogie_distance / 2}, wheelsets);
+  if (layout.bogies == 1) add_bogie(to, v, {body}, wheelsets);
+  if (layout.bogies > 0) return wheelsets;
   const Body wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
   to.join({body}, {wheelset}, {v.primary_stiffness, v.primary_damping}, v.primary_base);
   return {wheelset};
-}
-
-// m behind the vehicle's front.
-std::vector<double> axles_of(const VehicleParameters& v) {
-  if (v.kind == VehicleKind::forces) return v.axles;
-  if (v.kind == VehicleKind::bogie)
-    return {v.length / 2 - v.wheelbase / 2, v.length / 2 + v.wheelbase / 2};
-  if (v.kind != VehicleKind::coach) return {v.length / 2};
-  const double front = v.length / 2 - v.bogie_distance / 2 - v.wheelbase / 2;
-  return {front, front + v.wheelbase, front + v.bogie_distance,
-          front + v.bogie_distance + v.wheelbase};
 }
 
 // A vehicle of the deck or of the library.
@@ -160,20 +144,6 @@ VehicleParameters find_vehicle(const std::string& name,
     for (const VehicleParameters& vehicle : *list)
       if (vehicle.name == name) return complete(vehicle);
   throw InputError({"train.vehicles: " + why_no_vehicle(name, known)});
-}
-
-// kg, mass of the whole vehicle.
-double mass_of(const VehicleParameters& v) {
-  switch (v.kind) {
-    case VehicleKind::coach:
-      return v.body_mass + 2 * v.bogie_mass + 4 * v.wheelset_mass;
-    case VehicleKind::bogie:
-      return v.body_mass + v.bogie_mass + 2 * v.wheelset_mass;
-    case VehicleKind::sprung:
-      return v.body_mass + v.wheelset_mass;
-    default:
-      return v.wheelset_mass;
-  }
 }
 
 }  // namespace
@@ -192,7 +162,8 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
     if (const auto missing = lacking(v); !missing.empty())
       throw InputError(
           {fmt::format("vehicle \"{}\" needs {} too", name, fmt::join(missing, ", "))});
-    const bool constant = v.kind == VehicleKind::forces;
+    const VehicleLayout layout = layout_of(v.kind);
+    const bool constant = layout.constant;
     const std::vector<double> axles = axles_of(v);
     first_.push_back(builder.unknowns());
     std::vector<Body> wheelsets(axles.size(), Body{-1});
@@ -210,7 +181,7 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
              .side = side,
              .roll = wheelsets[i].roll,
              .aside = side == 0 ? gauge / 2 : -gauge / 2});
-    const std::int32_t behind = v.kind == VehicleKind::coach ? 2 : 1;  // height, then pitch
+    const std::int32_t behind = layout.pitches ? 2 : 1;  // height, then pitch
     roll_.push_back(rolls && !constant ? first_.back() + behind : -1);
     vehicles_.push_back(v);
     front += v.length;
@@ -232,7 +203,7 @@ double Train::axle_distance() const {
 //   K x = w^2 M x,   f = w/(2 pi)
 std::vector<double> natural_frequencies(const VehicleParameters& vehicle, bool rolls) {
   const VehicleParameters v = complete(vehicle);
-  if (v.kind == VehicleKind::forces || v.kind == VehicleKind::wheel) return {};
+  if (!layout_of(v.kind).body) return {};
   Builder builder(1, rolls);
   std::vector<std::int32_t> held;
   for (const Body& wheelset : add_bodies(builder, v))

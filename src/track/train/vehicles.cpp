@@ -11,6 +11,7 @@
 #include "trackbed/core/types.hpp"
 #include "trackbed/input/deck.hpp"
 #include "trackbed/track/train.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
 
 namespace trackbed::track {
 
@@ -205,35 +206,37 @@ std::vector<std::string> lacking(const VehicleParameters& v) {
   const auto need = [&](const char* name, bool there) {
     if (!there) names.emplace_back(name);
   };
-  const bool coach = v.kind == VehicleKind::coach, sprung = v.kind == VehicleKind::sprung;
-  const bool bogies = coach || v.kind == VehicleKind::bogie;
+  const VehicleLayout layout = layout_of(v.kind);
+  const bool bogies = layout.bogies > 0;
   need("length", v.length > 0);
-  if (v.kind == VehicleKind::forces) {
+  if (layout.constant) {
     need("axles", !v.axles.empty());
     need("loads", v.loads.size() == v.axles.size());
     return names;
   }
   need("wheelset_mass", v.wheelset_mass > 0);
-  need("body_mass", v.body_mass > 0 || !(bogies || sprung));
-  need("primary_stiffness", v.primary_stiffness > 0 || !(bogies || sprung));
+  need("body_mass", v.body_mass > 0 || !layout.body);
+  need("primary_stiffness", v.primary_stiffness > 0 || !layout.body);
   need("bogie_mass", v.bogie_mass > 0 || !bogies);
   need("secondary_stiffness", v.secondary_stiffness > 0 || !bogies);
-  need("bogie_distance", v.bogie_distance > 0 || !coach);
+  need("bogie_distance", v.bogie_distance > 0 || layout.bogies < 2);
   need("wheelbase", v.wheelbase > 0 || !bogies);
   return names;
 }
 
 namespace {
 
-// Values used by each kind besides the length, in the order of VehicleKind.
+// Values used by vehicles of some kinds, besides the length.
+using Has = bool (*)(const VehicleLayout&);
 struct Usage {
   const char* name;
   double VehicleParameters::*number;
-  std::array<bool, 5> by;
+  Has by;
 };
-constexpr std::array by_coach{true, false, false, false, false},
-    by_bogies{true, false, false, false, true}, by_bodies{true, true, false, false, true},
-    by_wheels{true, true, true, false, true};
+constexpr Has by_coach = [](const VehicleLayout& l) { return l.bogies > 1; };
+constexpr Has by_bogies = [](const VehicleLayout& l) { return l.bogies > 0; };
+constexpr Has by_bodies = [](const VehicleLayout& l) { return l.body; };
+constexpr Has by_wheels = [](const VehicleLayout& l) { return l.wheelsets > 0; };
 using V = VehicleParameters;
 constexpr Usage usages[] = {{"body_mass", &V::body_mass, by_bodies},
                             {"bogie_mass", &V::bogie_mass, by_bogies},
@@ -257,31 +260,26 @@ constexpr Usage usages[] = {{"body_mass", &V::body_mass, by_bodies},
 // used. Warnings for other vehicles, whose kind may be changed on the command line.
 void declare_unused(const V& given, const V& whole, input::Section& s) {
   const bool own = given.like.empty();
-  const input::About about{.weight = own ? input::Weight::warning : input::Weight::problem};
+  const input::About about{.severity = own ? input::Severity::warning : input::Severity::problem};
   s.rule("kind", own || given.kind == VehicleKind::of_like || given.kind == whole.kind,
          fmt::format("is that of {}, which it is like: leave it out", given.like));
-  const auto kind = static_cast<std::size_t>(whole.kind);
+  const VehicleLayout layout = layout_of(whole.kind);
   for (const Usage& one : usages)
-    s.rule(one.name, given.*one.number == 0 || one.by.at(kind),
+    s.rule(one.name, given.*one.number == 0 || one.by(layout),
            "has no effect on a vehicle of this kind", about);
-  const bool forces = whole.kind == VehicleKind::forces;
+  const bool forces = layout.constant;
   s.rule("axles", given.axles.empty() || forces, "is for constant forces (kind)", about);
   s.rule("axles", std::is_sorted(given.axles.begin(), given.axles.end()),
          "must rise: the first axle is the foremost one");
   s.rule("loads", given.loads.empty() || forces, "is for constant forces (kind)", about);
-  const double reach = whole.kind == VehicleKind::coach   ? whole.bogie_distance + whole.wheelbase
-                       : whole.kind == VehicleKind::bogie ? whole.wheelbase
-                       : forces && !whole.axles.empty()
-                           ? *std::max_element(whole.axles.begin(), whole.axles.end())
-                           : 0;
+  const double reach = axle_span_of(whole);
   s.rule("bogie_distance",
-         whole.kind != VehicleKind::coach || whole.bogie_distance == 0 ||
-             whole.bogie_distance > whole.wheelbase,
+         layout.bogies < 2 || whole.bogie_distance == 0 || whole.bogie_distance > whole.wheelbase,
          fmt::format("must exceed the wheelbase of {:g} m: bogies overlap", whole.wheelbase));
   s.rule("length", reach <= whole.length,
          fmt::format("is less than the {:g} m that its axles need: axles overlap other vehicles",
                      reach),
-         {.weight = input::Weight::warning});
+         {.severity = input::Severity::warning});
 }
 
 }  // namespace
@@ -293,12 +291,14 @@ void VehicleParameters::declare_roll(input::Section& s) {
   };
   inertia("body_roll", body_roll,
           "Roll inertia of the body about its centre of mass (on two rails); 0: mass (1.33 m)^2.");
-  inertia("bogie_roll", bogie_roll, "Of one bogie (on two rails); 0: mass (0.81 m)^2.");
-  inertia("wheelset_roll", wheelset_roll, "Of one wheelset (on two rails); 0: mass (0.79 m)^2.");
+  inertia("bogie_roll", bogie_roll,
+          "Roll inertia of one bogie (on two rails); 0: mass (0.81 m)^2.");
+  inertia("wheelset_roll", wheelset_roll,
+          "Roll inertia of one wheelset (on two rails); 0: mass (0.79 m)^2.");
   s.number("primary_base", primary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
-           "Between left and right primary springs (on two rails); 0: 2 m.");
+           "Lateral distance of left and right primary springs (on two rails); 0: 2 m.");
   s.number("secondary_base", secondary_base, {.unit = "m", .at_least = 0, .usually_to = 3},
-           "Between left and right secondary springs (on two rails); 0: 2 m.");
+           "Lateral distance of left and right secondary springs (on two rails); 0: 2 m.");
   constexpr double narrow = 0.01;  // m; below it the springs give no roll stiffness
   for (const auto& [of, base] :
        {std::pair{"primary_base", primary_base}, std::pair{"secondary_base", secondary_base}})
@@ -316,9 +316,10 @@ void VehicleParameters::declare_masses(input::Section& s) {
     s.number(of, value, {.unit = "kg", .at_least = 0, .usually_from = 100, .usually_to = 2e5},
              words);
   };
-  mass("body_mass", body_mass, "Of the body (coach, sprung), or its part on the bogie (bogie).");
-  mass("bogie_mass", bogie_mass, "Of one bogie without wheelsets (coach, bogie).");
-  mass("wheelset_mass", wheelset_mass, "Of one wheelset.");
+  mass("body_mass", body_mass,
+       "Mass of the body (coach, sprung), or of its part on the bogie (bogie).");
+  mass("bogie_mass", bogie_mass, "Mass of one bogie without wheelsets (coach, bogie).");
+  mass("wheelset_mass", wheelset_mass, "Mass of one wheelset.");
   s.number("body_inertia", body_inertia, {.unit = "kg m2", .at_least = 0},
            "Pitch inertia of the body (coach); 0: mass length^2/12.");
   s.number("bogie_inertia", bogie_inertia, {.unit = "kg m2", .at_least = 0},
@@ -335,52 +336,56 @@ void VehicleParameters::declare_springs(input::Section& s) {
              words);
   };
   spring("primary_stiffness", primary_stiffness,
-         "On one wheelset, both sides (coach, sprung, bogie).");
-  damper("primary_damping", primary_damping, "On one wheelset, both sides (coach, sprung, bogie).");
-  spring("secondary_stiffness", secondary_stiffness, "On one bogie, both sides (coach, bogie).");
-  damper("secondary_damping", secondary_damping, "On one bogie, both sides (coach, bogie).");
+         "Stiffness of the primary suspension of one wheelset, both sides (coach, sprung, bogie).");
+  damper("primary_damping", primary_damping,
+         "Damping of the primary suspension of one wheelset, both sides (coach, sprung, bogie).");
+  spring("secondary_stiffness", secondary_stiffness,
+         "Stiffness of the secondary suspension of one bogie, both sides (coach, bogie).");
+  damper("secondary_damping", secondary_damping,
+         "Damping of the secondary suspension of one bogie, both sides (coach, bogie).");
 }
 
 // Values of 0 are taken from `like`, so that limits of a kind are checked on the completed vehicle.
 void VehicleParameters::declare(input::Section& s) {
   std::vector<std::string_view> library = {""};
   for (const VehicleParameters& known : vehicle_library()) library.push_back(known.name);
-  s.text("name", name, "Name by which the train refers to it.", {}, true);
+  s.text("name", name, "Name by which the train refers to the vehicle.", {}, true);
   s.text("like", like, "Vehicle of the library that gives the kind and all values that are 0.",
          library);
   s.choice("kind", kind, {"coach", "sprung", "wheel", "forces", "bogie", ""},
-           "coach: body, two bogies, four wheelsets; sprung: a mass on one wheelset; wheel: one "
-           "wheelset; forces: constant forces of axles; bogie: the mass it carries, one bogie, two "
-           "wheelsets. Empty: that of `like`, or coach.");
+           "Kind of vehicle; coach: body, two bogies, four wheelsets; sprung: a mass on one "
+           "wheelset; wheel: one wheelset; forces: constant forces of axles; bogie: one bogie, two "
+           "wheelsets and the mass above; empty: that of `like`, or coach.");
   s.number("length", length, {.unit = "m", .at_least = 0, .usually_to = 100},
-           "Between couplings; axles are symmetric within it.");
+           "Length between couplings; axles are symmetric within it.");
   declare_masses(s), declare_springs(s);
   s.number("bogie_distance", bogie_distance, {.unit = "m", .at_least = 0, .usually_to = 50},
-           "Between the bogies' centres (coach).");
+           "Distance between the bogie centres (coach).");
   s.number("wheelbase", wheelbase, {.unit = "m", .at_least = 0, .usually_to = 10},
-           "Between the axles of a bogie (coach, bogie).");
+           "Distance between the axles of a bogie (coach, bogie).");
   declare_roll(s);
   s.numbers("axles", axles, {.unit = "m", .at_least = 0},
-            "Positions behind the vehicle's front (forces).");
+            "Distances of the axles behind the vehicle's front (forces).");
   s.numbers("loads", loads, {.unit = "N", .at_least = 0, .usually_from = 500, .usually_to = 1e6},
-            "Of each axle, both wheels (forces).");
+            "Load of each axle, both wheels (forces).");
   declare_unused(*this, complete(*this), s);
   if (const auto missing = lacking(complete(*this)); !missing.empty())
     s.rule("kind", false, fmt::format("needs {} too", fmt::join(missing, ", ")));
 }
 
-// Names are checked where both lists are known (app/track_rules/track_model.cpp).
+// Names are checked where both lists are known (model/track_rules/track_model.cpp).
 void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles,
-          "Names of [[vehicle]] or of the library, front first; none if there is a [[force]].");
+          "Names of [[vehicle]] or of the library, front first; the list may be empty with a "
+          "[[force]] and must be with seat loads.");
   s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
-           "Along x, at the start; constant unless train.times are given. 0: the train stands at "
-           "train.start for passage.duration.");
+           "Speed along x at the start, constant unless train.times are given; 0: the train stands "
+           "at train.start for passage.duration.");
   s.number("start", start, {.unit = "m", .usually_from = -500, .usually_to = 2000},
            "x of the first axle at the start.");
   s.numbers("times", times, {.unit = "s", .above = 0, .usually_to = 1000},
-            "Times since the start at which train.speeds are reached. The speed is linear in "
-            "between and from the start, and constant after the last time.");
+            "Times since the start at which train.speeds are reached; before and in between the "
+            "speed is linear, after the last time constant.");
   s.numbers("speeds", speeds, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
             "Speed at each of train.times; 0: the train stands. Longitudinal effects of braking on "
             "the vehicles are not modelled.");
@@ -410,7 +415,7 @@ void TrainParameters::declare_changes(input::Section& s) const {
   constexpr double emergency = 3;  // m/s^2, including magnetic track brakes
   s.rule("speeds", largest <= emergency,
          fmt::format("changes by up to {:.3g} m/s2; trains brake by 3 m/s2 at most", largest),
-         {.weight = input::Weight::warning, .reads = {"speed", "times", "speeds"}});
+         {.severity = input::Severity::warning, .reads = {"speed", "times", "speeds"}});
 }
 
 }  // namespace trackbed::track

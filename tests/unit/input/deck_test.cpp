@@ -178,7 +178,7 @@ TEST(Deck, ChecksRulesAcrossSections) {
       s.rule("layer[0].depth", layers.empty() || layers[0].depth > example.dem.skin, "is too thin",
              {.reads = {"layer[0].depth", "dem.skin"}});
       s.rule("dem.steps", example.dem.steps < 1000, "are many",
-             {.weight = Weight::warning, .reads = {"dem"}});
+             {.severity = Severity::warning, .reads = {"dem"}});
     }
   };
   const auto problems = [](const std::string& text) {

@@ -95,7 +95,7 @@ BodiesParameters solids(const Case& c) {
   return p;
 }
 
-// Coupled as in app::SolidSleepers and app::StageTrain.
+// Coupled as in model::SolidSleepers and model::StageTrain.
 struct OnSolids {
   explicit OnSolids(const Case& given) : c(given), bodies(solids(c)), train(train_of()) {
     bodies.place(Vec3::Zero());

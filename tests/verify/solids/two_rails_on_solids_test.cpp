@@ -84,7 +84,8 @@ BodiesParameters solids(const Case& c) {
   return p;
 }
 
-// Coupled as in app::SolidSleepers and app::StageTrain. With one rail its pad acts on both seats.
+// Coupled as in model::SolidSleepers and model::StageTrain. With one rail its pad acts on both
+// seats.
 struct OnSolids {
   explicit OnSolids(const Case& given)
       : c(given),

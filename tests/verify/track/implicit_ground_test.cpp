@@ -11,7 +11,7 @@
 #include "support/verified.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::app {
+namespace trackbed::model {
 namespace {
 
 constexpr fem::Elastic clay{60e6, 0.3, 2000};
@@ -187,4 +187,4 @@ TEST(ImplicitGround, WheelContactsConvergeWithTheGround) {
 }
 
 }  // namespace
-}  // namespace trackbed::app
+}  // namespace trackbed::model

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <vector>
 
-#include "app/coupling/ground_below.hpp"
-#include "app/coupling/track_built.hpp"
+#include "model/coupling/ground_below.hpp"
+#include "model/coupling/track_built.hpp"
 #include "unit/fem/ground_scene.hpp"
 
-namespace trackbed::app {
+namespace trackbed::model {
 
 inline constexpr std::size_t before = 7;  // sleepers on springs before those on the ground
 
@@ -76,4 +76,4 @@ inline double distance(const std::vector<double>& a, const std::vector<double>& 
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-}  // namespace trackbed::app
+}  // namespace trackbed::model

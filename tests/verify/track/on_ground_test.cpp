@@ -12,7 +12,7 @@
 #include "verify/ground/half_space.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::app {
+namespace trackbed::model {
 namespace {
 
 using par::Comm;
@@ -214,4 +214,4 @@ TEST(TrackOnGround, ARigidGroundEqualsTheTrackAlone) {
 }
 
 }  // namespace
-}  // namespace trackbed::app
+}  // namespace trackbed::model

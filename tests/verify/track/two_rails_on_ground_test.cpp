@@ -15,7 +15,7 @@
 #include "verify/ground/half_space.hpp"
 #include "verify/track/on_ground_scene.hpp"
 
-namespace trackbed::app {
+namespace trackbed::model {
 namespace {
 
 using par::Comm;
@@ -355,4 +355,4 @@ TEST(TwoRailsOnGround, ARigidGroundEqualsTheTrackAlone) {
 }
 
 }  // namespace
-}  // namespace trackbed::app
+}  // namespace trackbed::model

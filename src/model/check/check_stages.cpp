@@ -1,0 +1,42 @@
+// The bed is filled, since the number of stones and their smallest mass are known only then. Memory
+// is that after the first fill; contacts add to it later.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/check/estimate.hpp"
+#include "model/check/placed_check.hpp"
+#include "model/scheme/staged_log.hpp"
+#include "trackbed/model/checks.hpp"
+
+namespace trackbed::model {
+
+void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck& given) {
+  World world(comm, model);
+  if (world.placement) world.placement->give_shapes(given.placed.shapes);
+  StageActions actions(world, model);
+  say_model(world, given.name);
+  if (!given.ground.empty()) say(comm, given.ground);
+  // After a start from a checkpoint the remaining work depends on stones that only a run loads.
+  if (!model.has_stones()) {
+    for (const std::string& line : estimate_alone(world)) say(comm, line);
+  } else if (model.is_placed()) {
+    for (const std::string& line : estimate_placed(world, given.deck)) say(comm, line);
+  } else if (given.start.empty() && model.stages.front().kind == StageKind::fill) {
+    actions.begin(model.stages.front());
+    const dem::Totals totals = world.particles.totals();
+    const bool more = std::count_if(model.stages.begin(), model.stages.end(),
+                                    [](const Stage& s) { return s.kind == StageKind::fill; }) > 1;
+    say(comm,
+        fmt::format("  stones{}: {} of {} pieces, {:.0f} kg", more ? " of the first layer" : "",
+                    totals.particles, totals.pieces, totals.mass));
+    for (const std::string& line : estimate(world, actions, given.stones, given.deck))
+      say(comm, line);
+  } else {
+    say(comm, "  stones: as in " + given.start + "");
+  }
+  const auto megabytes = static_cast<double>(world.memory()) / (1024 * 1024);
+  say(comm, fmt::format("memory: at most {:.2g} MB of state per rank", comm.max(megabytes)));
+}
+
+}  // namespace trackbed::model

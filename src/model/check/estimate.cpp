@@ -1,0 +1,236 @@
+// The number of stones is estimated from volumes: a layer of expected height and porosity, cut by
+// the profile and by the sleepers, loses the same fraction of its stones as of its volume. Wall
+// time is a measured time per stone and step on idle cores, times stones and steps.
+//
+// Cost: a sum over the width; `require_stones` has drawn the stones of the layers before.
+#include "model/check/estimate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "model/rules/limits.hpp"
+#include "trackbed/bed/library.hpp"
+#include "trackbed/core/whole_steps.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// s of wall time of one sub-step on one core, per stone and per piece; only for an estimate. Linear
+// fit to runs of the decks in inputs/ on idle cores: single spheres, and stones of about 20
+// pebbles; pieces with corners from inputs/bench/stones12 and compound, 1.8e6 and 0.7e6 stones per
+// second.
+constexpr double time_per_stone = 75e-9, time_per_ball = 15e-9, time_per_polyhedron = 450e-9;
+
+struct Cut {
+  double crest = 0;           // m; 0: nothing is cut
+  double sleepers_from = -1;  // m, their lower faces; below 0: no stones are removed for them
+  double stone = 0;           // m, radius of the sphere (plane: disk) of a stone's mean volume
+};
+
+double radius_of(double volume, Dimension dimension) {
+  return dimension == Dimension::plane ? std::sqrt(volume / std::numbers::pi)
+                                       : std::cbrt(0.75 * volume / std::numbers::pi);
+}
+
+// The last cut of the deck determines what is left at the end.
+Cut cut_of(const Model& model) {
+  Cut cut;
+  for (const Stage& stage : model.stages) {
+    if (stage.profile > 0) cut.crest = stage.profile;
+    if (stage.kind == StageKind::sleepers && stage.height > 0) cut.sleepers_from = stage.height;
+  }
+  return cut;
+}
+
+double overlap(double a, double b, double c, double d) {
+  return std::max(0.0, std::min(b, d) - std::max(a, c));
+}
+
+// Fraction of the layer between z = `low` and `high` that the cut leaves, by the midpoint rule
+// across the bed: exact to 1/strips of the width, since the outline consists of straight lines. The
+// outline cuts by centres; a sleeper removes all stones that touch it, so it counts as larger by a
+// stone's radius.
+double fraction_left(const Model& model, const Cut& cut, double low, double high) {
+  constexpr int strips = 2000;
+  const bed::BedParameters& bed = model.bed;
+  const track::SleeperParameters& s = model.sleepers;
+  const bool plane = model.dimension == Dimension::plane;
+  const double width = bed.y[1] - bed.y[0];
+  const double covered = std::min(
+      1.0, static_cast<double>(s.count) * (s.width + 2 * cut.stone) / (bed.x[1] - bed.x[0]));
+  double left = 0;
+  for (int k = 0; k < strips; ++k) {
+    const double y = bed.y[0] + (k + 0.5) * width / strips;
+    const double top = cut.crest > 0 ? std::clamp(bed.top_at(y, cut.crest), low, high) : high;
+    double height = top - low;
+    const bool below_sleeper = plane || std::abs(y - s.y) < s.length / 2 + cut.stone;
+    if (cut.sleepers_from >= 0 && below_sleeper)
+      height -= covered * overlap(low, top, cut.sleepers_from - cut.stone,
+                                  cut.sleepers_from + s.height + cut.stone);
+    left += height / strips;
+  }
+  return left / (high - low);
+}
+
+// s, for a stone of the layer in a sub-step.
+double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimension dimension) {
+  const std::vector<dem::Template> shapes = bed::templates(comm, layer, dimension);
+  double sum = 0;
+  for (const dem::Template& shape : shapes)
+    for (const dem::Piece& piece : shape.pieces)
+      sum += piece.core.vertices.size() > 1 ? time_per_polyhedron : time_per_ball;
+  return time_per_stone + sum / static_cast<double>(std::max<std::size_t>(1, shapes.size()));
+}
+
+// Describes the steps of a stage and their limit: most stages of a deck have the same.
+std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
+  std::string words =
+      fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
+                  steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
+  const CouplingLimit coupling = coupling_limit(model, stage);
+  if (std::isfinite(coupling.window))
+    words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
+                         coupling.words());
+  return words;
+}
+
+std::string sentence_of(const LayerForecast& layer) {
+  return fmt::format(
+      "  {}: {} stones are poured; about {} of them remain below the profile and beside the "
+      "sleepers",
+      layer.layer.empty() ? "uppermost layer" : "layer " + layer.layer, layer.made, layer.left);
+}
+
+// MB of the histories if all stages take their full duration.
+double size_of_histories(const Model& model, const StageActions& actions, double windows) {
+  double seconds = 0;
+  for (const Stage& stage : model.stages) seconds += actions.duration(stage);
+  double numbers = 5 + 5 * static_cast<double>(model.uses_sleepers() ? model.sleepers.count : 0);
+  if (model.ground.present) numbers += 2 * static_cast<double>(model.ground.elements_x + 1);
+  for (const observe::Region& region : model.regions) {
+    const auto& n = region.cells;
+    const double cells = region.kind == observe::RegionKind::box ? n[0] * n[1] * n[2] : 1;
+    numbers += 18 * cells;
+  }
+  return 8e-6 * numbers * std::min(windows, seconds / model.output.history_interval);
+}
+
+// Empty if the steps are few, as usual: their cost is then small compared with that of the stones.
+std::vector<std::string> warning_of_ground_steps(const World& world, double longest_window) {
+  constexpr double many = 100;
+  if (!world.ground || longest_window <= 0) return {};
+  const double steps = longest_window / world.ground->stable_step();
+  if (!(steps > many)) return {};
+  return {fmt::format(
+      "warning: the ground takes up to {:.0f} steps of its own in a window, which the estimate "
+      "does not include: see ground.rayleigh_stiffness and the sizes of elements",
+      steps)};
+}
+
+}  // namespace
+
+std::vector<LayerForecast> forecast(const World& world, const StonesOfLayers& stones) {
+  const Model& model = world.model;
+  const par::Comm& comm = world.comm;
+  std::vector<LayerForecast> layers;
+  Cut cut = cut_of(model);
+  const double area = (model.bed.x[1] - model.bed.x[0]) *
+                      (model.dimension == Dimension::plane ? 1 : model.bed.y[1] - model.bed.y[0]);
+  double low = 0;
+  for (const Stage& stage : model.stages) {
+    if (stage.kind != StageKind::fill) continue;
+    const bed::BedParameters bed = model.bed.of_layer(stage.layer);
+    LayerForecast layer{.layer = stage.layer};
+    const bool copies = !model.bed.cell.empty();
+    layer.made = copies ? world.particles.totals().particles : stones.at(stage.layer).count;
+    const auto made = static_cast<double>(layer.made);
+    cut.stone = radius_of(area * bed.height * (1 - bed.porosity) / made, model.dimension);
+    layer.left = std::llround(fraction_left(model, cut, low, low + bed.height) * made);
+    layer.step_time = step_time(comm, bed, model.dimension) * made;
+    layers.push_back(layer);
+    low += bed.height;
+  }
+  return layers;
+}
+
+// The number of windows is an upper bound, since stages may end early. The ground is left out: its
+// cost depends strongly on the deck. Perfect scaling over ranks is assumed.
+std::vector<std::string> estimate(const World& world, const StageActions& actions,
+                                  const StonesOfLayers& stones, const input::Deck& deck) {
+  const par::Comm& comm = world.comm;
+  const Model& model = world.model;
+  const std::vector<LayerForecast> layers = forecast(world, stones);
+  std::vector<std::string> lines;
+  for (const LayerForecast& layer : layers)
+    if (layers.size() > 1 || !layer.layer.empty() || layer.left != layer.made)
+      lines.push_back(sentence_of(layer));
+  double seconds = 0, step_time = 0, longest = 0, all_windows = 0;
+  std::size_t filled = 0;
+  std::string shared, numbers;  // of the stages since the limits changed
+  StonesOfLayers poured;        // up to this stage
+  for (const Stage& stage : model.stages) {
+    if (stage.kind == StageKind::fill) {
+      step_time += layers[filled++].step_time;
+      if (const auto layer = stones.find(stage.layer); layer != stones.end()) poured.insert(*layer);
+    }
+    const StonesStep longest_step = poured.empty() ? step_of(world) : step_of(model, poured);
+    const Steps steps = choose_steps(world, longest_step, stage, deck);
+    const double windows = actions.duration(stage) / steps.window;
+    all_windows += windows;
+    if (stage.ground_moves) longest = std::max(longest, steps.window);
+    seconds += step_time * windows * steps.substeps / comm.size();
+    // Stages with the same limits share one line.
+    const std::string limits = limits_of(model, stage, steps);
+    if (limits != shared && !numbers.empty()) lines.push_back(shared + "  " + numbers);
+    if (limits != shared) numbers.clear();
+    shared = limits;
+    numbers += fmt::format("{}{} {:.0f}", numbers.empty() ? "windows at most: " : ", ", stage.name,
+                           windows);
+  }
+  lines.push_back(shared + "  " + numbers);
+  lines.push_back(fmt::format(
+      "estimated wall time on {} rank{}: {:.2g} s (assumed: idle cores; {:.0f} ns per stone and "
+      "sub-step, {:.0f} ns per ball and {:.0f} ns per polyhedron of it; stages of full length; "
+      "ground, coupling and output not included)",
+      comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
+      time_per_polyhedron * 1e9));
+  for (const std::string& line : warning_of_ground_steps(world, longest)) lines.push_back(line);
+  lines.push_back(
+      fmt::format("histories: up to {:.2g} MB", size_of_histories(model, actions, all_windows)));
+  return lines;
+}
+
+// Starts from static equilibrium, whose solution may take long for layers that yield: not tried for
+// these. Output is not included.
+std::vector<std::string> estimate_alone(World& world) {
+  const Model& model = world.model;
+  const Steps steps = steps_alone(world);
+  double windows = 0;
+  for (const Stage& stage : model.stages) windows += number_covering(stage.duration, steps.window);
+  std::string line = fmt::format("  {:.4g} s in {:.0f} windows of {:.4g} s (limit: {})",
+                                 model.duration(), windows, steps.window, steps.limit);
+  if (model.ground.yields()) return {line};
+  const int tried = static_cast<int>(std::min(10.0, windows));
+  const auto now = std::chrono::steady_clock::now;
+  const auto start = now();
+  std::vector<Vec3> load(world.ground->top().nodes(), Vec3::Zero());
+  if (world.pressures) world.pressures->add_dead(load);
+  world.ground->settle(load);
+  const auto begin = now();
+  for (int k = 1; k <= tried; ++k) {
+    std::fill(load.begin(), load.end(), Vec3::Zero());
+    if (world.pressures) world.pressures->add(k * steps.window, load);
+    world.ground->advance(steps.window, load);
+  }
+  const std::chrono::duration<double> settling = begin - start, took = now() - begin;
+  line += fmt::format(", about {:.0f} s of wall time",
+                      settling.count() + took.count() / tried * windows);
+  return {line};
+}
+
+}  // namespace trackbed::model

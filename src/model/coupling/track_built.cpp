@@ -1,0 +1,141 @@
+// Log lines and warnings on a track before it runs.
+#include "model/coupling/track_built.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/track_rules/coarse_steps.hpp"
+#include "model/track_rules/profile_warnings.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/model/log.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// Frequencies show whether masses and springs were given per side, per axle or in total.
+std::string words_of(const track::VehicleParameters& vehicle, bool rolls) {
+  std::string text = fmt::format("  vehicle {}:", vehicle.name);
+  if (track::layout_of(vehicle.kind).constant)
+    return text + fmt::format(" {} axles of constant force", vehicle.axles.size());
+  const std::vector<double> frequencies = track::natural_frequencies(vehicle, rolls);
+  if (!frequencies.empty())
+    text += fmt::format(" natural frequencies {:.4g} Hz with fixed wheelsets;",
+                        fmt::join(frequencies, ", "));
+  return text + fmt::format(" wheelset {:g} kg", vehicle.wheelset_mass);
+}
+
+// km/h, each with the time at which it is reached.
+std::string words_of_speed(const track::TrainParameters& train) {
+  std::string text = fmt::format("{:.2f} km/h", train.speed * 3.6);
+  for (std::size_t i = 0; i < train.times.size(); ++i)
+    text += fmt::format(", at {:g} s {:.2f} km/h", train.times[i], train.speeds[i] * 3.6);
+  return text;
+}
+
+// The value of the profile, and of its spectrum if it was drawn from one: profiles of a short track
+// scatter.
+std::string words_of_d1(const char* section, const track::IrregularityParameters& given,
+                        const track::Irregularity& profile) {
+  std::string text = fmt::format("  {}: D1 (3 to 25 m) root mean square {:.4f} mm", section,
+                                 1e3 * profile.d1_rms());
+  if (given.kind == track::IrregularityKind::spectrum)
+    text += fmt::format("; of its spectrum {:.4f} mm", 1e3 * profile.spectrum_d1_rms());
+  return text;
+}
+
+void introduce_track(const par::Comm& comm, const TrackModel& model, const BuiltTrack& built) {
+  const track::Beam rail = track::beam_of(model.line.rail);
+  say(comm, fmt::format("  rail: E I {:.5g} N m2, k G A {:.5g} N{}, {:.5g} kg/m",
+                        rail.bending_stiffness, rail.shear_stiffness,
+                        rail.shear_stiffness > 0 ? "" : " (rigid in shear)", rail.mass));
+  say(comm, fmt::format("  track: {:g} m, {} rail{}, {} sleepers, {} unknowns", built.line.length(),
+                        built.line.sides(), built.line.sides() > 1 ? "s" : "",
+                        built.line.sleepers(), built.line.system().mass.rows()));
+  if (built.line.sleepers_bend())
+    say(comm, fmt::format("  sleepers bend: first frequency {:.1f} Hz if free and slender",
+                          track::bending_frequency(model.line.track)));
+  std::vector<std::string> printed;
+  for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
+    if (std::find(printed.begin(), printed.end(), vehicle.name) != printed.end()) continue;
+    printed.push_back(vehicle.name);
+    say(comm, words_of(vehicle, built.line.sides() > 1));
+  }
+  if (!built.train.wheels().empty())
+    say(comm,
+        fmt::format("  train: {} vehicles, {} axles, {}; static load of the first wheel {:.2f} kN",
+                    built.train.vehicles().size(), built.train.wheels().size() / built.line.sides(),
+                    words_of_speed(model.train), built.passage.wheel_force(0) / 1e3));
+  if (model.passage.loaded_by == track::LoadedBy::seats) {
+    say(comm,
+        fmt::format("  seat loads for {:.4g} s, without pads and rail", built.passage.duration()));
+    return;
+  }
+  const bool hertz = model.wheel_rail.law == track::WheelRailLaw::hertz;
+  say(comm, fmt::format("  wheel and rail: {} {:.5g} {}", hertz ? "C_H" : "stiffness",
+                        built.law.constant(), hertz ? "N/m^1.5" : "N/m"));
+  if (model.irregularity.kind != track::IrregularityKind::none)
+    say(comm, words_of_d1("irregularity", model.irregularity, built.irregularity));
+  if (built.right)
+    say(comm, words_of_d1("irregularity_right", model.irregularity_right, *built.right));
+}
+
+// Warnings of seat loads whose table begins or ends with a jump.
+std::vector<std::string> warnings_of_seats(const TrackModel& model, const BuiltTrack& built) {
+  std::vector<std::string> warnings;
+  if (const std::optional<track::SeatLoad> seats = seats_of(model)) {
+    const std::size_t last = built.line.sleepers() - 1;
+    for (const std::string& jump : seats->jumps(built.line.sleeper_x(0), built.line.sleeper_x(last),
+                                                built.passage.duration()))
+      warnings.push_back(fmt::format("load.file: {}: {}", model.load.file, jump));
+  }
+  return warnings;
+}
+
+}  // namespace
+
+TrackAssembly::TrackAssembly(const par::Comm& comm, const Model& model)
+    : track(model.track), line(model.track.line) {
+  line.pads = track.passage.loaded_by == track::LoadedBy::train;
+  if (model.kind != ModelKind::track_on_ground) return;
+  below.emplace(comm, model);
+  line = line_on_ground(model);
+  track.passage.step = below->step();
+}
+
+std::vector<std::string> introduce(const par::Comm& comm, const Model& model,
+                                   const TrackAssembly& whole, const BuiltTrack& built) {
+  if (!(built.passage.duration() > 0))
+    throw InputError(
+        {fmt::format("passage.duration: seat loads would last {:.4g} s: they begin behind the "
+                     "track (load.start), or end before 0 s",
+                     built.passage.duration())});
+  introduce_track(comm, whole.track, built);
+  std::vector<std::string> warnings =
+      warnings_of_profiles(whole.track, {built.irregularity, built.right});
+  const std::vector<std::string> of_seats = warnings_of_seats(whole.track, built);
+  warnings.insert(warnings.end(), of_seats.begin(), of_seats.end());
+  if (whole.below)
+    for (const std::string& warning :
+         warnings_of_step(whole.track, whole.below->step(), model.output.history_interval))
+      warnings.push_back(warning);
+  for (const std::string& warning : warnings) say(comm, "warning: " + warning);
+  if (!whole.below) return warnings;
+  const nlohmann::ordered_json of = whole.below->figures();
+  say(comm, fmt::format("  ground: {} elements, {} unknowns, below sleepers at {:g} to {:g} m",
+                        of["elements"].get<std::int64_t>(), of["unknowns"].get<std::int64_t>(),
+                        built.line.sleeper_x(built.line.first_moved()),
+                        built.line.sleeper_x(built.line.first_moved() + built.line.moved() - 1)));
+  if (model.ground.integrator != fem::Integrator::explicit_)
+    say(comm, fmt::format("  step: {:.4g} s (passage.step), implicit ground: two solves in each "
+                          "step, {} before the first",
+                          whole.track.passage.step, whole.below->footprints()));
+  if (whole.track.passage.step < model.track.passage.step)
+    say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,
+                          whole.below->limit()));
+  return warnings;
+}
+
+}  // namespace trackbed::model

@@ -1,0 +1,99 @@
+// Rules for what a bed is built from: its layers, and the outline to which stages cut it.
+//
+// An impossible outline is an error. An outline that is cut off by a wall gives a warning: a bed
+// between the walls of a bridge has no complete slope, but in most decks complete slopes are meant.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "model/rules/rules.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+std::vector<std::string> names_of(const std::vector<bed::NamedLayer>& layers) {
+  std::vector<std::string> names;
+  for (const bed::NamedLayer& layer : layers) names.push_back(layer.name);
+  return names;
+}
+
+// Remedy for an unknown name: the names that exist.
+std::string instead_of(const std::string& name, const std::vector<std::string>& names) {
+  if (names.empty()) return "the deck has none";
+  const std::string near = input::nearest(name, names);
+  return near.empty() ? fmt::format("there is {}", fmt::join(names, ", "))
+                      : fmt::format("did you mean {}?", near);
+}
+
+// Why stones of this kind cannot be made in the model; empty if they can.
+std::string misfit(const bed::LayerParameters& layer, Dimension dimension) {
+  using enum bed::StoneKind;
+  if (dimension == Dimension::space)
+    return layer.stone == pebbles ? "makes plane stones: the model must be a plane one" : "";
+  const bool plane = layer.stone == pebbles || layer.stone == disk ||
+                     (layer.stone == clump && !layer.clump.empty());
+  return plane ? ""
+               : "makes stones in space: a plane model takes disk, pebbles, or clump with the "
+                 "spheres given in `clump`";
+}
+
+}  // namespace
+
+// After a start from a checkpoint a layer may have been poured already, so that no warning is given
+// for a layer that no stage pours.
+void declare_layers(const Model& model, input::Section& s) {
+  const std::vector<std::string> names = names_of(model.bed.layers);
+  s.rule("bed.layer", std::set(names.begin(), names.end()).size() == names.size(),
+         "layers need different names", {.reads = {"bed.layer"}});
+  std::set<std::string> poured;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const std::string& layer = model.stages[i].layer;
+    if (model.stages[i].kind == StageKind::fill) poured.insert(layer);
+    const std::string key = fmt::format("stage[{}].layer", i);
+    s.rule(key, layer.empty() || std::find(names.begin(), names.end(), layer) != names.end(),
+           fmt::format("there is no [[bed.layer]] \"{}\"; {}", layer, instead_of(layer, names)),
+           {.reads = {key, "bed.layer"}});
+  }
+  // Layers that no stage pours are not checked.
+  const auto fits = [&](const std::string& key, const bed::LayerParameters& layer) {
+    const std::string why = misfit(layer, model.dimension);
+    s.rule(key + ".stone", why.empty(), why, {.reads = {"dimension", key, "stage"}});
+  };
+  if (poured.contains("") || model.has_stage(StageKind::cribs)) fits("bed", model.bed);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (poured.contains(names[i])) fits(fmt::format("bed.layer[{}]", i), model.bed.layers[i]);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    s.rule(fmt::format("bed.layer[{}].name", i), !model.start.empty() || poured.contains(names[i]),
+           "is poured by no stage of kind fill",
+           {.severity = input::Severity::warning, .reads = {"stage", "bed.layer"}});
+}
+
+// A complete slope needs slope * height of horizontal run beside the crest; with less, it ends at a
+// wall of the bed.
+void declare_profile(const Model& model, input::Section& s) {
+  const auto& crest = model.bed.crest;
+  const auto& y = model.bed.y;
+  s.rule("bed.crest", crest.empty() || model.dimension == Dimension::space,
+         "has no meaning in a plane model, which has no width; leave it out",
+         {.reads = {"dimension", "bed.crest"}});
+  if (crest.size() != 2 || y.size() != 2) return;
+  double top = 0;
+  for (const Stage& stage : model.stages) top = std::max(top, stage.profile);
+  s.rule("bed.crest", top > 0 || !model.start.empty(),
+         "has no effect: no stage has a profile; give one to a stage after the bed is compacted",
+         {.severity = input::Severity::warning, .reads = {"stage", "bed"}});
+  // m, height at which the slope ends at a wall; 0 at the crest itself, which has no slope.
+  const auto held = [&](double run) { return run > 0 ? top - run / model.bed.slope : 0; };
+  for (const double at : {held(crest[0] - y[0]), held(y[1] - crest[1])})
+    s.rule("bed.crest", at <= 1e-9,
+           fmt::format("a slope of {:g} from the crest at {:g} m reaches a side of the bed {:.3g} "
+                       "m above its foot and ends at the side wall; make bed.y wider or the crest "
+                       "narrower",
+                       model.bed.slope, top, at),
+           {.severity = input::Severity::warning, .reads = {"stage", "bed"}});
+}
+
+}  // namespace trackbed::model

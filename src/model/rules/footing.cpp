@@ -1,0 +1,232 @@
+// A deck that cannot be computed, or whose meaning would differ from what it states, is an error.
+#include "trackbed/model/footing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/rules/rules.hpp"
+#include "trackbed/input/deck.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // m, of borders that are meant to coincide
+
+bool is_plane(const Model& model) { return model.dimension == Dimension::plane; }
+bool two_rails(const Model& model) { return model.track.line.track.dimension == Dimension::space; }
+
+// The coupling needs both sides at the same instants, and a ground without weight. An implicit
+// ground with another integrator than the track's can gain energy in the coupling
+// (docs/decisions/track_on_ground.md).
+void declare_kind(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"ground", "model"}};
+  s.rule("ground.present", model.ground.present, "must be true: without it the model is \"track\"",
+         about);
+  const fem::GroundParameters& ground = model.ground;
+  const bool newmark = ground.integrator == fem::Integrator::newmark;
+  s.rule("ground.integrator", newmark || ground.integrator == fem::Integrator::explicit_,
+         "must be explicit or newmark below a track, which uses average acceleration: the coupling "
+         "with others can gain energy",
+         about);
+  s.rule("ground.newmark_beta",
+         !newmark || (ground.newmark_beta == 0.25 && ground.newmark_gamma == 0.5),
+         "and newmark_gamma must be 0.25 and 0.5 below a track, which uses average acceleration: "
+         "the coupling with others can gain energy",
+         about);
+  s.rule("ground.layer", !model.ground.yields(),
+         "must not yield below a track without stones, whose weight is not in the model", about);
+}
+
+// Sleepers on the ground are sleepers of the track between its run-ins.
+void declare_track(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  const FootingParameters& footing = model.footing;
+  const input::About about{.reads = {"track", "footing", "model"}};
+  s.rule("track.support", track.support == track::Support::sleepers,
+         "must be sleepers: the ground is below their ballast", about);
+  const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
+                                 [](const track::TrackZone& zone) { return zone.gap > 0; });
+  s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
+         "must be rigid on a ground with hanging sleepers (gap of a zone)", about);
+  s.rule("pad.uplift", !model.track.line.pad.uplift,
+         "must be false on a ground: pads can lift off only on a track alone (model = \"track\")",
+         {.reads = {"pad", "model"}});
+  const double first = static_cast<double>(footing.before) * track.spacing;
+  const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
+  s.rule("footing.before", first >= track.run_in - rounding,
+         fmt::format("puts the first sleeper on the ground at {:g} m from the start of the track, "
+                     "within its run-in of {:g} m",
+                     first, track.run_in),
+         about);
+  s.rule(
+      "footing.count", last <= track.length - track.run_in + rounding,
+      fmt::format("puts the last sleeper on the ground at {:g} m from the start of the track; it "
+                  "ends at {:g} m, and its run-in is the last {:g} m",
+                  last, track.length, track.run_in),
+      about);
+  s.rule("train.start", model.track.train.vehicles.empty() || model.track.train.start <= 0,
+         "must be at most 0 on a ground: the train comes from the rigid rail before the track",
+         {.reads = {"train", "model"}});
+}
+
+// Two rails need whole sleepers, on a ground that may deflect more below one end.
+void declare_two_rails(const Model& model, input::Section& s) {
+  if (!two_rails(model)) return;
+  const FootingParameters& footing = model.footing;
+  const double length = model.track.line.track.sleeper_length;
+  s.rule("track.dimension", !is_plane(model),
+         "must be plane on a plane ground: two rails need a ground in space (dimension)",
+         {.reads = {"track", "dimension", "model"}});
+  s.rule("footing.rails", footing.rails == 2,
+         "must be 2 below two rails (track.dimension = \"space\"): the ground carries both",
+         {.reads = {"track", "footing"}});
+  s.rule("footing.length", is_plane(model) || footing.length >= length - rounding,
+         fmt::format("is less than a sleeper's length (track.sleeper_length = {:g} m): below two "
+                     "rails whole sleepers load the ground, through ballast that spreads the load",
+                     length),
+         {.reads = {"track", "footing", "dimension"}});
+}
+
+// m, extent of all footprints along x.
+std::array<double, 2> extent_of(const Model& model) {
+  const FootingParameters& footing = model.footing;
+  const double span = static_cast<double>(footing.count - 1) * model.track.line.track.spacing;
+  return {footing.first - footing.width / 2, footing.first + span + footing.width / 2};
+}
+
+// Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
+void declare_overlap(const Model& model, input::Section& s) {
+  const double spacing = model.track.line.track.spacing;
+  s.rule(
+      "footing.width", model.footing.count < 2 || model.footing.width <= spacing + rounding,
+      fmt::format("is more than track.spacing ({:g} m): footprints of neighbours overlap", spacing),
+      {.severity = input::Severity::warning, .reads = {"footing", "track"}});
+}
+
+// Reports the parameter that is wrong: the width if it exceeds the spacing and the outermost
+// sleepers have space enough beside them, otherwise the position.
+void declare_along(const Model& model, const input::About& about, input::Section& s) {
+  const FootingParameters& footing = model.footing;
+  const std::vector<double>& x = model.ground.x;
+  const auto [from, to] = extent_of(model);
+  const double spacing = model.track.line.track.spacing;
+  const double space = std::min(from - x[0], x[1] - to) + footing.width / 2;
+  const bool width = footing.width > spacing && space >= spacing / 2 - rounding;
+  s.rule(
+      "footing.width", !width || footing.width / 2 <= space + rounding,
+      fmt::format("puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to "
+                  "{:g} m): the outermost sleepers have {:g} m beside their middle "
+                  "(footing.first)",
+                  from, to, x[0], x[1], space),
+      about);
+  s.rule("footing.first", width || from >= x[0] - rounding,
+         fmt::format("puts a footprint from {:g} m on, beyond the ground (ground.x: {:g} to {:g} "
+                     "m)",
+                     from, x[0], x[1]),
+         about);
+  s.rule("footing.count", width || to <= x[1] + rounding,
+         fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
+                     to, x[0], x[1]),
+         about);
+}
+
+// Reports the length if it exceeds the whole width, otherwise the position, of footprints that must
+// lie between `low` and `high`, m, on the part named by `where`.
+void declare_across(const FootingParameters& footing, double low, double high,
+                    const std::string& where, const input::About& about, input::Section& s) {
+  const double from = footing.y - footing.length / 2, to = footing.y + footing.length / 2;
+  const bool fits = footing.length <= high - low + rounding;
+  s.rule(fits ? "footing.y" : "footing.length", from >= low - rounding && to <= high + rounding,
+         fmt::format("puts footprints from y = {:g} to {:g} m, beyond {} (footing.{})", from, to,
+                     where, fits ? "length" : "y"),
+         about);
+}
+
+void declare_place(const Model& model, input::Section& s) {
+  const FootingParameters& footing = model.footing;
+  const fem::GroundParameters& ground = model.ground;
+  const input::About about{.reads = {"ground", "footing", "track", "dimension"}};
+  if (ground.x.size() != 2 || ground.y.size() != 2) return;  // reported by another rule
+  declare_along(model, about, s);
+  s.rule("dimension", !is_plane(model) || !ground.of_tetrahedra(),
+         "must be space on a ground of tetrahedra (ground.mesh, ground.section)", about);
+  if (is_plane(model)) {
+    const FootingParameters none;
+    s.rule("footing.length", footing.length == none.length && footing.y == none.y,
+           "and y have no effect in a plane model: the length of footprints is its thickness",
+           about);
+    return;
+  }
+  const double low = ground.y[0], high = ground.y[1];
+  declare_across(footing, low, high,
+                 fmt::format("the ground (ground.y: {:g} to {:g} m)", low, high), about, s);
+  if (ground.sections.empty()) return;
+  const auto [from, to] = extent_of(model);
+  const double half = ground.narrowest_crest(from, to);
+  declare_across(footing, -half, half,
+                 fmt::format("the crest of ground.section ({:g} m on either side)", half), about,
+                 s);
+}
+
+}  // namespace
+
+void FootingParameters::declare(input::Section& s) {
+  s.integer("before", before, {.at_least = 0, .at_most = 10000},
+            "Number of sleepers on springs alone before the first one on the ground.");
+  s.integer("count", count, {.at_least = 1, .at_most = 10000}, "Number of sleepers on the ground.");
+  s.number("first", first, {.unit = "m"}, "x, in the ground, of the first sleeper on it.");
+  s.number("width", width, {.unit = "m", .at_least = 1e-3, .usually_to = 3},
+           "Width, along the track, of the footprint of a sleeper on the ground.");
+  s.number("length", length, {.unit = "m", .at_least = 1e-3, .usually_to = 5},
+           "Length of the footprint across the track (space; a plane model uses its thickness), "
+           "with two rails at least the sleeper length.");
+  s.number("y", y, {.unit = "m"}, "y of the middle of the footprint (space).");
+  s.number("rails", rails, {.above = 0, .at_most = 2},
+           "Number of rails whose load the ground carries: 1 for half a track, 2 for a whole one "
+           "and for two rails.");
+}
+
+// The surface of a plane model is as wide as its thickness. A linear pressure across the footprint
+// has the force of a spring at the distance `arm` if its relative gradient is 12 arm/length^2. If
+// the length is that of the sleeper, both springs together give the pressure of ballast below a
+// rigid sleeper that rolls (least squares); if it is longer, the same force and moment.
+std::vector<couple::Rectangle> footprints_of(const Model& model) {
+  const FootingParameters& footing = model.footing;
+  const double across = is_plane(model) ? model.thickness : footing.length;
+  const double middle = is_plane(model) ? 0 : footing.y;
+  std::vector<couple::Rectangle> footprints;
+  for (std::int64_t i = 0; i < footing.count; ++i) {
+    const double x = footing.first + static_cast<double>(i) * model.track.line.track.spacing;
+    couple::Rectangle print{.x = {x - footing.width / 2, x + footing.width / 2},
+                            .y = {middle - across / 2, middle + across / 2}};
+    print.tilt = 12 * model.track.line.track.bearing_arm() / (across * across);
+    footprints.push_back(print);
+    if (!two_rails(model)) continue;
+    print.tilt = -print.tilt;
+    footprints.push_back(print);
+  }
+  return footprints;
+}
+
+void declare_footing(const Model& model, input::Section& s) {
+  if (model.kind != ModelKind::track_on_ground) {
+    const auto text = [](FootingParameters footing) {
+      return input::effective([&footing](input::Section& inner) { footing.declare(inner); });
+    };
+    return s.rule("footing", text(model.footing) == text({}),
+                  "has no effect: it is for model = \"track_on_ground\"; sleepers of a bed rest on "
+                  "its stones",
+                  {.reads = {"footing", "model"}});
+  }
+  declare_kind(model, s);
+  declare_idle_sides(model.ground, model.dimension, s);
+  declare_track(model, s);
+  declare_two_rails(model, s);
+  declare_place(model, s);
+  declare_overlap(model, s);
+}
+
+}  // namespace trackbed::model

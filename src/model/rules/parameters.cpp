@@ -1,0 +1,417 @@
+// All parameters of a deck that belong to no single module, and rough limits of the steps. Modules
+// declare their own sections; the order here is the order of docs/input.md.
+//
+// A parameter is declared once: variable, unit, bounds and sentence; reader, reference, schema and
+// effective input all follow from it. Bounds are what the program can compute; `usually` is the
+// range of railways, outside of which a unit is most likely wrong.
+#include "trackbed/model/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/rules/ground_alone.hpp"
+#include "model/rules/limits.hpp"
+#include "model/rules/placed_rules.hpp"
+#include "model/rules/rules.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// More than can be computed; the windows of so many trains still fit an integer.
+constexpr double most_cycles = 1e6;
+
+constexpr const char* footing_meaning =
+    "Footprints of the sleepers on the ground of model = \"track_on_ground\".";
+constexpr const char* output_meaning = "What is written, and when the run stops early.";
+constexpr const char* pressure_meaning =
+    "Uniform pressures on rectangles of the top of model = \"ground\".";
+constexpr double margin_beside_floor = 0.25;  // m
+// Fraction of the bed's larger side by which walls with a controlled pressure may move. At 15 % of
+// axial strain a bed of twice that height widens by about a fifth.
+constexpr double margin_for_walls = 0.5;
+
+}  // namespace
+
+// Parameters of every kind, and how stones are poured.
+void Stage::declare_course(input::Section& s) {
+  s.text("name", name, "Name of the stage, in checkpoints, histories and overrides.", {}, true);
+  s.choice("kind", kind,
+           {"fill", "settle", "compact", "release", "sleepers", "cribs", "load", "passage", "run",
+            "shear", "triaxial", "lift_walls", "tamp"},
+           "Kind of stage; fill: new stones fall; settle: stones come to rest; compact: the platen "
+           "loads the bed until its pressure is steady; release: the platen is lifted slowly, so "
+           "that the bed does not rebound; sleepers: sleepers are placed and settle; cribs: new "
+           "stones fall between sleepers and are cut at the profile; load: the same force acts on "
+           "all seats; passage: axles pass; run: time passes without new loads; shear: the lower "
+           "half of divided walls moves along x under the platen; triaxial: the platen moves down "
+           "between walls with a controlled pressure; lift_walls: walls are lifted, and removed at "
+           "the end; tamp: sleepers are lifted and tines squeeze the ballast below them.");
+  s.text("layer", layer,
+         "Name of the [[bed.layer]] poured on top of existing stones (fill); empty: the uppermost "
+         "layer, which [bed] itself describes.");
+  // A stage that is read (not only described) has its name and its kind at this point.
+  const bool positive = !name.empty() && kind != StageKind::passage && kind != StageKind::tamp;
+  s.number("duration", duration,
+           {.unit = "s",
+            .above = positive ? 0 : -input::unbounded,
+            .at_least = positive ? -input::unbounded : 0,
+            .usually_to = 100},
+           "Longest simulated time of the stage; passage: of all its trains together, 0: until the "
+           "last axle has left; tamp: 0, since its times are those of [tamping].");
+  s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
+           "Duration of the growth of stones in place, from a loose initial size to full size "
+           "(fill); 0: stones are dropped.");
+  s.number("growth_height", growth_height, {.unit = "-", .at_least = 0.5, .at_most = 10},
+           "Initial height of growing stones over that of the bed (fill). Values above 1 reduce "
+           "their kinetic energy and make the bed slightly looser.");
+  s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
+           "Local damping of stones during the stage; below 0: that of the materials.");
+  s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
+           "Friction coefficient of all contacts during the stage, for example low to pack a bed "
+           "densely; below 0: that of the contact laws.");
+  s.number("until_ratio", until_ratio, {.at_least = 0},
+           "Ratio `unbalanced` (mean net force over mean contact force) below which the stage ends "
+           "early; 0: never. Load, passage, shear and triaxial do not use it.");
+}
+
+// Parameters of bodies that move, and of the profile to which stones are cut.
+void Stage::declare_bodies(input::Section& s) {
+  s.flag("ground_moves", ground_moves, "Whether the ground moves; otherwise its surface is fixed.");
+  s.number("lift", lift, {.unit = "m/s", .above = 0},
+           "Speed at which the platen (release) or the walls (lift_walls) are lifted.");
+  s.number("pressure", pressure, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Target pressure of the platen (compact, shear); 0: platen.pressure.");
+  s.number("confinement", confinement, {.unit = "Pa", .at_least = 0, .usually_to = 1e7},
+           "Target pressure of the side walls of a box on the stones (compact, triaxial); 0: walls "
+           "are fixed. Opposite walls have the same displacement, controlled by a servo like that "
+           "of the platen.");
+  s.number("displacement", displacement, {.unit = "m"},
+           "Displacement in the duration; shear: of floor and lower half along x; triaxial: of the "
+           "platen downwards.");
+  s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 5},
+           "Height of the lower face of sleepers (sleepers); 0: on top of the stones.");
+  s.number("profile", profile, {.unit = "m", .at_least = 0, .usually_to = 5},
+           "Height of the crest (see bed.crest); stones with their centre above it or the slopes "
+           "beside it are removed when the stage begins; 0: none. Cribs are filled to this height, "
+           "and stones above are removed at the end. It is not for fill.");
+}
+
+void Stage::declare_loads(input::Section& s) {
+  s.number("seat_force", seat_force, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+           "Constant force on each rail seat, downwards.");
+  s.number("load", load, {.unit = "N", .usually_from = -1e6, .usually_to = 1e6},
+           "Peak force on each rail seat in addition to seat_force (load).");
+  s.number("ramp", ramp, {.unit = "s", .at_least = 0},
+           "Ramp time, at most half the duration; load: from zero to the peak and, at the end, "
+           "back; shear and triaxial: to full speed; compact, shear and triaxial: from pressure "
+           "and confinement of the preceding stage to the new ones.");
+  s.integer("cycles", cycles, {.at_least = 0, .at_most = most_cycles},
+            "Number of cycles; load: haversines in the duration, 0: ramp, hold, ramp; passage: "
+            "trains, one after the other, 0: one; tamp: insertions of the tines, 0: one.");
+  s.flag("train", train,
+         "Whether the vehicles of [train] run over rail and pads on the sleepers, instead of the "
+         "axles of [load] (passage).");
+  s.number("settlement", settlement, {.unit = "m", .at_least = 0},
+           "Largest settlement of a sleeper in the last cycle with which the stage ends early "
+           "(load and passage with cycles); 0: never.");
+}
+
+// One struct for all kinds: a parameter that a kind does not use keeps its default. The rules at
+// the end state what each kind needs.
+void Stage::declare(input::Section& s) {
+  declare_course(s), declare_bodies(s), declare_loads(s);
+  constexpr double least = 100;  // N, smallest load that is relevant for a sleeper
+  for (const auto& [key, force] : {std::pair{"seat_force", seat_force}, {"load", load}})
+    s.rule(key, force == 0 || std::abs(force) >= least,
+           "is negligible for a rail seat: is it in N?",
+           {.severity = input::Severity::warning, .reads = {key}});
+  const bool tamps = kind == StageKind::tamp;
+  s.rule("duration", kind == StageKind::passage || tamps || duration > 0,
+         "must be above 0 s for this kind of stage");
+  s.rule("duration", !tamps || duration == 0,
+         "is not for stages of kind tamp: times are those of [tamping]",
+         {.reads = {"kind", "duration"}});
+  s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
+  s.rule("profile", kind != StageKind::fill || profile == 0,
+         "has no effect while stones still fall; give it to a later stage");
+  s.rule(
+      "growth", growth <= duration,
+      fmt::format("is longer than the stage ({:g} s): stones would not reach their size", duration),
+      {.reads = {"duration", "growth"}});
+  s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
+         {.reads = {"kind", "layer"}});
+  const bool loaded = kind == StageKind::load || kind == StageKind::passage;
+  s.rule("cycles", cycles == 0 || loaded || tamps,
+         "is for stages of kind load, passage and tamp only");
+  s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
+}
+
+// 0 means chosen by the program: most decks need no values here.
+void TimeParameters::declare(input::Section& s) {
+  s.number("window", window, {.unit = "s", .at_least = 0},
+           "Length of a time window of the coupling; 0: `substeps` sub-steps, or the limit of the "
+           "coupling if that is less.");
+  s.number("step", step, {.unit = "s", .at_least = 0},
+           "Sub-step of the stones; 0: chosen from stability.");
+  s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
+            "Number of sub-steps in a window if `window` is 0, as far as the coupling allows.");
+  // Up to twice the estimate: the limit is exact once the lightest stone is known.
+  s.rule(
+      "step", step <= 2 * rough_step,
+      fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
+                  rough_step));
+  s.rule("step", step == 0 || step >= 1e-3 * rough_step || rough_step == input::unbounded,
+         fmt::format("is less than a thousandth of the stable step of about {:.3g} s", rough_step),
+         {.severity = input::Severity::warning, .reads = {"step"}});
+  s.rule("step", window == 0 || step <= window,
+         fmt::format("is longer than the window of {:g} s, which is then one sub-step", window),
+         {.severity = input::Severity::warning, .reads = {"window", "step"}});
+  s.rule("substeps", window == 0 || substeps == 1,
+         "has no effect: the window is given, and the stones' sub-steps fill it",
+         {.severity = input::Severity::warning, .reads = {"window", "substeps"}});
+  s.rule("window", window <= rough_window,
+         fmt::format("is unstable: contact stiffness and the mass of the bodies in contact with "
+                     "stones allow {:.3g} s",
+                     rough_window));
+}
+
+void RunOutput::declare(input::Section& s) {
+  s.number("history_interval", history_interval, {.unit = "s", .at_least = 0},
+           "Simulated time between rows of the histories, rounded to windows; 0: a row after each. "
+           "For a track alone or on a ground, whose windows are its steps, the default is 1e-3 s.");
+  s.number(
+      "checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
+      "Simulated time between checkpoints within a stage, rounded to windows; 0: only at its end. "
+      "For a track alone or on a ground the default is 0: none, except when a run is stopped.");
+  s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
+           "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
+  s.integer("stop_after", stop_after, {.at_least = 0},
+            "Number of time windows, counted from the first of the run also after a resume, after "
+            "which a checkpoint is written and the run stops; 0: no limit.");
+}
+
+void Output::declare(input::Section& s) {
+  RunOutput::declare(s);
+  s.flag("fields", fields, "Whether fields for ParaView are written at the end of each stage.");
+  s.number(
+      "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
+      "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
+  s.flag("ground_extremes", ground_extremes,
+         "Whether the ground's fields include the extremes of each element's stress over history "
+         "rows and fields of a stage in which the ground moves. If switched on by a resume within "
+         "a stage, they count from there on. Needs fields = true.");
+  s.rule("ground_extremes", !ground_extremes || fields, "has no effect without fields = true",
+         {.severity = input::Severity::warning, .reads = {"fields", "ground_extremes"}});
+  s.number(
+      "surface_cell", surface_cell, {.unit = "m", .at_least = 1e-3, .usually_to = 1},
+      "Width of the cells in which the height of the bed is written at the end of each stage.");
+}
+
+void Model::set_kind(ModelKind given) {
+  kind = given;
+  if (has_stages()) return;
+  output.history_interval = 1e-3, output.checkpoint_interval = 0;
+}
+
+// A track alone.
+void Model::declare_passage(input::Section& s) {
+  track.declare(s);
+  s.table("output", static_cast<RunOutput&>(output), output_meaning);
+  const double step = track.passage.step, interval = output.history_interval;
+  s.rule("output.history_interval", track.on_ground || interval == 0 || interval >= step,
+         "is less than a time step (passage.step); a row is written after every step",
+         {.severity = input::Severity::warning, .reads = {"passage", "output"}});
+}
+
+// Space, ground and track, without stones.
+void Model::declare_on_ground(input::Section& s) {
+  declare_space(s);
+  s.table("ground", ground, "The continuum below the bed.");
+  declare_passage(s);
+  s.table("footing", footing, footing_meaning);
+  declare_footing(*this, s);
+}
+
+// Space, ground and its loads; stages, steps and output as of a bed.
+void Model::declare_ground_alone(input::Section& s) {
+  declare_space(s);
+  s.table("ground", ground, "The continuum below the bed.");
+  s.tables("pressure", pressures, pressure_meaning);
+  s.table("output", output, output_meaning);
+  s.tables("stage", stages, "The stages of the run, one after the other.");
+  time.rough_step = time.rough_window = input::unbounded;
+  s.table("time", time, "Time steps.");
+  declare_stages_alone(*this, s);
+  declare_pressures(*this, s);
+}
+
+void Model::declare_space(input::Section& s) {
+  s.choice("dimension", dimension, {"plane", "space"},
+           "Dimension of the model: two (x and z) or three.");
+  s.number("thickness", thickness,
+           {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
+           "Thickness of a plane model across the track; half the sleeper length if seat loads are "
+           "those of one rail.");
+  physics.thickness = dimension == Dimension::plane ? thickness : 0;
+}
+
+void Model::declare(input::Section& s) {
+  s.text("title", title, "Title of the deck.");
+  ModelKind given = kind;
+  s.choice("model", given, {"bed", "track", "track_on_ground", "ground", "stones"},
+           "Kind of model; bed: stones, ground and sleepers under seat loads; track: a train on "
+           "rail and springs alone, with title and the sections of a track alone; track_on_ground: "
+           "the same with [ground] below the springs of some sleepers; ground: [ground] alone "
+           "under [[pressure]], in stages of kind run; stones: each [[stone]], [[plate]] and "
+           "[[box]] as placed by the deck, in stages of kind run and settle.");
+  if (given != kind) set_kind(given);
+  track.on_bed = kind == ModelKind::bed;
+  track.on_ground = kind == ModelKind::track_on_ground;
+  if (kind == ModelKind::ground) return declare_ground_alone(s);
+  if (kind == ModelKind::stones) return declare_placed(s);
+  if (kind == ModelKind::track) return declare_passage(s);
+  if (kind == ModelKind::track_on_ground) return declare_on_ground(s);
+  declare_bed(s);
+  declare_time(s);
+  declare_intervals(*this, s);
+  declare_ground_mesh(*this, s);
+  track.declare(s);
+  sleepers.gauge = has_train() ? track.line.track.wheel_gauge() : load.gauge;
+  declare_train(*this, s);
+  declare_solids(*this, s);
+  s.table("footing", footing, footing_meaning);
+  declare_footing(*this, s);
+  s.tables("pressure", pressures, pressure_meaning);
+  declare_pressures(*this, s);
+  placed.declare(s);
+  declare_no_placed(placed, s);
+  s.table("handover", handover, "The hand-over loop; read by jobs/handover.py, not by `run`.");
+  declare_handover(*this, s);
+}
+
+void Model::declare_bed(input::Section& s) {
+  declare_space(s);
+  s.texts("periodic", periodic, "Axes along which the bed is periodic: any of \"x\", \"y\".");
+  s.file("start", start,
+         "Checkpoint from which the run starts (a file stage_*.h5, or a result folder: the one "
+         "named by its `latest`); the stages before it are not repeated.",
+         input::FileRole::origin);
+  s.text("wall_material", wall_material, "Contact material of walls and platen.");
+  s.text("ground_material", ground_material,
+         "Contact material of the ground's surface, or of the floor if there is no ground.");
+  s.number("settle_average", settle_average, {.unit = "s", .at_least = 0},
+           "Time constant of the average of the bed's load with which the ground is in static "
+           "equilibrium before it starts to move.");
+  physics.declare(s);
+  s.table("dem", dem, "Integration and contact search of stones.");
+  s.table("bed", bed, "The ballast bed.");
+  s.table("ground", ground, "The continuum below the bed.");
+  s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
+  s.table("solid", solid, "Sleepers as solids (sleepers.model = \"solid\"), and rails on them.");
+  s.table("load", load, "Load on the rail seats while axles pass.");
+  s.table("seat", seat, "Position of the bed below the rail of a stage with train = true.");
+  s.table("platen", platen, "The plate that compacts the bed.");
+  s.table("tamping", tamping, "The tines of stages of kind tamp.");
+  s.table("output", output, output_meaning);
+  s.tables("region", regions, "Regions in which stones are measured at each row of the histories.");
+  s.tables("stage", stages, "The stages of the run, one after the other.");
+  declare_rules(*this, s);
+}
+
+// The rough limits are computed when all that they depend on has been read.
+void Model::declare_time(input::Section& s) {
+  // Sleepers have their density from their material; the coupling limit needs their mass.
+  if (const int number = material(sleepers.material); number >= 0)
+    sleepers.density = physics.materials[static_cast<std::size_t>(number)].density;
+  time.rough_step = rough_step_limit(*this);
+  time.rough_window = coupling_limit(*this, true).window;
+  s.table("time", time, "Time steps.");
+}
+
+bool Model::periodic_in(const std::string& axis) const {
+  return std::find(periodic.begin(), periodic.end(), axis) != periodic.end();
+}
+
+double Model::duration() const {
+  double time = 0;
+  for (const Stage& stage : stages) time += stage.duration;
+  return time;
+}
+
+bool Model::has_stage(StageKind kind) const {
+  return std::any_of(stages.begin(), stages.end(),
+                     [&](const Stage& stage) { return stage.kind == kind; });
+}
+
+bool Model::has_one_grading() const {
+  return start.empty() && bed.cell.empty() &&
+         std::count_if(stages.begin(), stages.end(),
+                       [](const Stage& stage) { return stage.kind == StageKind::fill; }) == 1;
+}
+
+bool Model::uses_platen() const {
+  return std::any_of(stages.begin(), stages.end(),
+                     [](const Stage& stage) { return has_platen_load(stage.kind); });
+}
+
+// There are walls at sides that are not periodic. The floor has the ground's material.
+bool Model::uses_walls() const {
+  const bool open = !periodic_in("x") || (dimension == Dimension::space && !periodic_in("y"));
+  return open || has_stage(StageKind::compact);
+}
+
+bool Model::has_train() const {
+  return std::any_of(stages.begin(), stages.end(), [](const Stage& stage) { return stage.train; });
+}
+
+bool Model::has_solid_rails() const {
+  return sleepers.model == track::SleeperBody::solid && solid.rails;
+}
+
+bool Model::uses_sleepers() const {
+  return has_stage(StageKind::sleepers) || has_stage(StageKind::cribs) ||
+         has_stage(StageKind::load) || has_stage(StageKind::passage) || has_stage(StageKind::tamp);
+}
+
+double Model::pressure_in(const Stage& stage) const {
+  return stage.pressure > 0 ? stage.pressure : platen.pressure;
+}
+
+// The lattice of `fill` reaches a few times the height of the bed; below z = 0 there is space for
+// the settlement of the ground. A stone that leaves the box in z stops the run: so the box is
+// large. In a plane model its width is the thickness.
+dem::Domain Model::domain() const {
+  if (is_placed()) return domain_of_placed(*this);
+  dem::Domain domain;
+  domain.dimension = dimension;
+  domain.thickness = dimension == Dimension::plane ? thickness : 1;
+  const bool open = !has_stones();  // no walls are needed then
+  domain.periodic = {open || periodic_in("x"),
+                     dimension == Dimension::space && (open || periodic_in("y")), false};
+  const bool plane = dimension == Dimension::plane;
+  domain.low = {bed.x[0], plane ? -thickness / 2 : bed.y[0], -0.2};
+  double height = bed.height;
+  for (const bed::NamedLayer& layer : bed.layers) height += layer.height;
+  domain.high = {bed.x[1], plane ? thickness / 2 : bed.y[1], 10 * height + 1};
+  // Stones that leave the floor are removed before they reach the end of this margin.
+  double around = bed.beside > 0 ? bed.beside + margin_beside_floor : 0;
+  for (const Stage& stage : stages)
+    if (stage.confinement > 0)
+      around = std::max(around, margin_for_walls * std::max(bed.x[1] - bed.x[0],
+                                                            domain.high.y() - domain.low.y()));
+  for (int axis = 0; axis < (plane ? 1 : 2); ++axis)
+    if (!domain.periodic[static_cast<std::size_t>(axis)])
+      domain.low[axis] -= around, domain.high[axis] += around;
+  return domain;
+}
+
+// In models of placed stones there are no walls besides the placed plates and boxes.
+bed::Container Model::container() const {
+  bed::Container container = bed.container_in(domain());
+  if (is_placed()) container.periodic = {true, true};
+  return container;
+}
+
+}  // namespace trackbed::model

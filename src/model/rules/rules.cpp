@@ -1,0 +1,373 @@
+// Rules that tie modules together: which stages need which, which materials exist and have a
+// contact law, and whether bed, ground, sleepers and train are at positions where they act on each
+// other. Impossible decks are errors; unusual ones give warnings.
+//
+// Each rule names the parameters it reads: it is evaluated only if all of them were read without a
+// problem, so that one mistake gives one sentence. Bounds of a single parameter are given where it
+// is declared.
+#include "model/rules/rules.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "model/rules/skin_rule.hpp"
+#include "trackbed/dem/stiffness.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// A border given as 0.1 + 0.2 must equal one given as 0.3.
+constexpr double rounding = 1e-9;  // m
+
+// The materials of all parts of the model exist, and those in contact have a law. Only existing
+// parts count: a deck without ground need not give the material of its surface.
+void declare_materials(const Model& model, input::Section& s) {
+  std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
+  if (model.uses_walls()) parts.emplace_back("wall_material", model.wall_material);
+  parts.emplace_back("ground_material", model.ground_material);
+  if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
+  // A law between misspelt names would give a second sentence, on a missing law, about one mistake.
+  const bool names_known = std::all_of(
+      model.physics.laws.begin(), model.physics.laws.end(), [&](const dem::ContactLaw& law) {
+        return model.material(law.first) >= 0 && model.material(law.second) >= 0;
+      });
+  std::set<std::string> stones = {model.bed.material};
+  for (std::size_t i = 0; i < model.bed.layers.size(); ++i) {
+    parts.emplace_back(fmt::format("bed.layer[{}].material", i), model.bed.layers[i].material);
+    stones.insert(model.bed.layers[i].material);
+  }
+  for (const auto& [key, name] : parts) {
+    model.physics.rule_of_name(s, key, name);
+    if (!names_known || model.material(name) < 0) continue;
+    for (const std::string& stone : stones)
+      s.rule(key, model.material(stone) < 0 || model.physics.has_law(stone, name),
+             fmt::format("stones of \"{}\" touch \"{}\", but no [[contact]] gives a law for this "
+                         "pair",
+                         stone, name),
+             {.reads = {"contact", "material", "bed", key}});
+  }
+  for (std::size_t m = 0; m < model.physics.materials.size(); ++m)
+    s.rule(fmt::format("material[{}].name", m),
+           std::any_of(
+               parts.begin(), parts.end(),
+               [&](const auto& part) { return part.second == model.physics.materials[m].name; }),
+           "is the name of a material that no part of the model has",
+           {.severity = input::Severity::warning, .reads = {"material", "bed", "sleepers"}});
+}
+
+// True for ranges that are not pairs, which another rule reports.
+bool is_within(const std::vector<double>& inner, const std::vector<double>& outer) {
+  return inner.size() != 2 || outer.size() != 2 ||
+         (inner[0] >= outer[0] - rounding && inner[1] <= outer[1] + rounding);
+}
+
+// Stones at the ends of a bed longer than its ground would fall, and the run would end with a lost
+// stone minutes later.
+void declare_ground_below(const Model& model, input::Section& s) {
+  if (!model.ground.present || !model.ground.mesh.empty()) return;
+  const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
+    s.rule("bed." + axis, is_within(bed, ground),
+           fmt::format("reaches beyond ground.{} ({:g} to {:g} m): stones would fall beside the "
+                       "ground; make it longer or the bed shorter",
+                       axis, ground[0], ground[1]),
+           {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
+    if (!model.periodic_in(axis) || model.bed.sieve.empty() || bed.size() != 2) return;
+    const double stone = 1e-3 * model.bed.sieve.back();  // mm
+    s.rule("ground." + axis, is_within({bed[0] - stone, bed[1] + stone}, ground),
+           fmt::format("ends less than a stone ({:g} m) beyond a periodic side of the bed: stones "
+                       "that reach over its end have no support there",
+                       stone),
+           {.severity = input::Severity::warning,
+            .reads = {"ground.present", "ground." + axis, "bed", "periodic"}});
+  };
+  below("x", model.bed.x, model.ground.x);
+  if (model.dimension == Dimension::space) below("y", model.bed.y, model.ground.y);
+}
+
+// A sleeper outside of the bed has no support and is an error; one that reaches beyond its end
+// gives a warning, since half a sleeper at the end of a bed is a legitimate cut.
+void declare_sleepers(const Model& model, input::Section& s) {
+  const auto& p = model.sleepers;
+  const auto& x = model.bed.x;
+  if (!model.has_stage(StageKind::sleepers) || p.count < 1 || x.size() != 2) return;
+  const double last = p.last();
+  const std::string bed = fmt::format("the bed (bed.x: {:g} to {:g} m)", x[0], x[1]);
+  const std::vector<std::string> reads = {
+      "bed.x",      "bed.y",          "sleepers.count", "sleepers.first", "sleepers.spacing",
+      "sleepers.y", "sleepers.width", "sleepers.length"};
+  const auto outside = [&](double at) { return at < x[0] || at > x[1]; };
+  const auto sticks_out = [&](double at) {
+    return at - p.width / 2 < x[0] - rounding || at + p.width / 2 > x[1] + rounding;
+  };
+  s.rule("sleepers.first", !outside(p.first),
+         fmt::format("puts the first sleeper outside {}; move it or make the bed longer", bed),
+         {.reads = reads});
+  s.rule("sleepers.count", outside(p.first) || !outside(last),
+         fmt::format("puts the last sleeper at x = {:g} m, outside {}; give fewer sleepers, less "
+                     "spacing or a longer bed",
+                     last, bed),
+         {.reads = reads});
+  for (const auto& [key, at] : {std::pair{"sleepers.first", p.first}, {"sleepers.count", last}})
+    s.rule(key, outside(at) || !sticks_out(at),
+           fmt::format("the sleeper at x = {:g} m reaches beyond the end of {}", at, bed),
+           {.severity = input::Severity::warning, .reads = reads});
+  const auto& y = model.bed.y;
+  if (model.dimension == Dimension::plane || y.size() != 2) return;
+  const bool beside = p.y + p.length / 2 <= y[0] || p.y - p.length / 2 >= y[1];
+  s.rule("sleepers.y", !beside,
+         fmt::format("puts the sleepers beside the bed (bed.y: {:g} to {:g} m)", y[0], y[1]),
+         {.reads = reads});
+  s.rule("sleepers.length", beside || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
+         "sleepers reach beyond the sides of the bed (bed.y)",
+         {.severity = input::Severity::warning, .reads = reads});
+}
+
+// Positions of the axles of one train at the ends of its passage, relative to the sleepers. Axles
+// move along +x: axle k is at start - behind_k + speed t. It loads a sleeper when it is above it.
+struct AxlePassage {
+  double first, last;   // m, x of sleepers
+  double rear, lead;    // m behind the first axle: the largest and the smallest of all axles
+  double time, travel;  // s, m, of one train
+  bool any = false;     // whether an axle passes a sleeper
+  std::string where;    // positions of the sleepers, for messages
+
+  AxlePassage(const Model& model, const Stage& stage);
+};
+
+AxlePassage::AxlePassage(const Model& model, const Stage& stage)
+    : first(model.sleepers.first), last(model.sleepers.last()) {
+  const auto& load = model.load;
+  rear = *std::max_element(load.axles.begin(), load.axles.end());
+  lead = *std::min_element(load.axles.begin(), load.axles.end());
+  const double trains = static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+  time = stage.duration > 0 ? stage.duration / trains
+                            : track::SeatLoad(load, model.sleepers.spacing).duration(last);
+  travel = load.speed * time;
+  for (std::int64_t i = 0; i < model.sleepers.count; ++i)
+    for (const double behind : load.axles) {
+      const double on = first + static_cast<double>(i) * model.sleepers.spacing -
+                        (load.start - behind);  // m, distance from the axle to the sleeper
+      any = any || (on >= 0 && on <= travel);
+    }
+  where = fmt::format("sleepers are from x = {:g} to {:g} m", first, last);
+}
+
+// A passage in which no axle loads a sleeper would compute an unloaded bed for its whole duration.
+void declare_load(const Model& model, const Stage& stage, const std::string& duration,
+                  const input::About& about, input::Section& s) {
+  const AxlePassage p(model, stage);
+  const double start = model.load.start;
+  // The parameter to report: for a start beyond the track more time is no remedy.
+  const bool too_late = start - p.rear > p.last;
+  s.rule(too_late ? "load.start" : duration, p.any,
+         too_late
+             ? fmt::format("no axle passes a sleeper: the last axle begins at x = {:g} m and "
+                           "moves along +x, {}; start before them",
+                           start - p.rear, p.where)
+             : fmt::format("no axle passes a sleeper: the first axle moves from x = {:g} to {:g} "
+                           "m{}, {}; give more time, or 0 for the whole passage",
+                           start - p.lead, start - p.lead + p.travel,
+                           stage.cycles > 1 ? fmt::format(" in {:g} s, the time of one of {} "
+                                                          "trains",
+                                                          p.time, stage.cycles)
+                                            : "",
+                           p.where),
+         about);
+  if (!p.any) return;
+  s.rule(duration, start - p.rear + p.travel >= p.last,
+         fmt::format("ends before the last axle has passed the last sleeper ({})", p.where),
+         {.severity = input::Severity::warning, .reads = about.reads});
+}
+
+// A load that begins with a jump excites oscillations of the bed.
+void declare_begin(const Model& model, const Stage& stage, const input::About& about,
+                   input::Section& s) {
+  constexpr double negligible = 0.02;  // of the peak, as at the end of `duration`
+  const AxlePassage p(model, stage);
+  if (!p.any) return;
+  const auto& load = model.load;
+  const bool beyond = load.start - p.lead > p.first;
+  s.rule("load.start", !beyond,
+         fmt::format("the first axle begins beyond the first sleeper: the load begins with a jump "
+                     "({})",
+                     p.where),
+         {.severity = input::Severity::warning, .reads = about.reads});
+  const double at_first = track::SeatLoad(load, model.sleepers.spacing).at(p.first, 0);
+  const double jump = load.peak > 0 ? at_first / load.peak : 0;
+  s.rule(
+      "load.start", beyond || std::abs(jump) <= negligible,
+      fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
+                  "further away ({})",
+                  jump, p.where),
+      {.severity = input::Severity::warning, .reads = about.reads});
+}
+
+// Missing axles or sleepers are reported elsewhere; a table of loads has its own times and no
+// axles.
+void declare_passages(const Model& model, input::Section& s) {
+  const auto& load = model.load;
+  if (load.is_table() || load.axles.empty() || model.sleepers.count < 1) return;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    if (model.stages[i].kind != StageKind::passage || model.stages[i].train) continue;
+    const std::string duration = fmt::format("stage[{}].duration", i);
+    const input::About about{
+        .reads = {"load", "sleepers.count", "sleepers.first", "sleepers.spacing", duration}};
+    declare_load(model, model.stages[i], duration, about, s);
+    declare_begin(model, model.stages[i], about, s);
+  }
+}
+
+// Valid parameters whose effect is most likely not intended.
+void declare_oddities(const Model& model, input::Section& s) {
+  const auto& ground = model.ground;
+  const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
+                                 [](const Stage& stage) { return stage.ground_moves; });
+  s.rule(
+      "ground.base_stiffness",
+      !ground.present || !moves || ground.base != fem::Base::viscous ||
+          ground.base_stiffness != 0 || !ground.base_motion.empty(),
+      "a viscous base without springs carries no static load: the ground sinks as long as a train "
+      "is on it; give the stiffness of springs, a value below 0 to have it chosen, or "
+      "base = \"fixed\"",
+      {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
+  double held = 0;  // s until the ground moves, at most
+  for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].ground_moves; ++i)
+    held += model.stages[i].duration;
+  s.rule("settle_average",
+         !ground.present || !moves || !model.start.empty() || held == 0 ||
+             3 * model.settle_average <= held,
+         fmt::format("is not short compared with the {:g} s until the ground moves: the ground "
+                     "would not be in equilibrium with the bed",
+                     held),
+         {.severity = input::Severity::warning, .reads = {"settle_average", "ground", "stage"}});
+  // Static loads of a stage are most likely meant to remain in the following stages.
+  double before = 0;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    const bool seated = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+    s.rule(fmt::format("stage[{}].seat_force", i), !seated || before == 0 || stage.seat_force != 0,
+           fmt::format("the {:g} N of the preceding stage are removed from all rail seats; give "
+                       "seat_force here too if they are to remain",
+                       before),
+           {.severity = input::Severity::warning, .reads = {"stage"}});
+    if (seated || stage.kind == StageKind::sleepers) before = stage.seat_force;
+  }
+}
+
+// s, estimate of the shortest window if the deck does not give it: one sub-step, or the limit of
+// the coupling. The rough step may be twice the real one; so half of it is used.
+double shortest_window(const Model& model) {
+  const auto& time = model.time;
+  if (time.window > 0) return time.window;
+  return std::min(time.step > 0 ? time.step : time.rough_step / 2, time.rough_window);
+}
+
+bool has_corners(const bed::BedParameters& bed) {
+  const auto corners = [](const bed::LayerParameters& layer) {
+    return layer.stone == bed::StoneKind::polyhedra || layer.stone == bed::StoneKind::compound ||
+           layer.stone == bed::StoneKind::library;
+  };
+  return corners(bed) || std::any_of(bed.layers.begin(), bed.layers.end(), corners);
+}
+
+}  // namespace
+
+// Spheres and clumps of spheres allow longer steps. A given step is not checked: the mass of the
+// lightest stone is known only roughly from the deck.
+void declare_steadiness(const Model& model, bool corners, input::Section& s) {
+  const double steady = dem::steady_safety(model.physics);
+  s.rule("dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
+         fmt::format("may be too large for compacted stones with sticking contacts: with this k_s "
+                     "and these zeta a gain of energy was observed above about {:.2f}",
+                     steady),
+         {.severity = input::Severity::warning,
+          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+}
+
+// In plane stress there is no confinement across the track, without which soil has hardly any
+// strength.
+void declare_ground_yields(const Model& model, input::Section& s) {
+  s.rule("ground.plane",
+         model.dimension != Dimension::plane || !model.ground.yields() ||
+             model.ground.plane == fem::PlaneState::strain,
+         "must be \"strain\" with layers that yield: in plane stress they have no confining "
+         "pressure across the track",
+         {.reads = {"dimension", "ground.plane", "ground.layer", "ground.block"}});
+}
+
+// A cycle needs some windows to resolve a haversine. Output is written at most once in a window; an
+// interval below that is most likely in another unit.
+void declare_intervals(const Model& model, input::Section& s) {
+  const double window = shortest_window(model);
+  const auto& output = model.output;
+  for (const auto& [key, interval] : {std::pair{"output.history_interval", output.history_interval},
+                                      {"output.fields_interval", output.fields_interval},
+                                      {"output.checkpoint_interval", output.checkpoint_interval}})
+    s.rule(key, interval == 0 || interval >= window * (1 - rounding),
+           fmt::format(
+               "is less than a time window (about {:.2g} s or more): output is written after every "
+               "window; is it in s?",
+               window),
+           {.severity = input::Severity::warning, .reads = {key, "time", "dem", "bed", "contact"}});
+  for (const Stage& stage : model.stages)
+    s.rule("time.window", stage.duration <= 0 || model.time.window <= stage.duration,
+           fmt::format("is longer than stage \"{}\", which takes at least one window", stage.name),
+           {.severity = input::Severity::warning, .reads = {"time.window", "stage"}});
+  constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    if (stage.cycles < 1 || stage.duration <= 0) continue;
+    const double cycle = stage.duration / static_cast<double>(stage.cycles);
+    s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
+           fmt::format("gives cycles of {:.2g} s, which a time window of about {:.2g} s or more "
+                       "does not resolve; give fewer, or a longer duration",
+                       cycle, window),
+           {.reads = {"stage", "time", "dem", "bed", "contact"}});
+  }
+}
+
+void declare_rules(const Model& model, input::Section& s) {
+  declare_stages(model, s);
+  declare_layers(model, s);
+  declare_profile(model, s);
+  declare_materials(model, s);
+  declare_ground_below(model, s);
+  declare_ground_sides(model, s);
+  declare_ground_yields(model, s);
+  declare_sleepers(model, s);
+  declare_passages(model, s);
+  declare_regions(model, s);
+  declare_oddities(model, s);
+  declare_steadiness(model, has_corners(model.bed), s);
+  declare_skin_of_bed(model, s);
+  declare_walls(model, s);
+  declare_tamping(model, s);
+  bool periodic_known = true;
+  for (const auto& axis : model.periodic) periodic_known &= axis == "x" || axis == "y";
+  s.rule("periodic", periodic_known, "may contain only \"x\" and \"y\"", {.reads = {"periodic"}});
+}
+
+// The whole table is applied for each train of a stage.
+std::vector<std::string> warnings_of_loads(const Model& model) {
+  std::vector<std::string> warnings;
+  const auto& sleepers = model.sleepers;
+  if (!model.load.is_table() || sleepers.count < 1) return warnings;
+  for (const Stage& stage : model.stages) {
+    if (stage.kind != StageKind::passage || stage.train) continue;
+    const track::SeatLoad load(model.load, sleepers.spacing,
+                               static_cast<std::size_t>(sleepers.count));
+    const double trains = static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+    const double time =
+        stage.duration > 0 ? stage.duration / trains : load.duration(sleepers.last());
+    for (const std::string& jump : load.jumps(sleepers.first, sleepers.last(), time))
+      warnings.push_back(
+          fmt::format("load.file: {}: stage \"{}\": {}", model.load.file, stage.name, jump));
+  }
+  return warnings;
+}
+
+}  // namespace trackbed::model

@@ -1,0 +1,237 @@
+// Rules of a train over the sleepers of a bed: sections of a track alone that a bed has only with a
+// stage with a train, and parameters in which track and bed must agree.
+//
+// A deck that cannot be computed is an error; a parameter of a track alone that a bed does not use
+// gives a warning.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/rules/limits.hpp"
+#include "model/rules/rules.hpp"
+#include "model/track_rules/coarse_steps.hpp"
+#include "model/track_rules/track_rules.hpp"
+#include "trackbed/track/motion.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+constexpr double rounding = 1e-6;  // relative, of lengths that are meant to be equal
+
+// Whether sections of a track have their defaults; solid rails use rail and pad.
+bool untouched(const Model& model) {
+  TrackModel track = model.track;
+  if (model.solid.rails) track.line.rail = {}, track.line.pad = {};
+  return track.untouched();
+}
+
+// Sections of rail and train without a train would have no effect.
+void declare_presence(const Model& model, input::Section& s) {
+  s.rule(
+      "model", model.has_train() || untouched(model),
+      "must be \"track\", or a stage must have train = true: a section of rail and train is given "
+      "(rail, pad, under_sleeper_pad, ballast, track, vehicle, train, wheel_rail, irregularity, "
+      "irregularity_right, passage), and these have no effect otherwise",
+      {.reads = {"model"}});
+  const track::SeatParameters none;
+  s.rule("seat",
+         model.has_train() || (model.seat.before == none.before && model.seat.rails == none.rails),
+         "has no effect: no stage has train = true", {.reads = {"seat", "stage"}});
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].train", i),
+           !model.stages[i].train || model.stages[i].kind == StageKind::passage,
+           "is for stages of kind passage only", {.reads = {"stage"}});
+  const std::optional<double> stop = model.track.stop();
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].duration", i),
+           !model.stages[i].train || model.stages[i].duration > 0 || !stop,
+           fmt::format("must be above 0 s: the train stops with its first axle at {:g} m from the "
+                       "start of the track and never leaves it (train.speeds)",
+                       stop.value_or(0)),
+           {.reads = {"stage", "train", "vehicle", "track"}});
+  for (std::size_t i = 0; i < model.stages.size(); ++i)
+    s.rule(fmt::format("stage[{}].duration", i),
+           !model.stages[i].train || model.stages[i].cycles < 2 || model.stages[i].duration == 0,
+           "must be 0 for several trains: the next one starts when the last axle has left",
+           {.reads = {"stage"}});
+}
+
+// A stage with a given duration may end before its train has arrived.
+void declare_arrivals(const Model& model, input::Section& s) {
+  const TrackModel& track = model.track;
+  if (track.train.vehicles.empty() || !track.train.changes_are_valid()) return;
+  const double bed = static_cast<double>(model.seat.before) * track.line.track.spacing;
+  for (std::size_t i = 0; i < model.stages.size(); ++i) {
+    const Stage& stage = model.stages[i];
+    if (!stage.train || stage.duration == 0) continue;
+    const double reached = track::Motion(track.train).x(stage.duration);
+    s.rule(fmt::format("stage[{}].duration", i), reached >= bed,
+           fmt::format("ends the stage before the train is on the bed: its first axle reaches "
+                       "{:.4g} m, the bed's first sleeper is at {:.4g} m of the track",
+                       reached, bed),
+           {.severity = input::Severity::warning, .reads = {"stage", "train", "seat", "track"}});
+  }
+}
+
+// The sleepers of the bed are sleepers of the track, between its run-ins.
+void declare_place(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  const track::SleeperParameters& bed = model.sleepers;
+  const input::About about{.reads = {"track", "sleepers", "seat", "stage"}};
+  s.rule("track.support", track.support == track::Support::sleepers,
+         "must be sleepers, since the bed has sleepers", about);
+  s.rule("track.spacing", std::abs(track.spacing - bed.spacing) <= rounding * bed.spacing,
+         fmt::format("must be that of the sleepers of the bed (sleepers.spacing = {:g} m)",
+                     bed.spacing),
+         about);
+  const double first = static_cast<double>(model.seat.before) * track.spacing;
+  const double last = first + static_cast<double>(bed.count - 1) * track.spacing;
+  s.rule("seat.before", first >= track.run_in * (1 - rounding),
+         fmt::format("puts the first sleeper of the bed at {:g} m from the start of the track, "
+                     "within its run-in of {:g} m",
+                     first, track.run_in),
+         about);
+  s.rule("track.length", last <= (track.length - track.run_in) * (1 + rounding),
+         fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
+                     "run-in behind it",
+                     last + track.run_in, last),
+         about);
+  s.rule("train.start", model.track.train.start <= 0,
+         "must be at most 0 on a bed: the train comes from the rigid rail before the track",
+         {.reads = {"train", "stage"}});
+}
+
+// Below the bed's sleepers there are stones: zones affect only the rail there.
+void declare_zones(const Model& model, input::Section& s) {
+  const track::TrackParameters& track = model.track.line.track;
+  for (std::size_t i = 0; i < track.zones.size(); ++i) {
+    const track::TrackZone& zone = track.zones[i];
+    std::int64_t over = 0;
+    for (std::int64_t k = 0; k < model.sleepers.count; ++k) {
+      const double x = static_cast<double>(model.seat.before + k) * track.spacing;
+      over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
+    }
+    s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.gap == 0),
+           fmt::format("begins a zone over {} sleeper{} of the bed, supported by stones: `bed` and "
+                       "`gap` have no effect there",
+                       over, over == 1 ? "" : "s"),
+           {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});
+  }
+}
+
+// Whole sleepers, with a seat below each rail.
+void declare_solid_sides(const Model& model, input::Section& s) {
+  const input::About about{.reads = {"track", "sleepers", "solid", "stage"}};
+  s.rule("solid.half", !model.solid.half,
+         "must be false below two rails (track.dimension = \"space\")", about);
+  const std::vector<double>& seats = model.solid.seats;
+  const double side = model.track.line.track.gauge / 2;
+  s.rule("solid.seats",
+         seats.size() == 2 && std::abs(seats[0] + seats[1]) <= rounding * side &&
+             std::abs(std::abs(seats[0]) - side) <= rounding * side,
+         fmt::format("must be [{0:g}, -{0:g}] below two rails (track.dimension = \"space\"), half "
+                     "of track.gauge to either side",
+                     side),
+         about);
+}
+
+// A table for two seats per sleeper needs sleepers that roll, as below two rails.
+void declare_seats(const Model& model, input::Section& s) {
+  const double gauge = model.load.gauge, length = model.sleepers.length;
+  if (gauge == 0) return;
+  const input::About about{.reads = {"load", "sleepers", "dimension", "stage", "track"}};
+  s.rule("load.gauge", model.dimension == Dimension::space,
+         "must be 0 in a plane model, whose sleepers do not roll (dimension)", about);
+  s.rule("load.gauge", model.sleepers.model == track::SleeperBody::rigid,
+         "must be 0 on solid sleepers (sleepers.model), whose seats have equal loads", about);
+  s.rule("load.gauge", gauge < length,
+         fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
+         about);
+  s.rule("load.gauge", !model.has_train(),
+         "must be 0 in a deck with a train (train = true), whose rails define the seats", about);
+  const auto& free = model.sleepers.free;
+  s.rule("load.gauge", std::find(free.begin(), free.end(), "rx") != free.end(),
+         "has no effect: sleepers do not roll (sleepers.free does not contain rx)",
+         {.severity = input::Severity::warning, .reads = about.reads});
+}
+
+// Two rails rest on two seats of each sleeper, which rolls below them.
+void declare_sides(const Model& model, input::Section& s) {
+  if (model.track.line.track.dimension == Dimension::plane) return;
+  const input::About about{.reads = {"track", "sleepers", "seat", "stage", "dimension"}};
+  s.rule("track.dimension", model.dimension == Dimension::space,
+         "must be plane in a plane model, whose sleepers do not roll (dimension)", about);
+  s.rule("seat.rails", model.seat.rails == 2,
+         "must be 2 below two rails (track.dimension = \"space\")", about);
+  const double gauge = model.track.line.track.gauge, length = model.sleepers.length;
+  s.rule("track.gauge", gauge < length,
+         fmt::format("must be below the length of the bed's sleepers, which is {:g} m", length),
+         about);
+  s.rule("track.sleeper_length", model.track.line.track.sleeper_length > gauge,
+         fmt::format("must be above the gauge of {:g} m: rails rest on the sleepers", gauge),
+         about);
+  if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
+  const auto& free = model.sleepers.free;
+  s.rule(
+      "sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
+      "does not contain rx: sleepers of the bed do not roll below two rails, those on springs do",
+      {.severity = input::Severity::warning, .reads = about.reads});
+}
+
+// The mass per rail of sleepers of the bed and on springs should be similar; otherwise one of them
+// is most likely that of the whole sleeper.
+void declare_warnings(const Model& model, input::Section& s) {
+  const track::SleeperParameters& bed = model.sleepers;
+  const double length = model.dimension == Dimension::plane ? model.thickness : bed.length;
+  const double mass = bed.density * bed.width * bed.height * length / model.seat.rails;
+  const track::TrackParameters& track = model.track.line.track;
+  const double given = track.sleeper_mass / static_cast<double>(track.rails);
+  constexpr double far = 2;
+  s.rule(
+      "seat.rails", mass <= far * given && given <= far * mass,
+      fmt::format("gives a mass per rail of {:.3g} kg of the bed's sleepers, but that of sleepers "
+                  "on springs is {:.3g} kg (track.sleeper_mass): check the number of rails",
+                  mass, given),
+      {.severity = input::Severity::warning,
+       .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
+  const TrackOutput none;
+  const TrackOutput& passage = model.track.passage;
+  const auto unused = [&](const char* key, bool given_one, const char* instead) {
+    s.rule(key, !given_one, fmt::format("has no effect on a bed: {}", instead),
+           {.severity = input::Severity::warning, .reads = {key, "stage"}});
+  };
+  unused("passage.duration", passage.duration != none.duration, "use the duration of the stage");
+  unused("passage.points", passage.points != none.points,
+         "the histories contain the rail above each sleeper");
+}
+
+// s, approximate: stones, which are not drawn yet, limit windows as well.
+double longest_window(const Model& model) {
+  if (model.time.window > 0) return model.time.window;
+  double window = 0;
+  for (const Stage& stage : model.stages)
+    if (stage.train) window = std::max(window, coupling_limit(model, stage).window);
+  const double step = model.time.step > 0 ? model.time.step : model.time.rough_step;
+  return std::min(window, step * static_cast<double>(model.time.substeps));
+}
+
+}  // namespace
+
+void declare_train(const Model& model, input::Section& s) {
+  declare_presence(model, s);
+  declare_seats(model, s);
+  if (!model.has_train()) return;
+  declare_arrivals(model, s);
+  declare_place(model, s);
+  declare_zones(model, s);
+  if (model.track.is_countable()) {
+    declare_ballast_mass(model.track, model.seat.before, model.sleepers.count, s);
+    declare_coarse_steps(model.track, longest_window(model), s);
+  }
+  declare_sides(model, s);
+  declare_warnings(model, s);
+}
+
+}  // namespace trackbed::model

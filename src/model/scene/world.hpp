@@ -1,0 +1,101 @@
+// The parts of the model and the surfaces between them; the order of the step is in
+// model/scheme/staged.cpp.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/coupling/solid_sleepers.hpp"
+#include "model/scene/placement.hpp"
+#include "trackbed/couple/coupler.hpp"
+#include "trackbed/model/parameters.hpp"
+#include "trackbed/model/pressures.hpp"
+#include "trackbed/observe/results.hpp"
+#include "trackbed/par/comm.hpp"
+
+namespace trackbed::model {
+
+// Owns all parts. Stones and ground are distributed over ranks; sleepers, platen and walls are the
+// same on all.
+struct World {
+  World(const par::Comm& comm, const Model& model);
+  World(const World&) = delete;  // surfaces are identified by address
+  World& operator=(const World&) = delete;
+
+  // Registers the present surfaces with stones and coupler; mean forces of existing ones are kept.
+  // To be called whenever a surface is added or removed. Collective.
+  void register_surfaces();
+  // A new partition of the stones if their work is unbalanced over ranks. Changes no results.
+  // Collective.
+  void rebalance();
+  void place_platen(double z);
+  // One window of lifting: it was lifted by `before` in the last window and is lifted by `motion`,
+  // m.
+  void lift_platen(double before, double motion);
+  void take_platen_away();
+  // Places tines above the stones, beside the present positions of the sleepers. Collective.
+  void place_tines();
+  void take_tines_away();
+  double top_of_stones() const;      // m, highest point of any stone. Collective.
+  double mean_ground_level() const;  // m above z = 0, its initial level. Collective.
+
+  // Places the stones of the deck and computes their initial forces. Collective.
+  void place_stones();
+
+  // Mean force of the last window, N.
+  std::vector<std::span<const Vec3>> on_sleepers() const;
+  std::span<const Vec3> on_ground() const;                // per top node, valid on own nodes
+  double on_platen() const;                               // vertical
+  std::array<std::span<const Vec3>, 2> on_tines() const;  // per node
+  Vec3 on(const std::string& surface) const;              // total; zero if there is no such surface
+  std::vector<Vec3> on_placed() const;                    // total on each plate and box
+
+  observe::Scene scene();
+  std::vector<observe::WallState> wall_states() const;  // tines count as walls
+  observe::PlatenState platen_state() const;            // zero without one
+  std::size_t memory() const;                           // bytes of this rank's state
+
+  bed::Tines make_tines() const;  // as in the deck, without target depth
+  // Mean force on every node of a surface, for the checkpoint. By name, since numbers of surfaces
+  // change with stages.
+  struct Means {
+    std::string surface;
+    std::vector<Vec3> force;  // N, all nodes on all ranks
+  };
+  std::vector<Means> means() const;  // collective
+  void set_means(const std::vector<Means>& means);
+
+  const par::Comm& comm;
+  const Model& model;
+  dem::Particles particles;
+  std::optional<fem::Ground> ground;
+  std::optional<Pressures> pressures;  // of a ground alone
+  std::vector<std::int32_t> watched;   // nodes of its top in the histories, by initial position
+  std::unique_ptr<track::Sleepers> sleepers;
+  SolidSleepers* solids = nullptr;     // the same, if they are solids
+  std::optional<bed::Platen> platen;   // while it loads the bed
+  std::optional<bed::Tines> tines;     // while they tamp
+  bed::Walls walls;                    // with a floor at z = 0 if there is no ground
+  std::optional<Placement> placement;  // of model = "stones"
+  couple::Coupler coupler;
+  // Load of the bed on the ground, averaged over settle_average, N per top node, own nodes only:
+  // the ground is in static equilibrium with it when it starts to move.
+  std::vector<Vec3> support;
+  bool ground_settled = false;
+
+ private:
+  void share_out();  // a new partition in any case; collective
+  void connect();
+  struct Touched {
+    Surface* surface;
+    std::size_t number;  // in the coupler
+  };
+  std::vector<Touched> touched_;  // ground (if any), walls, sleepers (if placed), platen
+  std::size_t first_sleeper_ = 0, platen_number_ = 0, first_tine_ = 0;
+};
+
+}  // namespace trackbed::model

@@ -1,0 +1,27 @@
+#include "trackbed/model/run_context.hpp"
+
+#include "trackbed/core/whole_steps.hpp"
+#include "trackbed/model/interrupt.hpp"
+
+namespace trackbed::model {
+
+void RunContext::warn(const std::string& sentence) {
+  course.warnings.push_back(sentence);
+  log.warning(sentence);
+}
+
+bool RunContext::is_to_stop() const {
+  const bool out_of_time =
+      comm.root() && model.output.wall_time > 0 && log.wall_time() > model.output.wall_time;
+  return interrupted() || out_of_time;
+}
+
+std::int64_t RunContext::windows_in(double interval) const {
+  return steps_within(interval, course.clock.dt());
+}
+
+bool RunContext::ends(double interval) const {
+  return interval > 0 && course.clock.window() % windows_in(interval) == 0;
+}
+
+}  // namespace trackbed::model

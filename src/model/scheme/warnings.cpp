@@ -1,0 +1,114 @@
+// The bounds are not part of the model: results beyond them are not those of a usual track. They
+// are wide, since warnings of correct runs would soon be ignored.
+#include "model/scheme/warnings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace trackbed::model {
+
+namespace {
+
+constexpr double bed_tolerance = 0.1;  // of the height: beds of one kind differ by 5 % (quickstart)
+constexpr double far_sunk = 0.1;       // m: a third of the height of a usual bed
+constexpr double fast = 3;             // m/s: as after a fall of half a metre
+
+// Number of own stones that are too fast, or above the walls at the ends of the bed.
+std::int64_t flying(const World& world) {
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < world.particles.size(); ++i) {
+    const dem::ParticleView stone = world.particles[i];
+    const bool high = world.walls.height() > 0 && stone.position.z() > world.walls.height();
+    if (high || stone.velocity.norm() > fast) ++count;
+  }
+  return count;
+}
+
+// The sleeper with the largest settlement since it was placed; all ranks have all sleepers.
+std::string warning_of_sleepers(const World& world) {
+  if (!world.sleepers || !world.sleepers->placed()) return {};
+  const track::Sleepers& sleepers = *world.sleepers;
+  std::size_t worst = 0;
+  const auto sunk = [&](std::size_t i) { return -sleepers.state(i).displacement.z(); };
+  for (std::size_t i = 0; i < sleepers.count(); ++i)
+    if (sunk(i) > sunk(worst)) worst = i;
+  const double ballast = sleepers.bottom();  // m: the bed begins at z = 0
+  if (!(sunk(worst) > std::min(far_sunk, ballast))) return {};
+  return fmt::format(
+      "the sleeper at x = {:g} m has settled by {:.3g} mm since it was placed on {:.3g} mm of "
+      "ballast: the ballast below this sleeper has failed; later results are not reliable",
+      sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
+}
+
+// m^3 (plane: over the thickness). For messages only: its last bits depend on the ranks.
+double volume_of_stones(const World& world) {
+  double volume = 0;
+  for (std::size_t i = 0; i < world.particles.size(); ++i) volume += world.particles[i].volume;
+  return world.comm.sum(volume);
+}
+
+// Of the poured layers, one above the other: heights add, and so do their solid volumes.
+struct Expected {
+  double height = 0;  // m
+  double porosity = 0;
+};
+
+Expected expected_of(const Model& model, std::span<const Stage> done) {
+  double height = 0, solid = 0;
+  for (const Stage& stage : done) {
+    if (stage.kind != StageKind::fill) continue;
+    const bed::BedParameters layer = model.bed.of_layer(stage.layer);
+    height += layer.height;
+    solid += layer.height * (1 - layer.porosity);
+  }
+  if (height <= 0) return {model.bed.height, model.bed.porosity};  // poured in another run
+  return {height, 1 - solid / height};
+}
+
+}  // namespace
+
+// With V the volume of all stones, m^3, A the area and z the height below the platen,
+//   n = 1 - V/(A z),   expected: z = V/(A (1 - n_deck)).
+// Platen and ground touch only single stones: half a stone's width of the height may be additional
+// voids at these faces.
+std::string warning_of_bed(const World& world, std::span<const Stage> done) {
+  const Model& model = world.model;
+  const double level = world.mean_ground_level();
+  const double volume = volume_of_stones(world);
+  if (!world.platen || volume <= 0) return {};
+  const double area = world.walls.area();  // m^2
+  const double height = world.platen->z() - level;
+  const Expected expected = expected_of(model, done);
+  const double expected_height = volume / (area * (1 - expected.porosity));
+  const double voids_at_faces = 0.5e-3 * model.bed.sieve.back();  // m, sieves are in mm
+  if (height >= (1 - bed_tolerance) * expected_height &&
+      height <= (1 + bed_tolerance) * expected_height + voids_at_faces)
+    return {};
+  return fmt::format(
+      "the compacted bed is {:.3g} m high with a porosity of {:.2f}; with bed.porosity = {:.3g} it "
+      "would be {:.3g} m high (bed.height = {:g} m)",
+      height, 1 - volume / (area * height), expected.porosity, expected_height, expected.height);
+}
+
+// In stages of kind fill and cribs falling stones are expected to be fast.
+std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
+  std::vector<std::string> warnings;
+  if (const std::string warning = warning_of_sleepers(world); !warning.empty())
+    warnings.push_back(warning);
+  const std::int64_t stones = world.comm.sum(flying(world));
+  if (stones > 0 && world.model.has_bed() && last != StageKind::fill && last != StageKind::cribs)
+    warnings.push_back(fmt::format("{} stone{} at the end faster than {:g} m/s or above the walls",
+                                   stones, stones > 1 ? "s are" : " is", fast));
+  // A few occur in fills with high speeds; each costs about a hundred contacts.
+  const std::int64_t deep = world.particles.core_overlaps();
+  if (deep > world.particles.totals().particles)
+    warnings.push_back(
+        fmt::format("cores of stones overlapped {} times (pairs, counted in each sub-step): give "
+                    "larger roundings (bed.polyhedron.rounding), stiffer contacts or lower speeds",
+                    deep));
+  return warnings;
+}
+
+}  // namespace trackbed::model

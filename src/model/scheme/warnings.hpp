@@ -1,0 +1,20 @@
+// Checks whether results are plausible: sentences for the warnings of a run. A run with warnings
+// continues and its exit code is 0; the user must judge it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/scene/world.hpp"
+
+namespace trackbed::model {
+
+// On height and porosity of the compacted bed, compared with those of the layers that the stages
+// `done` poured; empty: as expected. Collective.
+std::string warning_of_bed(const World& world, std::span<const Stage> done);
+// On settled sleepers and fast stones at the end of a run whose last stage was of this kind.
+// Collective.
+std::vector<std::string> warnings_of_end(const World& world, StageKind last);
+
+}  // namespace trackbed::model

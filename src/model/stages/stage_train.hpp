@@ -1,0 +1,61 @@
+// The vehicles of a stage with `train = true`: started when it begins, moved in every window,
+// removed when it ends.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "model/coupling/wheel_extremes.hpp"
+#include "model/scene/world.hpp"
+#include "trackbed/core/clock.hpp"
+#include "trackbed/model/parameters.hpp"
+#include "trackbed/track/on_bed.hpp"
+
+namespace trackbed::model {
+
+// Holds references: world and model must outlive it.
+class StageTrain {
+ public:
+  // Throws InputError for a bad file of the irregularity if any stage has a train.
+  StageTrain(World& world, const Model& model);
+
+  double duration() const;  // s until the last axle has left the track
+  void send(double step);   // s, the stage's window; the rail is laid on the sleepers' positions
+  bool there() const { return train_.has_value(); }
+  // N downwards on the i-th sleeper in the next window; `move` applies those on solid sleepers.
+  double seat_force(std::size_t i) const { return world_.solids ? 0 : train_->seat_force(i); }
+  // Distributes `sums`, N downwards on each sleeper, to its seats: on two rails left before right.
+  std::vector<double> on_seats(const std::vector<double>& sums) const;
+  // To be called after the sleepers have moved in the present window of `clock`; `trains`: number
+  // of trains in the stage.
+  void move(std::int64_t trains, const Clock& clock);
+  void take_away() { train_.reset(); }
+  observe::TrainInstant instant() const;
+
+  // Of wheels above the sleepers of the bed and half a spacing beyond, in the last stage with a
+  // train.
+  const WheelExtremes& wheel_forces() const { return forces_; }
+
+  // Writes nothing without a train. Collective.
+  void save(io::File& file) const;
+  // If the file has a train, starts it with windows of `step` s and loads its state.
+  void load(const io::File& file, double step);
+  void load_wheel_forces(const io::File& file) { forces_.load(file); }
+
+ private:
+  std::size_t rails() const;
+  std::vector<track::Seat> seats() const;  // of rigid sleepers
+  std::vector<double> levels() const;      // m, of the seats
+  std::vector<double> rates() const;       // m/s
+  void apply_pad_forces();
+  void record_wheels();
+
+  World& world_;
+  const Model& model_;
+  std::optional<track::TrainOnBed> train_;
+  WheelExtremes forces_;
+  double step_ = 0;  // s
+  std::size_t wheels_ = 0, bodies_ = 0;
+};
+
+}  // namespace trackbed::model

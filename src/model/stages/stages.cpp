@@ -1,0 +1,279 @@
+// The kinds of stages. What a stage does in a window follows from the deck, the clock and the
+// model; its only own state is the settlement of sleepers from cycle to cycle.
+//
+// Kinds differ in few points, which are distinguished by `if`. Rejected: a class per kind, which
+// would spread begin, watch and end over many files with mostly empty functions.
+#include "model/stages/stages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/scene/cell.hpp"
+#include "model/stages/cribs.hpp"
+#include "model/stages/shear.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+// Height of the walls over that of growing stones: they are still loose, and their surface is
+// uneven.
+constexpr double grown_height = 2;
+
+// Interval of the check for rest, which costs a sum over all contacts.
+constexpr std::int64_t windows_between_checks = 250;
+
+// Load of the load stage over its peak, 0 to 1: ramp, hold, ramp; or cycles of (1 - cos)/2, a
+// haversine, which is usual in laboratory tests. A cycle begins and ends at zero with zero slope; a
+// ramp takes at most half the stage.
+double load_shape(const Stage& stage, double time) {
+  if (stage.cycles > 0) {
+    const double cycles = static_cast<double>(stage.cycles) * time / stage.duration;
+    return 0.5 * (1 - std::cos(2 * std::numbers::pi * cycles));
+  }
+  const double ramp = std::min(stage.ramp, stage.duration / 2);
+  if (ramp <= 0) return 1;
+  return std::clamp(std::min(time, stage.duration - time) / ramp, 0.0, 1.0);
+}
+
+bool has_cycles(const Stage& stage) {
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage;
+  return loaded && stage.cycles > 0;
+}
+
+// Not under load: the criterion would end a stage between axles or cycles.
+bool ends_at_rest(const Stage& stage) {
+  const bool loaded = stage.kind == StageKind::load || stage.kind == StageKind::passage ||
+                      stage.kind == StageKind::shear || stage.kind == StageKind::triaxial;
+  return stage.until_ratio > 0 && !loaded;
+}
+
+// Stones are at rest if forces are balanced and there are more contacts than stones. The latter
+// excludes stones in free fall (no forces at all); a pile in equilibrium has on average more than
+// two contacts per stone, and so at least as many contacts as stones.
+bool at_rest(const dem::Totals& totals, double ratio) {
+  return totals.contacts > totals.particles && totals.unbalanced < ratio;
+}
+
+}  // namespace
+
+StageActions::StageActions(World& world, const Model& model)
+    : world_(world),
+      model_(model),
+      seat_load_(model.load, model.sleepers.spacing,
+                 static_cast<std::size_t>(std::max<std::int64_t>(model.sleepers.count, 0))),
+      train_(world, model) {}
+
+// Collective. Order: damping and friction, then bodies that are removed, bodies that are added, and
+// finally the registration of surfaces, which connects the ground's top to the ranks that need it.
+void StageActions::begin(const Stage& stage) {
+  world_.particles.set_local_damping(stage.local_damping);
+  world_.particles.set_friction(stage.friction);
+  const bool has_platen = has_platen_load(stage.kind) || stage.kind == StageKind::release;
+  if (!has_platen && world_.platen) world_.take_platen_away();
+  if (world_.placement && &stage == &model_.stages.front()) world_.place_stones();
+  if (stage.kind == StageKind::fill) pour(stage);
+  if (stage.kind == StageKind::sleepers) place_sleepers(stage);
+  if (stage.profile > 0 && stage.kind != StageKind::cribs) cut_to_profile(world_, stage.profile);
+  if (stage.kind == StageKind::cribs) fill_cribs(stage);
+  if (stage.kind == StageKind::tamp) world_.place_tines();
+  if (has_cycles(stage)) settlement_.begin(*world_.sleepers);
+  if (stage.kind == StageKind::compact && !world_.platen)
+    world_.place_platen(world_.top_of_stones());  // registers surfaces
+  else
+    world_.register_surfaces();
+  if (has_platen && world_.platen)
+    world_.platen->set_target(model_.pressure_in(stage), stage.kind == StageKind::shear);
+  world_.walls.retarget();
+}
+
+// A second layer falls onto the existing stones.
+void StageActions::pour(const Stage& stage) {
+  const bed::BedParameters layer = model_.bed.of_layer(stage.layer);
+  const double below = std::max(0.0, world_.top_of_stones());  // minus infinity without stones
+  const int material = model_.material(layer.material);
+  if (stage.growth > 0) {
+    const double top = bed::fill_to_grow(world_.particles, world_.comm, layer, material, below,
+                                         stage.growth_height);
+    world_.walls.build(below + grown_height * (top - below));
+    return;
+  }
+  const double height = model_.bed.cell.empty()
+                            ? bed::fill(world_.particles, world_.comm, layer, material, below)
+                            : lay_cells(world_);
+  // A tenth above the lattice, for stones that rebound.
+  world_.walls.build(1.1 * height);
+}
+
+// Sleepers are placed at their final position, and stones that overlap them are removed, not
+// displaced.
+void StageActions::place_sleepers(const Stage& stage) {
+  world_.sleepers->place(stage.height > 0 ? stage.height : world_.top_of_stones());
+  dig_out_sleepers(world_);
+}
+
+// More stones than fit, since loose stones need more volume than given by the porosity: `end` cuts
+// the heaps. Stones fall from above all existing stones and sleepers, so that none overlap
+// initially.
+void StageActions::fill_cribs(const Stage& stage) {
+  // Present positions and not those at the start of the last window, which a run that starts from a
+  // checkpoint does not have.
+  world_.sleepers->show_at_rest();
+  const double height = bed::fill_boxes(world_.particles, world_.comm, model_.bed,
+                                        model_.material(model_.bed.material),
+                                        cribs(world_, stage.profile), world_.top_of_stones());
+  if (1.1 * height > world_.walls.height()) world_.walls.build(1.1 * height);
+}
+
+// Growth is fast at first, while stones have space, and ends with zero rate, so that stones in
+// contact come to rest. With g the size over the final one and T the time of growth,
+//   1 - g = (1 - g0)(1 - t/T)^2,
+// from one window to the next, so that a resumed run needs only the present g.
+void StageActions::grow(const Stage& stage, double time, double dt) {
+  const double grown = world_.particles.grown();
+  if (stage.growth <= 0 || grown >= 1) return;
+  const double left = 1 - time / stage.growth, then = std::max(0.0, left - dt / stage.growth);
+  const double ratio = left > 0 ? then / left : 0;
+  world_.particles.grow_to(1 - (1 - grown) * ratio * ratio);
+}
+
+// Heights are read when a cycle ends: the other windows have no cost.
+void StageActions::watch(const Stage& stage, const Clock& clock) {
+  if (has_cycles(stage)) settlement_.watch(stage.cycles, clock, *world_.sleepers);
+  clear_beside_floor(world_, clock);
+}
+
+// Known before the stage begins: a passage depends only on the axles and the last sleeper.
+double StageActions::duration(const Stage& stage) const {
+  if (stage.kind == StageKind::tamp)
+    return model_.tamping.cycle() * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+  if (stage.kind != StageKind::passage || stage.duration > 0) return stage.duration;
+  const auto& s = model_.sleepers;
+  const double once =
+      stage.train ? train_.duration()
+                  : seat_load_.duration(s.first + s.spacing * static_cast<double>(s.count - 1));
+  return once * static_cast<double>(std::max<std::int64_t>(stage.cycles, 1));
+}
+
+void StageActions::send_train(const Stage& stage, double window) {
+  if (stage.train) train_.send(window);
+}
+
+void StageActions::move_train(const Stage& stage, const Clock& clock) {
+  train_.move(std::max<std::int64_t>(stage.cycles, 1), clock);
+}
+
+// The trains of a passage are equal: time starts again with each.
+double StageActions::time_of_train(const Stage& stage, double time) const {
+  if (stage.kind != StageKind::passage || stage.cycles < 2) return time;
+  return std::fmod(time, duration(stage) / static_cast<double>(stage.cycles));
+}
+
+std::vector<track::AxleLoad> StageActions::axles(const Stage& stage, double time) const {
+  if (stage.kind != StageKind::passage || !model_.has_solid_rails()) return {};
+  return seat_load_.axles(time_of_train(stage, time));
+}
+
+// With a train: the present forces of its pads, independent of `time`. Otherwise the constant force
+// plus the load of the stage's kind; axles on solid rails add nothing here. The present x of the
+// sleepers is used and not that of the deck.
+std::vector<double> StageActions::seat_forces(const Stage& stage, double time) const {
+  time = time_of_train(stage, time);
+  std::vector<double> forces(world_.sleepers ? world_.sleepers->count() : 0, stage.seat_force);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    if (stage.kind == StageKind::load) forces[i] += stage.load * load_shape(stage, time);
+    if (train_.there())
+      forces[i] += train_.seat_force(i);
+    else if (stage.kind == StageKind::passage && !model_.has_solid_rails())
+      forces[i] += seat_load_.at(world_.sleepers->x(i), time, i);
+  }
+  return forces;
+}
+
+// Loads other than those of a train or of a table for both seats are distributed equally to them.
+std::vector<double> StageActions::on_seats(const Stage& stage, double time,
+                                           const std::vector<double>& sums) const {
+  if (train_.there() || model_.load.gauge == 0) return train_.on_seats(sums);
+  const bool passes = stage.kind == StageKind::passage;
+  std::vector<double> all;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double more = passes ? seat_load_.left_excess(time_of_train(stage, time), i) : 0;
+    all.insert(all.end(), {sums[i] / 2 + more, sums[i] / 2 - more});
+  }
+  return all;
+}
+
+bool StageActions::walls_are_steady(const Stage& stage) const {
+  return stage.confinement <= 0 || world_.walls.steady_for() >= model_.platen.hold;
+}
+
+// In order: pressures reached, settlement small enough, stones at rest. The last is checked at
+// windows counted from the start of the stage, so that a resumed run checks the same ones.
+bool StageActions::settled(const Stage& stage, const Clock& clock) const {
+  if (stage.kind == StageKind::compact && world_.platen->steady() && walls_are_steady(stage))
+    return true;
+  if (stage.settlement > 0 && settlement_.last() >= 0 && settlement_.last() <= stage.settlement)
+    return true;
+  if (!ends_at_rest(stage) || clock.window() == 0 || world_.particles.grown() < 1) return false;
+  if (clock.window() % windows_between_checks != 0) return false;
+  return at_rest(world_.particles.totals(), stage.until_ratio);
+}
+
+// Three results: no value (the kind has no aim), an empty sentence (reached), the deviation.
+std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
+  if (stage.kind == StageKind::compact) {
+    if (!world_.platen->steady() || walls_are_steady(stage)) return world_.platen->shortfall();
+    return fmt::format(
+        "the pressure of the walls was within {:g} % of {:g} kPa for {:.3g} s instead of {:g} s "
+        "(platen.hold)",
+        100 * model_.platen.tolerance, stage.confinement / 1e3, world_.walls.steady_for(),
+        model_.platen.hold);
+  }
+  if (has_cycles(stage) && stage.settlement > 0) {
+    if (settlement_.last() >= 0 && settlement_.last() <= stage.settlement) return std::string{};
+    return fmt::format("the settlement of a sleeper in the last cycle is {:.3g} mm, above {:g} mm",
+                       1e3 * settlement_.last(), 1e3 * stage.settlement);
+  }
+  if (!ends_at_rest(stage)) return std::nullopt;
+  const dem::Totals totals = world_.particles.totals();
+  if (at_rest(totals, stage.until_ratio)) return std::string{};
+  return fmt::format("the unbalanced force is {:.3g} of the mean contact force, not below {:g}",
+                     totals.unbalanced, stage.until_ratio);
+}
+
+// After stages of kind fill and settle stones are stopped, so that the next stage begins with zero
+// velocities. Damping and friction below 0: those of the materials and contact laws again.
+void StageActions::end(const Stage& stage) {
+  if (stage.kind == StageKind::release && world_.platen) world_.take_platen_away();
+  if (stage.kind == StageKind::fill || stage.kind == StageKind::settle) world_.particles.stop();
+  if (stage.kind == StageKind::cribs) {
+    cut_to_profile(world_, stage.profile);
+    world_.register_surfaces();
+  }
+  if (stage.kind == StageKind::lift_walls) {
+    world_.walls.remove();
+    world_.register_surfaces();
+  }
+  if (stage.kind == StageKind::tamp) world_.take_tines_away();
+  settlement_.end();
+  train_.take_away();
+  world_.particles.set_local_damping(-1);
+  world_.particles.set_friction(-1);
+}
+
+void StageActions::save(io::File& file) const {
+  settlement_.save(file, world_.comm);
+  train_.save(file);
+}
+
+void StageActions::load(const io::File& file, double window) {
+  settlement_.load(file);
+  train_.load(file, window);
+}
+
+void StageActions::load_done(const io::File& file) { train_.load_wheel_forces(file); }
+
+}  // namespace trackbed::model

@@ -1,0 +1,68 @@
+// What each kind of stage does to the model when it begins, in every window, and when it ends.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/scene/world.hpp"
+#include "model/stages/settlement.hpp"
+#include "model/stages/stage_train.hpp"
+#include "trackbed/core/clock.hpp"
+#include "trackbed/model/parameters.hpp"
+
+namespace trackbed::model {
+
+// Holds references: world and model must outlive it.
+class StageActions {
+ public:
+  // Throws InputError for a bad seat load table.
+  StageActions(World& world, const Model& model);
+
+  // Pours stones, places sleepers, platen or tines, cuts to the profile. Collective.
+  void begin(const Stage& stage);
+  // Growth of stones in a window that begins `time` s after the stage did.
+  void grow(const Stage& stage, double time, double dt);
+  void watch(const Stage& stage, const Clock& clock);  // after every window
+  double duration(const Stage& stage) const;           // s
+  // Starts the stage's train, if it has one, once the window (s) is known.
+  void send_train(const Stage& stage, double window);
+  // To be called after the sleepers have moved in a window.
+  void move_train(const Stage& stage, const Clock& clock);
+  const StageTrain& train() const { return train_; }
+  // Force on each rail seat, N downwards, `time` s after the stage began.
+  std::vector<double> seat_forces(const Stage& stage, double time) const;
+  // The same for both seats of each sleeper, if it has two: `sums` are those of seat_forces.
+  std::vector<double> on_seats(const Stage& stage, double time,
+                               const std::vector<double>& sums) const;
+  // On solid rails; none without them, or in other stages than passages.
+  std::vector<track::AxleLoad> axles(const Stage& stage, double time) const;
+  // Whether the stage has reached its aim before the end of its duration. Depends on state alone,
+  // so that a resumed run decides identically. Collective.
+  bool settled(const Stage& stage, const Clock& clock) const;
+  // At the end of a stage: a sentence on the missed aim, empty if it is reached; no value if the
+  // stage has no aim. Collective.
+  std::optional<std::string> shortfall(const Stage& stage) const;
+  double settlement() const { return settlement_.last(); }  // m, in the last cycle; < 0: none
+  void end(const Stage& stage);                             // collective
+
+  // State of the present stage that is in neither the deck nor the model. Collective.
+  void save(io::File& file) const;
+  void load(const io::File& file, double window);  // s, of the present stage
+  void load_done(const io::File& file);            // state left by finished stages
+
+ private:
+  double time_of_train(const Stage& stage, double time) const;
+  void pour(const Stage& stage);
+  void place_sleepers(const Stage& stage);
+  void fill_cribs(const Stage& stage);
+  bool walls_are_steady(const Stage& stage) const;
+
+  World& world_;
+  const Model& model_;
+  track::SeatLoad seat_load_;
+  Settlement settlement_;
+  StageTrain train_;
+};
+
+}  // namespace trackbed::model

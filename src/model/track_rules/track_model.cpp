@@ -1,0 +1,394 @@
+// Sections of a track alone, and rules that tie them together.
+#include "trackbed/model/track_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/track_rules/track_rules.hpp"
+#include "trackbed/core/error.hpp"
+#include "trackbed/input/deck.hpp"
+#include "trackbed/track/motion.hpp"
+#include "trackbed/track/vehicle_layout.hpp"
+
+namespace trackbed::model {
+
+namespace {
+
+bool by_seats(const TrackModel& model) { return model.passage.loaded_by == track::LoadedBy::seats; }
+
+// Seat loads replace rail and train.
+void declare_seats(const TrackModel& model, input::Section& s) {
+  const input::About about{.reads = {"passage", "train", "force", "track", "load"}};
+  if (!by_seats(model)) {
+    const auto text = [](track::SeatLoadParameters load) {
+      return input::effective([&load](input::Section& inner) { load.declare(inner); });
+    };
+    return s.rule("load", model.on_bed || text(model.load) == text({}),
+                  "has no effect: it acts only with passage.loaded_by = \"seats\"", about);
+  }
+  s.rule("load.gauge", model.load.gauge == 0,
+         "must be 0 except on a bed: a table of seat loads is the same for both rails", about);
+  s.rule("passage.loaded_by", !model.on_bed,
+         "must be train on a bed, whose loads are in its stages", about);
+  s.rule("train.vehicles", model.train.vehicles.empty(),
+         "must be [] with passage.loaded_by = \"seats\": seat loads replace the train", about);
+  s.rule("force", model.passage.forces.empty(),
+         "acts on a rail, which does not exist with seat loads (passage.loaded_by)", about);
+  s.rule("track.support", model.line.track.support == track::Support::sleepers,
+         "must be sleepers with seat loads (passage.loaded_by)", about);
+  s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
+         "must be pinned with seat loads (passage.loaded_by): the rail then has no other support",
+         about);
+}
+
+double elements_of(const track::TrackParameters& track) {
+  return track.length / track.spacing * static_cast<double>(track.elements);
+}
+
+constexpr double most_elements = 1e6;
+
+// So that a wrong unit gives an error before memory is exhausted.
+void declare_size(const TrackModel& model, input::Section& s) {
+  const track::TrackParameters& track = model.line.track;
+  s.rule("track.spacing", model.is_countable(),
+         fmt::format("gives {:.3g} elements of {:g} m of rail, at most {:g} are possible; is it in "
+                     "m?",
+                     elements_of(track), track.length, most_elements),
+         {.reads = {"track"}});
+}
+
+// Names of vehicles must be unique: trains refer to them.
+void declare_vehicles(const TrackModel& model, input::Section& s) {
+  const std::vector<std::string> known = track::vehicle_names(model.vehicles);
+  s.rule("train.vehicles",
+         !model.train.vehicles.empty() || !model.passage.forces.empty() || by_seats(model),
+         "must name at least one vehicle, or there must be a [[force]] or seat loads "
+         "(passage.loaded_by)",
+         {.reads = {"train.vehicles", "force", "passage.loaded_by"}});
+  for (const std::string& name : model.train.vehicles) {
+    const std::string why = track::why_no_vehicle(name, model.vehicles);
+    s.rule("train.vehicles", why.empty(), why, {.reads = {"train.vehicles", "vehicle"}});
+  }
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i)
+    s.rule(fmt::format("vehicle[{}].name", i),
+           std::count(known.begin(), known.end(), model.vehicles[i].name) == 1,
+           "is already the name of another vehicle of the deck or of the library",
+           {.reads = {"vehicle"}});
+}
+
+bool runs(const TrackModel& model, const track::VehicleParameters& vehicle) {
+  const std::vector<std::string>& names = model.train.vehicles;
+  return std::find(names.begin(), names.end(), vehicle.name) != names.end();
+}
+
+void declare_unused_vehicles(const TrackModel& model, input::Section& s) {
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i)
+    s.rule(fmt::format("vehicle[{}].name", i), runs(model, model.vehicles[i]),
+           "is no vehicle of the train (train.vehicles): this table has no effect",
+           {.severity = input::Severity::warning, .reads = {"vehicle", "train.vehicles"}});
+}
+
+// A vehicle is stable on both rails while m_body |offset| < m gauge/2: then the static load of
+// every wheel is positive, since axles carry equal loads.
+void declare_tipping(const TrackModel& model, input::Section& s) {
+  if (model.line.track.dimension == Dimension::plane) return;
+  for (std::size_t i = 0; i < model.vehicles.size(); ++i) {
+    const track::VehicleParameters whole = track::complete(model.vehicles[i]);
+    if (whole.body_offset == 0 || !runs(model, whole) || !track::lacking(whole).empty()) continue;
+    if (!track::layout_of(whole.kind).body) continue;
+    const double most = track::mass_of(whole) * model.line.track.gauge / (2 * whole.body_mass);
+    s.rule(
+        fmt::format("vehicle[{}].body_offset", i), std::abs(whole.body_offset) < most,
+        fmt::format("tips the vehicle over: on rails {:g} m apart (track.gauge) it must be below "
+                    "{:.4g} m",
+                    model.line.track.gauge, most),
+        {.reads = {"vehicle", "train.vehicles", "track"}});
+  }
+}
+
+// Steps must resolve the rise and fall of a force.
+void declare_force_in_time(const track::RailForce& force, const std::string& name, double step,
+                           input::Section& s) {
+  const bool impact = force.kind == track::ForceKind::impact;
+  const std::string key = name + (impact ? ".length" : ".frequency");
+  const double time = force.duration();
+  const std::string words =
+      fmt::format("gives {} of {:.3g} s, which steps of {:g} s (passage.step)",
+                  impact ? "an impact" : "periods", time, step);
+  const input::About about{.reads = {"force", "passage.step"}};
+  constexpr double needed = 2, enough = 8;  // steps
+  s.rule(key, time > needed * step, words + " do not resolve", about);
+  s.rule(key, time <= needed * step || time >= enough * step, words + " resolve poorly",
+         {.severity = input::Severity::warning, .reads = about.reads});
+}
+
+// The displacement of a pinned end is zero.
+void declare_force_at_end(const track::RailForce& force, const std::string& name,
+                          const track::TrackParameters& track, input::Section& s) {
+  constexpr double rounding = 1e-9;  // m
+  const bool end = force.at < rounding || std::abs(force.at - track.length) < rounding;
+  s.rule(name + ".at", !end || track.ends != track::RailEnds::pinned,
+         "is an end of the rail, which is pinned (track.ends): the force has no effect",
+         {.severity = input::Severity::warning, .reads = {"force", "track"}});
+}
+
+// s, until the last axle has left unless it is given; infinite if it never does.
+double duration_of(const TrackModel& model) {
+  if (model.passage.duration > 0) return model.passage.duration;
+  const std::optional<track::Train> train = train_of(model);
+  if (!train || train->wheels().empty() || !model.train.changes_are_valid())
+    return std::numeric_limits<double>::infinity();
+  return track::Motion(model.train).time_at(model.line.track.length + train->axle_distance());
+}
+
+// Without vehicles the duration of the run must be given.
+void declare_forces(const TrackModel& model, input::Section& s) {
+  const double length = model.line.track.length, lasts = duration_of(model);
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
+    s.rule(fmt::format("force[{}].at", i), model.passage.forces[i].at <= length,
+           fmt::format("is beyond the track, which is {:g} m long", length),
+           {.reads = {"force", "track.length"}});
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i) {
+    const std::string name = fmt::format("force[{}]", i);
+    if (!model.on_ground)  // which may divide the step: checked once it is known
+      declare_force_in_time(model.passage.forces[i], name, model.passage.step, s);
+    declare_force_at_end(model.passage.forces[i], name, model.line.track, s);
+    s.rule(name + ".begin", model.passage.forces[i].begin < lasts,
+           fmt::format("is after the end of the run at {:.4g} s: the force has no effect", lasts),
+           {.severity = input::Severity::warning,
+            .reads = {"force", "passage.duration", "train", "vehicle", "track"}});
+  }
+  s.rule("force", !model.on_bed || model.passage.forces.empty(),
+         "is for a track alone (model = \"track\")", {.reads = {"force", "model"}});
+  s.rule("passage.duration",
+         !model.train.vehicles.empty() || model.passage.duration > 0 || by_seats(model),
+         "must be above 0 s without vehicles",
+         {.reads = {"train.vehicles", "passage.duration", "force"}});
+}
+
+// Parameters that need two rails.
+void declare_sides(const TrackModel& model, input::Section& s) {
+  const bool space = model.line.track.dimension == Dimension::space;
+  const input::About about{.reads = {"track", "irregularity", "irregularity_right", "force"}};
+  using Kind = track::IrregularityKind;
+  s.rule("irregularity.kind", model.irregularity.kind != Kind::same,
+         "same is for the right rail (irregularity_right)", about);
+  s.rule("irregularity_right.kind", space || model.irregularity_right.kind == Kind::same,
+         "needs two rails (track.dimension = \"space\")", about);
+  const track::TrackParameters& track = model.line.track;
+  const bool two_seats = space && track.support == track::Support::sleepers && !model.on_bed;
+  s.rule("track.sleeper_length", !two_seats || track.sleeper_length > track.gauge,
+         fmt::format("must be above the gauge of {:g} m: rails rest on the sleepers", track.gauge),
+         {.reads = {"track"}});
+  for (std::size_t i = 0; i < model.passage.forces.size(); ++i)
+    s.rule(fmt::format("force[{}].side", i), space || model.passage.forces[i].number() == 0,
+           "needs two rails (track.dimension = \"space\")", about);
+}
+
+void declare_bending(const TrackModel& model, input::Section& s) {
+  if (model.line.track.sleeper.model == track::SleeperModel::rigid) return;
+  s.rule("ballast.mass", model.line.ballast.mass == 0,
+         "must be 0 below sleepers that bend: their ballast is distributed along them",
+         {.reads = {"track", "ballast"}});
+  s.rule("track.sleeper.model", !model.on_bed,
+         "must be rigid on a bed, whose sleepers are those of [sleepers]", {.reads = {"track"}});
+}
+
+// On a bed a pad would change the contact law of stones and sleeper.
+void declare_under_sleeper(const TrackModel& model, input::Section& s) {
+  if (model.line.under_sleeper.stiffness == 0) return;
+  const input::About about{.reads = {"under_sleeper_pad", "track", "model"}};
+  s.rule("under_sleeper_pad.stiffness", !model.on_bed,
+         "must be 0 on a bed, where the contact law of stones and sleepers acts ([[contact]])",
+         about);
+  s.rule("under_sleeper_pad.stiffness", model.line.track.support == track::Support::sleepers,
+         "needs sleepers: there are none (track.support)", about);
+  s.rule("under_sleeper_pad.stiffness",
+         model.line.track.sleeper.model == track::SleeperModel::rigid,
+         "must be 0 below sleepers that bend (track.sleeper.model), whose ballast is distributed "
+         "along them",
+         about);
+}
+
+// Uplift is possible only for pads on the sleepers of a track alone.
+void declare_uplift(const TrackModel& model, input::Section& s) {
+  if (!model.line.pad.uplift) return;
+  const input::About about{.reads = {"pad", "track", "passage", "model"}};
+  s.rule("pad.uplift", !model.on_bed, "must be false on a bed, where pads can transmit tension",
+         about);
+  s.rule("pad.uplift", model.line.track.support == track::Support::sleepers,
+         "needs pads: there are none without sleepers (track.support)", about);
+  const auto& zones = model.line.track.zones;
+  const auto hangs = [](const track::TrackZone& zone) { return zone.gap > 0; };
+  s.rule("pad.uplift", std::none_of(zones.begin(), zones.end(), hangs),
+         "must be false with hanging sleepers (gap of a zone), which the pads connect to the rail",
+         about);
+  s.rule("pad.uplift", !by_seats(model),
+         "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
+}
+
+void declare_flat(const TrackModel& model, input::Section& s) {
+  if (model.wheel_rail.flat_axle == 0) return;
+  const std::optional<track::Train> train = train_of(model);
+  if (!train) return;
+  const auto axles = static_cast<std::int64_t>(train->wheels().size());
+  s.rule("wheel_rail.flat_axle", model.wheel_rail.flat_axle <= axles,
+         fmt::format("must be at most the number of axles of the train, {}", axles),
+         {.reads = {"wheel_rail", "train", "vehicle"}});
+  if (model.wheel_rail.flat_axle > axles) return;
+  const auto wheel = static_cast<std::size_t>(model.wheel_rail.flat_axle - 1);
+  s.rule("wheel_rail.flat_axle", train->wheels()[wheel].unknown >= 0,
+         "is an axle of constant force, which does not roll: its flat has no effect",
+         {.severity = input::Severity::warning, .reads = {"wheel_rail", "train", "vehicle"}});
+}
+
+// A run of a given duration may end before its train has arrived.
+void declare_arrival(const TrackModel& model, input::Section& s) {
+  const double lasts = model.passage.duration;
+  if (model.train.vehicles.empty() || lasts == 0 || !model.train.changes_are_valid()) return;
+  const double reached = track::Motion(model.train).x(lasts);
+  s.rule("train.start", reached >= 0,
+         fmt::format("leaves the train before the track: its first axle reaches {:.4g} m in the "
+                     "{:g} s of the run (passage.duration)",
+                     reached, lasts),
+         {.severity = input::Severity::warning, .reads = {"train", "passage.duration"}});
+}
+
+// A train with zero speed never leaves the track, and never arrives on a bed.
+void declare_speed(const TrackModel& model, input::Section& s) {
+  const std::vector<double>& later = model.train.speeds;
+  const bool goes = model.train.speed > 0 ||
+                    std::any_of(later.begin(), later.end(), [](double v) { return v > 0; });
+  const bool ends = !model.on_bed && model.passage.duration > 0;
+  s.rule("train.speed", goes || ends,
+         model.on_bed ? "must be above 0 m/s, or one of train.speeds"
+                      : "must be above 0 m/s, or one of train.speeds, or passage.duration must be "
+                        "above 0 s: the train does not move",
+         {.reads = {"train", "passage.duration"}});
+}
+
+// Rules for positions and times of the run of a track alone.
+void declare_run(const TrackModel& model, input::Section& s) {
+  const TrackOutput& passage = model.passage;
+  const double length = model.line.track.length;
+  for (const double x : passage.points)
+    s.rule("passage.points", x <= length,
+           fmt::format("{:g} m is beyond the track, which is {:g} m long", x, length),
+           {.reads = {"passage.points", "track.length"}});
+  s.rule("train.start", model.train.vehicles.empty() || model.train.start < length,
+         fmt::format("is beyond the track, which is {:g} m long", length),
+         {.reads = {"train.start", "train.vehicles", "track.length"}});
+  declare_arrival(model, s);
+  const std::optional<double> stop = model.stop();
+  s.rule("passage.duration", passage.duration > 0 || !stop,
+         fmt::format("must be above 0 s: the train stops with its first axle at {:g} m and never "
+                     "leaves the track (train.speeds)",
+                     stop.value_or(0)),
+         {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
+  s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
+         "is shorter than a time step (passage.step), of which at least one is taken",
+         {.severity = input::Severity::warning, .reads = {"passage"}});
+}
+
+}  // namespace
+
+void TrackOutput::declare(input::Section& s) {
+  PassageParameters::declare(s);
+  s.numbers("points", points, {.unit = "m", .at_least = 0},
+            "x of the rail points in the histories, each with the nearest sleeper.");
+}
+
+// For model = "track", and for a bed with a train, which has another run and other histories.
+void TrackModel::declare(input::Section& s) {
+  s.table("rail", line.rail, "Properties of one rail.");
+  s.table("pad", line.pad, "Rail pads.");
+  s.table("ballast", line.ballast,
+          "Ballast springs of a track alone or on a ground, and before and behind a bed.");
+  s.table("under_sleeper_pad", line.under_sleeper,
+          "Pads below the sleepers of a track alone or on a ground.");
+  s.table("track", line.track, "The track as a whole.");
+  s.tables("vehicle", vehicles, "A vehicle in addition to those of the library.");
+  s.table("train", train, "Vehicles and their motion.");
+  s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
+  s.table("irregularity", irregularity, "Irregularity of the rail's running surface.");
+  s.table("irregularity_right", irregularity_right,
+          "Irregularity of the right rail, if it differs from that of the left.");
+  s.tables("force", passage.forces,
+           "A force on the rail of a track alone, in addition to a train.");
+  s.table("passage", passage,
+          "The run of a track alone; on a bed only step and tolerance are used.");
+  declare_size(*this, s);
+  declare_vehicles(*this, s);
+  declare_unused_vehicles(*this, s);
+  declare_tipping(*this, s);
+  declare_speed(*this, s);
+  declare_forces(*this, s);
+  declare_sides(*this, s);
+  declare_bending(*this, s);
+  declare_under_sleeper(*this, s);
+  declare_uplift(*this, s);
+  if (!on_bed) s.table("load", load, "Loads on rail seats instead of a train.");
+  declare_seats(*this, s);
+  declare_flat(*this, s);
+  declare_idle(*this, s);
+  if (is_countable()) declare_track_rules(*this, s);
+  if (!on_bed) declare_run(*this, s);
+}
+
+std::optional<track::Train> train_of(const TrackModel& model) {
+  try {
+    return track::Train(model.train, model.vehicles, 1);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+// A run without a duration ends when the last axle has left, that of a bed with its stage.
+std::optional<Range> range_of_wheels(const TrackModel& model) {
+  const std::optional<track::Train> train = train_of(model);
+  if (!train || !model.train.changes_are_valid()) return {};
+  constexpr double far = std::numeric_limits<double>::infinity();
+  double nearest = far, furthest = -far;  // m behind the first axle
+  for (const track::Train::Wheel& wheel : train->wheels())
+    if (wheel.unknown >= 0)
+      nearest = std::min(nearest, wheel.behind), furthest = std::max(furthest, wheel.behind);
+  if (nearest > furthest) return {};
+  const double lasts = model.on_bed ? 0 : model.passage.duration;
+  const double reached = lasts > 0 ? track::Motion(model.train).x(lasts) : far;
+  return Range{model.train.start - furthest, reached - nearest};
+}
+
+std::optional<double> TrackModel::stop() const {
+  if (!train.changes_are_valid() || train.speeds.empty()) return {};
+  const std::optional<track::Train> whole = train_of(*this);
+  const track::Motion motion(train);
+  if (!whole || std::isfinite(motion.time_at(line.track.length + whole->axle_distance())))
+    return {};
+  return motion.x(train.times.back());
+}
+
+bool TrackModel::is_countable() const { return elements_of(line.track) <= most_elements; }
+
+std::size_t TrackModel::sleepers() const {
+  return static_cast<std::size_t>(std::llround(line.track.length / line.track.spacing)) + 1;
+}
+
+std::optional<track::SeatLoad> seats_of(const TrackModel& model) {
+  if (!by_seats(model)) return {};
+  return track::SeatLoad(model.load, model.line.track.spacing, model.sleepers());
+}
+
+// The comparison as text includes every parameter.
+bool TrackModel::untouched() const {
+  const auto text = [](TrackModel model) {
+    return input::effective([&model](input::Section& s) { model.declare(s); });
+  };
+  TrackModel none;
+  none.on_bed = on_bed, none.on_ground = on_ground;
+  return text(*this) == text(none);
+}
+
+}  // namespace trackbed::model

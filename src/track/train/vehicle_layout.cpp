@@ -1,0 +1,50 @@
+#include "trackbed/track/vehicle_layout.hpp"
+
+#include <algorithm>
+
+#pragma GCC diagnostic error "-Wswitch"  // a kind without a layout
+
+namespace trackbed::track {
+
+VehicleLayout layout_of(VehicleKind kind) {
+  switch (kind) {
+    case VehicleKind::of_like:  // until it is completed
+    case VehicleKind::coach:
+      return {.body = true, .pitches = true, .bogies = 2, .wheelsets = 4};
+    case VehicleKind::bogie:
+      return {.body = true, .bogies = 1, .wheelsets = 2};
+    case VehicleKind::sprung:
+      return {.body = true, .wheelsets = 1};
+    case VehicleKind::wheel:
+      return {.wheelsets = 1};
+    case VehicleKind::forces:
+      return {.constant = true};
+  }
+  return {};
+}
+
+std::vector<double> axles_of(const VehicleParameters& v) {
+  const VehicleLayout layout = layout_of(v.kind);
+  if (layout.constant) return v.axles;
+  if (layout.bogies == 0) return {v.length / 2};
+  if (layout.bogies == 1) return {v.length / 2 - v.wheelbase / 2, v.length / 2 + v.wheelbase / 2};
+  const double front = v.length / 2 - v.bogie_distance / 2 - v.wheelbase / 2;
+  return {front, front + v.wheelbase, front + v.bogie_distance,
+          front + v.bogie_distance + v.wheelbase};
+}
+
+// Axle forces begin at the front.
+double axle_span_of(const VehicleParameters& v) {
+  const VehicleLayout layout = layout_of(v.kind);
+  if (layout.constant)
+    return v.axles.empty() ? 0 : *std::max_element(v.axles.begin(), v.axles.end());
+  return (layout.bogies > 1 ? v.bogie_distance : 0) + (layout.bogies > 0 ? v.wheelbase : 0);
+}
+
+double mass_of(const VehicleParameters& v) {
+  const VehicleLayout layout = layout_of(v.kind);
+  return (layout.body ? v.body_mass : 0) + layout.bogies * v.bogie_mass +
+         layout.wheelsets * v.wheelset_mass;
+}
+
+}  // namespace trackbed::track
