@@ -262,7 +262,6 @@ class Ground {
   void end_extremes();
   GroundTotals totals() const;     // collective
   void time_with(Timers& timers);  // for the parts of Phase::ground
-  double seconds() const;          // wall time of steps on this rank
   std::size_t memory() const;      // bytes on this rank
 
   void save(io::File& file, const std::string& group) const;

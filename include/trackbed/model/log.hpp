@@ -11,7 +11,8 @@
 
 namespace trackbed::model {
 
-// Prints a line; rank 0. A run whose log cannot be written continues.
+// Both print on rank 0: a text as it is, and a line. A run whose log cannot be written continues.
+void print(const par::Comm& comm, const std::string& text);
 void say(const par::Comm& comm, const std::string& line);
 
 inline const char* plural_ending(std::int64_t count) { return count == 1 ? "" : "s"; }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "trackbed/core/error.hpp"
 #include "trackbed/fem/petsc.hpp"
@@ -36,14 +35,6 @@ void warn_of_unused_options(const par::Comm& comm, const std::vector<std::string
             fmt::format("warning: the PETSc option -{} was set but never used (options of the "
                         "ground begin with -ground_)\n",
                         option));
-}
-
-// Flushed at once: batch systems show stdout only when it is flushed, and the log of a run that is
-// killed must be complete.
-void print(const par::Comm& comm, const std::string& text) {
-  if (!comm.root()) return;
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
 }
 
 void Warnings::add(const std::vector<std::string>& more) {

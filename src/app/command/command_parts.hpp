@@ -9,13 +9,13 @@
 #include "trackbed/io/checkpoint.hpp"
 #include "trackbed/model/checks.hpp"
 #include "trackbed/model/effective.hpp"
+#include "trackbed/model/log.hpp"
 #include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::app {
 
-// Rank 0 writes to stdout.
-void print(const par::Comm& comm, const std::string& text);
+using model::print;
 
 // Warnings before a run begins: printed at once, and kept for its summary. The same on all ranks.
 struct Warnings {

@@ -131,10 +131,11 @@ struct OverlapMotion {
 // Here p is `turning`: two centres with the velocity v_t across their distance d are v_t^2 dt^2 /
 // (2 d) farther apart one step before and one step after. In between, both steps cancel it. For
 // Hertz's law, whose force is small at the ends, it is left out.
-// An elastic collision of two bodies then keeps its energy to rounding. For a Hertz spring the sum
-// is not exact in between either; `hertz_onset` corrects all of it at the two ends. The error of a
-// collision of 50 steps is then 1e-11 of the energy (6e-5 without) and of order 7.5 in the step.
-// The force of a contact that neither closes nor opens is not changed.
+// A head-on elastic collision of two bodies then keeps its energy to rounding, an oblique one of
+// two balls to 2.5e-10 (`bounces_test`). For a Hertz spring the sum is not exact in between either;
+// `hertz_onset` corrects all of it at the two ends. The error of a collision of 50 steps is then
+// 1e-11 of the energy (6e-5 without) and of order 7.5 in the step. The force of a contact that
+// neither closes nor opens is not changed.
 //
 // A Hertz contact has one corrected step at each end, which is the one with theta in 0..1. Where
 // two bodies touch just at the end of a step, rounding would decide whether two steps or none are

@@ -11,6 +11,7 @@
 #include "fem/shape/tetrahedron.hpp"
 #include "trackbed/core/error.hpp"
 #include "trackbed/core/exact_sum.hpp"
+#include "trackbed/core/whole_steps.hpp"
 
 namespace trackbed::fem {
 
@@ -250,8 +251,7 @@ void Ground::advance(double dt, std::span<const Vec3> top_force) {
 // Explicit: local except for ghosts. A step that is too long would show only as divergence.
 void Ground::begin_step(double dt, std::span<const Vec3> expected) {
   const auto begin = std::chrono::steady_clock::now();
-  constexpr double rounding = 1e-9;
-  require(dt <= stable_step() * (1 + rounding), "half steps of the ground must be stable");
+  require(dt <= stable_step() * (1 + rounding_of_steps), "half steps of the ground must be stable");
   impl_->step_in_halves = dt;
   if (is_implicit()) {
     const Nodal before = impl_->state.load;

@@ -180,8 +180,6 @@ GroundTotals Ground::totals() const {
   return totals;
 }
 
-double Ground::seconds() const { return impl_->seconds; }
-
 void Ground::time_with(Timers& timers) { impl_->timers = &timers; }
 
 // Bytes on this rank; PETSc matrices are not included.

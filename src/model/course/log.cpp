@@ -18,11 +18,13 @@ std::string clock_words(double seconds) {
 
 // Not fmt::print, which throws where nothing can be written. Flushed at once: batch systems show
 // stdout only when it is flushed, and the log of a run that is killed must be complete.
-void say(const par::Comm& comm, const std::string& line) {
+void print(const par::Comm& comm, const std::string& text) {
   if (!comm.root()) return;
-  std::fputs((line + "\n").c_str(), stdout);
+  std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }
+
+void say(const par::Comm& comm, const std::string& line) { print(comm, line + "\n"); }
 
 double Log::wall_time() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();

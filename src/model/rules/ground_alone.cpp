@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "model/rules/rules.hpp"
+#include "trackbed/core/whole_steps.hpp"
 
 namespace trackbed::model {
 
@@ -66,7 +67,8 @@ void declare_steps(const Model& model, input::Section& s) {
         {"output.fields_interval", model.output.fields_interval},
         {"output.checkpoint_interval", model.output.checkpoint_interval}})
     s.rule(key,
-           interval == 0 || is_default(interval) || interval >= model.time.window * (1 - rounding),
+           interval == 0 || is_default(interval) ||
+               interval >= model.time.window * (1 - rounding_of_steps),
            fmt::format("is less than a time window ({:g} s): output is written after every window",
                        model.time.window),
            {.severity = input::Severity::warning, .reads = {key, "time"}});
@@ -106,7 +108,8 @@ void declare_resolved(const Model& model, const PressureParameters& p, const std
   resolved(".duration", !runs || p.duration == 0 || p.duration >= fewest * window,
            fmt::format("is {:g} s", p.duration));
   resolved(".frequency",
-           p.course != PressureCourse::harmonic || p.frequency * fewest * window <= 1 + rounding,
+           p.course != PressureCourse::harmonic ||
+               p.frequency * fewest * window <= 1 + rounding_of_steps,
            fmt::format("gives cycles of {:g} s", p.frequency > 0 ? 1 / p.frequency : 0));
   resolved(".speed", std::abs(p.speed) * window <= p.x[1] - p.x[0],
            fmt::format("moves it by {:g} m in a window, more than its length",

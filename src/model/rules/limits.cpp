@@ -16,6 +16,7 @@
 #include <numbers>
 
 #include "trackbed/core/error.hpp"
+#include "trackbed/core/whole_steps.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::model {
@@ -23,7 +24,6 @@ namespace trackbed::model {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double rounding = 1e-9;  // relative, so that a given step equal to the limit passes
 
 // Sensible also for decks with problems: these functions run while problems are being collected.
 double positive(double value, double instead) { return value > 0 ? value : instead; }
@@ -243,7 +243,7 @@ std::string remedies(const Model& model, double limit) {
 // A given step that is too long is refused and never shortened silently.
 void require_stable(const Model& model, const input::Deck& deck, double limit,
                     const std::string& words) {
-  if (model.time.step > limit * (1 + rounding))
+  if (model.time.step > limit * (1 + rounding_of_steps))
     throw InputError({fmt::format("{} = {:g} s is above the stable sub-step of {:.4g} s ({}){}",
                                   deck.where("time.step"), model.time.step, limit, words,
                                   remedies(model, limit))});

@@ -14,6 +14,7 @@
 #include <set>
 
 #include "model/rules/skin_rule.hpp"
+#include "trackbed/core/whole_steps.hpp"
 #include "trackbed/dem/stiffness.hpp"
 
 namespace trackbed::model {
@@ -307,7 +308,7 @@ void declare_intervals(const Model& model, input::Section& s) {
   for (const auto& [key, interval] : {std::pair{"output.history_interval", output.history_interval},
                                       {"output.fields_interval", output.fields_interval},
                                       {"output.checkpoint_interval", output.checkpoint_interval}})
-    s.rule(key, interval == 0 || interval >= window * (1 - rounding),
+    s.rule(key, interval == 0 || interval >= window * (1 - rounding_of_steps),
            fmt::format(
                "is less than a time window (about {:.2g} s or more): output is written after every "
                "window; is it in s?",

@@ -10,7 +10,7 @@ namespace trackbed::model {
 namespace {
 
 template <class... Args>
-void print(const par::Comm& comm, fmt::format_string<Args...> text, Args&&... args) {
+void say_values(const par::Comm& comm, fmt::format_string<Args...> text, Args&&... args) {
   say(comm, fmt::format(text, std::forward<Args>(args)...));
 }
 
@@ -31,37 +31,39 @@ std::string words_of_springs(const fem::GroundParameters& ground) {
 void say_model(World& world, const std::string& name) {
   const par::Comm& comm = world.comm;
   const Model& model = world.model;
-  print(comm, "trackbed: {} on {} rank{}{}{}", name, comm.size(), plural_ending(comm.size()),
-        model.title.empty() ? "" : ": ", model.title);
+  say_values(comm, "trackbed: {} on {} rank{}{}{}", name, comm.size(), plural_ending(comm.size()),
+             model.title.empty() ? "" : ": ", model.title);
   if (world.ground) {
     const fem::GroundTotals totals = world.ground->totals();
     std::string limit;
     const double step = world.ground->stable_step(&limit);
-    print(comm, "  ground: {} elements, {} unknowns, {}{}, {}", totals.elements, totals.unknowns,
-          words_of_base(model.ground), totals.springs ? words_of_springs(model.ground) : "",
-          std::isinf(step) ? "one implicit step per window"
-                           : fmt::format("stable step {:.4g} s ({})", step, limit));
+    say_values(comm, "  ground: {} elements, {} unknowns, {}{}, {}", totals.elements,
+               totals.unknowns, words_of_base(model.ground),
+               totals.springs ? words_of_springs(model.ground) : "",
+               std::isinf(step) ? "one implicit step per window"
+                                : fmt::format("stable step {:.4g} s ({})", step, limit));
   }
   const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)
-    print(comm, "  sleepers: {} of {:.1f} kg{}", world.sleepers->count(), world.sleepers->mass(),
-          passes
-              ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
-                            model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
-              : "");
+    say_values(
+        comm, "  sleepers: {} of {:.1f} kg{}", world.sleepers->count(), world.sleepers->mass(),
+        passes ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
+                             model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
+               : "");
   if (world.solids) {
     const fem::BodiesTotals totals = world.solids->bodies().totals();
-    print(comm, "  solids: {} elements, {} unknowns on every rank; {}", totals.elements,
-          totals.unknowns, model.solid.rails ? "with rails on pads" : "sleepers alone");
+    say_values(comm, "  solids: {} elements, {} unknowns on every rank; {}", totals.elements,
+               totals.unknowns, model.solid.rails ? "with rails on pads" : "sleepers alone");
   }
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
-  print(comm,
-        "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, "
-        "whose "
-        "sleepers carry {:g} rail{}",
-        fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
-        model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
+  say_values(
+      comm,
+      "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, "
+      "whose "
+      "sleepers carry {:g} rail{}",
+      fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
+      model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory is the largest of all ranks, since that rank fails first.
@@ -71,20 +73,21 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm.max(megabytes(world.memory()));
   const bool stones = world.model.has_stones();
-  print(comm,
-        "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.2g} MB per "
-        "rank",
-        stage.name,
-        stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
-                             plural_ending(totals.particles), totals.pieces,
-                             plural_ending(totals.pieces))
-               : "",
-        course.clock.dt(),
-        stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
-                             plural_ending(course.steps.substeps))
-               : "",
-        course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
-        course.clock.windows(), bytes);
+  say_values(
+      comm,
+      "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.2g} MB per "
+      "rank",
+      stage.name,
+      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
+                           plural_ending(totals.particles), totals.pieces,
+                           plural_ending(totals.pieces))
+             : "",
+      course.clock.dt(),
+      stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
+                           plural_ending(course.steps.substeps))
+             : "",
+      course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
+      course.clock.windows(), bytes);
   run.log.mark(course.clock.time());
 }
 
@@ -122,11 +125,11 @@ void say_stage_ends(const par::Comm& comm, const StageRecord& record) {
     stones = fmt::format("bulk density {:.0f} kg/m3, ", record.bulk_density);
   if (record.platen_pressure >= 0)
     stones += fmt::format("mean platen pressure {:.1f} kPa, ", record.platen_pressure / 1e3);
-  print(comm, "  {} done at {:.6g} s: {}{:.1f} s of wall time", record.name, record.time, stones,
-        record.wall_time);
+  say_values(comm, "  {} done at {:.6g} s: {}{:.1f} s of wall time", record.name, record.time,
+             stones, record.wall_time);
   if (record.settlement >= 0)
-    print(comm, "    largest settlement of a sleeper in the last cycle: {:.3g} mm",
-          1e3 * record.settlement);
+    say_values(comm, "    largest settlement of a sleeper in the last cycle: {:.3g} mm",
+               1e3 * record.settlement);
 }
 
 }  // namespace trackbed::model
