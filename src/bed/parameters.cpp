@@ -144,10 +144,12 @@ void NamedLayer::declare(input::Section& s) {
 // Rules of the crest alone are here; where the slopes end depends on the height of a stage's
 // profile.
 void BedParameters::declare(input::Section& s) {
+  auto fixed = s.fixed_by(input::state::any);
   s.numbers("x", x, {.unit = "m"}, "Ends of the bed along the track.", 2);
   s.numbers("y", y, {.unit = "m"}, "Sides of the bed (space).", 2);
   s.rule("x", is_range(x), "must be two increasing numbers");
   s.rule("y", is_range(y), "must be two increasing numbers");
+  fixed.end();
   s.numbers("crest", crest, {.unit = "m"},
             "Ends of the crest across the track (space); if a stage cuts the bed at its profile, "
             "the sides beyond have the `slope`; none: the top is level everywhere.");
@@ -163,6 +165,7 @@ void BedParameters::declare(input::Section& s) {
          "at the end of a stage of a deck that is periodic in x; the stage fill places copies of "
          "its stones side by side along x instead of generating new ones.",
          input::FileRole::origin);
+  auto fixed_container = s.fixed_by(input::state::any);
   s.choice("container", container, {"box", "cylinder"},
            "Shape of the walls; box: flat, at sides that are not periodic; cylinder: upright, "
            "inscribed in x and y, of 64 facets (space).");
@@ -172,6 +175,7 @@ void BedParameters::declare(input::Section& s) {
       "beside", beside, {.unit = "m", .at_least = 0, .usually_to = 5},
       "Width of floor around the walls, for stages that move or lift them; stones further out are "
       "removed.");
+  fixed_container.end();
   LayerParameters::declare(s);
   s.tables("layer", layers,
            "Layers below the ballast (sub-ballast); a stage of kind fill generates the layer that "

@@ -78,6 +78,7 @@ class Collector : public Section {
     const Spec& parent = *open_.back();
     Spec spec;
     spec.name = name, spec.kind = kind, spec.unit = limits.unit, spec.meaning = meaning;
+    spec.fixed_by = fixed_by();
     spec.path = parent.path.empty() ? spec.name : fmt::format("{}.{}", parent.path, name);
     spec.limits = limits;
     return open_.back()->parts.emplace_back(std::move(spec));
@@ -94,7 +95,7 @@ void list_scalars(const Spec& spec, std::vector<ParameterInfo>& found) {
   else if (spec.is_list())
     for (const Spec& part : spec.element()) list_scalars(part, found);
   else
-    found.push_back({spec.path, spec.kind, spec.unit, spec.meaning});
+    found.push_back({spec.path, spec.kind, spec.unit, spec.meaning, spec.fixed_by});
 }
 
 // The effective deck: every value used, including defaults, in the order of the declarations, so

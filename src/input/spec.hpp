@@ -14,6 +14,7 @@ namespace trackbed::input {
 struct Spec {
   // Words of ParameterInfo::kind; `section` and `list` (of sections) have parts.
   std::string name, path, kind = "section", unit = "-", meaning;
+  StateParts fixed_by = state::none;
   Limits limits{};  // its `unit` must not be used: it may refer to freed text
   std::vector<std::string> choices{};
   std::size_t length = 0;     // of a list of numbers; 0: any

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that docs/input.md and docs/input.schema.json equal the output of the program.
+"""Checks that docs/input.md, docs/input.schema.json and the row of the glossary that lists the kinds
+of stages equal the output of the program.
 
     generated_docs.py PROGRAM SOURCE_FOLDER            compares, shows the first differences
     generated_docs.py PROGRAM SOURCE_FOLDER --write    writes them (CMake target `docs`)
@@ -7,6 +8,7 @@
 import difflib
 import json
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -31,11 +33,23 @@ def differences(document, output, path):
             *list(lines)[:SHOWN_LINES]]
 
 
+def with_stage_kinds(glossary, schema):
+    """The glossary with the kinds of stages that the schema lists."""
+    kinds = json.loads(schema)["properties"]["stage"]["items"]["properties"]["kind"]["enum"]
+    pattern = r"(?m)^(\| stage \| [^|:]*: ).*( \|)$"
+    if len(re.findall(pattern, glossary)) != 1:
+        raise SystemExit("docs/glossary.md has no row `| stage | ...: kinds |`")
+    return re.sub(pattern, lambda row: row[1] + ", ".join(kinds) + row[2], glossary)
+
+
 def main():
     program, root, write = sys.argv[1], pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
     problems = []
-    for document, command in DOCUMENTS.items():
-        output = output_of(program, command)
+    outputs = {document: output_of(program, command) for document, command in DOCUMENTS.items()}
+    glossary = "docs/glossary.md"
+    outputs[glossary] = with_stage_kinds((root / glossary).read_text(encoding="utf-8"),
+                                         outputs["docs/input.schema.json"])
+    for document, output in outputs.items():
         if document.endswith(".json"):
             json.loads(output)  # raises if it is not JSON
         if write:

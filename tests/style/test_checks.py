@@ -132,6 +132,16 @@ def test_format_finds(tree_with):
     assert code != 0 and "c.cpp:1" in report
 
 
+def test_kinds_of_stages_come_from_the_schema():
+    schema = ('{"properties": {"stage": {"items": {"properties": '
+              '{"kind": {"enum": ["fill", "run"]}}}}}}')
+    row = "| stage | a part of a run: {} |\n"
+    assert (generated_docs.with_stage_kinds(row.format("fill, walk"), schema)
+            == row.format("fill, run"))
+    with pytest.raises(SystemExit):
+        generated_docs.with_stage_kinds("| stages | none |", schema)
+
+
 def test_generated_docs_finds(tmp_path):
     (tmp_path / "input.md").write_text("old\n")
     assert generated_docs.differences("input.md", "old\n", tmp_path / "input.md") == []

@@ -146,6 +146,7 @@ struct GroundParameters {
 
  private:
   void declare_mesh(input::Section& s);
+  void declare_base(input::Section& s);
   void declare_sides(input::Section& s);
   void declare_grading(input::Section& s);
   void declare_shape(input::Section& s);
@@ -220,6 +221,12 @@ class Ground {
   // steps are second-order accurate; stiffness-proportional damping acts half a step late and is
   // first-order.
   void advance(double dt, std::span<const Vec3> top_force);
+  // The same under a load that varies within the window. `load(t)`: load t s after its start, valid
+  // until the next call; asked for the end of each step, which may be the end of the window. A load
+  // that is constant in each window, like that of stones, would give velocities of the top with an
+  // error of first order.
+  using LoadInWindow = std::function<std::span<const Vec3>(double since_start)>;
+  void advance(double dt, const LoadInWindow& load);
   // The same for one step in two halves, for a load that depends on the motion of the top.
   // Explicit: `begin_step` moves the nodes by dt under the present load, `end_step` sets the load
   // of the new position (as above) and completes the velocities; dt is at most stable_step().

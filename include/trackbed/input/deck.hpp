@@ -65,6 +65,7 @@ std::string nearest(const std::string& wrong, const std::vector<std::string>& kn
 // Every scalar parameter's path with its kind, for tests that visit all of them.
 struct ParameterInfo {
   std::string path, kind, unit, meaning;
+  StateParts fixed_by = state::none;
 };
 std::vector<ParameterInfo> all_parameters(const Declaration& declaration);
 

@@ -20,6 +20,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "trackbed/input/state_parts.hpp"
+
 namespace trackbed::input {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -43,6 +45,23 @@ struct About {
   // skipped if one of them was rejected, because it then still has its default. Empty: the rule is
   // skipped if the open section has a problem.
   std::vector<std::string> reads = {};
+};
+
+class Section;
+
+// Until it ends, or `end` is called, parameters declared in the section are fixed by given parts of
+// a state.
+class FixedScope {
+ public:
+  FixedScope(Section& section, StateParts parts);
+  ~FixedScope() { end(); }
+  FixedScope(const FixedScope&) = delete;
+  FixedScope& operator=(const FixedScope&) = delete;
+  void end();
+
+ private:
+  Section* section_;
+  StateParts before_;
 };
 
 // What a parameter of kind file names. origin: a file or folder that a run starts from; it need not
@@ -74,6 +93,12 @@ class Section {
   // Only the reader evaluates it.
   virtual void rule(std::string_view name, bool holds, std::string_view sentence,
                     const About& about = {}) = 0;
+
+  // Parameters declared during the returned scope cannot change when a run continues from a
+  // checkpoint that contains one of `parts`, in addition to those of enclosing scopes.
+  [[nodiscard]] FixedScope fixed_by(StateParts parts) { return {*this, fixed_by_ | parts}; }
+  // Parameters declared during the returned scope may change, whatever the enclosing scopes.
+  [[nodiscard]] FixedScope free_to_change() { return {*this, state::none}; }
 
   // A word of a fixed list held as an enum: `words` in the order of the enum's values from 0.
   template <class E>
@@ -114,6 +139,7 @@ class Section {
   }
 
  protected:
+  StateParts fixed_by() const { return fixed_by_; }
   virtual bool describes() const { return false; }
   virtual bool enter(std::string_view name, std::string_view meaning) = 0;
   // Returns how many elements there are (the reader: in the file), or nothing to skip the list.
@@ -121,6 +147,19 @@ class Section {
                                                 std::size_t present) = 0;
   virtual void enter_element(std::size_t index) = 0;
   virtual void leave() = 0;
+
+ private:
+  friend class FixedScope;
+  StateParts fixed_by_ = state::none;
 };
+
+inline FixedScope::FixedScope(Section& section, StateParts parts)
+    : section_(&section), before_(section.fixed_by_) {
+  section.fixed_by_ = parts;
+}
+inline void FixedScope::end() {
+  if (section_ != nullptr) section_->fixed_by_ = before_;
+  section_ = nullptr;
+}
 
 }  // namespace trackbed::input

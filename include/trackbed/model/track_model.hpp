@@ -33,6 +33,9 @@ struct TrackModel {
   std::optional<double> stop() const;
   // Whether every parameter has its default.
   bool untouched() const;
+
+ private:
+  void declare_train_and_contact(input::Section& s);
 };
 
 // None if it cannot be built; the reason is reported by rules.

@@ -35,7 +35,7 @@ std::string checked_start(const model::Model& model, const input::Deck& deck, Wa
   const par::Comm& comm = warnings.comm;
   const std::string start = checkpoint_meant(comm, model.start, io::IfDamaged::refuse, warnings);
   const io::File file = io::open_checkpoint(comm, start);
-  require_same_model(comm, file, start, model::effective_deck(model), deck);
+  require_same_model(comm, file, start, model, deck);
   warnings.add(spent_changes(comm, file, start, model, deck, Continuation::in_another));
   warnings.add(changed_springs(file, start, model::effective_deck(model), deck));
   return start;

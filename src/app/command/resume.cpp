@@ -40,7 +40,7 @@ void require_later_stop(const io::File& checkpoint, const model::Model& model,
 // reported together, as for decks. Collective.
 void require_can_go_on(const par::Comm& comm, const io::File& file, const std::string& checkpoint,
                        const model::Model& model, const input::Deck& deck) {
-  require_same_model(comm, file, checkpoint, model::effective_deck(model), deck);
+  require_same_model(comm, file, checkpoint, model, deck);
   std::vector<std::string> problems =
       spent_changes(comm, file, checkpoint, model, deck, Continuation::within_the_run);
   // The start of the run itself is in its deck.
@@ -111,8 +111,7 @@ bool stages_left(const std::string& checkpoint, const model::Model& model, const
 // The same of a passage.
 bool passage_left(const std::string& checkpoint, const model::Model& model, const input::Deck& deck,
                   const Warnings& warnings) {
-  const bool left =
-      is_track_left(warnings.comm, checkpoint, model.track, model::effective_deck(model), deck);
+  const bool left = is_track_left(warnings.comm, checkpoint, model, deck);
   require_later_stop(io::open_checkpoint(warnings.comm, checkpoint), model, deck);
   return left;
 }

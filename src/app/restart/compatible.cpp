@@ -2,16 +2,15 @@
 // (numbers have 17 digits), and a stored deck may no longer be valid, for example because a table
 // beside it is missing.
 //
-// Only parameters on which the state depends are compared. Refusing any difference would be
-// simpler, but a start from a checkpoint is meant for other loads, outputs or contact laws. A
-// parameter that is not listed here is free to change.
+// A declaration states which parts of a state fix a parameter (input/state_parts.hpp); all other
+// parameters are free to change. Refusing any difference would be simpler, but a start from a
+// checkpoint is meant for other loads, outputs or contact laws.
 #include "app/restart/compatible.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <string_view>
+#include <map>
 #include <vector>
 
 #include "app/deck/deck_files.hpp"
@@ -20,125 +19,54 @@
 
 namespace trackbed::app {
 
+using input::StateParts;
+
 namespace {
 
-// Contents of the checkpoint, which restrict the decks that can continue from it.
-struct Contents {
-  bool sleepers;      // placed
-  bool solids;        // sleepers are solids
-  bool solid_rails;   // rails on them are solids
-  bool moved_ground;  // the ground has moved from static equilibrium
-  bool plane;         // a plane model
-  bool viscous_base;  // of the ground
-  bool implicit;      // the ground's last window was an implicit step
-  bool train;         // a train is under way
-  bool tines;         // tines are inserted
-};
-
-// From the deck that made the state and not from the new one.
-Contents contents_of(const io::File& checkpoint, const Values& deck) {
+// The parts of the state in a checkpoint, which fix parameters. `deck`: the one that made the
+// state, not the new one.
+StateParts parts_of(const io::File& checkpoint, const Values& deck) {
+  using namespace input::state;
   const auto is = [&](const char* key, const char* value) {
     const auto found = deck.find(key);
     return found != deck.end() && found->second == value;
   };
-  return {.sleepers = checkpoint.has("sleepers"),
-          .solids = checkpoint.has("sleepers/solid"),
-          .solid_rails = is("solid.rails", "true"),
-          .moved_ground = checkpoint.has("ground"),
-          .plane = is("dimension", "\"plane\""),
-          .viscous_base = is("ground.base", "\"viscous\""),
-          .implicit = !is("ground.integrator", "\"explicit\""),
-          .train = checkpoint.has("train"),
-          .tines = checkpoint.has("tines")};
+  StateParts parts = any | earlier;
+  const auto add = [&](bool holds, StateParts part) { parts |= holds ? part : none; };
+  const bool solids = checkpoint.has("sleepers/solid"), moved = checkpoint.has("ground");
+  add(is("model", "\"track\"") || is("model", "\"track_on_ground\""), passage);
+  add(checkpoint.has("sleepers"), sleepers);
+  add(solids, solid_sleepers);
+  add(solids && is("solid.rails", "true"), solid_rails);
+  add(checkpoint.has("tines"), tines);
+  add(checkpoint.has("train"), train);
+  add(moved, moved_ground);
+  add(moved && is("dimension", "\"plane\""), moved_plane_ground);
+  add(moved && is("ground.base", "\"viscous\""), moved_viscous_base);
+  add(moved && !is("ground.integrator", "\"explicit\""), moved_implicitly);
+  return parts;
 }
 
-bool is_one_of(std::string_view key, const auto& keys) {
-  for (const std::string_view known : keys)
-    if (key == known) return true;
-  return false;
-}
+// The parts that fix each parameter, by its path in the reference ("ground.layer[].young").
+class FixedParameters {
+ public:
+  explicit FixedParameters(const input::Declaration& declaration) {
+    for (const input::ParameterInfo& parameter : input::all_parameters(declaration))
+      parts_[parameter.path] = parameter.fixed_by;
+  }
+  // Of a key ("ground.layer[1].young"). A parameter that only the stored deck has, because the
+  // program no longer does, counts as fixed.
+  StateParts operator()(const std::string& key) const {
+    std::string path = key;
+    if (const std::size_t open = key.find('['); open != key.npos)
+      path.erase(open + 1, key.find(']') - open - 1);
+    const auto found = parts_.find(path);
+    return found == parts_.end() ? input::state::any : found->second;
+  }
 
-// The state of a moved ground is its displacement from static equilibrium, which depends on
-// boundary conditions, springs and plane state as well as on materials: other values would release
-// forces that nothing balances, and a border fixed from now on would keep its velocity. Implicit
-// steps can continue from the displacement, velocity and acceleration of explicit ones, but they
-// leave the nodal forces of their predictor, which explicit steps would take for the present
-// forces. Damping, tolerances and the integrators' constants are not part of the state.
-bool matters_to_moved_ground(std::string_view key, const Contents& holds) {
-  if (key.starts_with("pressure[")) return !key.ends_with("].name");  // dead ones: equilibrium
-  if (key == "ground.base" || key == "ground.sides" || key == "ground.base_motion") return true;
-  if (key.starts_with("ground.side_")) return true;
-  if (key == "ground.base_stiffness") return holds.viscous_base;
-  if (key == "ground.plane") return holds.plane;
-  if (key == "ground.integrator") return holds.implicit;
-  if (key.starts_with("ground.border[")) return true;
-  const bool solid = key.starts_with("ground.layer[") || key.starts_with("ground.block[") ||
-                     key.starts_with("ground.solid[");
-  return solid && !key.ends_with("].name") && key.find("].rayleigh_") == key.npos;
-}
-
-// The state of a running train and of the rail below it depends on their parameters.
-// Irregularities, the wheel-rail contact and the step may change.
-bool matters_to_train(std::string_view key) {
-  static constexpr std::array sections = {"rail.",    "pad.",   "ballast.", "track.",
-                                          "vehicle[", "train.", "seat."};
-  return std::any_of(sections.begin(), sections.end(),
-                     [&](const char* section) { return key.starts_with(section); });
-}
-
-// Strains of solids depend on their stiffness. Damping and the scheme's constant may change.
-bool matters_to_solids(std::string_view key, const Contents& holds) {
-  if (key == "solid.alpha" || key == "solid.rayleigh_stiffness" || key == "pad.damping")
-    return false;
-  const bool rail = key.starts_with("rail.") || key.starts_with("pad.");
-  return key.starts_with("solid.") || (rail && holds.solid_rails);
-}
-
-// The stones depend on the domain, and the load of the bed on the nodes of the ground's top; the
-// material of a ground that has not moved yet may still change.
-bool matters(std::string_view key, const Contents& holds) {
-  static constexpr std::array always = {"dimension",
-                                        "thickness",
-                                        "periodic",
-                                        "bed.x",
-                                        "bed.y",
-                                        "bed.container",
-                                        "bed.split",
-                                        "bed.beside",
-                                        "ground.present",
-                                        "ground.x",
-                                        "ground.y",
-                                        "ground.elements_x",
-                                        "ground.elements_y",
-                                        "ground.elements_z",
-                                        "ground.ratio_x",
-                                        "ground.ratio_y",
-                                        "ground.fine_x",
-                                        "ground.fine_y",
-                                        "ground.mesh",
-                                        "ground.mesh_top"};
-  static constexpr std::array placed = {"sleepers.count", "sleepers.first",  "sleepers.spacing",
-                                        "sleepers.width", "sleepers.height", "sleepers.length",
-                                        "sleepers.bevel", "sleepers.y",      "sleepers.model"};
-  if (is_one_of(key, always)) return true;
-  // Placed at the start of the run; positions of plates follow from the deck and the time.
-  for (const char* table : {"stone[", "plate[", "box[", "domain."})
-    if (key.starts_with(table)) return true;
-  if (is_one_of(key, placed)) return holds.sleepers;
-  if (key.starts_with("tamping.")) return holds.tines;
-  if (holds.solids && matters_to_solids(key, holds)) return true;
-  if (key.starts_with("ground.layer[") &&
-      (key.ends_with("].thickness") || key.ends_with("].elements")))
-    return true;
-  if (key.starts_with("ground.section[") || key == "ground.embankment_layers") return true;
-  if (holds.train && matters_to_train(key)) return true;
-  return holds.moved_ground && matters_to_moved_ground(key, holds);
-}
-
-std::string worded(const Values& values, const std::string& key) {
-  const auto found = values.find(key);
-  return found == values.end() ? "without it" : "with " + found->second;
-}
+ private:
+  std::map<std::string, StateParts> parts_;
+};
 
 std::string value_of(const Values& values, const std::string& key) {
   const auto found = values.find(key);
@@ -225,33 +153,37 @@ Values stored_values(const io::File& checkpoint, const Values& now) {
   return then;
 }
 
-void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
-                        const std::string& effective, const input::Deck& deck) {
+bool require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
+                        const model::Model& model, const input::Deck& deck) {
+  const std::string effective = model::effective_deck(model);
   const Values now = values_of(effective);
   const Values then = with_moved_files(comm, checkpoint, stored_values(checkpoint, now), effective);
-  const Contents holds = contents_of(checkpoint, then);
+  const StateParts parts = parts_of(checkpoint, then);
+  model::Model declared = model;
+  const FixedParameters fixed_by(model::declaration_of(declared));
   // Keys of both decks: a missing one differs as much as a new one.
   Values all = now;
   all.insert(then.begin(), then.end());
   std::vector<std::string> problems;
+  bool same = true;
   // All differences are reported together: otherwise a user would wait in a queue for each of them.
   for (const auto& [key, value] : all) {
-    // Stones store the number of their material: the order of the old materials must not change.
-    const bool numbered =
-        key.starts_with("material[") && key.ends_with("].name") && then.contains(key);
-    if (!numbered && !matters(key, holds)) continue;
     const auto new_one = now.find(key), old_one = then.find(key);
-    if (new_one != now.end() && old_one != then.end() && new_one->second == old_one->second)
-      continue;
+    const bool gone = new_one == now.end(), is_new = old_one == then.end();
+    if (!gone && !is_new && new_one->second == old_one->second) continue;
+    same = false;
+    const StateParts holds = is_new ? parts & ~input::state::earlier : parts;
+    if ((fixed_by(key) & holds) == 0) continue;
     problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}", deck.where(key),
-                                   new_one == now.end() ? "is missing" : "= " + new_one->second,
-                                   path, worded(then, key)));
+                                   gone ? "is missing" : "= " + new_one->second, path,
+                                   is_new ? "without it" : "with " + old_one->second));
   }
+  const bool train = (parts & input::state::train) != 0;
+  const StateParts content = parts | (train ? input::state::content_with_train : 0);
   for (const auto& [key, sentence] : changed_files(comm, checkpoint, path, effective, deck))
-    // Another profile may be named during a passage; a changed file of the same name is a mistake.
-    if (matters(key, holds) || (holds.train && key.starts_with("irregularity")))
-      problems.push_back(sentence);
+    if ((fixed_by(key) & content) != 0) problems.push_back(sentence);
   if (!problems.empty()) throw InputError(problems);
+  return same;
 }
 
 std::vector<std::string> changed_springs(const io::File& checkpoint, const std::string& path,

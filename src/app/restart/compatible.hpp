@@ -12,12 +12,12 @@
 
 namespace trackbed::app {
 
-// Compares `effective`, the deck with all defaults written out, with the deck stored in
-// `checkpoint`, for the parameters on which the stored state depends. Throws InputError with a
-// sentence for each that differs, and for each that names a file whose content has changed. `path`:
-// of the checkpoint, for the sentences. Collective.
-void require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
-                        const std::string& effective, const input::Deck& deck);
+// Compares `model` with the deck stored in `checkpoint`. Throws InputError with a sentence for each
+// parameter that differs and is fixed by a part of the stored state, and for each such parameter
+// that names a file whose content has changed. `path`: of the checkpoint, for the sentences.
+// Returns whether no parameter differs, fixed or not. Collective.
+bool require_same_model(const par::Comm& comm, const io::File& checkpoint, const std::string& path,
+                        const model::Model& model, const input::Deck& deck);
 
 // The deck stored in a checkpoint, completed with the defaults of parameters that only `now` has: a
 // parameter newer than the program that wrote the file has its default there. Collective.

@@ -17,11 +17,9 @@ void require_files(const model::TrackModel& model);
 // Throws InputError if `path` is, or is in, the result folder of a track alone without a
 // checkpoint. Collective.
 void require_track_checkpoint(const par::Comm& comm, const std::string& path);
-// Whether the run that wrote `checkpoint` is unfinished. Throws InputError with all parameters in
-// which its deck and `effective` differ, except those that may change, and for bad files.
-// Collective.
-bool is_track_left(const par::Comm& comm, const std::string& checkpoint,
-                   const model::TrackModel& model, const std::string& effective,
+// Whether the run that wrote `checkpoint` is unfinished, or is continued with another deck. Throws
+// InputError as `require_same_model`, and for bad files. Collective.
+bool is_track_left(const par::Comm& comm, const std::string& checkpoint, const model::Model& model,
                    const input::Deck& deck);
 
 }  // namespace trackbed::app

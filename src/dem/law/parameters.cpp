@@ -24,7 +24,10 @@ std::string listed(const std::vector<std::string>& names) {
 // Densities are those of the solid, not of the bed with its voids. Parameters that only some laws
 // need may stay 0.
 void Material::declare(input::Section& s) {
+  // Stones store the number of their material: the order of existing materials must not change.
+  auto fixed = s.fixed_by(input::state::earlier);
   s.text("name", name, "Name by which contacts, bed and sleepers refer to the material.", {}, true);
+  fixed.end();
   s.number("density", density,
            {.unit = "kg/m3", .above = 0, .usually_from = 500, .usually_to = 2e4},
            "Density of the solid: mass of the stones and sleepers made of it.");

@@ -115,15 +115,16 @@ void Ground::Impl::compute_forces(double h, double at) {
   free_field->act_on(state.internal);
 }
 
-// As many equal steps as fill the window, each at most the stable one. The load is constant in the
-// window: the mean of the last window.
-void Ground::Impl::explicit_window(double dt) {
+// As many equal steps as fill the window, each at most the stable one. Without `load` the present
+// one is constant.
+void Ground::Impl::explicit_window(double dt, const LoadInWindow& load) {
   const std::int64_t n = steps_covering(dt, parameters.safety * critical);
   const double h = dt / static_cast<double>(n);
   prepare_step(h);
   for (std::int64_t s = 0; s < n; ++s) {
     move(s == 0 ? Part::drift : Part::kick_and_drift, h);
     compute_forces(h, time + static_cast<double>(s + 1) * h);
+    if (load) set_load(load(static_cast<double>(s + 1) * h));
   }
   move(Part::kick, h);
   steps += n;

@@ -235,14 +235,20 @@ void Ground::try_solvers(double dt) { impl_->try_solvers(dt); }
 // Collective. The load of the whole window is the mean force of the stones in the last one
 // (docs/architecture.md, The step).
 void Ground::advance(double dt, std::span<const Vec3> top_force) {
+  if (is_implicit()) return advance(dt, [&](double) { return top_force; });
+  impl_->set_load(top_force);  // from the start of the window on
+  advance(dt, LoadInWindow());
+}
+
+void Ground::advance(double dt, const LoadInWindow& load) {
   const auto begin = std::chrono::steady_clock::now();
-  const bool implicit = is_implicit();
-  const Nodal before = implicit ? impl_->state.load : Nodal();
-  impl_->set_load(top_force);
-  if (implicit)
+  if (is_implicit()) {
+    const Nodal before = impl_->state.load;
+    impl_->set_load(load(dt));
     impl_->implicit_window(dt, before);
-  else
-    impl_->explicit_window(dt);
+  } else {
+    impl_->explicit_window(dt, load);
+  }
   impl_->time += dt;
   impl_->publish();
   impl_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

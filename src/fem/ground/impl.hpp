@@ -78,7 +78,7 @@ struct Ground::Impl {
   void initialise_acceleration(std::span<const Vec3> top_force);
   // Second order in the step, except for stiffness-proportional damping, which acts half a step
   // late: first order.
-  void explicit_window(double dt);
+  void explicit_window(double dt, const LoadInWindow& load);
   void begin_step(double h);
   void end_step(double h);
   void implicit_window(double dt, const Nodal& load_before);

@@ -204,11 +204,13 @@ bool rises(const std::vector<double>& range) { return range.size() != 2 || range
 }  // namespace
 
 void Elastic::declare(Section& s) {
+  auto fixed = s.fixed_by(input::state::moved_ground);
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e5, .usually_to = 1e12},
            "Young's modulus.");
   s.number("poisson", poisson, {.at_least = 0, .at_most = largest_poisson}, "Poisson's ratio.");
   s.number("density", density,
            {.unit = "kg/m^3", .above = 0, .usually_from = 500, .usually_to = 2e4}, "Mass density.");
+  fixed.end();
   s.number("rayleigh_mass", rayleigh_mass, {.unit = "1/s", .at_least = -1},
            "Coefficient of mass-proportional Rayleigh damping; below 0: that of the ground.");
   s.number("rayleigh_stiffness", rayleigh_stiffness,
@@ -219,6 +221,7 @@ void Elastic::declare(Section& s) {
 // Parameters of a triaxial test. A dilation angle above the friction angle would create energy; a
 // cut-off beyond the apex would have no effect.
 void Strength::declare(Section& s) {
+  const auto fixed = s.fixed_by(input::state::moved_ground);
   s.choice("yield", yield, {"none", "mohr_coulomb"},
            "Yield criterion; none: elastic at any stress; mohr_coulomb: with tension cut-off, "
            "without hardening.");
@@ -264,13 +267,16 @@ void Strength::declare(Section& s) {
 
 void Layer::declare(Section& s) {
   s.text("name", name, "Name of the layer in messages and overrides.");
+  auto fixed = s.fixed_by(input::state::any);
   s.number("thickness", thickness,
            {.unit = "m", .at_least = 1e-4, .usually_from = 0.01, .usually_to = 200},
            "Thickness of the layer; without `elements` its borders may be within elements.");
   s.integer("elements", elements, {.at_least = 0, .at_most = 1e5},
             "Number of elements over the thickness, for all layers or none; 0: the layer has the "
             "elements of elements_z whose centres are in it.");
+  fixed.end();
   solid.declare(s);
+  const auto fixed_strength = s.fixed_by(input::state::moved_ground);
   s.file("young_file", young_file,
          "CSV of Young's modulus along the track with columns x_m, young_Pa, linear between rows "
          "and constant beyond; it overrides young; empty: none.");
@@ -279,6 +285,7 @@ void Layer::declare(Section& s) {
 
 void Block::declare(Section& s) {
   s.text("name", name, "Name of the block in messages and overrides.");
+  auto fixed = s.fixed_by(input::state::moved_ground);
   s.flag("present", present, "Whether the block exists; otherwise the layers continue through it.");
   s.numbers("outline", outline, {.unit = "m"},
             "Corners of the block as x, z, x, z ... with z = 0 on the top face and z < 0 below.");
@@ -289,6 +296,7 @@ void Block::declare(Section& s) {
   s.numbers("y", y, {.unit = "m"},
             "Ends of the block across the track (space); none: the whole width of the ground.");
   s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two numbers, from and to");
+  fixed.end();
   solid.declare(s);
   strength.declare(s);
 }
@@ -326,6 +334,7 @@ void GroundParameters::declare_grading(Section& s) {
 }
 
 void GroundParameters::declare_shape(Section& s) {
+  auto fixed = s.fixed_by(input::state::any);  // the load of the bed is stored by node of the top
   s.numbers("x", x, {.unit = "m"}, "Ends of the ground along the track.", 2);
   s.rule("x", rises(x), "must end beyond its begin");
   s.numbers("y", y, {.unit = "m"},
@@ -338,11 +347,13 @@ void GroundParameters::declare_shape(Section& s) {
   s.integer("elements_z", elements_z, {.at_least = 1, .at_most = 1e5},
             "Number of elements over the depth, unless layers have their own.");
   declare_grading(s);
+  fixed.end();
   s.tables("layer", layers,
            "Horizontal layers from the top down; the sum of their thicknesses is the depth.");
   declare_elements(*this, s);
   s.tables("block", blocks,
            "Blocks that replace parts of the layers; later blocks override earlier ones.");
+  const auto fixed_sections = s.fixed_by(input::state::any);
   s.tables("section", sections,
            "Cross-sections of an embankment at positions along the track, linear between them and "
            "constant beyond; none: layers as wide as y.");
@@ -361,9 +372,11 @@ void GroundParameters::declare_steps(Section& s) {
            {.unit = "s", .at_least = 0, .at_most = 1e3, .usually_to = longest_usual},
            "Coefficient of stiffness-proportional Rayleigh damping; it lowers the stable explicit "
            "step.");
+  auto fixed = s.fixed_by(input::state::moved_implicitly);
   s.choice("integrator", integrator, {"explicit", "newmark", "hht", "bossak", "generalized_alpha"},
            "Time integrator; explicit: central differences, with as many steps in a window as "
            "stability requires; the others take one implicit step per window.");
+  fixed.end();
   s.number("safety", safety, {.above = 0, .at_most = 1},
            "Safety factor on the critical step (explicit).");
   s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
@@ -382,15 +395,13 @@ void GroundParameters::declare_steps(Section& s) {
             "convergence takes some thousand iterations.");
 }
 
-// Incompatibilities with a mesh file or sections are checked last.
-void GroundParameters::declare(Section& s) {
-  s.flag("present", present,
-         "Whether there is a ground; otherwise the stones are on a rigid floor at z = 0.");
-  declare_shape(s);
-  s.choice("plane", plane, {"stress", "strain"}, "Plane stress or plane strain in a plane model.");
+void GroundParameters::declare_base(Section& s) {
+  auto fixed = s.fixed_by(input::state::moved_ground);
   s.choice("base", base, {"fixed", "viscous"},
            "Boundary condition of the base; fixed: held; viscous: Lysmer-Kuhlemeyer dashpots that "
            "absorb waves.");
+  fixed.end();
+  const auto fixed_springs = s.fixed_by(input::state::moved_viscous_base);
   s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
            "Stiffness of springs in parallel with the dashpots of a viscous base, representing the "
            "ground below; below 0: shear modulus at the base over its depth; 0: no springs, so "
@@ -402,6 +413,22 @@ void GroundParameters::declare(Section& s) {
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
          "is very soft below a track: is it in Pa/m?",
          {.severity = input::Severity::warning, .reads = {"base_stiffness"}});
+}
+
+// Incompatibilities with a mesh file or sections are checked last.
+void GroundParameters::declare(Section& s) {
+  {
+    const auto fixed = s.fixed_by(input::state::any);
+    s.flag("present", present,
+           "Whether there is a ground; otherwise the stones are on a rigid floor at z = 0.");
+  }
+  declare_shape(s);
+  {
+    const auto fixed = s.fixed_by(input::state::moved_plane_ground);
+    s.choice("plane", plane, {"stress", "strain"},
+             "Plane stress or plane strain in a plane model.");
+  }
+  declare_base(s);
   declare_sides(s);
   declare_steps(s);
   declare_mesh(s);

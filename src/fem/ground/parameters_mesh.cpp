@@ -75,13 +75,18 @@ void MeshBorder::declare(Section& s) {
 }
 
 void GroundParameters::declare_mesh(Section& s) {
+  auto fixed = s.fixed_by(input::state::any);
   s.file("mesh", mesh,
          "Gmsh file (ASCII, 4.1 or 2.2) of 10-node tetrahedra instead of layers and elements; its "
          "physical volumes need a solid, its physical surfaces a border; empty: none.");
   s.text("mesh_top", mesh_top,
          "Name of the physical surface of the mesh below the stones; it must be at z = 0.");
+  fixed.end();
   s.tables("solid", solids, "Material of a physical volume of the mesh.");
-  s.tables("border", borders, "Boundary condition of a physical surface of the mesh.");
+  {
+    const auto fixed_borders = s.fixed_by(input::state::moved_ground);
+    s.tables("border", borders, "Boundary condition of a physical surface of the mesh.");
+  }
   const About with_mesh{.reads = {"mesh", "mesh_top", "solid", "border"}};
   if (mesh.empty()) {
     s.rule("solid", solids.empty(), "has no effect without mesh", with_mesh);

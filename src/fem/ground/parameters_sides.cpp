@@ -162,6 +162,7 @@ Sides GroundParameters::side(int axis, bool high) const {
 // Without a wave from below the ground beside the model is at rest, and a viscous side is
 // sufficient.
 void GroundParameters::declare_sides(Section& s) {
+  const auto fixed = s.fixed_by(input::state::moved_ground);
   s.choice("sides", sides, {"free", "roller", "viscous", "free_field"},
            "Boundary condition of all sides; roller: held along the normal, as in a plane of "
            "symmetry; viscous: dashpots that absorb waves; free_field: dashpots relative to "

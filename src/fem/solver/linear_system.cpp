@@ -76,15 +76,15 @@ void LinearSystem::Handles::create() {
   for (PetscInt& count : inner) count = std::min(count, rows);
   for (PetscInt& count : outer) count = std::min(count, all);
   const MPI_Comm comm = par::mpi(mesh.comm);
-  check(MatCreate(comm, &matrix), "create a matrix");
+  check(MatCreate(comm, matrix.create()), "create a matrix");
   check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE), "size a matrix");
   check(MatSetBlockSize(matrix, components), "size a matrix");
   check(MatSetType(matrix, MATAIJ), "type a matrix");
   check(MatSeqAIJSetPreallocation(matrix, 0, inner.data()), "allocate a matrix");
   check(MatMPIAIJSetPreallocation(matrix, 0, inner.data(), 0, outer.data()), "allocate a matrix");
-  check(MatCreateVecs(matrix, &solution, &right), "create vectors");
-  check(VecDuplicate(right, &residual), "create a vector");
-  check(VecDuplicate(right, &correction), "create a vector");
+  check(MatCreateVecs(matrix, solution.create(), right.create()), "create vectors");
+  check(VecDuplicate(right, residual.create()), "create a vector");
+  check(VecDuplicate(right, correction.create()), "create a vector");
 }
 
 // Rows of own nodes are complete here: every element that contains them is held.
@@ -140,8 +140,8 @@ void LinearSystem::Handles::assemble(const Spec& spec) {
 // Translations and rotations, the near null space of an elastic solid. Smoothed aggregation needs
 // them to coarsen well.
 void LinearSystem::Handles::set_rigid_motions() {
-  Vec places = nullptr;
-  check(VecDuplicate(right, &places), "create a vector");
+  OwnedVec places;
+  check(VecDuplicate(right, places.create()), "create a vector");
   check(VecSetBlockSize(places, components), "size a vector");
   PetscScalar* x = nullptr;
   check(VecGetArray(places, &x), "open a vector");
@@ -152,11 +152,9 @@ void LinearSystem::Handles::set_rigid_motions() {
           at[mesh.lattice.axis(c)];
   }
   check(VecRestoreArray(places, &x), "close a vector");
-  MatNullSpace motions = nullptr;
-  check(MatNullSpaceCreateRigidBody(places, &motions), "form the rigid motions");
+  OwnedNullSpace motions;
+  check(MatNullSpaceCreateRigidBody(places, motions.create()), "form the rigid motions");
   check(MatSetNearNullSpace(matrix, motions), "set the rigid motions");
-  MatNullSpaceDestroy(&motions);
-  VecDestroy(&places);
 }
 
 Nodal LinearSystem::stiffness_diagonal() const {
@@ -203,7 +201,7 @@ void LinearSystem::Handles::make_solver(const Spec& spec) {
     suggest("pc_hypre_boomeramg_strong_threshold", components == 3 ? "0.5" : "0.25");
     suggest("pc_hypre_boomeramg_relax_type_all", "symmetric-SOR/Jacobi");
   }
-  check(KSPCreate(par::mpi(mesh.comm), &solver), "create a solver");
+  check(KSPCreate(par::mpi(mesh.comm), solver.create()), "create a solver");
   check(KSPSetOptionsPrefix(solver, prefix), "name a solver");
   PC preconditioner = nullptr;
   check(KSPGetPC(solver, &preconditioner), "get the preconditioner");

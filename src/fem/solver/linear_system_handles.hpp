@@ -5,10 +5,11 @@
 #include <petscksp.h>
 
 #include "fem/solver/linear_system.hpp"
+#include "fem/solver/petsc_owned.hpp"
 
 namespace trackbed::fem {
 
-// PETSc objects, destroyed in one place, and their set-up.
+// PETSc objects and their set-up.
 struct LinearSystem::Handles {
   Handles(Mesh& m, const Stiffness& k, const Spec& spec)
       : mesh(m),
@@ -21,22 +22,6 @@ struct LinearSystem::Handles {
         motion(components, m.nodes()),
         force(motion),
         damped(motion) {}
-  ~Handles() {
-    // Static destruction after PetscFinalize would be an error in PETSc.
-    PetscBool running = PETSC_FALSE;
-    PetscInitialized(&running);
-    if (running == PETSC_FALSE) return;
-    KSPDestroy(&direct);
-    KSPDestroy(&tangent_solver);
-    KSPDestroy(&solver);
-    MatDestroy(&tangent);
-    MatDestroy(&product);
-    MatDestroy(&matrix);
-    VecDestroy(&right);
-    VecDestroy(&solution);
-    VecDestroy(&residual);
-    VecDestroy(&correction);
-  }
   Handles(const Handles&) = delete;
   Handles& operator=(const Handles&) = delete;
 
@@ -86,10 +71,11 @@ struct LinearSystem::Handles {
   double stiff = 0;                           // N/m, of the rows of fixed degrees of freedom
   double tolerance = 0;                       // residual over right-hand side
   double of_tangent = 0;                      // the same for the tangent solver; 0: not set
-  Mat matrix = nullptr, product = nullptr;    // assembled; multiplies by the kernel
-  Mat tangent = nullptr;                      // created with its solver on first use
-  KSP solver = nullptr, tangent_solver = nullptr, direct = nullptr;
-  Vec right = nullptr, solution = nullptr, residual = nullptr, correction = nullptr;
+  // Solvers are declared after the matrices that they use: members are destroyed in reverse order.
+  OwnedMat matrix, product;  // assembled; multiplies by the kernel
+  OwnedMat tangent;          // created with its solver on first use
+  OwnedVec right, solution, residual, correction;
+  OwnedKSP solver, tangent_solver, direct;
 };
 
 }  // namespace trackbed::fem

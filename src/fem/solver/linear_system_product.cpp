@@ -54,7 +54,7 @@ void LinearSystem::Handles::make_product() {
   PetscInt rows = 0;
   check(MatGetLocalSize(matrix, &rows, nullptr), "get the size of a matrix");
   check(MatCreateShell(par::mpi(mesh.comm), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, this,
-                       &product),
+                       product.create()),
         "create a matrix");
   check(MatSetBlockSize(product, components), "size a matrix");
   check(MatShellSetOperation(product, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_shell)),

@@ -28,8 +28,8 @@ PetscErrorCode apply_elastic(PC shell, Vec from, Vec to) {
 void LinearSystem::Handles::make_tangent() {
   if (tangent_solver != nullptr) return;
   constexpr PetscInt kept = 100, most = 300;
-  check(MatDuplicate(matrix, MAT_SHARE_NONZERO_PATTERN, &tangent), "copy a matrix");
-  check(KSPCreate(par::mpi(mesh.comm), &tangent_solver), "create a solver");
+  check(MatDuplicate(matrix, MAT_SHARE_NONZERO_PATTERN, tangent.create()), "copy a matrix");
+  check(KSPCreate(par::mpi(mesh.comm), tangent_solver.create()), "create a solver");
   check(KSPSetOptionsPrefix(tangent_solver, "ground_tangent_"), "name a solver");
   check(KSPSetType(tangent_solver, KSPGMRES), "type a solver");
   check(KSPGMRESSetRestart(tangent_solver, kept), "set the restart");
@@ -59,7 +59,7 @@ void LinearSystem::Handles::set_up_tangent() {
 
 void LinearSystem::Handles::make_direct() {
   if (direct != nullptr) return;
-  check(KSPCreate(par::mpi(mesh.comm), &direct), "create a solver");
+  check(KSPCreate(par::mpi(mesh.comm), direct.create()), "create a solver");
   check(KSPSetOptionsPrefix(direct, "ground_tangent_direct_"), "name a solver");
   check(KSPSetType(direct, KSPPREONLY), "type a solver");
   PC factors = nullptr;

@@ -128,7 +128,7 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
     world.particles.advance(steps.window, steps.substeps);
     const dem::SurfaceAction& did = world.particles.surface_action();
     world.coupler.collect(steps.substeps, steps.window, {did.force, did.moment, did.work});
-    world.placement->watch(world.particles, world.on_placed(), steps.window);
+    world.placement->watch(world.particles, world.forces_on(SurfaceId::Part::placed), steps.window);
   }
   const std::chrono::duration<double> took = now() - start;
   lines.push_back(

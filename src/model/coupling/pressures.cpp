@@ -26,6 +26,8 @@ double area_of(const couple::Rectangle& r) { return (r.x[1] - r.x[0]) * (r.y[1] 
 void PressureParameters::declare(input::Section& s) {
   constexpr double usual = 1e7;  // Pa
   s.text("name", name, "Name of the pressure, in messages and overrides.", {}, true);
+  // Dead pressures too: they are part of the equilibrium.
+  const auto fixed = s.fixed_by(input::state::moved_ground);
   s.numbers("x", x, {.unit = "m"}, "Ends of the rectangle along the track, at 0 s.", 2);
   s.numbers("y", y, {.unit = "m"},
             "Ends of the rectangle across the track (space); none: the whole width of the ground.");

@@ -181,6 +181,7 @@ void RunOutput::declare(input::Section& s) {
   s.number("history_interval", history_interval, {.unit = "s", .at_least = 0},
            "Simulated time between rows of the histories, rounded to windows; 0: a row after each. "
            "For a track alone or on a ground, whose windows are its steps, the default is 1e-3 s.");
+  const auto free = s.free_to_change();
   s.number(
       "checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
       "Simulated time between checkpoints within a stage, rounded to windows; 0: only at its end. "
@@ -248,6 +249,7 @@ void Model::declare_ground_alone(input::Section& s) {
 }
 
 void Model::declare_space(input::Section& s) {
+  const auto fixed = s.fixed_by(input::state::any);
   s.choice("dimension", dimension, {"plane", "space"},
            "Dimension of the model: two (x and z) or three.");
   s.number("thickness", thickness,
@@ -260,6 +262,9 @@ void Model::declare_space(input::Section& s) {
 void Model::declare(input::Section& s) {
   s.text("title", title, "Title of the deck.");
   ModelKind given = kind;
+  // The state of a track alone or on a ground is the motion of a model that is built again from the
+  // deck, and depends on nearly every parameter.
+  const auto fixed = s.fixed_by(has_stages() ? input::state::none : input::state::passage);
   s.choice("model", given, {"bed", "track", "track_on_ground", "ground", "stones"},
            "Kind of model; bed: stones, ground and sleepers under seat loads; track: a train on "
            "rail and springs alone, with title and the sections of a track alone; track_on_ground: "
@@ -293,7 +298,9 @@ void Model::declare(input::Section& s) {
 
 void Model::declare_bed(input::Section& s) {
   declare_space(s);
+  auto fixed = s.fixed_by(input::state::any);
   s.texts("periodic", periodic, "Axes along which the bed is periodic: any of \"x\", \"y\".");
+  fixed.end();
   s.file("start", start,
          "Checkpoint from which the run starts (a file stage_*.h5, or a result folder: the one "
          "named by its `latest`); the stages before it are not repeated.",
@@ -311,9 +318,15 @@ void Model::declare_bed(input::Section& s) {
   s.table("sleepers", sleepers, "Sleepers; they exist if a stage places them.");
   s.table("solid", solid, "Sleepers as solids (sleepers.model = \"solid\"), and rails on them.");
   s.table("load", load, "Load on the rail seats while axles pass.");
-  s.table("seat", seat, "Position of the bed below the rail of a stage with train = true.");
+  {
+    const auto fixed_by_train = s.fixed_by(input::state::train);
+    s.table("seat", seat, "Position of the bed below the rail of a stage with train = true.");
+  }
   s.table("platen", platen, "The plate that compacts the bed.");
-  s.table("tamping", tamping, "The tines of stages of kind tamp.");
+  {
+    const auto fixed_by_tines = s.fixed_by(input::state::tines);
+    s.table("tamping", tamping, "The tines of stages of kind tamp.");
+  }
   s.table("output", output, output_meaning);
   s.tables("region", regions, "Regions in which stones are measured at each row of the histories.");
   s.tables("stage", stages, "The stages of the run, one after the other.");

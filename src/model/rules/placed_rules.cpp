@@ -200,6 +200,8 @@ void DomainParameters::declare(input::Section& s) {
 }
 
 void PlacedParameters::declare(input::Section& s) {
+  // Positions of plates follow from the deck and the time.
+  const auto fixed = s.fixed_by(input::state::any);
   s.table("domain", domain, "Domain of the stones (model = \"stones\").");
   s.tables("stone", stones, "A stone placed by the deck (model = \"stones\").");
   s.tables("plate", plates, "A rectangular contact surface (model = \"stones\").");

@@ -145,18 +145,22 @@ void declare_rails(const Model& model, input::Section& s) {
 }  // namespace
 
 void SolidParameters::declare(input::Section& s) {
+  // Strains depend on the stiffness. Damping and the constant of the scheme may change.
+  auto fixed = s.fixed_by(input::state::solid_sleepers);
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
            "Young's modulus of the sleepers.");
   s.number("poisson", poisson, {.at_least = 0, .at_most = 0.49},
            "Poisson's ratio of the sleepers.");
   s.number("element", element, {.unit = "m", .at_least = 0.01, .usually_to = 0.3},
            "Approximate edge length of the elements of sleepers and rails.");
+  fixed.end();
   s.number("rayleigh_stiffness", rayleigh_stiffness,
            {.unit = "s", .at_least = 0, .usually_to = 1e-3},
            "Coefficient of stiffness-proportional Rayleigh damping of sleepers and rails.");
   s.number("alpha", alpha, {.at_least = -1.0 / 3, .at_most = 0},
            "Parameter of Bossak's scheme; values below 0 damp frequencies that a window does not "
            "resolve.");
+  const auto fixed_shape = s.fixed_by(input::state::solid_sleepers);
   s.flag("half", half,
          "Whether sleepers are halves: their end at low y is in the middle of the track and fixed "
          "along y.");

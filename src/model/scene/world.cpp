@@ -50,25 +50,24 @@ void World::register_surfaces() {
   // By name, since numbers change: the ground keeps its load, and a new surface begins without
   // load.
   const std::vector<Means> kept = means();
-  touched_.clear();
+  for (auto& part : registered_) part.clear();
   coupler.clear();
   std::vector<Surface*> surfaces;
-  const auto add = [&](Surface& surface, std::vector<int> owner = {}) {
-    touched_.push_back({&surface, coupler.add(surface, std::move(owner))});
+  const auto add = [&](SurfaceId::Part part, Surface& surface, std::vector<int> owner = {}) {
+    registered_[static_cast<std::size_t>(part)].push_back(
+        {&surface, coupler.add(surface, std::move(owner))});
     surfaces.push_back(&surface);
-    return touched_.back().number;
   };
-  if (ground) add(ground->top(), ground->top_owner());
-  for (Surface& wall : walls.surfaces()) add(wall);
+  using Part = SurfaceId::Part;
+  if (ground) add(Part::ground, ground->top(), ground->top_owner());
+  for (Surface& side : walls.surfaces()) add(Part::wall, side);
   if (placement)
-    for (Surface& surface : placement->surfaces()) add(surface);
-  first_sleeper_ = touched_.size();
+    for (Surface& surface : placement->surfaces()) add(Part::placed, surface);
   if (sleepers && sleepers->placed())
-    for (Surface& sleeper : sleepers->surfaces()) add(sleeper);
-  if (platen) platen_number_ = add(platen->surface());
-  first_tine_ = touched_.size();
+    for (Surface& body : sleepers->surfaces()) add(Part::sleeper, body);
+  if (platen) add(Part::platen, platen->surface());
   if (tines)
-    for (Surface& side : tines->surfaces()) add(side);
+    for (Surface& side : tines->surfaces()) add(Part::tine, side);
   particles.set_surfaces(surfaces);
   set_means(kept);
   share_out();
@@ -144,7 +143,7 @@ void World::place_stones() {
   particles.advance(instant, 1);
   const dem::SurfaceAction& did = particles.surface_action();
   coupler.collect(1, instant, {did.force, did.moment, did.work});
-  placement->begin(particles, on_placed());
+  placement->begin(particles, forces_on(SurfaceId::Part::placed));
 }
 
 // Minus infinity without stones. A hull of spheres is as high as the highest of them.
@@ -165,45 +164,37 @@ double World::mean_ground_level() const {
   return comm.sum(sum) / static_cast<double>(ground->top_owner().size());
 }
 
-// Spans into the coupler: valid until the next registration of surfaces.
-std::vector<std::span<const Vec3>> World::on_sleepers() const {
-  std::vector<std::span<const Vec3>> forces;
-  for (std::size_t i = 0; i < sleepers->count(); ++i)
-    forces.push_back(coupler.mean_force(touched_[first_sleeper_ + i].number));
-  return forces;
+std::span<const Vec3> World::nodal_force_on(SurfaceId id) const {
+  const std::vector<Registered>& part = registered(id.part);
+  if (id.index >= part.size()) return {};
+  return coupler.mean_force(part[id.index].number);
 }
-
-std::array<std::span<const Vec3>, 2> World::on_tines() const {
-  return {coupler.mean_force(touched_[first_tine_].number),
-          coupler.mean_force(touched_[first_tine_ + 1].number)};
-}
-
-// The ground is registered first.
-std::span<const Vec3> World::on_ground() const { return coupler.mean_force(0); }
 
 // Summed in the order of nodes: bitwise identical on every rank.
-double World::on_platen() const {
-  double force = 0;
-  for (const Vec3& node : coupler.mean_force(platen_number_)) force += node.z();
-  return force;
-}
-
-// As of the platen. By name, since numbers change with stages.
-Vec3 World::on(const std::string& surface) const {
+Vec3 World::force_on(SurfaceId id) const {
   Vec3 force = Vec3::Zero();
-  for (const Touched& touched : touched_)
-    if (touched.surface->name == surface)
-      for (const Vec3& node : coupler.mean_force(touched.number)) force += node;
+  for (const Vec3& node : nodal_force_on(id)) force += node;
   return force;
 }
 
-std::vector<Vec3> World::on_placed() const {
-  std::vector<Vec3> forces;
-  for (const Touched& touched : touched_) {  // plates and boxes alone
-    forces.emplace_back(Vec3::Zero());
-    for (const Vec3& node : coupler.mean_force(touched.number)) forces.back() += node;
-  }
+std::vector<std::span<const Vec3>> World::nodal_forces_on(SurfaceId::Part part) const {
+  std::vector<std::span<const Vec3>> forces;
+  for (std::size_t i = 0; i < registered(part).size(); ++i)
+    forces.push_back(nodal_force_on({part, i}));
   return forces;
+}
+
+std::vector<Vec3> World::forces_on(SurfaceId::Part part) const {
+  std::vector<Vec3> forces;
+  for (std::size_t i = 0; i < registered(part).size(); ++i) forces.push_back(force_on({part, i}));
+  return forces;
+}
+
+SurfaceId World::wall(const std::string& name) const {
+  const std::vector<Registered>& part = registered(SurfaceId::Part::wall);
+  std::size_t i = 0;
+  while (i < part.size() && part[i].surface->name != name) ++i;
+  return {SurfaceId::Part::wall, i};
 }
 
 observe::Scene World::scene() {
@@ -217,16 +208,20 @@ observe::Scene World::scene() {
 std::vector<observe::WallState> World::wall_states() const {
   std::vector<observe::WallState> states;
   for (const std::string& name : walls.names())
-    states.push_back({name, on(name), walls.displacement(name)});
-  if (model.has_stage(StageKind::tamp))
-    for (const std::string& name : bed::Tines::names())
-      states.push_back({name, on(name), tines ? tines->displacement(name) : Vec3::Zero()});
+    states.push_back({name, force_on(wall(name)), walls.displacement(name)});
+  if (!model.has_stage(StageKind::tamp)) return states;
+  std::size_t side = 0;
+  for (const std::string& name : bed::Tines::names())
+    states.push_back({name, force_on({SurfaceId::Part::tine, side++}),
+                      tines ? tines->displacement(name) : Vec3::Zero()});
   return states;
 }
 
 observe::PlatenState World::platen_state() const {
   if (!platen) return {};
-  return {.z = platen->z(), .pressure = platen->pressure(), .force = on("platen")};
+  return {.z = platen->z(),
+          .pressure = platen->pressure(),
+          .force = force_on({SurfaceId::Part::platen})};
 }
 
 std::size_t World::memory() const {
@@ -237,21 +232,23 @@ std::size_t World::memory() const {
 // Only the owner of a node has its mean, all others add zero: the sum is exact.
 std::vector<World::Means> World::means() const {
   std::vector<Means> all;
-  for (const Touched& touched : touched_) {
-    Means means{touched.surface->name, coupler.save_mean(touched.number)};
-    comm.sum(std::span<double>(means.force.empty() ? nullptr : means.force[0].data(),
-                               3 * means.force.size()));
-    all.push_back(std::move(means));
-  }
+  for (const auto& part : registered_)
+    for (const Registered& one : part) {
+      Means means{one.surface->name, coupler.save_mean(one.number)};
+      comm.sum(std::span<double>(means.force.empty() ? nullptr : means.force[0].data(),
+                                 3 * means.force.size()));
+      all.push_back(std::move(means));
+    }
   return all;
 }
 
 // A new surface, or one with another number of nodes, begins without load.
 void World::set_means(const std::vector<Means>& means) {
-  for (const Touched& touched : touched_)
-    for (const Means& kept : means)
-      if (kept.surface == touched.surface->name && kept.force.size() == touched.surface->nodes())
-        coupler.load_mean(touched.number, kept.force);
+  for (const auto& part : registered_)
+    for (const Registered& one : part)
+      for (const Means& kept : means)
+        if (kept.surface == one.surface->name && kept.force.size() == one.surface->nodes())
+          coupler.load_mean(one.number, kept.force);
 }
 
 }  // namespace trackbed::model

@@ -19,6 +19,14 @@
 
 namespace trackbed::model {
 
+// A surface that stones can touch, whichever others stages have added or removed.
+struct SurfaceId {
+  enum class Part { ground, wall, placed, sleeper, platen, tine };
+  static constexpr std::size_t parts = 6;
+  Part part;
+  std::size_t index = 0;  // among the surfaces of this part
+};
+
 // Owns all parts. Stones and ground are distributed over ranks; sleepers, platen and walls are the
 // same on all.
 struct World {
@@ -46,13 +54,15 @@ struct World {
   // Places the stones of the deck and computes their initial forces. Collective.
   void place_stones();
 
-  // Mean force of the last window, N.
-  std::vector<std::span<const Vec3>> on_sleepers() const;
-  std::span<const Vec3> on_ground() const;                // per top node, valid on own nodes
-  double on_platen() const;                               // vertical
-  std::array<std::span<const Vec3>, 2> on_tines() const;  // per node
-  Vec3 on(const std::string& surface) const;              // total; zero if there is no such surface
-  std::vector<Vec3> on_placed() const;                    // total on each plate and box
+  // Mean force of the stones in the last window, N. On each node of a surface (of the ground valid
+  // on own nodes) until surfaces are registered again, or its sum; none, or zero, on a surface that
+  // is not there.
+  std::span<const Vec3> nodal_force_on(SurfaceId id) const;
+  Vec3 force_on(SurfaceId id) const;
+  // Of all surfaces of a part.
+  std::vector<std::span<const Vec3>> nodal_forces_on(SurfaceId::Part part) const;
+  std::vector<Vec3> forces_on(SurfaceId::Part part) const;
+  SurfaceId wall(const std::string& name) const;  // may be removed, or not built yet
 
   observe::Scene scene();
   std::vector<observe::WallState> wall_states() const;  // tines count as walls
@@ -90,12 +100,14 @@ struct World {
  private:
   void share_out();  // a new partition in any case; collective
   void connect();
-  struct Touched {
+  struct Registered {
     Surface* surface;
     std::size_t number;  // in the coupler
   };
-  std::vector<Touched> touched_;  // ground (if any), walls, sleepers (if placed), platen
-  std::size_t first_sleeper_ = 0, platen_number_ = 0, first_tine_ = 0;
+  const std::vector<Registered>& registered(SurfaceId::Part part) const {
+    return registered_[static_cast<std::size_t>(part)];
+  }
+  std::array<std::vector<Registered>, SurfaceId::parts> registered_;
 };
 
 }  // namespace trackbed::model

@@ -71,7 +71,8 @@ void StagedScheme::advance() {
   if (world_.placement) world_.placement->update(run_.course.clock.time(), dt);
   move_ground(dt);
   move_stones(dt);
-  if (world_.placement) world_.placement->watch(world_.particles, world_.on_placed(), dt);
+  if (world_.placement)
+    world_.placement->watch(world_.particles, world_.forces_on(SurfaceId::Part::placed), dt);
   average_support(dt);
   run_.course.tick();
   actions_.watch(present(), run_.course.clock);
@@ -88,7 +89,7 @@ void StagedScheme::move_sleepers(double dt) {
   seat_force_ = actions_.seat_forces(present(), middle_of_window());
   if (world_.tines) return tamp(world_, begin_of_window(), dt);
   world_.sleepers->advance(dt, actions_.on_seats(present(), middle_of_window(), seat_force_),
-                           world_.on_sleepers(), model_.dem.gravity);
+                           world_.nodal_forces_on(SurfaceId::Part::sleeper), model_.dem.gravity);
   actions_.move_train(present(), run_.course.clock);
 }
 
@@ -96,8 +97,8 @@ void StagedScheme::move_sleepers(double dt) {
 // forces are known after the step; the same holds for a train, whose rail takes the same step.
 void StagedScheme::move_solids(double dt) {
   world_.solids->roll(actions_.axles(present(), end_of_window()));
-  world_.solids->advance(dt, actions_.seat_forces(present(), end_of_window()), world_.on_sleepers(),
-                         model_.dem.gravity);
+  world_.solids->advance(dt, actions_.seat_forces(present(), end_of_window()),
+                         world_.nodal_forces_on(SurfaceId::Part::sleeper), model_.dem.gravity);
   actions_.move_train(present(), run_.course.clock);
   seat_force_ = world_.solids->seat_forces();
 }
@@ -116,7 +117,7 @@ void StagedScheme::move_platen(double dt) {
   if (present().kind == StageKind::triaxial)
     return drive_platen(world_, present(), begin_of_window(), dt);
   aim_platen(world_, run_.course.stage, begin_of_window(), dt);
-  world_.platen->advance(dt, world_.on_platen());
+  world_.platen->advance(dt, world_.force_on({SurfaceId::Part::platen}).z());
 }
 
 // A fixed ground keeps its shape, and the load of the bed on it is still averaged. Nodes are at
@@ -127,7 +128,7 @@ void StagedScheme::move_ground(double dt) {
   const auto timing = run_.timers.scope(Phase::ground);
   if (present().ground_moves) {
     if (world_.pressures) return load_ground(dt);
-    world_.ground->advance(dt, world_.on_ground());
+    world_.ground->advance(dt, world_.nodal_force_on({SurfaceId::Part::ground}));
     return;
   }
   Surface& top = world_.ground->top();
@@ -138,9 +139,7 @@ void StagedScheme::move_ground(double dt) {
   }
 }
 
-// A ground alone is loaded only by pressures. Each step uses the loads at its start and at its end:
-// a load that is constant in a window, like that of stones, would give velocities of the top with
-// an error of first order.
+// A ground alone is loaded only by pressures, each step by those at its start and at its end.
 void StagedScheme::load_ground(double dt) {
   const double begin = run_.course.clock.time();
   const auto load_at = [&](double time) {
@@ -149,14 +148,7 @@ void StagedScheme::load_ground(double dt) {
     return std::span<const Vec3>(load_);
   };
   if (run_.course.windows == 0) world_.ground->initialise_acceleration(load_at(0));
-  if (model_.ground.integrator != fem::Integrator::explicit_)
-    return world_.ground->advance(dt, load_at(begin + dt));
-  const auto steps = steps_covering(dt, world_.ground->stable_step());
-  const double step = dt / static_cast<double>(steps);
-  for (std::int64_t k = 1; k <= steps; ++k) {
-    world_.ground->begin_step(step);
-    world_.ground->end_step(load_at(begin + static_cast<double>(k) * step));
-  }
+  world_.ground->advance(dt, [&](double since) { return load_at(begin + since); });
 }
 
 // Scopes are narrow so that waiting for surfaces counts as coupling and not as dem. The stones' own
@@ -186,7 +178,7 @@ void StagedScheme::average_support(double dt) {
   if (!world_.ground || world_.ground_settled) return;
   const auto timing = run_.timers.scope(Phase::coupling);
   const double weight = model_.settle_average > dt ? dt / model_.settle_average : 1;
-  const auto force = world_.on_ground();
+  const auto force = world_.nodal_force_on({SurfaceId::Part::ground});
   for (const std::int32_t own : world_.ground->own_top()) {
     const auto node = static_cast<std::size_t>(own);
     world_.support[node] += weight * (force[node] - world_.support[node]);

@@ -32,8 +32,9 @@ double driven_displacement(const Stage& stage, double time) {
 
 // The servo controls the mean outward force, N, on each pair of opposite walls.
 void confine(World& world, double pressure, double dt) {
-  const std::array force{(world.on("wall.right").x() - world.on("wall.left").x()) / 2,
-                         (world.on("wall.back").y() - world.on("wall.front").y()) / 2};
+  const auto on = [&](const char* wall) { return world.force_on(world.wall(wall)); };
+  const std::array force{(on("wall.right").x() - on("wall.left").x()) / 2,
+                         (on("wall.back").y() - on("wall.front").y()) / 2};
   world.walls.confine(world.model.platen, dt, pressure, world.platen->z(), force);
 }
 
@@ -65,13 +66,16 @@ void move_walls(World& world, std::size_t number, double time, double dt) {
 
 void drive_platen(World& world, const Stage& stage, double time, double dt) {
   world.platen->drive(dt, driven_displacement(stage, time + dt) - driven_displacement(stage, time),
-                      world.on_platen());
+                      world.force_on({SurfaceId::Part::platen}).z());
 }
 
 void tamp(World& world, double time, double dt) {
-  world.tines->advance(time, dt, world.on_tines());
+  const auto on_tine = [&](std::size_t side) {
+    return world.nodal_force_on({SurfaceId::Part::tine, side});
+  };
+  world.tines->advance(time, dt, {on_tine(0), on_tine(1)});
   world.sleepers->carry(dt, world.tines->lift(time + dt) - world.tines->lift(time),
-                        world.on_sleepers());
+                        world.nodal_forces_on(SurfaceId::Part::sleeper));
 }
 
 // The target follows from the deck and the clock alone; within the ramp the platen is not steady.

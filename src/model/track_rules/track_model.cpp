@@ -301,21 +301,34 @@ void TrackOutput::declare(input::Section& s) {
             "x of the rail points in the histories, each with the nearest sleeper.");
 }
 
-// For model = "track", and for a bed with a train, which has another run and other histories.
-void TrackModel::declare(input::Section& s) {
-  s.table("rail", line.rail, "Properties of one rail.");
-  s.table("pad", line.pad, "Rail pads.");
-  s.table("ballast", line.ballast,
-          "Ballast springs of a track alone or on a ground, and before and behind a bed.");
-  s.table("under_sleeper_pad", line.under_sleeper,
-          "Pads below the sleepers of a track alone or on a ground.");
+void TrackModel::declare_train_and_contact(input::Section& s) {
+  auto fixed = s.fixed_by(input::state::train);
   s.table("track", line.track, "The track as a whole.");
   s.tables("vehicle", vehicles, "A vehicle in addition to those of the library.");
   s.table("train", train, "Vehicles and their motion.");
+  fixed.end();
   s.table("wheel_rail", wheel_rail, "Contact of wheels and rail.");
+  const auto fixed_content = s.fixed_by(input::state::content_with_train);
   s.table("irregularity", irregularity, "Irregularity of the rail's running surface.");
   s.table("irregularity_right", irregularity_right,
           "Irregularity of the right rail, if it differs from that of the left.");
+}
+
+// For model = "track", and for a bed with a train, which has another run and other histories.
+void TrackModel::declare(input::Section& s) {
+  // Irregularities, the contact and the step may change while a train is under way.
+  auto fixed = s.fixed_by(input::state::train);
+  {
+    const auto fixed_rail = s.fixed_by(input::state::solid_rails);
+    s.table("rail", line.rail, "Properties of one rail.");
+  }
+  s.table("pad", line.pad, "Rail pads.");
+  s.table("ballast", line.ballast,
+          "Ballast springs of a track alone or on a ground, and before and behind a bed.");
+  fixed.end();
+  s.table("under_sleeper_pad", line.under_sleeper,
+          "Pads below the sleepers of a track alone or on a ground.");
+  declare_train_and_contact(s);
   s.tables("force", passage.forces,
            "A force on the rail of a track alone, in addition to a train.");
   s.table("passage", passage,

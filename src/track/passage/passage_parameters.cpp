@@ -21,11 +21,14 @@ bool is_multiple(double length, double of) {
 
 // Defaults are those of a medium pad under traffic; static values of a manufacturer may be half.
 void PadParameters::declare(input::Section& s) {
+  auto fixed = s.fixed_by(input::state::solid_rails);
   s.number("stiffness", stiffness,
            {.unit = "N/m", .above = 0, .usually_from = 1e6, .usually_to = 1e10},
            "Stiffness of the rail pads at one rail seat.");
+  fixed.end();
   s.number("damping", damping, {.unit = "N s/m", .at_least = 0, .usually_to = 1e6},
            "Damping of the rail pads at one rail seat.");
+  const auto fixed_shape = s.fixed_by(input::state::solid_rails);
   s.number("bilinear_at", bilinear_at, {.unit = "m", .at_least = 0, .usually_to = 5e-3},
            "Compression beyond which `bilinear_stiffness` applies; 0: pads are linear.");
   s.number("bilinear_stiffness", bilinear_stiffness,
@@ -236,11 +239,14 @@ void TrackParameters::declare(input::Section& s) {
 void PassageParameters::declare(input::Section& s) {
   s.number("step", step, {.unit = "s", .above = 0, .usually_from = 1e-6, .usually_to = 1e-2},
            "Time step of track and train (on a ground or a bed its upper limit).");
+  auto free = s.free_to_change();
   s.number("duration", duration, {.unit = "s", .at_least = 0, .usually_to = 1000},
            "Simulated time; 0: until the last axle has left the track.");
+  free.end();
   s.choice("loaded_by", loaded_by, {"train", "seats"},
            "Load of the track; train: wheels on the rail; seats: [load] on each rail seat, without "
            "pads and rail (track alone or on a ground).");
+  const auto free_tolerance = s.free_to_change();
   s.number("tolerance", tolerance,
            {.unit = "m", .at_least = 1e-20, .usually_from = 1e-16, .usually_to = 1e-8},
            "Convergence tolerance of the approach of wheel and rail in each step; at 1e9 N/m, "

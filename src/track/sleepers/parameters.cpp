@@ -23,6 +23,7 @@ bool are_degrees_of_freedom(const std::vector<std::string>& names) {
 
 // Sleepers are identical and equally spaced; the density is that of the material.
 void SleeperParameters::declare(input::Section& s) {
+  auto fixed = s.fixed_by(input::state::sleepers);
   s.choice("model", model, {"rigid", "solid"},
            "Model of the sleepers; rigid: six degrees of freedom each; solid: elements, with rails "
            "or without ([solid]).");
@@ -38,10 +39,12 @@ void SleeperParameters::declare(input::Section& s) {
            "Sleeper height, along z.");
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 10},
            "Sleeper length, along y (space; a plane model uses its thickness).");
+  fixed.end();
   s.text("material", material, "Material of the sleepers, which defines density and contact laws.");
   s.texts("free", free,
           "Free degrees of freedom of the sleepers: any of x, y, z, rx, ry, rz. In a plane model "
           "only x, z and ry can be free.");
+  const auto fixed_bevel = s.fixed_by(input::state::sleepers);
   s.number("bevel", bevel, {.unit = "m", .at_least = 0},
            "Bevel of the lower sleeper edges, at 45 degrees; 0: sharp edges.");
   s.rule("free", are_degrees_of_freedom(free),

@@ -22,12 +22,9 @@ TEST(Compatible, ParametersAddedLaterHaveTheirDefaults) {
   io::File file(par::Comm::self(), scratch / "older.h5", io::Mode::create);
   file.attribute("/", "deck", without(model::effective_deck(model), "beside = 0.0\n"));
   const input::Deck deck = input::Deck::parse("", "deck.toml", {});
-  EXPECT_NO_THROW(
-      require_same_model(par::Comm::self(), file, "older.h5", model::effective_deck(model), deck));
+  EXPECT_NO_THROW(require_same_model(par::Comm::self(), file, "older.h5", model, deck));
   model.bed.beside = 0.1;
-  EXPECT_THROW(
-      require_same_model(par::Comm::self(), file, "older.h5", model::effective_deck(model), deck),
-      InputError);
+  EXPECT_THROW(require_same_model(par::Comm::self(), file, "older.h5", model, deck), InputError);
 }
 
 // Parameters of an existing row; a new row makes another deck.

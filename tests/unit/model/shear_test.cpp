@@ -75,11 +75,12 @@ TEST(AShearedBrick, LoadsTheUpperHalfWithFrictionTimesWeight) {
   scene.run(0.15);
   EXPECT_EQ(comm.sum(std::int64_t{scene.world.particles.trouble().empty() ? 0 : 1}), 0);
   constexpr double settled = 1e-3;  // remainder of the initial oscillation
-  EXPECT_NEAR(scene.world.on("wall.right.upper").x(), mu * weight, settled * weight);
-  EXPECT_NEAR(scene.world.on("floor").x(), -mu * weight, settled * weight);
-  EXPECT_NEAR(scene.world.on("floor").z(), -weight, settled * weight);
-  EXPECT_EQ(scene.world.on("wall.left.lower").norm(), 0);
-  EXPECT_EQ(scene.world.on("nowhere").norm(), 0);
+  EXPECT_NEAR(scene.world.force_on(scene.world.wall("wall.right.upper")).x(), mu * weight,
+              settled * weight);
+  EXPECT_NEAR(scene.world.force_on(scene.world.wall("floor")).x(), -mu * weight, settled * weight);
+  EXPECT_NEAR(scene.world.force_on(scene.world.wall("floor")).z(), -weight, settled * weight);
+  EXPECT_EQ(scene.world.force_on(scene.world.wall("wall.left.lower")).norm(), 0);
+  EXPECT_EQ(scene.world.force_on(scene.world.wall("nowhere")).norm(), 0);
   constexpr double closed = 1e-10;  // accuracy of the coupling
   EXPECT_LT(scene.world.coupler.balance().force, closed);
   EXPECT_LT(scene.world.coupler.balance().work, closed);
@@ -100,7 +101,7 @@ TEST(IncreasingLoads, GetACoarserQuantumInTime) {
   scene.world.particles.expect_load(capacity);
   EXPECT_GE(std::ldexp(floor.load_quantum, 63), 8 * capacity);
   scene.run(0.15);
-  EXPECT_NEAR(scene.world.on("floor").z(), -weight, 1e-3 * weight);
+  EXPECT_NEAR(scene.world.force_on(scene.world.wall("floor")).z(), -weight, 1e-3 * weight);
   EXPECT_EQ(scene.world.coupler.trouble(), "");
 }
 
