@@ -137,7 +137,7 @@ bool matters(std::string_view key, const Contents& holds) {
 
 std::string worded(const Values& values, const std::string& key) {
   const auto found = values.find(key);
-  return found == values.end() ? "without it" : "with " + found->second;
+  return found == values.end() ? "without this parameter" : "with " + found->second;
 }
 
 std::string value_of(const Values& values, const std::string& key) {
@@ -243,9 +243,9 @@ void require_same_model(const par::Comm& comm, const io::File& checkpoint, const
     const auto new_one = now.find(key), old_one = then.find(key);
     if (new_one != now.end() && old_one != then.end() && new_one->second == old_one->second)
       continue;
-    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}", deck.where(key),
-                                   new_one == now.end() ? "is missing" : "= " + new_one->second,
-                                   path, worded(then, key)));
+    problems.push_back(fmt::format(
+        "{} {}: the checkpoint {} was made {}; both must be equal", deck.where(key),
+        new_one == now.end() ? "is missing" : "= " + new_one->second, path, worded(then, key)));
   }
   for (const auto& [key, sentence] : changed_files(comm, checkpoint, path, effective, deck))
     // Another profile may be named during a passage; a changed file of the same name is a mistake.
@@ -265,10 +265,10 @@ std::vector<std::string> changed_springs(const io::File& checkpoint, const std::
     if (names_of_row(now, row) != names_of_row(then, row)) continue;  // of other materials
     const auto before = then.find(key);
     if (before == then.end() || before->second == value) continue;
-    sentences.push_back(fmt::format(
-        "{} = {}: the overlaps of the stones of {} were made with {}, so that contact forces jump "
-        "with the stiffness; let the stones settle with high damping first",
-        deck.where(key), value, path, before->second));
+    sentences.push_back(
+        fmt::format("{} = {}: the stones of {} have overlaps that belong to {}, so that contact "
+                    "forces jump with the stiffness; let the stones settle with high damping first",
+                    deck.where(key), value, path, before->second));
   }
   return sentences;
 }

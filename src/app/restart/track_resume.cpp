@@ -81,9 +81,10 @@ bool is_track_left(const par::Comm& comm, const std::string& checkpoint,
     if (!gone && !is_new && new_one->second == old_one->second) continue;
     changed = true;
     if (is_free(key)) continue;
-    problems.push_back(fmt::format("{} {}: the run in {} was made {}", deck.where(key),
-                                   gone ? "is missing" : "= " + new_one->second, checkpoint,
-                                   is_new ? "without it" : "with " + old_one->second));
+    problems.push_back(fmt::format("{} {}: the run in {} was made {}; both must be equal",
+                                   deck.where(key), gone ? "is missing" : "= " + new_one->second,
+                                   checkpoint,
+                                   is_new ? "without this parameter" : "with " + old_one->second));
   }
   for (const auto& [key, sentence] : changed_files(comm, file, checkpoint, effective, deck))
     problems.push_back(sentence);
