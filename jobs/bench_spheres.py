@@ -207,8 +207,8 @@ def main():
     programs = [str(Path(p).resolve()) if "/" in p else p for p in sys.argv[4:]] or ["lmp"]
     for lammps in programs:
         if not shutil.which(lammps):
-            raise SystemExit(f"{lammps} not found: install Debian's package lammps, or name a "
-                             "LAMMPS built here after RUNS")
+            raise SystemExit(f"{lammps} was not found: install Debian's package lammps, or give "
+                             "the path of another LAMMPS after RUNS")
     folder.mkdir(parents=True, exist_ok=True)
     cases = [Ours(program, folder, law, ranks) for law in LAWS for ranks in RANKS]
     theirs = [in_lammps(programs, ours, folder) for ours in cases]

@@ -331,16 +331,16 @@ class Loop:
         if not without:
             return
         x, one = without[0]
-        why, remedy = (f"the load of {self.given.load:g} N is too small against the motion of the "
-                       "bed itself",
+        why, remedy = (f"the load of {self.given.load:g} N is too small compared with the motion "
+                       "of the bed itself",
                        "a larger handover.load (--load)")
         if one.keeps_settling():
             why, remedy = ("the sleeper still settles while it is unloaded",
                            "a longer bedding-in with a larger load before handover.after")
-        print(f"round {number}: {why}: the support of the sleeper at x = {x:g} m is "
-              f"{one.stiffness / 1e6:.3g} +- {one.spread / 1e6:.2g} MN/m ({len(without)} of "
-              f"{len(found)} sleepers without a reliable value): use {remedy}, with --force or in "
-              "another folder",
+        print(f"round {number}: {len(without)} of {len(found)} sleepers have no reliable support "
+              f"stiffness; that at x = {x:g} m has {one.stiffness / 1e6:.3g} +- "
+              f"{one.spread / 1e6:.2g} MN/m: {why}; use {remedy}, with --force or in another "
+              "folder",
               file=sys.stderr)
         sys.exit(launch.FAILED)
 
@@ -436,7 +436,7 @@ class Loop:
     def report_kept_rounds(self):
         table, more = self.given.folder / "handover.csv", len(self.table) > len(self.rows)
         if more and self.later_rows():
-            print(f"{table} still contains rounds from {self.given.rounds} on, of an earlier "
+            print(f"{table} still contains the rounds from {self.given.rounds} on of an earlier "
                   "command")
         elif more:
             print(f"{table} contained further rounds of another loop, which were removed")
@@ -448,7 +448,7 @@ def main():
     parser.add_argument("deck", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--start", type=Path, metavar="STATE", help="stage_NAME.h5 of an earlier "
-                        "run of the deck, or the folder it is in, instead of running the bed")
+                        "run of the deck, or the folder of this file; the bed is then not run")
     parser.add_argument("--rounds", type=int)
     parser.add_argument("--trains", type=int, help="trains computed in a round")
     parser.add_argument("--each", type=float, help="trains represented by one computed train")

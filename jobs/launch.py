@@ -134,8 +134,8 @@ def describe_end(code, stderr):
     if found := KILLED.search(stderr):
         return f"rank {found[1]} was killed (signal {found[2]}, {found[3]})"
     if code < 0:
-        return f"was killed (signal {-code}, {signal.strsignal(-code)})"
-    return f"code {code}"
+        return f"it was killed (signal {-code}, {signal.strsignal(-code)})"
+    return f"exit code {code}"
 
 
 def fail(ran, what, see=""):

@@ -23,8 +23,8 @@ OF_THE_TRAIN = ("rail", "pad", "under_sleeper_pad", "ballast", "track", "train",
 # Keys of the train's stage that would end it before the last axle has left, or that the loop
 # sets. All other keys also hold for the trains of the rounds.
 INSTEAD = {"duration": "the loop's trains run until their last axle has left",
-           "settlement": "a round has as many trains as handover.trains says",
-           "cycles": "a round has as many trains as handover.trains says"}
+           "settlement": "handover.trains is the number of trains in a round",
+           "cycles": "handover.trains is the number of trains in a round"}
 LOAD_TEST = 0.3  # s, duration of the stage: its load rises in one half and falls in the other
 FALL = 0.12  # s, its evaluated end, after a tenth of the unloading: before, the bed still settles
 
@@ -99,7 +99,7 @@ class LoopDeck:
             launch.refuse(f"{path}: {error}")
         self.values = with_files(values, self.parameters, self.whole)
         if not self.value("handover.after"):
-            launch.refuse(f"{path}: [handover] with `after`, the name of a stage, is needed")
+            launch.refuse(f"{path}: [handover] must give `after`, the name of a stage")
         self.sleepers = self.section("sleepers")
         two = self.value("track.dimension") == "space"
         self.sides = ("left", "right") if two else ("",)  # rails that the track alone computes
@@ -134,7 +134,8 @@ class LoopDeck:
         names = [stage["name"] for stage in stages]
         end = names.index(done) + 1
         if not any(stage.get("kind") == "sleepers" for stage in stages[:end]):
-            launch.refuse(f"{of}: the rounds load the sleepers, which only a later stage places")
+            launch.refuse(f"{of}: the rounds load the sleepers, which only a later stage places: "
+                          "choose a later stage")
         if any(stage.get("train") for stage in stages[:end]):
             launch.refuse(f"{of}: the rounds add their own trains: choose a stage before the "
                           "first train")
@@ -142,12 +143,12 @@ class LoopDeck:
         if not trains:
             launch.refuse(f"{self.path} has no stage with train = true")
         if len(trains) > 1:
-            launch.refuse(f"{self.path}: the rounds use one kind of train, the deck has several "
-                          f"(stages {', '.join(trains)}): leave one")
+            launch.refuse(f"{self.path}: the rounds use one kind of train, but the deck has "
+                          f"several (stages {', '.join(trains)}): keep one of them")
         if left_out := [name for name in names[end:] if name != trains[0]]:
-            launch.refuse(f"{of}: the rounds would omit {', '.join(left_out)}: after the "
-                          f"last stage of the bed only {trains[0]} may follow, the stage with "
-                          "train = true")
+            launch.refuse(f"{of}: the rounds would omit the stages {', '.join(left_out)}: after "
+                          f"the last stage of the bed only {trains[0]}, the stage with train = "
+                          "true, may follow")
         self.take_train(stages[names.index(trains[0])])
         self.refuse_others()
         kept = {name: value for name, value in self.values.items()

@@ -18,7 +18,7 @@ def needs(holds, what):
 
 def regions(runs):
     """Quantities in the deck's regions over the run; the mean over the cells of a region."""
-    needs(all(run.regions for run in runs), "the deck has no region")
+    needs(all(run.regions for run in runs), "the deck defines no regions")
     shown = (("porosity", "porosity", 1.0), ("coordination", "coordination number", 1.0),
              ("stress", "vertical compression (kPa)", -1e-3))
     figure, panels = plt.subplots(len(shown), 1, sharex=True, figsize=(9, 8))
@@ -43,7 +43,7 @@ def regions(runs):
 
 def forces(runs):
     """Distribution of contact forces over their mean at the end of the last stage."""
-    needs(all(run.chains for run in runs), "no contact forces")
+    needs(all(run.chains for run in runs), "the results contain no contact forces")
     figure, panel = plt.subplots(figsize=(7, 5))
     for run, colour in zip(runs, COLOURS):
         stage, chains = list(run.chains.items())[-1]
@@ -61,7 +61,7 @@ def forces(runs):
 
 def grading(runs):
     """Sieve curve of the stones at the end of the last stage, with prescription and limits."""
-    needs(all(run.stones for run in runs), "no stones")
+    needs(all(run.stones for run in runs), "the results contain no stones")
     figure, panel = plt.subplots(figsize=(7, 5))
     for run, colour in zip(runs, COLOURS):
         stage, stones = list(run.stones.items())[-1]
@@ -108,7 +108,7 @@ def profile(rows):
 
 def section(runs):
     """The bed's surface at the end of the last stage, across the track; a plane bed's along it."""
-    needs(all(run.surface for run in runs), "no surface of the bed")
+    needs(all(run.surface for run in runs), "the results contain no surface of the bed")
     figure, panel = plt.subplots(figsize=(8, 4))
     for run, colour in zip(runs, COLOURS):
         stage, rows = list(run.surface.items())[-1]

@@ -248,7 +248,7 @@ def force_chains(runs):
 def energy(runs):
     """Energies of the stones over the whole run. The potential energy is relative to the same value
     for all runs, so that a variant that started at a later stage is comparable."""
-    needs(all(run.energy for run in runs), "no energies")
+    needs(all(run.energy for run in runs), "the results contain no energies")
     earliest = min(runs, key=lambda run: run.time[0])
     zero = earliest.energy["potential"].values[0]
     shown = (("kinetic", "kinetic (J)", 0.0), ("elastic", "elastic, contacts (J)", 0.0),

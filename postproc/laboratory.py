@@ -273,8 +273,8 @@ def main():
     pressed = [run for run, _ in runs if kinds(run).count("compact") > 1
                and not {"shear", "triaxial"} & set(kinds(run))]
     if len(sheared) + len(heaps) + len(squeezed) + len(pressed) < len(runs):
-        raise read.Unreadable("a run is not a laboratory test: it needs a stage of kind shear, "
-                              "triaxial or lift_walls, or two of kind compact")
+        raise read.Unreadable("at least one run is not a laboratory test, which has a stage of "
+                              "kind shear, triaxial or lift_walls, or several of kind compact")
     given.folder.mkdir(parents=True, exist_ok=True)
     lines = []
     for draw, those in ((draw_shear, sheared), (draw_triaxial, squeezed),

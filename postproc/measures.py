@@ -137,8 +137,9 @@ def residual_displacement(results):
 def why_no_envelope(results):
     """Why a run has no envelope of the ground in its passage; empty if it has one."""
     if not results.has_passage():
-        return f"{results.name} contains no passage" + (
-            ": it was stopped before" if results.asks_for_passage() else ", its deck has none")
+        return f"{results.name} contains no passage: " + (
+            "the run was stopped before it" if results.asks_for_passage() else
+            "the deck has no stage of kind passage")
     return "" if {"displacement_min", "sigma_z_min"} <= results.ground_envelope.keys() \
         else f"{results.name} has no ground"
 
@@ -227,12 +228,13 @@ def table(runs):
     lines += ["", "stresses: added by the passage; without weight of the bed and static "
               "preload"]
     if not np.isfinite(found[0].far_displacement):
-        lines.append("no plain track beyond the wedge in this model: no width of the transition")
+        lines.append("this model has no plain track beyond the wedge: the width of the transition "
+                     "is not defined")
     moved_stones = [line for run in runs for line in warnings(run)]
     lines += moved_stones
     if len(found) == 2:
         if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
-            lines.append("warning: the stages of the two decks differ, not only the wedge")
+            lines.append("warning: the two decks differ in their stages, not only in the wedge")
         if moved_stones:
             lines.append("warning: the comparison below includes runs in which stones moved, so it "
                          "may not show an effect of the wedge")
@@ -289,7 +291,7 @@ def effect(first, second):
     if np.isfinite(far):
         lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
             "the same, so the runs are comparable" if abs(far) <= CLEAR else
-            "NOT the same, although there is no wedge"))
+            "NOT the same, although no wedge is there"))
     for what, field, wanted in (("width of the transition", "width", 1),
                                 ("steepest slope, whole line", "steepest", -1),
                                 ("slope at the edge", "edge_slope", -1)):

@@ -25,7 +25,7 @@ def with_screen():
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
-        raise SystemExit("no X display and no xvfb-run (Debian packages xvfb, xauth)")
+        raise SystemExit("there is no X display: install xvfb-run (Debian packages xvfb, xauth)")
     os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
 
 
@@ -51,7 +51,7 @@ def find_array(grid, name):
     if name is not None:
         arrays = [each for each in arrays if each[0].GetName() == name]
     if not arrays:
-        raise read.Unreadable(f"there is no array {name}" if name else "there is no array")
+        raise read.Unreadable(f"the file has no array {name}" if name else "the file has no array")
     varying = [each for each in arrays if range_of(each[0])[0] < range_of(each[0])[1]]
     return (varying or arrays)[0]
 
@@ -135,8 +135,7 @@ def main():
     parser.add_argument("--array")
     arguments = parser.parse_args()
     if not arguments.output.endswith(".png"):
-        raise read.Unreadable(f"{arguments.output}: the picture is a PNG file, the name must end "
-                              "in .png")
+        raise read.Unreadable(f"{arguments.output}: the name of the picture must end in .png")
     if not os.path.isfile(arguments.file):
         raise read.Unreadable(f"{arguments.file} does not exist or is not a file")
     write.folder(pathlib.Path(arguments.output).parent)

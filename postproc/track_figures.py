@@ -55,8 +55,8 @@ def loaded(run):
         raise read.Unreadable("this is a train over a bed: use train_figures.py")
     if not any(name in run for name in ("history/wheel/force", "history/rail/force",
                                         "envelope/x")):
-        raise read.Unreadable("this is not a run of a track alone, as it has no wheels: "
-                              "use figures.py")
+        raise read.Unreadable("this is not a run of a track alone: it has neither wheels nor "
+                              "forces on the rail; use figures.py")
     return run
 
 

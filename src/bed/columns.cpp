@@ -52,10 +52,10 @@ Quat attitude(Dimension dimension, std::uint64_t seed, std::int64_t stone) {
 std::int64_t fitting(double length, double width, const char* what) {
   const auto columns = static_cast<std::int64_t>(length / width);
   if (columns < 1)
-    throw InputError({fmt::format(
-        "bed.{}: the bed is {:.4g} m wide, narrower than the bounding sphere of its largest "
-        "stone ({:.4g} m, see bed.sieve); increase bed.{} or reduce bed.sieve",
-        what, length, width, what)});
+    throw InputError(
+        {fmt::format("bed.{}: the bed is {:.4g} m wide, less than the bounding sphere of its "
+                     "largest stone ({:.4g} m, see bed.sieve); increase bed.{} or reduce bed.sieve",
+                     what, length, width, what)});
   return columns;
 }
 

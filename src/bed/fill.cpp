@@ -65,8 +65,8 @@ double pour(dem::Particles& particles, const par::Comm& comm, const Mix& mix, in
   top = comm.max(top);
   if (top > particles.domain().high.z())
     throw RunError(
-        fmt::format("the loose stones reach a height of {:.3g} m, above the top of the domain "
-                    "({:.3g} m), which is at ten heights of the bed",
+        fmt::format("the loose stones reach a height of {:.3g} m; the top of the domain is at "
+                    "{:.3g} m, ten times the height of the bed",
                     top, particles.domain().high.z()));
   std::vector<int> numbers;
   for (const dem::Template& shape : mix.templates())

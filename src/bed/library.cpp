@@ -67,8 +67,9 @@ std::vector<geom::Piece> rounded_pieces(const geom::Mesh& mesh, const MeshShape&
   std::vector<geom::Piece> pieces;
   const auto made = geom::decompose(mesh, wanted.pieces, wanted.vertices);
   for (const geom::Convex& hull : made.pieces) pieces.push_back(geom::rounded(hull, radius));
-  notes.push_back(fmt::format("volume of {} hull{} {:+.2f} % off the mesh's", pieces.size(),
-                              pieces.size() > 1 ? "s" : "", 100 * made.volume_error));
+  notes.push_back(fmt::format("the volume of {} hull{} differs from that of the mesh by {:+.2f} %",
+                              pieces.size(), pieces.size() > 1 ? "s" : "",
+                              100 * made.volume_error));
   return pieces;
 }
 
@@ -77,11 +78,11 @@ std::vector<geom::Piece> spheres_in(const geom::Mesh& mesh, int spheres,
   std::vector<geom::Piece> pieces;
   const geom::Clump made = geom::clump(mesh, spheres);
   for (const geom::Sphere& s : made.spheres) pieces.push_back(geom::ball(s.centre, s.radius));
-  notes.push_back(fmt::format(
-      "volume of {} spheres {:+.2f} % off the mesh's, surface {:.3g} mm in the mean, {:.3g} mm at "
-      "most",
-      pieces.size(), 100 * made.volume_error, 1e3 * made.surface_error,
-      1e3 * made.surface_furthest));
+  notes.push_back(
+      fmt::format("the volume of {} spheres differs from that of the mesh by {:+.2f} %, their "
+                  "surface by {:.3g} mm in the mean and {:.3g} mm at most",
+                  pieces.size(), 100 * made.volume_error, 1e3 * made.surface_error,
+                  1e3 * made.surface_furthest));
   return pieces;
 }
 
@@ -99,8 +100,9 @@ std::vector<dem::Template> library_of(const par::Comm& comm, const BedParameters
     // Contacts require rounded stones; libraries of other programs may contain others.
     for (const geom::Piece& piece : named.shape.pieces)
       if (!(piece.radius > 0))
-        throw InputError({fmt::format("{}: shape {} has edges without rounding", parameters.library,
-                                      named.name)});
+        throw InputError(
+            {fmt::format("{}: shape {} has edges without rounding, but contacts need rounded edges",
+                         parameters.library, named.name)});
     shapes.push_back(std::move(named.shape));
   }
   if (shapes.empty()) throw InputError({parameters.library + ": contains no shapes"});
@@ -139,7 +141,7 @@ NamedShape parametric_shape(const geom::StoneShape& stone, double rounding, std:
             geom::template_of({geom::rounded_stone(stone, rounding, seed)}),
             {}};
   } catch (const std::invalid_argument& problem) {
-    throw InputError({fmt::format("parametric stone {}: {}", seed, problem.what())});
+    throw InputError({fmt::format("stone with seed {}: {}", seed, problem.what())});
   }
 }
 
@@ -210,7 +212,7 @@ std::vector<NamedShape> load_library(const par::Comm& comm, const std::string& f
     const std::size_t at = words.find(start);
     const std::string why = at == std::string::npos ? words : words.substr(at + start.size());
     throw InputError({fmt::format(
-        "{}: is no library of shapes ({}); create one with `trackbed shapes ... --library FILE`",
+        "{}: is not a library of shapes ({}); create one with `trackbed shapes ... --library FILE`",
         file, why)});
   }
   return shapes;
@@ -226,7 +228,7 @@ void require_replaceable(const par::Comm& comm, const std::string& file) {
     load_library(comm, file);
   } catch (const InputError&) {  // the same on all ranks
     throw InputError(
-        {file + ": exists and is no library of shapes; move it or choose another name"});
+        {file + ": exists, but is not a library of shapes; move this file or choose another name"});
   }
 }
 

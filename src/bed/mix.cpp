@@ -29,7 +29,8 @@ Mix::Mix(const BedParameters& parameters, Dimension dimension, std::vector<dem::
   if (parameters.stone == StoneKind::pebbles) {
     if (dimension != Dimension::plane)
       throw InputError(
-          {"bed.stone = \"pebbles\" makes plane stones: the model must be a plane one"});
+          {"bed.stone = \"pebbles\" is for plane models only; use dimension = \"plane\" or other "
+           "stones"});
     add_outlines(parameters);
   } else {
     add_scaled(parameters, dimension);
@@ -65,8 +66,8 @@ void Mix::add_scaled(const BedParameters& parameters, Dimension dimension) {
     templates_.push_back(clump_stone(parameters, dimension));
   else if (dimension == Dimension::plane)
     throw InputError(
-        {"bed.stone makes stones in space: a plane model takes disk, pebbles, or "
-         "clump with the spheres given in bed.clump"});
+        {"bed.stone: these stones are for models in space only; a plane model takes disk, pebbles, "
+         "or clump with spheres in bed.clump"});
   else if (parameters.stone != StoneKind::library)
     for (std::int64_t k = 0; k < parameters.shapes; ++k)
       templates_.push_back(polyhedron_stone(parameters, k));

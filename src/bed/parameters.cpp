@@ -35,8 +35,8 @@ std::vector<double> middle_of(const GradingLimits& limits) {
 void declare_standard(LayerParameters& bed, input::Section& s) {
   s.choice("grading", bed.grading,
            {"custom", "en13450_a", "china_special", "china_first", "as2758_60"},
-           "Standard grading: its sieves, and the middle of its limits if `passing` is not "
-           "given; custom: `sieve` and `passing` as they are.");
+           "Standard grading; it defines `sieve`, and also `passing` (the middle of its limits) "
+           "unless the deck gives `passing`; custom: `sieve` and `passing` of the deck.");
   const GradingLimits& limits = limits_of(bed.grading);
   if (limits.sieve.empty()) return;
   bed.sieve = limits.sieve, bed.passing = middle_of(limits);
@@ -62,7 +62,7 @@ void declare_grading(LayerParameters& bed, input::Section& s) {
   s.numbers("passing", bed.passing, {.unit = "%", .at_least = 0, .at_most = 100},
             "Percentage of the mass that passes each sieve, from 0 to 100.");
   s.rule("sieve", bed.sieve.size() >= 2 && increases(bed.sieve),
-         "must be at least two, each above the previous one");
+         "must be at least two openings, each above the previous one");
   s.rule("sieve", bed.sieve.empty() || bed.sieve.back() >= smallest_ballast,
          fmt::format("looks like metres; give the openings in mm: {:g}, not {:g}",
                      bed.sieve.empty() ? 0 : 1e3 * bed.sieve.back(),
@@ -71,7 +71,7 @@ void declare_grading(LayerParameters& bed, input::Section& s) {
          bed.passing.size() == bed.sieve.size() && !bed.passing.empty() &&
              std::is_sorted(bed.passing.begin(), bed.passing.end()) && bed.passing.front() == 0 &&
              bed.passing.back() == 100,
-         "must be as many as the sieves, never decrease, begin with 0 and end with 100");
+         "must have one value for each sieve, never decrease, begin with 0 and end with 100");
 }
 
 // Parameters of all kinds of stones; each states in brackets which kind uses it.
@@ -89,27 +89,29 @@ void declare_shape(LayerParameters& bed, input::Section& s) {
   s.number("angularity", bed.angularity, {.at_least = 0, .at_most = 1},
            "Angularity (pebbles); 0: corners on an ellipse; 1: corners far from it.");
   s.numbers("clump", bed.clump, {.unit = "m"},
-            "x, y, z, radius of each sphere of the stone, at any size (clump); none: polyhedra are "
-            "filled with spheres (space).");
-  s.file(
-      "library", bed.library,
-      "File of shapes made by `trackbed shapes ... --library FILE` (library). A resumed run needs "
-      "it as long as stones are still to be generated.");
+            "x, y, z, radius of each sphere of the stone (clump), at any scale, as stones are "
+            "scaled to the sieves; none: generated polyhedra are filled with spheres (space).");
+  s.file("library", bed.library,
+         "File of shapes made by `trackbed shapes ... --library FILE` (library). A resumed run "
+         "needs this file as long as stones are still to be generated.");
   s.rule("library", bed.stone != StoneKind::library || !bed.library.empty(),
-         "must name a file of shapes, as `trackbed shapes scan.stl --library FILE` makes them",
+         "must name a library of shapes; `trackbed shapes scan.stl --library FILE` creates one",
          {.reads = {"stone", "library"}});
   const bool pebbles = bed.stone == StoneKind::pebbles;
   // Offset inwards by a radius on both sides, the smallest outline keeps a third of its width.
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 3 * bed.pebble_radius <= 1e-3 * bed.sieve.front(),
-         "must be at most a third of the smallest sieve");
+         fmt::format("must be at most a third of the smallest sieve ({:g} mm)",
+                     bed.sieve.empty() ? 0 : bed.sieve.front()));
   s.rule("pebble_radius",
          !pebbles || bed.sieve.empty() || 1e4 * bed.pebble_radius >= 1e-3 * bed.sieve.back(),
-         "must be at least 1e-4 of the largest sieve: no stone needs more disks");
+         fmt::format("must be at least 1e-4 of the largest sieve ({:g} mm): smaller disks only "
+                     "increase their number",
+                     bed.sieve.empty() ? 0 : bed.sieve.back()));
   bool radii = true;
   for (std::size_t k = 3; k < bed.clump.size(); k += 4) radii = radii && bed.clump[k] > 0;
-  s.rule("clump", bed.clump.size() % 4 == 0, "must hold x, y, z and radius of each sphere");
-  s.rule("clump", radii, "has a radius that is not above 0");
+  s.rule("clump", bed.clump.size() % 4 == 0, "must list x, y, z and radius of each sphere");
+  s.rule("clump", radii, "contains a radius that is not above 0");
 }
 
 }  // namespace
@@ -118,17 +120,16 @@ void LayerParameters::declare(input::Section& s) {
   s.choice("stone", stone, {"disk", "pebbles", "clump", "polyhedra", "compound", "library"},
            "Kind of stone; disk: round; pebbles: a ring of disks along an irregular plane outline; "
            "clump: rigidly joined spheres; polyhedra: rounded irregular polyhedra (space); "
-           "compound: the same cut into convex pieces; library: the shapes of a file with equal "
-           "frequencies (space).");
+           "compound: such polyhedra cut into convex pieces (space); library: the shapes of a file "
+           "with equal frequencies (space).");
   s.text("material", material, "Contact material of the stones.");
-  s.number(
-      "height", height,
-      {.unit = "m", .above = 0, .at_most = 1e3, .usually_from = 0.02, .usually_to = 5},
-      "Required height after compaction: with the porosity it determines the number of stones.");
+  s.number("height", height,
+           {.unit = "m", .above = 0, .at_most = 1e3, .usually_from = 0.02, .usually_to = 5},
+           "Required height after compaction; height and porosity determine the number of stones.");
   s.number("porosity", porosity, {.at_least = 0, .at_most = 0.95},
            "Expected porosity (volume fraction of voids) after compaction.");
   s.integer("seed", seed, {.at_least = 0},
-            "Seed of the random numbers: another seed gives another bed of the same kind.");
+            "Seed of the random numbers; another seed gives another bed of the same kind.");
   declare_standard(*this, s);
   declare_grading(*this, s);
   declare_limits(*this, s);
@@ -151,20 +152,21 @@ void BedParameters::declare(input::Section& s) {
   s.rule("y", is_range(y), "must be two increasing numbers");
   fixed.end();
   s.numbers("crest", crest, {.unit = "m"},
-            "Ends of the crest across the track (space); if a stage cuts the bed at its profile, "
-            "the sides beyond have the `slope`; none: the top is level everywhere.");
+            "Ends of the crest across the track (space). A stage with a `profile` cuts the bed "
+            "level within the crest and with `slope` beyond; none: level everywhere.");
   s.number("slope", slope, {.unit = "-", .above = 0, .usually_from = 1, .usually_to = 4},
            "Slope of the sides beyond the crest, horizontal to vertical; below 1 few stones are "
            "stable.");
   s.rule("crest", crest.empty() || is_range(crest), "must be two increasing numbers",
          {.reads = {"crest"}});
   s.rule("crest", !is_range(crest) || !is_range(y) || (crest[0] >= y[0] && crest[1] <= y[1]),
-         "lies beyond the sides of the bed (y)", {.reads = {"crest", "y"}});
-  s.file("cell", cell,
-         "Checkpoint of a cell (a file stage_*.h5, or a result folder: the one its `latest` names) "
-         "at the end of a stage of a deck that is periodic in x; the stage fill places copies of "
-         "its stones side by side along x instead of generating new ones.",
-         input::FileRole::origin);
+         "must be within the sides of the bed (y)", {.reads = {"crest", "y"}});
+  s.file(
+      "cell", cell,
+      "Checkpoint of a cell, that is, of a bed that is periodic in x, at the end of a stage: a "
+      "file stage_*.h5, or a result folder, whose `latest` then names the file. The stage fill "
+      "places copies of the stones of the cell side by side along x instead of generating stones.",
+      input::FileRole::origin);
   auto fixed_container = s.fixed_by(input::state::any);
   s.choice("container", container, {"box", "cylinder"},
            "Shape of the walls; box: flat, at sides that are not periodic; cylinder: upright, "
@@ -228,11 +230,11 @@ void PlatenParameters::declare(input::Section& s) {
   s.number("tolerance", tolerance, {.above = 0, .at_most = 0.5},
            "Relative tolerance of the averaged pressure.");
   s.number("hold", hold, {.unit = "s", .above = 0},
-           "Time for which the averaged pressure must be within its tolerance for compaction to "
-           "end; if it is too low for as long, the gain of the servo is doubled.");
+           "Compaction ends when the averaged pressure has been within its tolerance for this "
+           "time; if the pressure is too low for the same time, the gain of the servo is doubled.");
   s.number("vibration", vibration, {.unit = "m", .at_least = 0, .usually_to = 0.01},
-           "Amplitude of a vertical sine superposed on the servo's motion in compaction; 0: none. "
-           "The averaged pressure is controlled.");
+           "Amplitude of a vertical sine superposed on the motion of the platen in compaction; 0: "
+           "none. The servo controls the averaged pressure.");
   s.number("frequency", frequency, {.unit = "Hz", .above = 0, .usually_to = 200},
            "Frequency of the vibration of the platen.");
   s.rule("average", vibration == 0 || average * frequency >= 1,

@@ -19,8 +19,8 @@ const std::vector<std::string_view> shape_words = {"ball",       "block",    "cl
 std::string_view word_of(ShapeKind kind) { return shape_words[static_cast<std::size_t>(kind)]; }
 
 constexpr const char* meaning_of_axis =
-    "Axis, of any length, of the rotation by `angle`, which is counter-clockwise seen from its "
-    "tip.";
+    "Axis of the rotation by `angle`, a vector of any length; the rotation is counter-clockwise if "
+    "seen from the tip of the axis.";
 
 void declare_turn(std::vector<double>& axis, double& angle, input::Section& s) {
   s.numbers("axis", axis, {.unit = "-"}, meaning_of_axis, 3);
@@ -80,49 +80,51 @@ void declare_rules_of_shape(const ShapeParameters& p, input::Section& s) {
   bool wide = true;
   for (const double side : p.sides) wide = wide && side > 2 * p.rounding;
   s.rule("sides", !block || wide,
-         fmt::format("must each be above 2 rounding = {:g} m", 2 * p.rounding));
+         fmt::format("must each be above twice the rounding, {:g} m", 2 * p.rounding));
   constexpr std::size_t fewest = 12;  // a tetrahedron
   s.rule("corners", !hull || (p.corners.size() >= fewest && p.corners.size() % 3 == 0),
-         "must hold x, y, z of at least four corners for a hull");
+         "must list x, y, z of at least four corners for a hull");
   s.rule("spheres", are_spheres(p.spheres),
-         "must hold x, y, z and a radius above 0 of each sphere");
-  s.rule("file", !filed || !p.file.empty(),
-         p.shape == ShapeKind::mesh ? "must name a mesh (.stl, .ply or .obj)"
-                                    : "must name a library of shapes, as `trackbed shapes "
-                                      "scan.stl --library FILE` makes them");
+         "must list x, y, z and a radius above 0 for each sphere");
+  s.rule(
+      "file", !filed || !p.file.empty(),
+      p.shape == ShapeKind::mesh
+          ? "must name a mesh (.stl, .ply or .obj)"
+          : "must name a library of shapes; `trackbed shapes scan.stl --library FILE` creates one");
   s.rule("size", !is_drawn(p) || p.size > 0, "must be above 0 m for a randomly generated stone");
   s.rule("size", p.size == 0 || is_drawn(p) || filed,
-         "is for generated stones, libraries and meshes; the others are defined by their lengths");
+         "is only for generated stones, libraries and meshes; leave it out, as the lengths define "
+         "this shape");
 }
 
 }  // namespace
 
 void ShapeParameters::declare(input::Section& s) {
-  s.choice(
-      "shape", shape, shape_words,
-      "Shape of the stone; ball: sphere, in a plane disk; block: cuboid; clump: rigidly joined "
-      "spheres, in a plane disks; hull: convex hull of corners; polyhedron: randomly generated and "
-      "irregular; compound: the same cut into convex pieces; library: one of a file of shapes; "
-      "mesh: a closed mesh, in convex pieces. All but ball and clump are for space.");
+  s.choice("shape", shape, shape_words,
+           "Shape of the stone; ball: sphere (disk in a plane model); block: cuboid; clump: "
+           "rigidly joined spheres (disks in a plane model); hull: convex hull of corners; "
+           "polyhedron: randomly generated and irregular; compound: such a polyhedron cut into "
+           "convex pieces; library: one of a file of shapes; mesh: a closed mesh, in convex "
+           "pieces. All but ball and clump are for models in space only.");
   s.number("radius", radius, {.unit = "m", .above = 0, .usually_from = 1e-5, .usually_to = 1},
            "Radius of the ball.");
   s.numbers("sides", sides, {.unit = "m", .above = 0},
             "Overall lengths along x, y, z, rounding included (block).");
   s.numbers("corners", corners, {.unit = "m"}, "x, y, z of each corner before rounding (hull).");
-  s.number(
-      "rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
-      "Radius of edges and corners (block: the faces keep their positions; hull: the volume is "
-      "kept, see docs/shapes.md).");
+  s.number("rounding", rounding, {.unit = "m", .above = 0, .usually_to = 0.1},
+           "Radius of edges and corners; block: the faces keep their positions; hull: the volume "
+           "is kept (docs/shapes.md).");
   s.numbers("spheres", spheres, {.unit = "m"},
             "x, y, z, radius of each sphere (clump); none: a generated polyhedron filled with "
             "spheres. In a plane y is not used.");
   s.table("polyhedron", polyhedron,
-          "Randomly generated stones, as of a bed; for a mesh `vertices` (of each piece, at most), "
-          "`rounding` and `pieces` (at most) are used.");
+          "Randomly generated stones, as in a bed. A mesh uses only `rounding`, `pieces` (largest "
+          "number) and `vertices` (largest number, of each piece).");
   s.integer("seed", seed, {.at_least = 0},
-            "Seed of the random numbers: another seed gives another stone.");
+            "Seed of the random numbers; another seed gives another stone.");
   s.file("file", file, "Mesh (.stl, .ply, .obj) or library of shapes.", input::FileRole::origin);
-  s.text("entry", entry, "Name of the shape in its library; may be omitted if there is only one.");
+  s.text("entry", entry,
+         "Name of the shape in its library; it may be omitted if the library has only one shape.");
   s.number("unit", unit, {.unit = "m", .above = 0}, "Length unit of the mesh.");
   s.number("size", size, {.unit = "m", .at_least = 0, .usually_from = 1e-4, .usually_to = 1},
            "Size of the stone: smallest square hole that it passes (generated, library, mesh); 0: "
@@ -146,7 +148,7 @@ void StoneParameters::declare(input::Section& s) {
   s.rule(
       "motion",
       motion != MotionKind::fixed || (vector_of(velocity).isZero(0) && vector_of(spin).isZero(0)),
-      "is fixed, but velocity or spin is not zero; use driven",
+      "needs velocity and spin of zero; use driven for a constant motion",
       {.reads = {"motion", "velocity", "spin"}});
 }
 
@@ -161,8 +163,8 @@ void PlateParameters::declare(input::Section& s) {
   s.numbers("size", size, {.unit = "m", .above = 0},
             "Side lengths of the plate; in a plane only the first is used.", 2);
   s.numbers("edge", edge, {.unit = "-"},
-            "Direction of the first side of the plate, of which the component across the normal is "
-            "used; zero: x, or y if the normal is along x (space).",
+            "Direction of the first side of the plate; its component along the normal is ignored; "
+            "zero: x, or y if the normal is along x (space).",
             3);
   s.numbers("velocity", velocity, {.unit = "m/s"},
             "Velocity of the plate, constant and independent of the forces.", 3);

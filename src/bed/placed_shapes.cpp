@@ -55,15 +55,14 @@ PlacedShape hull(const ShapeParameters& p) {
   constexpr std::size_t fewest = 4;  // faces of a body; a flat one has two opposite faces
   if (core.faces.size() < fewest)
     throw InputError(
-        {"corners: lie in one plane and enclose nothing; give at least four that enclose a "
-         "volume"});
+        {"corners: they enclose no volume; give at least four corners that are not in one plane"});
   const double volume = geom::piece_solid({core, 0}).volume;
   const double largest = std::cbrt(3 * volume / (4 * std::numbers::pi));
   if (p.rounding > largest)
     throw InputError(
-        {fmt::format("rounding: {:g} m is the radius of a sphere larger than the hull of "
-                     "{:.3g} m^3; it must be below {:.3g} m",
-                     p.rounding, volume, largest)});
+        {fmt::format("rounding: {:g} m must be below {:.3g} m, the radius of a sphere with the "
+                     "volume of the hull, {:.3g} m^3",
+                     p.rounding, largest, volume)});
   const geom::Piece piece = geom::rounded(core, p.rounding);
   return shape_of(piece, geom::smallest_hole({piece}));
 }
@@ -111,7 +110,8 @@ PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
   const NamedShape& shape = shapes[static_cast<std::size_t>(found - names.begin())];
   for (const geom::Piece& piece : shape.shape.pieces)
     if (!(piece.radius > 0))
-      throw InputError({fmt::format("entry: {} has edges without rounding", p.entry)});
+      throw InputError({fmt::format(
+          "entry: shape {} has edges without rounding, but contacts need rounded edges", p.entry)});
   return {shape.shape, 1, Quat::Identity()};
 }
 
@@ -152,7 +152,7 @@ PlacedShape placed_shape(const par::Comm& comm, const ShapeParameters& parameter
     if (parameters.size > 0) placed.scale = parameters.size / placed.shape.sieve;
     return placed;
   } catch (const std::invalid_argument& why) {
-    throw InputError({fmt::format("shape: cannot be made: {}", why.what())});
+    throw InputError({fmt::format("shape: the stone cannot be made: {}", why.what())});
   } catch (const InputError& why) {  // of a file, whose name its message begins with
     const std::string words = why.what();
     if (parameters.file.empty() || !words.starts_with(parameters.file)) throw;

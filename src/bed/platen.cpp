@@ -39,8 +39,8 @@ void Platen::set_target(double pressure, bool integral) {
 std::string Platen::shortfall() const {
   if (steady()) return {};
   return fmt::format(
-      "the averaged pressure of the platen is {:.1f} kPa and was within {:g} % of {:g} kPa for "
-      "{:.3g} s, not for {:g} s (platen.hold)",
+      "the averaged pressure of the platen is {:.1f} kPa; it was within {:g} % of {:g} kPa for "
+      "{:.3g} s instead of {:g} s (platen.hold)",
       pressure() / 1e3, 100 * parameters_.tolerance, parameters_.pressure / 1e3,
       servo_.steady_for(), parameters_.hold);
 }

@@ -45,19 +45,20 @@ int spheres_of(const std::vector<double>& range, std::int64_t k, std::int64_t sh
 
 void PolyhedronParameters::declare(input::Section& s) {
   s.integer("vertices", vertices, {.at_least = 6, .at_most = 200},
-            "Number of corners of a stone; its triangular faces are twice as many less four.");
+            "Number n of corners of a stone, which has 2 n - 4 triangular faces.");
   constexpr double most = 0.995;  // the largest value that stretching of many corners attains
   s.number("elongation", elongation, {.above = 0, .at_most = most},
            "Elongation I/L (width over length) of the stone, rounding included, measured by "
-           "callipers: thickness S is the smallest distance of parallel jaws, width I the smallest "
-           "one at right angles to it, length L that at right angles to both. Above about 0.95 "
-           "there may be no such stone.");
+           "callipers: the thickness S is the smallest distance of parallel jaws, the width I the "
+           "smallest distance at right angles to S, the length L the distance at right angles to "
+           "both. Above about 0.95 there may be no such stone.");
   s.number("flatness", flatness, {.above = 0, .at_most = most},
-           "Flatness S/I (thickness over width) of the stone, measured as elongation.");
-  s.number("spread", spread, {.at_least = 0, .at_most = 0.5},
-           "Half-width of the uniform distributions of elongation and flatness over the shapes; "
-           "values below 0.1 become 0.1, values above 0.95 become 0.95 (with elongation 0.85 +- "
-           "0.23 for 28 % of the stones); 0: all shapes have exactly the specified proportions.");
+           "Flatness S/I (thickness over width) of the stone, measured like the elongation.");
+  s.number(
+      "spread", spread, {.at_least = 0, .at_most = 0.5},
+      "Half-width of the uniform distributions of elongation and flatness over the shapes; values "
+      "below 0.1 become 0.1, values above 0.95 become 0.95 (for example 28 % of the stones with "
+      "elongation 0.85 and spread 0.23); 0: all shapes have exactly the specified proportions.");
   s.number("angularity", angularity, {.at_least = 0, .at_most = 1},
            "Angularity; 0: corners evenly distributed over an ellipsoid; 1: a worn polyhedron with "
            "few main corners.");
@@ -72,7 +73,7 @@ void PolyhedronParameters::declare(input::Section& s) {
             "(clump).",
             2);
   s.rule("spheres", spheres.size() == 2 && spheres[0] <= spheres[1],
-         "must be two numbers that do not decrease");
+         "must be two numbers, of which the second is not below the first");
 }
 
 // The seed of template k is a hash of both, so that a larger number of shapes does not change the

@@ -57,7 +57,7 @@ dem::Template outline_stone(const BedParameters& parameters, double size, std::u
                                    parameters.pebble_spacing);
     } catch (const std::invalid_argument&) {
       throw InputError({fmt::format(
-          "bed.pebble_radius = {:g} m is too large for a stone of sieve size {:.4g} mm",
+          "bed.pebble_radius = {:g} m is too large for a stone with a sieve size of {:.4g} mm",
           parameters.pebble_radius, 1e3 * size)});
     }
     const double slot = geom::smallest_slot(disks);

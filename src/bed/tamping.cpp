@@ -58,10 +58,9 @@ void add_box(Surface& surface, const Vec3& low, const Vec3& size) {
 }  // namespace
 
 void TampingParameters::declare(input::Section& s) {
-  s.number(
-      "lift", lift, {.unit = "m", .at_least = 0, .usually_to = 0.1},
-      "Lift of the sleepers during the first insertion of the tines; they are held there until "
-      "the stage ends.");
+  s.number("lift", lift, {.unit = "m", .at_least = 0, .usually_to = 0.1},
+           "Lift of the sleepers during the first insertion of the tines; the sleepers are held "
+           "there until the stage ends.");
   s.number("depth", depth, {.unit = "m", .above = 0, .usually_to = 0.3},
            "Depth of the tips of the tines below the lower faces of the lifted sleepers.");
   s.number("gap", gap, {.unit = "m", .above = 0, .usually_to = 0.3},
@@ -84,10 +83,12 @@ void TampingParameters::declare(input::Section& s) {
   s.number("withdrawal", withdrawal, {.unit = "s", .above = 0, .usually_to = 5},
            "Duration of the withdrawal and opening of the tines.");
   s.number("force", force, {.unit = "N", .above = 0, .usually_from = 100, .usually_to = 1e5},
-           "Resistance of the stones at which the insertion or closing of one tine stops; its "
-           "speed decreases in proportion to the resistance.");
+           "Resistance of the stones at which the insertion or closing of one tine stops; below it "
+           "the speed of the tine decreases linearly with the resistance.");
   s.rule("closing", closing + amplitude <= gap,
-         fmt::format("and amplitude exceed the gap of {:g} m: tines would hit the sleeper", gap),
+         fmt::format("closing plus amplitude, {:g} m, exceeds the gap of {:g} m: the tines would "
+                     "hit the sleeper",
+                     closing + amplitude, gap),
          {.reads = {"closing", "amplitude", "gap"}});
 }
 

@@ -29,7 +29,8 @@ InputError::InputError(std::vector<std::string> problems)
 // because nothing may fail or allocate here.
 void require(bool holds, const char* what) {
   if (holds) return;
-  std::fprintf(stderr, "trackbed: broken invariant: %s\n", what);
+  std::fprintf(stderr, "trackbed: error of the program, please report it: broken invariant: %s\n",
+               what);
   std::abort();
 }
 

@@ -291,9 +291,10 @@ std::string Coupler::trouble() const {
   constexpr double lost = 1e-3;
   if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
-      "loads received by surfaces differ from the contact forces of the stones by {:.2g} of their "
-      "sum: a load has grown too fast within one window for its exact sum (largest load of a node "
-      "{:.3g} N times sub-steps); use shorter windows (time.window, time.substeps)",
+      "the loads on surfaces differ from the contact forces of the stones by {:.2g} of their sum: "
+      "a load has grown too fast within one window for the integers of the exact sum (largest load "
+      "of a node, summed over sub-steps: {:.3g} N); use shorter windows (time.window, "
+      "time.substeps)",
       impl_->ledger.lost(), impl_->largest);
 }
 

@@ -34,7 +34,7 @@ std::string elements_in_words(const Node& list) {
     words += words.empty() ? "" : ", ";
     words += name != nullptr && name->kind == Node::Kind::text ? name->text : fmt::format("{}", i);
   }
-  return words.empty() ? "it has none" : fmt::format("it has {}", words);
+  return words.empty() ? "the list is empty" : fmt::format("its elements: {}", words);
 }
 
 // Puts one value into the tree and creates missing sections on the path. Returns what is wrong, or
@@ -48,7 +48,8 @@ std::string put(Node& root, const std::string& path, Node value) {
     if (node->is_list()) {
       Node* const found = element(*node, word);
       if (found == nullptr)
-        return fmt::format("{}: there is no element {}; {}", path, word, elements_in_words(*node));
+        return fmt::format("{}: the list has no element {}; {}", path, word,
+                           elements_in_words(*node));
       node = found;
       continue;
     }
@@ -89,7 +90,8 @@ void apply(const std::string& override_text, Node& root, Problems& problems) {
   }();
   const std::size_t equals = override_text.find('=');
   if (equals == std::string::npos)
-    return problems.add(&on_command_line, fmt::format("\"{}\" must read key=value", override_text));
+    return problems.add(&on_command_line,
+                        fmt::format("\"{}\" must have the form key=value", override_text));
   const std::string words = stripped(override_text.substr(equals + 1));
   Node value = parse_value(words);
   mark_override(value);

@@ -88,8 +88,9 @@ struct Table {
       places.push_back(static_cast<std::size_t>(at - found.begin()));
       if (at != found.end()) continue;
       const std::string near = nearest(name, found);
-      problems.push_back(fmt::format("{}:{}: there is no column {}{}", path, line, name,
-                                     near.empty() ? "" : fmt::format("; is it {}?", near)));
+      problems.push_back(fmt::format(
+          "{}:{}: there is no column {}{}", path, line, name,
+          near.empty() ? "" : fmt::format("; rename column {} if it contains these values", near)));
     }
   }
 

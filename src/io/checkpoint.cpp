@@ -59,9 +59,10 @@ void verify(const File& file, const std::string& path) {
     refuse(path + ": is not a trackbed checkpoint");
   const std::int64_t format = file.integer_attribute("/", "format");
   if (format != checkpoint_format)
-    refuse(fmt::format("{}: was written by {} trackbed (checkpoint format {}; this one reads {})",
-                       path, format > checkpoint_format ? "a newer" : "an older", format,
-                       checkpoint_format));
+    refuse(fmt::format(
+        "{}: was written by {} version of trackbed (checkpoint format {}; this version reads "
+        "format {})",
+        path, format > checkpoint_format ? "a newer" : "an older", format, checkpoint_format));
   // All numbers are read and checked, each rank its fraction, before they are used.
   for (const std::string& dataset : datasets_of(file))
     if (!file.has_attribute(dataset, checksum_name) ||
@@ -150,11 +151,11 @@ void write_part(const par::Comm& comm, const std::string& part,
 // before the old checkpoint is given up. Collective.
 void read_back(const par::Comm& comm, const std::string& part) {
   const std::string damage = comm.root() ? defect_of(part) : "";
-  comm.agree(damage.empty() ? "" : part + ": " + damage + " right after it was written");
+  comm.agree(damage.empty() ? "" : part + ": " + damage + ", when it was read back after writing");
   try {
     verify(File(comm, part, Mode::read), part);
   } catch (const InputError& error) {  // the same on all ranks: detected in collective reads
-    throw RunError(std::string(error.what()) + " right after it was written");
+    throw RunError(std::string(error.what()) + ", when it was read back after writing");
   }
 }
 
@@ -165,7 +166,7 @@ void write_checkpoint(const par::Comm& comm, const std::string& folder, const st
                       const std::function<void(File&)>& fill) {
   std::error_code error;
   if (comm.root()) fs::create_directories(folder, error);
-  comm.agree(error ? folder + ": cannot be made (" + error.message() + ")" : "");
+  comm.agree(error ? folder + ": cannot be created (" + error.message() + ")" : "");
   const fs::path target = fs::path(folder) / name;
   const std::string part = target.string() + ".part";
   try {
@@ -208,7 +209,7 @@ CheckpointChoice choose_checkpoint(const par::Comm& comm, const std::string& pat
   CheckpointChoice chosen;
   const std::string lines = comm.broadcast(comm.root() ? candidates(path, if_damaged) : "");
   if (lines.empty())
-    refuse(path + ": holds no checkpoint; name the result folder of a run, or a file .h5 in it");
+    refuse(path + ": contains no checkpoint; give the result folder of a run, or a file .h5 in it");
   std::istringstream paths(lines);
   while (std::getline(paths, chosen.file)) {
     if (if_damaged == IfDamaged::refuse) return chosen;  // open_checkpoint reports the defect

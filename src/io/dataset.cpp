@@ -135,7 +135,7 @@ std::vector<T> read_typed(const File::Handle& file, const std::string& path, con
 
 // An error of the program, not of a file: it ends the run.
 std::size_t rows_of(std::size_t values, std::size_t columns) {
-  require(columns > 0 && values % columns == 0, "a dataset's values do not fill whole rows");
+  require(columns > 0 && values % columns == 0, "the values of a dataset fill whole rows");
   return values / columns;
 }
 
@@ -168,8 +168,8 @@ void read_rows_into(const File::Handle& file, const std::string& path, const Dat
   const bool inside = rows.begin <= dataset.rows && rows.count <= dataset.rows - rows.begin;
   H5Eclear2(H5E_DEFAULT);
   file.agree(inside, "dataset " + path,
-             "has " + std::to_string(dataset.rows) + " rows; requested: " +
-                 std::to_string(rows.count) + " from row " + std::to_string(rows.begin));
+             "has " + std::to_string(dataset.rows) + " rows, but " + std::to_string(rows.count) +
+                 " rows from row " + std::to_string(rows.begin) + " were requested");
   if (dataset.rows == 0) return;
   const Hid memory = memory_space(rows.count, dataset.columns);
   const Hid stored = selected(dataset.rows, dataset.columns, dataset.flat, rows);
@@ -275,7 +275,7 @@ void File::truncate(const std::string& path, std::size_t rows) {
   const Dataset dataset = open_dataset(*handle_, path);
   const hsize_t extent[2] = {rows, dataset.columns};
   handle_->agree(rows <= dataset.rows, "dataset " + path,
-                 "has only " + std::to_string(dataset.rows) + " rows, cannot be cut to " +
+                 "has only " + std::to_string(dataset.rows) + " rows and cannot be cut to " +
                      std::to_string(rows));
   handle_->agree(H5Dset_extent(dataset.id.get(), extent) >= 0, "dataset " + path, "cannot be cut");
 }

@@ -54,7 +54,8 @@ std::string unit_in(const std::string& name) {
 void write_data(File& file, const std::string& group, const std::vector<FieldData>& fields,
                 std::size_t rows) {
   for (const FieldData& field : fields) {
-    require(field.values.size() == rows * field.columns, "a field does not fit its grid");
+    require(field.values.size() == rows * field.columns,
+            "a field has one row for each point or cell of its grid");
     // A slash would start a group; "velocity (m/s)" is shown with the division slash U+2215.
     std::string name = field.name;
     for (std::size_t i; (i = name.find('/')) != std::string::npos;) name.replace(i, 1, "∕");
@@ -83,7 +84,7 @@ void write_fields(const par::Comm& comm, const std::string& path, const Grid& gr
   const std::size_t nodes = nodes_per_cell(grid.kind);
   // The rows of a piece follow from the counts of the pieces before it: an incomplete cell would
   // shift all that follow.
-  require(nodes > 0 && grid.cells.size() % nodes == 0, "a grid's cells are not whole");
+  require(nodes > 0 && grid.cells.size() % nodes == 0, "each cell of a grid has all its points");
   const std::size_t cells = grid.cells.size() / nodes;
   File file(comm, path, Mode::create);
   file.attribute(root, "Version", std::vector<std::int64_t>{1, 0});

@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 // Flushes a file or folder to the disk. Returns the error, or nothing.
 std::string synced(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY);
-  if (descriptor < 0) return path.string() + ": " + std::strerror(errno);
+  if (descriptor < 0) return path.string() + ": cannot be opened (" + std::strerror(errno) + ")";
   // Some file systems cannot sync a folder and return EINVAL.
   const bool ok = ::fsync(descriptor) == 0 || errno == EINVAL;
-  const std::string problem = ok ? "" : path.string() + ": " + std::strerror(errno);
+  const std::string problem =
+      ok ? "" : path.string() + ": cannot be written to the disk (" + std::strerror(errno) + ")";
   ::close(descriptor);
   return problem;
 }
@@ -32,7 +33,8 @@ std::string put_in_place(const fs::path& from, const fs::path& to) {
   if (std::string problem = synced(from); !problem.empty()) return problem;
   std::error_code error;
   fs::rename(from, to, error);
-  if (error) return to.string() + ": cannot be put in place (" + error.message() + ")";
+  if (error)
+    return to.string() + ": cannot be replaced by " + from.string() + " (" + error.message() + ")";
   return synced(to.has_parent_path() ? to.parent_path() : fs::path("."));
 }
 

@@ -71,7 +71,8 @@ std::string cut_or_foreign(std::ifstream& in, std::uint64_t present) {
   in.read(reinterpret_cast<char*>(&expected), sizeof expected);
   if (!in || present > expected) return "is cut short";
   if (present < expected)
-    return fmt::format("is cut short ({} of more than {} bytes)", present, expected);
+    return fmt::format("is cut short (it has {} bytes and should have more than {})", present,
+                       expected);
   return "is not a trackbed checkpoint (or its last bytes are missing)";
 }
 
@@ -142,7 +143,8 @@ std::string defect_of(const std::string& path) {
   if (std::memcmp(footer.magic, Footer{}.magic, sizeof footer.magic) != 0)
     return cut_or_foreign(in, present);
   const std::uint64_t available = present - sizeof footer;
-  constexpr const char* damaged = "is damaged: its structure does not match its seal";
+  constexpr const char* damaged =
+      "is damaged: its structure does not match the checksum at its end";
   // By division: the product with a damaged count could overflow and appear correct.
   if (footer.extents > available / sizeof(Extent) ||
       footer.file_bytes != available - footer.extents * sizeof(Extent))

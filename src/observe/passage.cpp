@@ -160,7 +160,7 @@ void PassageHistories::load(const io::File& file) {
   if (!lowest_.empty()) {
     if (!file.has("extreme/rail/displacement"))
       throw RunError(
-          "this checkpoint has no extremes of steps, because an older version of the program "
+          "this checkpoint has no extremes over all steps, because an older version of the program "
           "wrote it; run the deck again");
     const std::size_t width = lowest_.size();
     lowest_ = file.read_all<double>("extreme/rail/displacement");

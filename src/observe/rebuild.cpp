@@ -96,8 +96,8 @@ void read_through(const io::File& file) {
 // A resumed run replaces the file, so the user has to decide what becomes of it.
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw InputError({fmt::format(
-      "{}: {}; restore a copy of it, or move it away and resume again: the run then continues, but "
-      "its histories begin at the checkpoint and earlier ones are lost",
+      "{}: {}; restore this file from a copy, or move it away and resume again: the run then "
+      "continues, but its histories begin at the checkpoint and all earlier rows are lost",
       path, why)});
 }
 
@@ -110,7 +110,7 @@ auto reading(const std::string& path, F&& act) {
   } catch (const RunError& error) {  // equal on all ranks
     const std::string words = error.what(), start = path + ": ";
     const std::size_t at = words.find(start);
-    reject(path, fmt::format("is damaged or not a file of results ({})",
+    reject(path, fmt::format("is damaged or is not a file of results ({})",
                              at == std::string::npos ? words : words.substr(at + start.size())));
   }
 }
@@ -145,8 +145,8 @@ bool has_histories(const par::Comm& comm, const std::string& path, std::int64_t 
                                                               : 0);
   });
   if (present < rows)
-    reject(path, fmt::format("has {} of the {} history rows before the checkpoint, so it belongs "
-                             "to another run",
+    reject(path, fmt::format("has only {} of the {} history rows before the checkpoint, so it "
+                             "belongs to another run",
                              present, rows));
   return true;
 }

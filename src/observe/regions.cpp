@@ -311,7 +311,7 @@ void Region::declare(input::Section& s) {
   // Each cell has 18 numbers in every row of the histories.
   constexpr double most = 1e4;
   s.rule("cells", std::accumulate(cells.begin(), cells.end(), 1.0, std::multiplies<>()) <= most,
-         fmt::format("must be at most {:g} in all", most));
+         fmt::format("must be at most {:g} cells in total", most));
 }
 
 std::vector<Measurement> measure(const par::Comm& comm, const dem::Particles& particles,

@@ -300,7 +300,7 @@ def report(text):
     """Report on screen on model and stages, without memory and wall time."""
     lines = [line for line in text.splitlines()
              if re.match(r"trackbed:|  (ground|sleepers):|stage ", line)]
-    return [re.sub(r"; [\d.e+-]+ MB per rank", "", line) for line in lines]
+    return [re.sub(r"; memory [\d.e+-]+ MB per rank", "", line) for line in lines]
 
 
 class Bench:

@@ -42,22 +42,22 @@ REFUSED = {
     "ground.mesh={folder}/cut.msh": "is it complete?",
     "ground.mesh_top=crest": "has no physical surface \"crest\", which the deck names",
     "ground.solid.0.name=embankement": "did you mean",
-    "ground.solid.1.name=embankment": "is the name of an earlier one",
-    "ground.border.1.name=top": "is the name of an earlier one",
+    "ground.solid.1.name=embankment": "is already the name of another part of the mesh",
+    "ground.border.1.name=top": "is already the name of another part of the mesh",
     "ground.border.3.holds=roller": "is not normal to x, y or z",
     "ground.border.0.holds=free ground.border.1.holds=free":
         "do not hold the ground in static equilibrium: it can move along y, move along z, "
         "turn about x",
     # Viscous sides hold y and ends x; nothing holds z.
-    "ground.border.0.holds=free": "static equilibrium: it can move along z; let a border be",
+    "ground.border.0.holds=free": "static equilibrium: it can move along z; add a border that is",
     "ground.border.0.holds=fixed ground.base_motion={folder}/wave.csv":
         "no viscous border faces down",
     "ground.base_motion={folder}/along.csv": "the border \"ends\" holds the ground along x",
     "ground.border.2.holds=fixed ground.base_motion={folder}/along.csv":
         "the border \"ends\" holds the ground along x",
     "ground.mesh={folder}/squashed.msh": "is flat: its mean ratio is",
-    "ground.sides=viscous": "its surfaces are [[ground.border]]",
-    "ground.elements_x=3": "the file defines the shape",
+    "ground.sides=viscous": "describe the surfaces of the mesh by [[ground.border]]",
+    "ground.elements_x=3": "the file of the mesh defines the shape",
     "dimension=plane": "needs dimension = \"space\"",
     "time.window=0": "must be given with ground.mesh",
     "ground.mesh={folder}/hole.msh": "m^2 of the bed: stones would fall through (bed.x, bed.y",
@@ -67,8 +67,8 @@ REFUSED = {
 
 # Change of the deck -> texts that `check` prints, or (after "-") must not print.
 REPORTED = {
-    "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "on springs of 4e+07 Pa/m", "-warning"],
-    "ground.border.0.holds=roller": ["-on springs"],
+    "title=same": ["mesh: x = 0 to 1.8, ", " m^3", "with springs of 4e+07 Pa/m", "-warning"],
+    "ground.border.0.holds=roller": ["-with springs"],
     "ground.border.0.holds=roller ground.border.1.holds=roller": ["is valid"],
     "ground.base_motion={folder}/wave.csv":
         ["\"sides\" impedes the wave of ground.base_motion", "-\"ends\"", "-\"slopes\""],
@@ -76,9 +76,11 @@ REPORTED = {
         ["\"ends\" impedes the wave of ground.base_motion"],
     "ground.border.2.holds=free ground.base_motion={folder}/along.csv":
         ["\"ends\" is free and at an end of the mesh", "-\"slopes\""],
-    "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and free", " % of"],
+    "ground.mesh={folder}/half.msh": ["outer faces are in no physical surface and therefore free",
+                                      " % of"],
     "ground.mesh={folder}/mm.msh": ["is the file in metres?"],
-    "ground.mesh={folder}/thin.msh time.window=1e-5": ["are nearly flat (mean ratio below 0.05"],
+    "ground.mesh={folder}/thin.msh time.window=1e-5":
+        ["are nearly flat: their mean ratio is below 0.05"],
 }
 
 

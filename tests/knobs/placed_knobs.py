@@ -84,26 +84,27 @@ REFUSED = {
     "stone.odd.name=ball": "stones need different names",
     "stone.odd.name='a b'": "must be a word",
     "box.walls.name=floor": "is also the name of a [[plate]]",
-    "stone.odd.sides=[0.03,0.02,0.001]": "must each be above 2 rounding = 0.002 m",
-    "stone.odd.shape=hull": "must hold x, y, z of at least four corners",
+    "stone.odd.sides=[0.03,0.02,0.001]": "must each be above twice the rounding, 0.002 m",
+    "stone.odd.shape=hull": "must list x, y, z of at least four corners",
     f"{OTHER} stone.odd.shape=hull stone.odd.corners=[0,0,0,1,0,0,0,1,0,1,1,0]":
-        "stone[1].corners: lie in one plane",
+        "stone[1].corners: they enclose no volume",
     "stone.odd.shape=clump stone.odd.spheres=[0,0,0,0]": "a radius above 0",
     "stone.odd.shape=polyhedron": "must be above 0 m for a randomly generated stone",
-    "stone.odd.size=1": "is for generated stones, libraries and meshes",
+    "stone.odd.size=1": "is only for generated stones, libraries and meshes",
     "stone.odd.shape=mesh": "must name a mesh",
     "stone.odd.shape=mesh stone.odd.file={folder}/none.obj": "does not exist",
-    f"{OTHER} stone.odd.shape=library stone.odd.file={{folder}}/one.obj": "is no library of shapes",
+    f"{OTHER} stone.odd.shape=library stone.odd.file={{folder}}/one.obj":
+        "is not a library of shapes",
     f"{' '.join(LIBRARY)} stone.odd.entry=stone_11": "did you mean stone_1?",
-    "stone.odd.motion=fixed": "velocity or spin is not zero; use driven",
+    "stone.odd.motion=fixed": "needs velocity and spin of zero; use driven",
     "stone.odd.axis=[0,0,0]": "must not be zero",
     "stone.odd.position=[0,0,0.02]":
         "placed.toml:44: stone[0].position: stone \"ball\" initially overlaps stone \"odd\" by "
         "0.003789 m",
-    "stone.odd.position=[0.02,0,0.012]": "of the smaller radius",
+    "stone.odd.position=[0.02,0,0.012]": "times the smaller radius",
     "stone.odd.position=[-0.03,0,0]": "initially overlaps surface \"floor\" by",
     "domain.low=[0,0,0] domain.high=[1,1,1]": "is outside of the domain ([0, 0, 0] to [1, 1, 1]",
-    "domain.low=[0,0,0]": "must be three numbers, and so must `high`",
+    "domain.low=[0,0,0]": "must be three numbers, like domain.high",
     "domain.low=[1,1,1] domain.high=[0,0,0]": "must be above `low`",
     "plate.floor.normal=[0,0,0]": "must not be zero",
     "plate.floor.edge=[0,0,1]": "must not be along the normal",
@@ -113,14 +114,14 @@ REFUSED = {
     "stage.fall.ground_moves=true": "there is no ground",
     "stone.odd.motion=driven stone.ball.motion=driven": "no stone is free",
     "time.step=1": "is above the stable sub-step",
-    "dimension=plane": "makes stones in space: a plane model takes ball and clump",
+    "dimension=plane": "makes stones in space: a plane model allows ball, and clump",
     "bed.height=0.3": "bed",
     "model=bed": "is only for model = \"stones\"",
 }
 # Change of the deck -> part of the warning.
 WARNED = {
     "stone.ball.position=[0.02,0,9.5e-3]": "initially overlaps surface \"floor\" by 0.0005 m",
-    "stage.fall.lift=0.5": "has no effect: it is for release",
+    "stage.fall.lift=0.5": "has no effect: it is for stages of kind release",
 }
 
 

@@ -36,11 +36,11 @@ HALF = ("ground.block=[{name='half',outline=[1,0,3,0,3,-1,1,-1],young=1e7,poisso
         "density=1700,y=[-1,0]}]")
 # Change of the deck -> part of the refusal.
 REFUSED = {
-    f"{HALF} ground.block.half.y=[0]": "must be two numbers, from and to",
-    f"{HALF} ground.block.half.y=[0.01,0.02]": "the centre of no element of the ground: y from",
+    f"{HALF} ground.block.half.y=[0]": "must be two increasing numbers",
+    f"{HALF} ground.block.half.y=[0.01,0.02]": "the centre of any element of the ground (y = ",
     f"{HALF} dimension=plane": "ground.block[0].y = [-1, 0]: must not be given in a plane model",
     f"{HALF} ground.sides=free_field": "cannot be given with free-field sides",
-    "pressure.plate.x=[2,1]": "must be two numbers, from and to",
+    "pressure.plate.x=[2,1]": "must be two increasing numbers",
     "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
     "pressure.plate.y=[0,3]": "beyond the top of the ground (-1 to 1 m)",
     "pressure.plate.y=[0]": "must be two numbers",
@@ -58,17 +58,17 @@ REFUSED = {
     "stage.blow.kind=settle": "must be run: a ground alone has no other kind of stage",
     "stage.blow.ground_moves=false": "must be true: nothing else moves",
     "ground.present=false": "must be true for model = \"ground\"",
-    "ground.integrator=newmark": "must be given for implicit steps",
+    "ground.integrator=newmark": "must be given for an implicit ground",
     "dimension=plane": "has no effect in a plane model",
     "bed.height=0.3": "bed",
 }
 # Change of the deck -> part of the warning.
 WARNED = {
-    f"{HALF} ground.block.half.y=[-3,0]": "is cut off where it extends beyond the ground: y",
+    f"{HALF} ground.block.half.y=[-3,0]": "is cut off where it extends beyond the ground (y",
     "pressure.surcharge.duration=1": "has no effect with this course",
     "pressure.plate.begin=1": "is after the end of the last stage at 0.04 s",
     "time.substeps=2": "has no effect without stones",
-    "stage.blow.lift=0.5": "has no effect: it is for release",
+    "stage.blow.lift=0.5": "has no effect: it is for stages of kind release",
     "stage.blow.friction=0.5": "has no effect without stones",
     "output.surface_cell=0.1": "has no effect without stones",
     "time.window=0.02": "is longer than stage \"rest\"",
@@ -79,7 +79,7 @@ WARNED = {
     "ground.integrator=newmark time.window=0.01 pressure.plate.course=harmonic"
     " pressure.plate.frequency=50": "gives cycles of 0.02 s",
     "ground.integrator=newmark time.window=0.005 pressure.plate.speed=-210":
-        "moves it by 1.05 m in a window",
+        "moves the pressure by 1.05 m in a window",
 }
 
 

@@ -32,16 +32,16 @@ REFUSED = {
     "ground.y=[0,9]": "its foot is 9.5 m from the axis",
     "ground.y=[-9,16]": "ends within the embankment",
     "ground.y=[0,9.5] ground.section.2.height=2.5":
-        "ends at the foot of some sections and beyond that of others",
+        "ends at the foot of some sections and beyond the foot of others",
     "ground.y=[0,16] ground.elements_y=1": "must be at least 2",
     "ground.section.2.height=0.6": "leaves 0 m to layer[1] (\"fill\")",
     "ground.section.2.height=9.5": "to layer[2] (\"soil\")",
-    "ground.embankment_layers=0": "must be 1 to 2",
-    "ground.embankment_layers=3": "must be 1 to 2",
-    "ground.layer.1.elements=0": "need `elements` each",
+    "ground.embankment_layers=0": "must be at least 1 and below the number of layers, 3",
+    "ground.embankment_layers=3": "must be at least 1 and below the number of layers, 3",
+    "ground.layer.1.elements=0": "must all have `elements`",
     "ground.elements_x=100000": "at most 2e+06",
     "ground.elements_x=18 ground.y=[0,16000]": "is flat: its mean ratio is",
-    "ground.sides=free_field": "the ground beside is neither level",
+    "ground.sides=free_field": "the ground beside the model is neither level",
     "ground.side_x_low=periodic ground.side_x_high=periodic": "nor the same at both ends",
     "ground.side_y_low=viscous": "the axis of the embankment is a plane of symmetry",
     "ground.plane=strain": "an embankment is for models in space",
@@ -53,7 +53,7 @@ REFUSED = {
     # It would contain the centre of a cell of level rows, but not of inclined rows.
     "ground.block.0.outline=[17.1,-1.8,18,-1.8,18,-1.95,17.1,-1.95]":
         "its outline contains the centre of no cell of the embankment",
-    "ground.mesh={mesh}": "has no effect with ground.mesh; the file defines the shape",
+    "ground.mesh={mesh}": "has no effect with ground.mesh; the file of the mesh defines the shape",
 }
 # Half an embankment without slopes, which ends with y.
 UPRIGHT = ("ground.section.0.slope=0 ground.section.1.slope=0 ground.section.2.slope=0 "

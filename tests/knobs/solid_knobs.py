@@ -41,7 +41,7 @@ REFUSED = {
     "stage.passage.train=true train.start=0": "must be false below a train (train = true)",
     f"{TRAIN} pad.bilinear_at=1e-4 pad.bilinear_stiffness=300e6": "must be 0 on solid sleepers",
     "sleepers.bevel=0.02": "must be 0 for solid sleepers",
-    "solid.seats=[0.3]": "puts a seat at 0.3 m, beyond the end of the sleeper",
+    "solid.seats=[0.3]": "puts a seat at y = 0.3 m, which reaches beyond the end of the sleeper",
     "solid.seats=[]": "must contain at least one seat",
     "solid.seat_size=[0.1]": "must be two lengths above 0",
     "solid.seat_size=[0.25, 0.1]": "is wider along x than the sleeper (0.2 m)",
@@ -49,7 +49,7 @@ REFUSED = {
     "solid.element=0.01 sleepers.count=2 sleepers.length=2": "unknowns, which every rank solves",
     "load.kind=power": "must be winkler with solid rails",
     "pad.bilinear_at=1e-3 pad.bilinear_stiffness=300e6": "must be 0 below solid rails",
-    "time.window=2e-3": "bodies in contact with stones allow 6.64e-05 s",
+    "time.window=2e-3": "bodies in contact with stones allow about 6.64e-05 s",
 }
 # For a run that starts with placed solids: change -> part of the refusal.
 PLACED = {
@@ -65,7 +65,7 @@ REPORTED = {
     f"{TRAIN} pad.stiffness=1e12 passage.step=1e-3": "load 271, passage 677\n",
 }
 WARNED = {
-    "sleepers.model=rigid": "[pad] for it: sleepers.model is rigid",
+    "sleepers.model=rigid": "solid: has no effect: sleepers.model is rigid",
     'sleepers.free=["z"]': "has no effect on solid sleepers",
 }
 

@@ -111,7 +111,7 @@ def test_run_stopped_before_its_passage_is_reported(tmp_path):
         del file["envelope"]
     ran = drawn(folder, tmp_path / "figures")
     assert ran.returncode == 0, ran.stderr
-    reason = "stopped contains no passage: it was stopped before"
+    reason = "stopped contains no passage: the run was stopped before it"
     for name in ("overview", "envelope", "stress"):
         assert f"{name}.png is skipped: {reason}\n" in ran.stdout, ran.stdout
     assert f"no transition to measure: {reason}" in ran.stdout
@@ -126,7 +126,7 @@ def test_model_without_ground_or_structure_is_reported(runs, tmp_path):
     plain = dataclasses.replace(runs[0], deck={**runs[0].deck, "ground": {}})
     assert "wedge has no structure that ends" in measures.table([plain])
     idle = dataclasses.replace(runs[0], deck={"stage": [{"name": "load", "kind": "load"}]})
-    assert "contains no passage, its deck has none" in measures.table([idle])
+    assert "contains no passage: the deck has no stage of kind passage" in measures.table([idle])
 
 
 def test_read_checkpoint_through_latest(tmp_path):
@@ -241,7 +241,7 @@ def test_missing_plain_track_is_reported(runs, end, plain):
              for run in runs]
     assert np.isfinite(measures.transition(short[0]).far_displacement) == plain
     text = measures.table(short)
-    assert ("no plain track beyond the wedge in this model" in text) != plain
+    assert ("this model has no plain track beyond the wedge" in text) != plain
     assert ("width of the transition: " in text) == plain
     # The wedge of one run determines where both are measured.
     assert np.isfinite(measures.transition(runs[0], end - made.EDGE).far_displacement) == plain
@@ -302,7 +302,7 @@ def check_moved_ground(run, down, nodes, word):
 def test_different_stages_are_reported(runs):
     stages = [{**stage, "duration": 7} for stage in runs[1].deck["stage"]]
     other = dataclasses.replace(runs[1], deck={**runs[1].deck, "stage": stages})
-    assert "stages of the two decks differ" in measures.table([runs[0], other])
+    assert "the two decks differ in their stages" in measures.table([runs[0], other])
     assert "differ" not in measures.table(runs)
 
 
@@ -338,7 +338,7 @@ def test_small_changes_have_no_verdict(runs):
     assert text.count("no clear effect (within 10%)") == 4 and "expected of a wedge" not in text
     far = with_ground(runs[0], displacement_min=1.2 * made.ground_displacement(x, True))
     text = measures.table([far, runs[0]])
-    assert "NOT the same, although there is no wedge" in text
+    assert "NOT the same, although no wedge is there" in text
     assert "no verdict, since the plain tracks differ" in text
     assert "no verdict" not in measures.table(runs)
 

@@ -60,7 +60,7 @@ def test_missing_array_is_named(tmp_path):
     path = tmp_path / "bricks.vtkhdf"
     write_bricks(path, 1, [1])
     run = render(path, "--array", "velocity")
-    assert run.returncode == 2 and "there is no array velocity" in run.stderr
+    assert run.returncode == 2 and "the file has no array velocity" in run.stderr
 
 
 def test_picture_is_written_or_its_failure_reported(tmp_path):

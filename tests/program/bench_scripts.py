@@ -45,7 +45,7 @@ def check_refusals(program, folder):
             ("bench_spheres.py", "two arguments are needed: bench_spheres.py TRACKBED"),
             ("bench_stones.py", program, "two arguments are needed: bench_stones.py TRACKBED"),
             ("bench_stones.py", folder / "none", folder, "none is not an executable program"),
-            ("bench_spheres.py", program, folder / "bench", "lmp not found: install")):
+            ("bench_spheres.py", program, folder / "bench", "lmp was not found: install")):
         ran = subprocess.run([sys.executable, ROOT / "jobs" / script, *words], env=empty,
                              capture_output=True, text=True, check=False)
         expect(ran.returncode != 0 and sentence in ran.stderr and ran.stderr.count("\n") == 1,

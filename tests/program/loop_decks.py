@@ -21,12 +21,13 @@ def refused_decks(text):
     """(Deck, message) for decks that cannot be divided into bed and train."""
     before, behind = text.split(TRAIN)
     yield (text + TRAIN.replace("train", "again") + behind,
-           "the deck has several (stages train, again): leave one")
+           "the deck has several (stages train, again): keep one of them")
     yield (before + STAGE.format("rest") + STAGE.format("wait") + TRAIN + behind,
-           "the rounds would omit rest, wait: after the last stage of the bed only train may")
-    yield text + STAGE.format("late"), "the rounds would omit late"
+           "the rounds would omit the stages rest, wait: after the last stage of the bed only "
+           "train, the stage with train = true, may follow")
+    yield text + STAGE.format("late"), "the rounds would omit the stages late"
     yield (re.sub(r"\[handover\][^[]*", "", text),
-           "[handover] with `after`, the name of a stage, is needed")
+           "[handover] must give `after`, the name of a stage")
     yield text + "duration = 0.5\n", "duration = 0.5 is not allowed in the loop"
     yield text + "cycles = 3\n", "cycles = 3 is not allowed in the loop"
     yield text + "cycles = 1\nsettlement = 1e-4\n", "settlement = 0.0001 is not allowed in the loop"

@@ -24,8 +24,8 @@ def check_failures(loops, deck):
     place = loops.folder / "failed"
     for how, code, expected in (
             ("lost", 4, ["trackbed: a stone was lost; the last good checkpoint is checkpoint_3.h5",
-                         "failed: code 4; see"]),
-            ("input", 2, [":3: bed.height = -1 m: must be above 0 m", "failed: code 2; see"]),
+                         "failed: exit code 4; see"]),
+            ("input", 2, [":3: bed.height = -1 m: must be above 0 m", "failed: exit code 2; see"]),
             ("kill", 137, ["failed: rank 1 was killed (signal 9, Killed); see"])):
         lines = loops.ends(code, expected[-1], deck, place, fails=f"load_test:{how}").splitlines()
         if len(lines) != len(expected) or not all(
@@ -43,13 +43,13 @@ def check_failures(loops, deck):
 def check_unreliable(loops, deck):
     """A load that is too small against the bed's own motion is reported with a remedy."""
     place = loops.folder / "unreliable"
-    why = "round 0: the load of 3 N is too small against the motion of the bed itself"
-    remedy = " of 4 sleepers without a reliable value): use a larger handover.load (--load)"
+    why = "the load of 3 N is too small compared with the motion of the bed itself"
+    count, remedy = " of 4 sleepers have no reliable", "; use a larger handover.load (--load)"
     reported = loops.ends(4, why, deck, place, "--load", "3")
-    if remedy not in reported or len(reported.splitlines()) != 1 or \
-            (place / "round_0/track").exists():
+    if count not in reported or remedy not in reported or len(reported.splitlines()) != 1 or \
+            not reported.startswith("round 0: ") or (place / "round_0/track").exists():
         raise SystemExit(f"a load that is too small must be reported in one line: {reported}")
-    loops.ends(4, "round 0: the sleeper still settles while it is unloaded", deck, place, "--force",
+    loops.ends(4, "the sleeper still settles while it is unloaded", deck, place, "--force",
                fails="load_test:sink")
     reported = loops.ends(0, "round 0: support 40.0 to 40.0 MN/m (+- ", deck, place, "--rounds",
                           "1", "--force")
@@ -102,7 +102,7 @@ def check_rounds(loops, deck):
     for name in ("handover.csv", "round_0/geometry.csv"):
         if re.search(r"-0\.0\b", (place / name).read_text(encoding="utf-8")):
             raise SystemExit(f"{name}: the height of a rail without settlement must be 0.0")
-    loops.ends(0, "still contains rounds from 1 on", deck, place, "--rounds", "1")
+    loops.ends(0, "still contains the rounds from 1 on", deck, place, "--rounds", "1")
     for name, used, other in (("each", 1, 10), ("load", 30000, 20000), ("trains", 2, 3)):
         refusal = f"holds rounds with {name} = {used}, not {other}: choose another folder"
         reported = loops.ends(2, refusal, deck, place, f"--{name}", str(other))

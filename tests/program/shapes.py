@@ -62,7 +62,7 @@ def bed_of_library(program, library, folder, made):
         raise SystemExit(f"{stones} stones\n{done.stdout}{done.stderr}")
     wrong = subprocess.run([program, "run", write_deck(folder, folder / "deck.toml"), "-o",
                             folder / "none"], capture_output=True, text=True, check=False)
-    if wrong.returncode != 2 or "is no library" not in wrong.stderr:
+    if wrong.returncode != 2 or "is not a library" not in wrong.stderr:
         raise SystemExit(f"a deck must be refused as a library: {wrong.stdout}{wrong.stderr}")
     for change, reason in ((("radius", 1, 0), "shape stone_6 has edges without rounding"),
                            (("radius", 1, math.nan), "shape stone_6 has an impossible size"),
@@ -145,7 +145,7 @@ def foreign_files(program, folder, library, picture):
         place = folder / name
         place.write_bytes(content)
         reported = shapes(program, "--stones", 1, option, place, code=2)
-        if f"{place}: exists and is no" not in reported or place.read_bytes() != content:
+        if f"{place}: exists, but is not a" not in reported or place.read_bytes() != content:
             raise SystemExit(f"{option} {name}: {reported}")
     for option, place in (("--library", library), ("--picture", picture)):
         before = place.read_bytes()
@@ -218,7 +218,7 @@ def main():
     if "is --unit right" not in shapes(program, mesh):
         raise SystemExit("a stone of 30 m must give a warning")
     clump = shapes(program, mesh, "--unit", 0.001, "--spheres", 20)
-    if rows(clump)["tetra"][0] != 20 or "off the mesh's, surface" not in clump:
+    if rows(clump)["tetra"][0] != 20 or " %, their surface by " not in clump:
         raise SystemExit(clump)
     mesh.write_text(TETRAHEDRON.replace("f 2 3 4\n", ""))
     empty = folder / "empty.obj"
@@ -233,8 +233,9 @@ def main():
                           (["--stones", 2, "--spheres", 10], "--spheres is for meshes"),
                           (["--stones", 2, "--unit", 1], "--unit is for meshes"),
                           ([mesh, "--seed", 2], "--seed is for parametric stones"),
-                          ([mesh, "--spheres", 9, "--parts", 2], "give only one of them"),
-                          ([mesh, "--spheres", 9, "--rounding", 0], "--rounding is for stones"),
+                          ([mesh, "--spheres", 9, "--parts", 2], "give only one of these options"),
+                          ([mesh, "--spheres", 9, "--rounding", 0],
+                           "--rounding is for parametric stones"),
                           ([folder / "none.h5"], "library"), ([mesh.with_suffix(".txt")], ".stl"),
                           ([], "no shapes"),
                           (["--stones", 1, "--picture", "stones.gif"], ".obj"),

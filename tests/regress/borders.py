@@ -35,7 +35,7 @@ REFUSED = {"ground.side_x_low=open": "fixed, as_sides or periodic",
            f"{YIELDS} ground.base_motion={{folder}}/wave.csv":
                f"which base_motion moves along the track (vx_m_s is not 0); use {PAIR}",
            "ground.base_motion={folder}/bare.csv": "vz_m_s"}
-WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a viscous one",
+WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as a viscous side",
           "ground.side_x_low=viscous ground.base_motion={folder}/upwards.csv":
               f"side_x_low = \"viscous\": impedes the wave of base_motion; use free_field or "
               f"{PAIR}",
@@ -48,16 +48,17 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
           "ground.sides=free ground.side_x_low=viscous ground.side_x_high=roller":
               "sides = \"free\": has no effect: the kind of each side is given",
           "ground.base_motion={folder}/under_way.csv":
-              "under_way.csv: at 0 s, when the ground is released at rest, the wave is already in "
-              "motion with vx_m_s = 0, vz_m_s = 0.01",
+              "under_way.csv: at 0 s the ground is released at rest, but the wave already has "
+              "vx_m_s = 0, vz_m_s = 0.01",
           "ground.base_motion={folder}/over.csv":
-              "over.csv: the wave is over at -0.01 s, before the ground is released (0 s)",
+              "over.csv: the wave ends at -0.01 s, before the ground is released at 0 s",
           "ground.base_motion={folder}/late.csv":
-              "late.csv: the wave begins at 0.3 s, and the ground moves for 0.3 s at most",
+              "late.csv: the wave begins at 0.3 s, but the ground moves for at most 0.3 s",
           "ground.base_motion={folder}/last.csv":
-              "last.csv: the ground moves for 0.3 s at most, when 8.3 % of the wave's energy has",
+              "last.csv: the ground moves for at most 0.3 s; by then only 8.3 % of the wave's "
+              "energy has",
           "ground.base_motion={folder}/near.csv ground.layer.soil.young=1e5":
-              "near.csv: the ground moves for 0.3 s at most; the wave has arrived after 0.277 s",
+              "near.csv: the ground moves for at most 0.3 s; the wave has arrived after 0.277 s",
           f"{SOFT} ground.elements_z=3 ground.base_motion={{folder}}/upwards.csv":
               "ground.elements_z: elements 0.2 m high in layer \"soil\" do not resolve the wave of "
               "base_motion (vz_m_s): 95 % of",
@@ -66,7 +67,8 @@ WARNED = {"ground.side_x_low=free_field": "side_x_low = \"free_field\": acts as 
               "ground.layer[0].elements: elements 0.075 m high in layer \"soil\" do not resolve "
               "the wave of base_motion (vx_m_s)",
           "ground.base_motion={folder}/fast.csv":
-              "fast.csv: 50 m/s is far from the usual values (at most 5 m/s); is its unit right?",
+              "fast.csv: the largest speed, 50 m/s, is far from the usual values (at most 5 m/s); "
+              "is its unit right?",
           "ground.base_motion={folder}/still.csv": "has no motion: all its velocities are 0",
           "ground.side_y_low=viscous": "side_y_low = \"viscous\": has no effect in a plane model"}
 TAKEN = ["ground.side_x_low=fixed ground.side_x_high=viscous", PERIODIC,

@@ -77,25 +77,26 @@ def check_old_runs(program, made, other):
     expect([text.partition("resumed: ")[2].split()[0] for text in warned
             if "resumed: output." in text] == ["output.surface_cell"],
            f"what is written, but not when to stop, not {warned}", ran)
-    expect(any("where the run was resumed: dem.gravity = 9.8, before 9.81" in text.replace(
+    expect(any("where the run was resumed: dem.gravity = 9.8 (previously 9.81)" in text.replace(
         "9.8000000000000007", "9.8").replace("9.8100000000000005", "9.81") for text in warned),
         f"a changed value must be kept with the results, not {warned}", ran)
 
 
 def check_spent(program, deck, made, place):
     """Parameters of finished stages cannot be changed; others can."""
-    for change, why in (("bed.seed=5", "the stones are made"),
+    for change, why in (("bed.seed=5", "the stones have already been made"),
                         ("platen.pressure=30e3", "no stage with a platen is left"),
                         ("stage.fill.duration=1", "this stage is over"),
                         ("settle_average=1", "the ground already moves"),
-                        ("output.stop_after=1", "are already done")):
+                        ("output.stop_after=1", "the run has already computed")):
         ran = program(1, "resume", made / "stage_load.h5", change, *place)
         expect(ran.returncode == 2 and why in ran.stderr, f"resume with {change} must report {why}",
                ran)
     start = f"start={made / 'stage_load.h5'}"
     ran = program(1, "check", deck, start, "bed.seed=5")
-    expect(ran.returncode == 0 and "warning: " in ran.stdout and "the stones are made" in
-           ran.stdout, "another bed than that of the checkpoint must give a warning", ran)
+    expect(ran.returncode == 0 and "warning: " in ran.stdout and
+           "the stones have already been made" in ran.stdout,
+           "another bed than that of the checkpoint must give a warning", ran)
 
 
 def check_integrators(program, deck, folder, still, moved):
@@ -118,10 +119,11 @@ def check_foreign_folder(program, folder):
     (place / "text.h5").write_text("no checkpoint\n", encoding="utf-8")
     ran = program(1, "resume", place)
     expect(ran.returncode == 2 and len(ran.stderr.splitlines()) == 1 and
-           ran.stderr.startswith(f"{place}: holds no checkpoint"), "foreign files", ran)
+           ran.stderr.startswith(f"{place}: contains no checkpoint"), "foreign files", ran)
     shutil.copy(folder / "made/stage_load.h5", place / "kept.h5")
     ran = program(1, "resume", place, "bed.seed=5")
-    expect(ran.returncode == 2 and "kept.h5" in ran.stderr and "the stones are made" in ran.stderr,
+    expect(ran.returncode == 2 and "kept.h5" in ran.stderr and
+           "the stones have already been made" in ran.stderr,
            "a checkpoint under another name must be found", ran)
 
 
@@ -200,9 +202,9 @@ def check_solver_options(program, deck, folder):
               "superlu_nope"),
              (["-ground_ksp_rtol", "-1"], "-ground_ksp_rtol = -1: must be at least 0 and below 1"),
              (["-ground_ksp_max_it", "-5"], "-ground_ksp_max_it = -5: must be at least 0"),
-             (["-options_file", "nofile"], "the file of -options_file nofile cannot be read"),
+             (["-options_file", "nofile"], "-options_file nofile: this file cannot be read"),
              (["-log_view", ":/nonexistent/x"],
-              "the file of -log_view :/nonexistent/x cannot be written"),
+              "-log_view :/nonexistent/x: this file cannot be written"),
              (["-ground_ksp_type"], "(-ground_ksp_type)")]
     start = f"start={folder / 'made/stage_sleepers.h5'}"
     run = ["run", deck, start, "-o", folder / "options", "--force"]
@@ -212,7 +214,7 @@ def check_solver_options(program, deck, folder):
             expect(ran.returncode == 2 and words in ran.stderr and "PETSC ERROR" not in ran.stderr,
                    f"{command[0]} on {ranks} ranks: {options} must be refused", ran)
     for options, words in (("-ground_pc_type nosuch", "PETSC_OPTIONS (-ground_pc_type nosuch)"),
-                           ("-options_file nofile", "PETSC_OPTIONS: the file of -options_file")):
+                           ("-options_file nofile", "PETSC_OPTIONS: -options_file nofile: this")):
         os.environ["PETSC_OPTIONS"] = options
         ran = program(1, *run)
         del os.environ["PETSC_OPTIONS"]

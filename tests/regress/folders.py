@@ -195,7 +195,7 @@ def check_parts(program, deck, folder):
     for name in own + mine:
         (place / name).write_text("half", encoding="utf-8")
     refused(program, 1, ["resume", place, "output.stop_after=1"],
-            ["command line: ", "are already done"])
+            ["command line: ", "the run has already computed"])
     if not all((place / name).exists() for name in own):
         raise SystemExit("a refused resume has removed files")
     program.done(2, "resume", place, "output.stop_after=550", code=3)

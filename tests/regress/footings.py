@@ -13,18 +13,20 @@ from program import Program  # noqa: E402
 ENDS = "footing.first=0.3 ground.x=[0,3.6]"  # equal lengths before the first and behind the last
 REFUSED = {
     "footing.y=1.5": "footing.y = 1.5: puts footprints from y = 0.8 to 2.2 m, beyond the ground "
-                     "(ground.y: 0 to 2 m) (footing.length)",
+                     "(ground.y: 0 to 2 m); see also footing.length",
     "footing.y=-4": "footing.y = -4: puts footprints from y = -4.7 to -3.3 m, beyond the ground",
     "footing.length=2.2": "footing.length = 2.2: puts footprints from y = -0.2 to 2 m, beyond the "
-                          "ground (ground.y: 0 to 2 m) (footing.y)",
+                          "ground (ground.y: 0 to 2 m); see also footing.y",
     f"{ENDS} footing.width=0.7":
         "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
-        "(ground.x: 0 to 3.6 m): the outermost sleepers have 0.3 m beside their middle "
-        "(footing.first)",
+        "(ground.x: 0 to 3.6 m): beside the middle of the outermost sleepers there are "
+        "0.3 m (footing.first)",
     "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
-    "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
-    "footing.first=5 footing.width=0.7": "footing.count = 6: puts a footprint up to 8.35 m",
-    "footing.count=8": "footing.count = 8: puts a footprint up to 5.35 m"}
+    "footing.first=0.2":
+        "footing.first = 0.2: the first footprint begins at x = -0.05 m, beyond the ground",
+    "footing.first=5 footing.width=0.7":
+        "footing.count = 6: the last footprint ends at x = 8.35 m",
+    "footing.count=8": "footing.count = 8: the last footprint ends at x = 5.35 m"}
 SOUND = [ENDS, f"{ENDS} footing.width=0.6", "footing.length=2 footing.y=1"]
 
 

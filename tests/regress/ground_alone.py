@@ -165,8 +165,9 @@ def check_words(bench, strip):
     program, moves = bench.program, "nothing moves the ground: "
     dead = program.done(1, "check", strip, "pressure.strip.course=dead",
                         "pressure.strip.duration=0").stdout
-    bench.require(moves + 'all pressures have course = "dead", under which it is initially in '
-                  "static equilibrium, and there is no incoming wave" in dead, f"words: {dead}")
+    bench.require(moves + 'all pressures have course = "dead", under which the ground '
+                  "is initially in static equilibrium, and there is no incoming wave" in dead,
+                  f"words: {dead}")
     none = program.done(1, "check", strip, "pressure=[]").stdout
     bench.require(moves + "there are no pressures, and there is no incoming wave" in none,
                   f"words: {none}")

@@ -14,11 +14,11 @@ from program import Program, summary  # noqa: E402
 
 REFUSED = {"ground.tolerance=1e-17": "must be at least 1e-14"}
 # For the deck of solid sleepers.
-REFUSED_OF_SOLIDS = {"solid.seats=[0.1,0.1]": "at 0.1 and 0.1 m: they overlap",
-                     "solid.seats=[0.05,-0.02]": "at -0.02 and 0.05 m: they overlap"}
+REFUSED_OF_SOLIDS = {"solid.seats=[0.1,0.1]": "at y = 0.1 and 0.1 m: the seats overlap",
+                     "solid.seats=[0.05,-0.02]": "at y = -0.02 and 0.05 m: the seats overlap"}
 WARNED = {"time.window=2e-5 stage.release.duration=1e-5":
           "time.window = 2e-05: is longer than stage \"release\"",
-          "ground.elements_z=800": "elements are up to 0.06 m long along x and down to 0.00075 m"}
+          "ground.elements_z=800": "elements are up to 0.06 m long along x, but only 0.00075 m"}
 # Rows of a file of Young's modulus, and words of the warning.
 YOUNG = {"0,80\n2,90\n": "80 Pa is outside the usual values (100000 to 1e+12 Pa)",
          "20,8e7\n30,9e7\n": "are outside of the ground (0 to 1.2 m)",
@@ -67,7 +67,7 @@ def check_one_rank_alone(path, deck, folder):
     for words, sentence in ((["check", deck, "ground.layer.0.young_file=young.csv"],
                              "young.csv"),
                             (["run", plain, "irregularity.kind=file",
-                              "irregularity.file=profile.csv", "-o", "out"], "rank 1 alone: ")):
+                              "irregularity.file=profile.csv", "-o", "out"], "only on rank 1: ")):
         ran = subprocess.run(
             ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "1", "--wdir",
              folder / "first", path, *words, ":", "-n", "1", "--wdir", folder / "second", path,

@@ -105,7 +105,7 @@ def require(holds, words):
 def check_depths(bench):
     """The first seven are not detected as contacts."""
     tall = {"sides": [0.04, 0.04, 0.4]}
-    limit = "the limit is dem.largest_overlap = 0.2: place it further away"
+    limit = "the limit is dem.largest_overlap = 0.2: place the stone further away"
     for text, depth, surface in (
             (block("a", [0, 0, 0], **tall) + FLOOR, 0.2, "floor"),
             (block("a", [0, 0, 0.05], **tall) + FLOOR, 0.15, "floor"),
@@ -143,7 +143,8 @@ def check_behind(bench):
              "0.00496")):
         bench.accepted(text, [longer], warning=f"from behind after about {time}")
         _, ran = bench.run(text, [longer], code=4)
-        expect('stone "a" at (' in ran.stderr and "it came from behind" in ran.stderr, text, ran)
+        expect('stone "a" at (' in ran.stderr and "this stone came from behind" in ran.stderr,
+               text, ran)
         ended = float(re.search(r"\(at (\S+) s, stage", ran.stderr)[1])
         expect(abs(ended - float(time)) < 2e-4, f"ends at {ended} s, check says {time} s", ran)
     # Plates that it does not reach, or that another plate shields.
@@ -184,7 +185,7 @@ def check_steps(bench):
     lone = ball("a", [0, 0, 0.5])
     # sqrt(m/k) / 5 = 20.9 microseconds
     bench.refused(lone, "time.substeps: a window of 0.2087 s (10000 sub-steps",
-                  'longer than stage "go" of 0.01 s; give at most 479 sub-steps',
+                  'longer than stage "go" (0.01 s); give at most 479 sub-steps',
                   changes=["time.substeps=10000"])
     bench.accepted(lone, ["time.substeps=479"])
     bench.refused(lone, "time.window: a window of 0.02 s", changes=["time.window=0.02"])
@@ -192,7 +193,7 @@ def check_steps(bench):
     # The step given by the message is sufficient.
     long = "time.step=4e-6"
     bench.refused(lone, "dem.largest_overlap = 0.0018 (larger overlaps would stop the run) or "
-                  "dem.safety = 0.652 would allow it", changes=[long], law=HERTZ)
+                  "dem.safety = 0.652 would allow this step", changes=[long], law=HERTZ)
     bench.accepted(lone, [long, "dem.largest_overlap=0.0018"], law=HERTZ)
     bench.accepted(lone, [long, "dem.safety=0.652"], law=HERTZ,
                    warning="dem.safety = 0.652 is far from the usual values")
@@ -221,12 +222,12 @@ def check_sentences(bench):
         ran = bench.program.done(1, "check", bench.deck(lone), change, code=2)
         expect("is not a parameter" in ran.stderr and other not in ran.stderr, change, ran)
     flat = table("stone", "a", shape="hull", corners=[0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0])
-    bench.refused(flat, "stone[0].corners: lie in one plane and enclose nothing")
+    bench.refused(flat, "stone[0].corners: they enclose no volume")
     solid = flat.replace("1, 1, 0]", "0, 0, 1]")
-    bench.refused(solid, "stone[0].rounding: 0.4 m is the radius", "must be below 0.341 m",
+    bench.refused(solid, "stone[0].rounding: 0.4 m must be", "must be below 0.341 m",
                   changes=["stone.a.rounding=0.4"])
     drawn = table("stone", "a", shape="polyhedron", size=0.04)
-    bench.refused(drawn, "stone[0].shape: cannot be made: no stone with 24 corners",
+    bench.refused(drawn, "stone[0].shape: the stone cannot be made: no stone with 24 corners",
                   changes=["stone.a.polyhedron.flatness=0.05", "stone.a.polyhedron.rounding=0.2"])
     bench.refused(drawn, "elongation = 1 must be above 0 and at most 0.995",
                   changes=["stone.a.polyhedron.elongation=1"])

@@ -23,24 +23,24 @@ REFUSED = {
     'train.vehicles=["manchester"]': "did you mean manchester_1?",
     "train.vehicles=[]": "must name at least one vehicle",
     "train.start=61": "train.start = 61: is beyond the track, which is 60 m long",
-    "train.times=[9,8] train.speeds=[40,30]": "train.times = [9, 8]: must rise from each to",
+    "train.times=[9,8] train.speeds=[40,30]": "train.times = [9, 8]: must increase from each",
     "train.times=[9,20] train.speeds=[40]": "as many as train.times: 1 speeds, 2 times",
     "train.times=[9] train.speeds=[-5]": "train.speeds[0] = -5 must be at least 0 m/s",
     "train.times=[5] train.speeds=[0] train.speed=10": "stops with its first axle at 25 m and",
     "track.length=60.1": "must be a multiple of track.spacing",
-    "track.run_in=31": "must be at most half the length",
+    "track.run_in=31": "must be at most half of track.length",
     "irregularity.kind=file": "is needed for kind",
-    "irregularity.longest=0.5": "must be longer than the shortest",
+    "irregularity.longest=0.5": "must be longer than `shortest`",
     "wheel_rail.flat_axle=5": "must be at most the number of axles of the train, 4",
     "wheel_rail.flat_length=0.5 wheel_rail.flat_axle=1": "must be at most the radius",
     "passage.points=[70]": "70 m is beyond the track",
     "output.stop_after=-1": "at least 0",
-    "track.dimension=space track.rails=1": "must be 2 where dimension = space",
-    "track.sleeper.model=beam track.sleeper.elements=7": "must be even: the middle is a node",
+    "track.dimension=space track.rails=1": 'must be 2 with dimension = "space"',
+    "track.sleeper.model=beam track.sleeper.elements=7": "must be even, so that there",
     "track.sleeper.model=beam track.support=continuous": "must be rigid: the track has no sleepers",
     "track.sleeper.model=beam track.sleeper_length=1.5": "must be longer than the gauge of 1.5 m",
     "track.sleeper.model=beam track.rails=1": "must be 2 with bending sleepers",
-    "track.sleeper.model=beam track.sleeper_inertia=100": "is for rigid sleepers",
+    "track.sleeper.model=beam track.sleeper_inertia=100": "must be 0 with bending sleepers",
     "track.sleeper.model=beam ballast.mass=500": "must be 0 below sleepers that bend",
     "track.sleeper.unsupported=0.5": "has no effect on a plane track with rigid sleepers",
     "track.dimension=space track.sleeper.unsupported=2.6": "must be shorter than the sleeper",
@@ -48,13 +48,13 @@ REFUSED = {
     "pad.uplift=true track.support=continuous": "pad.uplift = true: needs pads: there are none",
     "under_sleeper_pad.stiffness=8e7 track.support=none": "needs sleepers: there are none",
     "under_sleeper_pad.stiffness=8e7 track.sleeper.model=beam": "must be 0 below sleepers that",
-    "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must lie beyond from, or be 0",
+    "under_sleeper_pad.from=9 under_sleeper_pad.to=9": "must be above `from`, or 0",
     f"{SEATS} pad.uplift=true": "pad.uplift = true: needs a rail, which seat loads replace",
     f"{SEATS} track.ends=free": "must be pinned with seat loads",
     f"{SEATS} track.support=continuous": "must be sleepers with seat loads",
     f"{SEATS} load.kind=table": "load.file",
     "load.peak=50e3": "has no effect: it acts only with passage.loaded_by",
-    "irregularity.kind=same": "same is for the right rail",
+    "irregularity.kind=same": '"same" is only for the right rail',
     "irregularity_right.kind=versine": "needs two rails",
 }
 TOGETHER = ["passage.step=0", "pad.stiffness=-1", "train.speed=0"]  # all reported at once
@@ -87,14 +87,14 @@ def check_refusals(program, decks, folder):
     if len(lines) != len(TOGETHER):
         raise SystemExit(f"one message for each of {TOGETHER} is required: {lines}")
     text = (decks / "plain.toml").read_text(encoding="utf-8")
-    for name, kind, to, words in (("own", "sprung", 31, "needs body_mass, primary_stiffness too"),
+    for name, kind, to, words in (("own", "sprung", 31, "also needs body_mass, primary_stiffness"),
                                   ("manchester_1", "wheel", 31, "is already the name of another"),
-                                  ("own", "wheel", 30, "must lie beyond from")):
+                                  ("own", "wheel", 30, "must be above `from`")):
         path = folder / "changed.toml"
         path.write_text(text + VEHICLE.format(name=name, kind=kind, to=to), encoding="utf-8")
         refuse(program, path, [], words)
-    for changes, words in ((["output.history_interval=1e-6"], "a row is written after every"),
-                           (["train.times=[1]", "train.speeds=[20]"], "by up to 30 m/s2; trains")):
+    for changes, words in ((["output.history_interval=1e-6"], "a row is then written after"),
+                           (["train.times=[1]", "train.speeds=[20]"], "of up to 30 m/s2; trains")):
         ran = program.done(1, "check", decks / "plain.toml", *changes)
         if words not in ran.stdout:
             raise SystemExit(f"{changes} must warn:\n{ran.stdout}")
@@ -205,7 +205,7 @@ def check_resume(program, decks, folder):
     if summary(folder / "longer")["windows"] != 300:
         raise SystemExit("the extension of a finished run must be accepted")
     for change, words in (("pad.stiffness=1e8", "was made with 120000000.0"),
-                          ("output.stop_after=200", "are already done"),
+                          ("output.stop_after=200", "the run has already computed"),
                           ("passage.points=[31]", "was made with [30.0, 30.3]")):
         ran = program(1, "resume", written, change, "-o", folder / "refused")
         if ran.returncode != 2 or words not in ran.stderr:

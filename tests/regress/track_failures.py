@@ -51,7 +51,7 @@ def check_error(program, deck, folder):
     ran = program.done(1, "run", deck, "passage.tolerance=1e-20", "output.history_interval=2e-4",
                        "-o", folder / "open", code=4)
     found = re.search(r"did not converge to 1e-20 m.*\(at ([0-9.]+) s, stage", ran.stderr)
-    want(ran.stderr, "no checkpoint had been written")
+    want(ran.stderr, "no checkpoint was written")
     with h5py.File(folder / "open/results.h5") as file:
         last = file["history/time"][()].ravel()[-1]
         if not found or not 0 < last < float(found[1]) + 1e-9 < last + 3e-4:
@@ -77,7 +77,7 @@ def check_no_loads(program, decks, folder):
                       code=2).stderr, "seat loads would last -")
     ran = program.done(1, "run", decks / "plain.toml", "train.start=-30", "passage.duration=0.1",
                        "-o", folder / "before")
-    if "wheels: " in ran.stdout or "wheel_force_max_n" in summary(folder / "before")["track"]:
+    if "wheel forces: " in ran.stdout or "wheel_force_max_n" in summary(folder / "before")["track"]:
         raise SystemExit(f"no wheel was on the track: {ran.stdout}")
 
 

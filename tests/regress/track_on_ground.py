@@ -18,19 +18,20 @@ from program import Program, summary  # noqa: E402
 from results import datasets, same_bits  # noqa: E402
 
 REFUSED = {
-    "footing.first=0.2": "footing.first = 0.2: puts a footprint from -0.05 m on, beyond the ground",
-    "footing.count=8": "puts a footprint up to 5.35 m, beyond the ground",
+    "footing.first=0.2":
+        "footing.first = 0.2: the first footprint begins at x = -0.05 m, beyond the ground",
+    "footing.count=8": "the last footprint ends at x = 5.35 m, beyond the ground",
     "footing.length=2.2": "puts footprints from y = -0.2 to 2 m, beyond the ground",
-    "footing.before=3": "at 1.8 m from the start of the track, within its run-in of 2.4 m",
-    "track.length=9": "puts the last sleeper on the ground at 7.2 m from",
-    "ground.present=false": "without it the model is \"track\"",
+    "footing.before=3": "at 1.8 m from the start of the track, within the run-in of 2.4 m",
+    "track.length=9": "the last sleeper on the ground is at 7.2 m from",
+    "ground.present=false": "must be true for model = \"track_on_ground\"; without a ground",
     "ground.integrator=hht": "must be explicit or newmark below a track",
     "ground.integrator=newmark ground.newmark_gamma=0.6 ground.newmark_beta=0.3025":
-        "ground.newmark_beta = 0.3025: and newmark_gamma must be 0.25 and 0.5 below a track",
+        "ground.newmark_beta = 0.3025: must be 0.25, and ground.newmark_gamma 0.5, below a track",
     "ground.integrator=newmark ground.newmark_beta=0.3":
-        "must be 0.25 and 0.5 below a track, which uses average acceleration",
+        "below a track: the track is integrated with average acceleration",
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
-    "track.support=continuous": "must be sleepers: the ground is below their ballast",
+    "track.support=continuous": "must be sleepers: the ground is below the ballast",
     "track.dimension=space": "footing.rails: must be 2 below two rails",
     "track.dimension=space footing.rails=1.5": "footing.rails = 1.5: must be 2 below two rails",
     "track.dimension=space footing.rails=2":
@@ -39,18 +40,20 @@ REFUSED = {
         "must be plane on a plane ground: two rails need a ground in space (dimension)",
     "train.start=1": "the train comes from the rigid rail before the track",
     "pad.uplift=true": "pad.uplift = true: must be false on a ground",
-    "dimension=plane": "and y have no effect in a plane model",
+    "dimension=plane": "footing.length and footing.y have no effect in a plane model",
     "bed.height=0.3": "bed is not a section",
     "seat.before=5": "seat is not a section",
     "model=track": "ground is not a section",
 }
 # What `check` says of decks that it takes.
 WARNED = {"footing.width=0.7":
-          "is more than track.spacing (0.6 m): footprints of neighbours overlap",
+          "is more than track.spacing (0.6 m): footprints of neighbouring sleepers overlap",
           "ballast.damping=4e6":
-          "limited by ballast dampers on the ground's top (the ground alone by elements of layer",
+          "limited by ballast dampers on the ground's top (the ground alone is limited by "
+          "elements of layer",
           "ground.integrator=newmark":
-          "step: 0.0002 s (passage.step), implicit ground: two solves in each step, 6 before"}
+          "step: 0.0002 s (passage.step), implicit ground: two solutions in each step, and "
+          "6 before"}
 # The ground divides the step: what is reported is of the step taken.
 STEPS = [
     (["passage.step=1e-2"], [], ["in a step", "history_interval"]),
@@ -58,7 +61,7 @@ STEPS = [
      ["output.history_interval = 0.0001: is less than a time step of 0.0003448 s"], []),
     (["passage.step=1e-2", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"],
-     ["irregularity.length = 0.2: is 7.2 times the travel of wheels in a step, 0.0276 m"], []),
+     ["irregularity.length = 0.2: is only 7.2 times the travel of wheels in a step (0.0276 m"], []),
     (["passage.step=1e-4", "irregularity.kind=joint", "irregularity.at=6",
       "irregularity.length=0.2"], [], ["irregularity.length"]),
     (["passage.step=1e-2", "force=[{at=6,kind='impact',length=2e-3,size=1e3}]"],

@@ -42,38 +42,48 @@ std::vector<std::string> split_off_petsc(int& argc, char** argv) {
 // Ranges are those of the module geom, whose own error messages are less helpful.
 void declare_shapes(CLI::App* sub, ShapeArguments& shapes) {
   sub->add_option("file", shapes.files, "Decks (.toml), libraries (.h5), meshes (.stl .ply .obj)");
-  sub->add_option("--stones", shapes.stones, "Number of parametric stones of length 1 m")
+  sub->add_option("--stones", shapes.stones, "Number of parametric stones, each 1 m long")
       ->check(CLI::Range(0, 100000));
-  sub->add_option("--elongation", shapes.stone.elongation, "Of stones: width over length, I/L")
+  sub->add_option("--elongation", shapes.stone.elongation,
+                  "Elongation of the stones, I/L: width over length")
       ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
-  sub->add_option("--flatness", shapes.stone.flatness, "Of stones: thickness over width, S/I")
+  sub->add_option("--flatness", shapes.stone.flatness,
+                  "Flatness of the stones, S/I: thickness over width")
       ->check(CLI::Range(0.1, 0.995))
       ->capture_default_str();
-  sub->add_option("--spread", shapes.stone.spread, "Of stones: scatter of both proportions, +-")
+  sub->add_option("--spread", shapes.stone.spread,
+                  "Scatter of elongation and flatness of the stones, +-")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  sub->add_option("--angularity", shapes.stone.angularity, "Of stones: 0 an ellipsoid, to 1")
+  sub->add_option("--angularity", shapes.stone.angularity,
+                  "Angularity of the stones, from 0 (ellipsoid) to 1")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  sub->add_option("--seed", shapes.seed, "Of the first stone")
+  sub->add_option("--seed", shapes.seed,
+                  "Seed of the first stone; each further stone takes the next number")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  sub->add_option("--vertices", shapes.mesh.vertices, "Of stones; of pieces of a mesh at most")
+  sub->add_option("--vertices", shapes.mesh.vertices,
+                  "Number of vertices of a stone; largest number of vertices of a piece of a mesh")
       ->check(CLI::Range(6, 200))
       ->capture_default_str();
-  sub->add_option("--rounding", shapes.mesh.rounding, "Radius over diameter of the same volume")
+  sub->add_option("--rounding", shapes.mesh.rounding,
+                  "Rounding radius over the diameter of the sphere of the same volume")
       ->check(CLI::Range(0.0, 0.4))
       ->capture_default_str();
-  sub->add_option("--unit", shapes.mesh.unit, "m per unit of meshes, for example 0.001")
+  sub->add_option("--unit", shapes.mesh.unit,
+                  "Length unit of the meshes in m, for example 0.001 for mm")
       ->capture_default_str();
-  sub->add_option("--parts", shapes.mesh.pieces, "Convex pieces of a mesh, at most")
+  sub->add_option("--parts", shapes.mesh.pieces, "Largest number of convex pieces of a mesh")
       ->check(CLI::Range(1, 200))
       ->capture_default_str();
-  sub->add_option("--spheres", shapes.mesh.spheres, "Spheres for a mesh, instead of pieces")
+  sub->add_option("--spheres", shapes.mesh.spheres,
+                  "Largest number of spheres that represent a mesh, instead of convex pieces")
       ->check(CLI::Range(0, 1000));
   sub->add_option("--library", shapes.library, "Write the shapes into this library (.h5)");
-  sub->add_option("--picture", shapes.picture, "Write their surfaces into this mesh (.obj)");
+  sub->add_option("--picture", shapes.picture,
+                  "Write the surfaces of the shapes into this mesh (.obj)");
 }
 
 // Adds the commands to `line`; the chosen one is stored by its callback.
@@ -84,21 +94,24 @@ void declare_commands(CLI::App& line, Arguments& arguments, std::optional<Comman
     return sub;
   };
   const auto with_overrides = [&](CLI::App* sub) {
-    sub->add_option("override", arguments.overrides, "key=value, for example dem.safety=0.1");
+    sub->add_option("override", arguments.overrides,
+                    "Change of a parameter as key=value, for example dem.safety=0.1");
     return sub;
   };
   CLI::App* sub = command("run", "Run a deck from its first stage", run);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default results/<name of the deck>");
-  sub->add_flag("--force", arguments.force, "Remove the results of an earlier run from it first");
+  sub->add_flag("--force", arguments.force,
+                "First remove the results of an earlier run from the result folder");
   sub = command("resume", "Continue a run that was stopped", resume);
-  sub->add_option("checkpoint", arguments.file, "Checkpoint or the folder it is in")->required();
+  sub->add_option("checkpoint", arguments.file, "Checkpoint, or the folder that contains it")
+      ->required();
   with_overrides(sub)->add_option("-o,--output", arguments.folder,
                                   "Result folder; default that of the stopped run");
-  sub->add_flag(
-      "--force", arguments.force,
-      "Remove results of other runs from it first, or replace those after the checkpoint");
+  sub->add_flag("--force", arguments.force,
+                "First remove results of other runs from the result folder, or replace the results "
+                "after the checkpoint");
   sub = command("check", "Validate a deck and estimate its cost", check);
   sub->add_option("deck", arguments.deck, "Input file (TOML)")->required();
   with_overrides(sub);
@@ -128,8 +141,8 @@ std::string why_no_command(const CLI::App& line, int argc, char** argv) {
   if (std::find(names.begin(), names.end(), word) != names.end()) return "";
   const std::string near = input::nearest(word, names);
   return fmt::format(
-      "trackbed: {} (there are {}){}",
-      word.empty() ? "needs a command" : fmt::format("\"{}\" is not a command", word),
+      "trackbed: {} (commands: {}){}",
+      word.empty() ? "no command is given" : fmt::format("\"{}\" is not a command", word),
       fmt::join(names, ", "), near.empty() ? "" : fmt::format("; did you mean {}?", near));
 }
 
@@ -155,7 +168,7 @@ void leave_if_alone(const par::Comm& comm, par::Meeting& meeting, const std::exc
                     ExitCode code) {
   constexpr double patience = 20;  // s: ranks reach a common error at nearly the same time
   if (comm.size() == 1 || meeting.all_arrive(patience)) return;
-  fmt::print(stderr, "trackbed: rank {} alone: {}\n", comm.rank(), error.what());
+  fmt::print(stderr, "trackbed: only on rank {}: {}\n", comm.rank(), error.what());
   std::fflush(stderr);
   std::_Exit(static_cast<int>(code));
 }
@@ -199,8 +212,8 @@ int program(const par::Comm& comm, int argc, char** argv) {
   CLI::App line("Ballasted railway track, from the train to the subgrade", "trackbed");
   line.set_version_flag("--version", "trackbed " + model::version());
   line.footer(
-      "Run under mpirun -n N. PETSc options after --. Exit codes: 0 done, 2 bad input, "
-      "3 stopped early on request with a checkpoint, 4 error while running.");
+      "Run in parallel with mpirun -n N. Give PETSc options after --. Exit codes: 0 done, 2 bad "
+      "input, 3 stopped early on request with a checkpoint, 4 error while running.");
   Arguments arguments;
   std::optional<Command> chosen;
   declare_commands(line, arguments, chosen);

@@ -32,8 +32,9 @@ void require_later_stop(const io::File& checkpoint, const model::Model& model,
   const std::string key = deck.where("output.stop_after");
   if (stop > 0 && stop <= done && key.starts_with("command line"))
     throw InputError(
-        {fmt::format("{} = {} windows of the whole run: {} are already done; give more, or 0", key,
-                     stop, done)});
+        {fmt::format("{} = {}: the run has already computed {} windows since its start; give a "
+                     "larger number, or 0 for no limit",
+                     key, stop, done)});
 }
 
 // Refuses changes of parameters that have no effect on the rest of the run. All problems are
@@ -73,8 +74,8 @@ void require_newest(const par::Comm& comm, const std::string& checkpoint,
   newest = comm.broadcast(newest);
   if (newest.empty() || newest == fs::path(checkpoint).filename()) return;
   throw InputError({fmt::format(
-      "{}: is not the newest checkpoint of the run in {}, which is {}: results after it would be "
-      "replaced; give -o DIR to keep them, or --force",
+      "{}: is not the newest checkpoint of the run in {} (the newest is {}): this run would "
+      "replace all later results; give -o DIR to keep them, or --force to replace them",
       checkpoint, folder, newest)});
 }
 
@@ -84,8 +85,8 @@ void look_for_histories(const io::File& file, const std::string& checkpoint, War
   const std::string results = folder_of_checkpoint(checkpoint) + "/results.h5";
   if (!observe::has_histories(warnings.comm, results, model::history_rows_in(file)))
     warnings.add(
-        {fmt::format("{}: does not exist; histories begin again at the checkpoint, "
-                     "at {:.6g} s, those before it are lost",
+        {fmt::format("{}: does not exist; the histories begin at the time of the checkpoint, "
+                     "{:.6g} s, and earlier rows are lost",
                      results, file.number_attribute("/", "time"))});
 }
 
@@ -103,7 +104,7 @@ bool stages_left(const std::string& checkpoint, const model::Model& model, const
     return true;
   }
   if (!arguments.overrides.empty())
-    throw InputError({fmt::format("{}: the run is finished: {} can change nothing", checkpoint,
+    throw InputError({fmt::format("{}: the run is finished: {} has no effect", checkpoint,
                                   fmt::join(arguments.overrides, " "))});
   return false;
 }

@@ -209,19 +209,22 @@ std::vector<std::string> idle_options(const ShapeArguments& arguments) {
   };
   constexpr std::string_view of_stones = "is for parametric stones; give their number (--stones N)",
                              of_meshes = "is for meshes; name one (.stl, .ply or .obj)",
-                             of_pieces = "is for stones (--stones) and for meshes made into pieces";
-  const Rule rules[] = {
-      {"--elongation", stones, of_stones},
-      {"--flatness", stones, of_stones},
-      {"--spread", stones, of_stones},
-      {"--angularity", stones, of_stones},
-      {"--seed", stones, of_stones},
-      {"--unit", meshes, of_meshes},
-      {"--spheres", meshes, of_meshes},
-      {"--parts", pieces,
-       meshes ? "makes pieces of a mesh and --spheres spheres: give only one of them" : of_meshes},
-      {"--vertices", stones || pieces, of_pieces},
-      {"--rounding", stones || pieces, of_pieces}};
+                             of_pieces =
+                                 "is for parametric stones (--stones N) and for meshes that are "
+                                 "divided into convex pieces";
+  const Rule rules[] = {{"--elongation", stones, of_stones},
+                        {"--flatness", stones, of_stones},
+                        {"--spread", stones, of_stones},
+                        {"--angularity", stones, of_stones},
+                        {"--seed", stones, of_stones},
+                        {"--unit", meshes, of_meshes},
+                        {"--spheres", meshes, of_meshes},
+                        {"--parts", pieces,
+                         meshes ? "represents a mesh by convex pieces, and --spheres by spheres: "
+                                  "give only one of these options"
+                                : of_meshes},
+                        {"--vertices", stones || pieces, of_pieces},
+                        {"--rounding", stones || pieces, of_pieces}};
   std::vector<std::string> problems;
   for (const auto& [option, acts, words] : rules)
     if (!acts &&
@@ -243,8 +246,8 @@ void require_sound(const par::Comm& comm, const ShapeArguments& arguments) {
   const bool rounds = arguments.stones > 0 || arguments.mesh.spheres == 0;
   if (!arguments.library.empty() && arguments.mesh.rounding == 0 && rounds)
     problems.emplace_back(
-        "--rounding 0 makes stones without rounding, which cannot be used in a bed: leave out "
-        "--library");
+        "--rounding 0 makes stones without rounding, which cannot be used in a bed: give a "
+        "rounding above 0, or leave out --library");
   if (!problems.empty()) throw InputError(problems);
   if (!arguments.picture.empty()) require_picture(comm, arguments.picture);
   if (!arguments.library.empty()) bed::require_replaceable(comm, arguments.library);
@@ -271,7 +274,7 @@ int shapes(const par::Comm& comm, const ShapeArguments& arguments) {
     all.push_back(bed::parametric_shape(arguments.stone, arguments.mesh.rounding,
                                         static_cast<std::uint64_t>(arguments.seed + k)));
   // Only libraries without shapes were named.
-  if (all.empty()) throw InputError({"no shapes in " + arguments.files.front()});
+  if (all.empty()) throw InputError({arguments.files.front() + ": contains no shapes"});
   if (comm.root()) std::fputs(table(all, dimension).c_str(), stdout);
   if (!arguments.library.empty()) bed::save_library(comm, arguments.library, all);
   if (!arguments.picture.empty())

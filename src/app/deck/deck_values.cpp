@@ -22,7 +22,7 @@ std::vector<std::string> changes(const Values& before, const Values& now) {
     if (old == before.end() || old->second == value ||
         std::find(of_no_effect.begin(), of_no_effect.end(), key) != of_no_effect.end())
       continue;
-    sentences.push_back(fmt::format("{} = {}, before {}", key, value, old->second));
+    sentences.push_back(fmt::format("{} = {} (previously {})", key, value, old->second));
   }
   return sentences;
 }

@@ -174,9 +174,10 @@ bool require_same_model(const par::Comm& comm, const io::File& checkpoint, const
     same = false;
     const StateParts holds = is_new ? parts & ~input::state::earlier : parts;
     if ((fixed_by(key) & holds) == 0) continue;
-    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}", deck.where(key),
-                                   gone ? "is missing" : "= " + new_one->second, path,
-                                   is_new ? "without it" : "with " + old_one->second));
+    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}; both must be equal",
+                                   deck.where(key), gone ? "is missing" : "= " + new_one->second,
+                                   path,
+                                   is_new ? "without this parameter" : "with " + old_one->second));
   }
   const bool train = (parts & input::state::train) != 0;
   const StateParts content = parts | (train ? input::state::content_with_train : 0);
@@ -197,10 +198,10 @@ std::vector<std::string> changed_springs(const io::File& checkpoint, const std::
     if (names_of_row(now, row) != names_of_row(then, row)) continue;  // of other materials
     const auto before = then.find(key);
     if (before == then.end() || before->second == value) continue;
-    sentences.push_back(fmt::format(
-        "{} = {}: the overlaps of the stones of {} were made with {}, so that contact forces jump "
-        "with the stiffness; let the stones settle with high damping first",
-        deck.where(key), value, path, before->second));
+    sentences.push_back(
+        fmt::format("{} = {}: the stones of {} have overlaps that belong to {}, so that contact "
+                    "forces jump with the stiffness; let the stones settle with high damping first",
+                    deck.where(key), value, path, before->second));
   }
   return sentences;
 }

@@ -57,11 +57,11 @@ bool acts_at_begin(std::string_view name, model::StageKind kind) {
 std::string why_spent(std::string_view key, const model::Model& model, const Position& at) {
   const std::size_t next = at.stage + (at.begun ? 1 : 0);  // first stage that has yet to begin
   if (key == "bed.crest" || key == "bed.slope")
-    return cuts_to_come(model, at.stage, next) ? "" : "the bed has been cut";
+    return cuts_to_come(model, at.stage, next) ? "" : "the bed has already been cut at its profile";
   if (key.starts_with("bed."))
     return is_to_come(model, next, {model::StageKind::fill, model::StageKind::cribs})
                ? ""
-               : "the stones are made";
+               : "the stones have already been made";
   if (key.starts_with("platen."))
     return is_to_come(
                model, at.stage,
@@ -80,7 +80,7 @@ std::string why_spent(std::string_view key, const model::Model& model, const Pos
   if (number < at.stage) return "this stage is over";
   const std::string_view name = key.substr(key.find("].") + 2);
   return number == at.stage && at.begun && acts_at_begin(name, model.stages[number].kind)
-             ? "this stage has begun"
+             ? "this stage has already begun"
              : "";
 }
 
@@ -128,8 +128,8 @@ std::vector<std::string> spent_changes(const par::Comm& comm, const io::File& ch
     const auto old = then.find(key);
     if (old == then.end() || old->second == value || !deck.sets(key)) continue;
     if (const std::string why = why_spent(key, model, at); !why.empty())
-      sentences.push_back(fmt::format("{} = {} has no effect: {}, with {} ({})", deck.where(key),
-                                      value, why, old->second, path));
+      sentences.push_back(fmt::format("{} = {} has no effect: {}; the value in {} is {}",
+                                      deck.where(key), value, why, path, old->second));
   }
   return sentences;
 }

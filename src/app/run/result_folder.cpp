@@ -86,7 +86,8 @@ bool start_lies_in(const fs::path& start, const fs::path& folder) {
 std::string objection(const std::string& folder, const std::vector<fs::path>& old,
                       OldResults old_results, const std::string& start) {
   if (fs::exists(folder) && !fs::is_directory(folder))
-    return fmt::format("{}: is not a folder; choose another for the results (-o DIR)", folder);
+    return fmt::format("{}: is not a folder; choose another name for the result folder (-o DIR)",
+                       folder);
   const bool remove = old_results == OldResults::remove;
   if ((remove || !old.empty()) && start_lies_in(start, folder))
     return fmt::format(
@@ -121,8 +122,9 @@ void make_folder(const par::Comm& comm, const std::string& folder) {
   std::error_code error;
   if (comm.root()) fs::create_directories(folder, error);
   const std::string problem = comm.broadcast(
-      error ? fmt::format("{}: the result folder cannot be made ({}); choose another (-o DIR)",
-                          folder, error.message())
+      error ? fmt::format(
+                  "{}: the result folder cannot be created ({}); choose another folder (-o DIR)",
+                  folder, error.message())
             : "");
   if (!problem.empty()) throw InputError({problem});
 }
@@ -142,8 +144,8 @@ FolderLock::FolderLock(const par::Comm& comm, const std::string& folder) {
       problem = fmt::format("{}: the folder is not writable ({})", folder, std::strerror(errno));
     else if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       problem = fmt::format(
-          "{}: another run is writing into it; wait for its end, stop it, or choose another folder "
-          "(-o DIR)",
+          "{}: another run is writing into this folder; wait until that run ends, stop that run, "
+          "or choose another folder (-o DIR)",
           folder);
   }
   problem = comm.broadcast(problem);
@@ -209,8 +211,8 @@ void write_summary_file(const par::Comm& comm, const std::string& folder, const 
 // The sentence also states that there is no checkpoint.
 std::string what_is_left(const std::string& last_checkpoint, const std::string& started_from) {
   if (last_checkpoint.empty())
-    return "no checkpoint had been written" +
-           (started_from.empty() ? "" : "; the run had started from " + started_from);
+    return "no checkpoint was written" +
+           (started_from.empty() ? "" : "; the run started from " + started_from);
   return fmt::format(
       "last valid checkpoint: {}; after the cause is removed, continue with: trackbed resume {}",
       last_checkpoint, last_checkpoint);

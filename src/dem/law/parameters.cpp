@@ -44,26 +44,26 @@ void Material::declare(input::Section& s) {
 void ContactLaw::declare(input::Section& s) {
   s.text("first", first, "Name of one material.", {}, true);
   s.text("second", second, "Name of the other (or the same) material.", {}, true);
-  s.choice(
-      "law", kind, {"linear", "hertz"},
-      "Contact law between the two materials. In a plane model hertz is the contact of parallel "
-      "cylinders whose length is the thickness of the model, k_n = pi/4 E* thickness.");
+  s.choice("law", kind, {"linear", "hertz"},
+           "Contact law between the two materials. hertz in a plane model: contact of parallel "
+           "cylinders as long as the model is thick, k_n = pi/4 E* thickness.");
   s.number("k_n", k_n, {.unit = "N/m", .above = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Normal stiffness, linear law.");
   s.number("k_s", k_s, {.unit = "N/m", .at_least = 0, .usually_from = 1e3, .usually_to = 1e12},
            "Tangential stiffness, linear law.");
   s.number("friction", friction, {.unit = "-", .at_least = 0, .usually_to = 2},
            "Coulomb's coefficient of friction.");
-  s.number(
-      "zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
-      "Normal viscous damping ratio, linear law. A head-on collision has the restitution exp(-2 "
-      "zeta acos(zeta) / sqrt(1 - zeta^2)), with attraction exp(-pi zeta / sqrt(1 - zeta^2)).");
+  s.number("zeta_n", zeta_n, {.unit = "-", .at_least = 0, .at_most = 1},
+           "Normal viscous damping ratio, linear law. The restitution of a head-on collision is "
+           "exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)); with attraction = true it is exp(-pi zeta "
+           "/ sqrt(1 - zeta^2)).");
   s.number("zeta_s", zeta_s, {.unit = "-", .at_least = 0, .at_most = 1},
            "Tangential viscous damping ratio, linear law.");
   s.number("restitution", restitution, {.unit = "-", .above = 0, .at_most = 1},
            "Coefficient of restitution of a head-on collision, hertz law.");
   s.flag("attraction", attraction,
-         "Whether viscous damping may cause tension at the end of a collision; if not, F_n >= 0.");
+         "Whether viscous damping may cause tension at the end of a collision; if not, the normal "
+         "force F_n is at least 0.");
   s.number("rolling_friction", rolling_friction, {.unit = "-", .at_least = 0},
            "Coefficient of rolling friction: largest rolling moment over F_n R, where R is the "
            "reduced radius of the two pieces (of the balls around them). It is the tangent of the "
@@ -72,7 +72,7 @@ void ContactLaw::declare(input::Section& s) {
   // (Iwashita, Oda 1998). A spring stiffer than the contact itself also reduces the step.
   s.number("rolling_stiffness", rolling_stiffness,
            {.unit = "-", .above = 0, .usually_from = 1e-4, .usually_to = 10},
-           "Rolling stiffness: moment per angle of rolling over k_n R^2.");
+           "Rolling stiffness: moment per angle of rolling, divided by k_n R^2.");
   s.number("zeta_r", zeta_r, {.unit = "-", .at_least = 0, .at_most = 1},
            "Viscous damping ratio of rolling.");
 }

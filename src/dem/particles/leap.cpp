@@ -56,11 +56,11 @@ void Particles::Impl::check_tunnelling(const SubStep& step) {
   double surface = 0;  // m, of the fastest node
   for (const double travel : surface_travel) surface = std::max(surface, travel / step.count);
   if (const std::optional<FastParticle> far = fast_particle(step.dt, surface))
-    report(fmt::format(
-        "particle {} and a neighbour or surface may approach by {:.3g} m in a sub-step of {:.3g} "
-        "s, more than its smallest radius of {:.3g} m: it may pass without a contact; use smaller "
-        "steps or speeds (time.step, dem.safety)",
-        far->id, far->travel, step.dt, far->radius));
+    report(
+        fmt::format("particle {} may approach a neighbour or a surface by {:.3g} m in a sub-step "
+                    "of {:.3g} s, which is more than its smallest radius of {:.3g} m: a contact "
+                    "may be missed; use smaller sub-steps (time.step, dem.safety) or lower speeds",
+                    far->id, far->travel, step.dt, far->radius));
 }
 
 }  // namespace trackbed::dem

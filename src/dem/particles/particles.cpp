@@ -17,19 +17,19 @@ namespace trackbed::dem {
 
 void Parameters::declare(input::Section& s) {
   s.number("skin", skin, {.unit = "m", .at_least = 0},
-           "Verlet skin: distance beyond contact up to which neighbour lists hold pairs; 0: 0.3 of "
-           "the smallest particle's radius, with stones that have corners 0.15. It changes speed, "
-           "not results.");
+           "Verlet skin: distance beyond contact up to which neighbour lists contain pairs; 0: 0.3 "
+           "times the smallest particle's radius, or 0.15 times if stones have corners. The skin "
+           "changes the speed of the program, not its results.");
   s.number("rebalance", rebalance, {.unit = "-", .at_least = 0},
-           "Load ratio (busiest rank over mean) above which stones are redistributed; 0: never. It "
-           "changes speed, not results.");
+           "Load ratio (busiest rank over mean) above which stones are redistributed; 0: never. "
+           "The ratio changes the speed of the program, not its results.");
   // A collision takes pi/safety sub-steps: 6 hardly resolve it, 3000 only cost time.
   s.number("safety", safety,
            {.unit = "-", .above = 0, .at_most = 1, .usually_from = 1e-3, .usually_to = 0.5},
-           "Safety factor on sqrt(m/k) of the lightest particle and the stiffest contact, for the "
-           "longest sub-step.");
+           "Safety factor: longest sub-step over sqrt(m/k) of the lightest particle and the "
+           "stiffest contact.");
   s.number("largest_overlap", largest_overlap, {.unit = "-", .above = 0},
-           "Largest overlap over the smaller radius; beyond it the run stops.");
+           "Largest permitted overlap over the smaller radius; the run stops beyond it.");
   s.number("gravity", gravity, {.unit = "m/s2", .at_least = 0, .usually_to = 100},
            "Gravitational acceleration along -z.");
 }
@@ -226,7 +226,7 @@ double Particles::stable_step(std::string* limit) const {
 // One window; with no sub-steps: new lists only, where they are due. Surfaces must have their new
 // motion on every rank before. Collective.
 void Particles::advance(double dt_window, int steps) {
-  require(steps >= 0, "a window has a negative number of sub-steps");
+  require(steps >= 0, "the number of sub-steps of a window is not negative");
   Impl& r = *impl_;
   r.action = {};
   if (!r.ready) r.rebuild();

@@ -97,8 +97,9 @@ void Particles::Impl::migrate(std::vector<History>& history) {
   for (std::size_t b = 0; b < state.own; ++b) {
     const Vec3 at = state.x[b].vec3();
     if (!at.allFinite() || !quat(state.q[b]).coeffs().allFinite())
-      report(fmt::format("position or attitude of particle {} is not a number: use smaller steps",
-                         state.id[b]));
+      report(
+          fmt::format("the position or attitude of particle {} is not a number; use smaller steps",
+                      state.id[b]));
     else if (grid.outside(at))
       report(fmt::format("particle {} left the domain at ({:.6g}, {:.6g}, {:.6g}) m", state.id[b],
                          at.x(), at.y(), at.z()));

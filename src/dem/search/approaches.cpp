@@ -129,7 +129,7 @@ void find_approaches(const Scene& scene, const std::vector<Surface*>& surfaces,
       columns.near(s.x[b].vec3() + shift, reach(s.x[b].w), found);
       if (found.empty()) continue;
       const int law = scene.laws.index(static_cast<int>(s.material[b]), surfaces[k]->material);
-      require(law >= 0, "no contact law between the materials of a particle and a surface");
+      require(law >= 0, "there is a contact law between the materials of a particle and a surface");
       for (std::size_t p = scene.pieces.begin[b]; p < scene.pieces.begin[b + 1]; ++p) {
         const Vec4& x = scene.pieces.x[p];
         columns.near(x.vec3() + shift, reach(x.w), found);

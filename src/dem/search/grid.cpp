@@ -119,10 +119,10 @@ Grid::Grid(const Domain& domain, std::span<const double> bounds, double skin,
   std::vector<std::string> problems;
   for (int a = 0; a < 3; ++a)
     if (domain.periodic[static_cast<std::size_t>(a)] && period(a) < least)
-      problems.push_back(fmt::format(
-          "the domain is {:.4g} m long in {} where it is periodic: it must be at least 3 times the "
-          "largest particle with skin, {:.4g} m",
-          period(a), axis_name[a], least));
+      problems.push_back(
+          fmt::format("the periodic length of the domain is {:.4g} m along {}; it must be at least "
+                      "3 times the largest particle with skin, {:.4g} m",
+                      period(a), axis_name[a], least));
   if (!problems.empty()) throw InputError(problems);
 }
 

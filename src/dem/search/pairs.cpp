@@ -94,7 +94,7 @@ class PairFinder {
     const auto [known, added] =
         numbers_.try_emplace(turns, static_cast<std::uint16_t>(pairs_.shifts.size()));
     if (added) {
-      require(pairs_.shifts.size() < 65535, "too many periodic shifts");
+      require(pairs_.shifts.size() < 65535, "there are at most 65535 different periodic shifts");
       pairs_.shifts.push_back({turns[0] * scene_.grid.period(0), turns[1] * scene_.grid.period(1),
                                turns[2] * scene_.grid.period(2), 0});
     }
@@ -148,7 +148,7 @@ class PairFinder {
     const auto j = static_cast<std::size_t>(scene_.pieces.body[r]);
     const int law =
         scene_.laws.index(static_cast<int>(s.material[i]), static_cast<int>(s.material[j]));
-    require(law >= 0, "no contact law between the materials of two particles");
+    require(law >= 0, "there is a contact law between the materials of two particles");
     // Masses do not change between rebuilds, so neither does the root of m_eff.
     Vec4 xi{0, 0, 0, std::sqrt(effective_mass(s, i, j))}, roll{};
     // Rows and entries ascend like the sorted history, so one pass over it is sufficient.

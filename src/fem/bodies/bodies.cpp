@@ -257,7 +257,7 @@ std::string Bodies::trouble() const {
     const std::string& name = impl_->meshes[b].body.name;
     const double turned = impl_->turn(b, moved).norm();
     if (!impl_->mean(b, moved).allFinite())
-      return fmt::format("{} has a position that is not a number", name);
+      return fmt::format("the position of {} is not a number", name);
     if (turned > largest_turn)
       return fmt::format("{} has turned by {:.3g} rad; small displacements allow at most {:g} rad",
                          name, turned, largest_turn);

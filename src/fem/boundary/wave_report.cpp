@@ -68,13 +68,13 @@ std::string cut_off(const GroundParameters& p, const BaseMotion& wave, Dimension
   }
   if (come < (1 - noticed) * all)
     return fmt::format(
-        "the ground moves for {:g} s at most, when {:.2g} % of the wave's energy "
-        "has arrived: the rest is cut off; run longer",
+        "the ground moves for at most {:g} s; by then only {:.2g} % of the wave's energy has "
+        "arrived, and the rest is cut off; run longer",
         time, 100 * come / all);
   if (last + way <= time) return {};
   return fmt::format(
-      "the ground moves for {:g} s at most; the wave has arrived after {:.3g} s, "
-      "and needs {:.3g} s more up to the top and down again: it is cut off; run longer",
+      "the ground moves for at most {:g} s; the wave has arrived after {:.3g} s and takes {:.3g} s "
+      "more to the top and down again, so that it is cut off; run longer",
       time, last, way);
 }
 
@@ -87,27 +87,27 @@ std::vector<std::string> look_at_times(const GroundParameters& parameters, Dimen
   if (!wave.moves(0) && !wave.moves(2)) return {"has no motion: all its velocities are 0"};
   if (wave.end() <= 0)
     return {
-        fmt::format("the wave is over at {:g} s, before the ground is released (0 s): it has no "
-                    "effect",
+        fmt::format("the wave ends at {:g} s, before the ground is released at 0 s, and has no "
+                    "effect; let its rows begin at 0 s",
                     wave.end())};
   if (wave.begin() >= time)
     return {
-        fmt::format("the wave begins at {:g} s, and the ground moves for {:g} s at most: it "
-                    "has no effect",
+        fmt::format("the wave begins at {:g} s, but the ground moves for at most {:g} s: the wave "
+                    "has no effect; run longer",
                     wave.begin(), time)};
   std::vector<std::string> odd;
   if (const double speed = wave.fastest(); speed > fastest_usual)
     odd.push_back(
-        fmt::format("{:g} m/s is far from the usual values (at most {:g} m/s); is its unit right?",
+        fmt::format("the largest speed, {:g} m/s, is far from the usual values (at most {:g} m/s); "
+                    "is its unit right?",
                     speed, fastest_usual));
   const std::string cut = cut_off(parameters, wave, dimension, time);
   if (!cut.empty()) odd.push_back(cut);
   const Vec3 now = wave.at(0);
   if (!now.isZero(0))
     odd.push_back(
-        fmt::format("at 0 s, when the ground is released at rest, the wave is already in motion "
-                    "with vx_m_s = {:g}, vz_m_s = {:g}, which acts as a jump; let its rows begin "
-                    "at 0 s",
+        fmt::format("at 0 s the ground is released at rest, but the wave already has vx_m_s = "
+                    "{:g}, vz_m_s = {:g}, which acts as a jump; let its rows begin at 0 s",
                     now.x(), now.z()));
   return odd;
 }
@@ -142,11 +142,12 @@ std::vector<UnresolvedLayer> look_at_elements(const GroundParameters& p, Dimensi
     for (std::size_t l = 0; l < lengths.size(); ++l)
       if (heights[l] > fraction * lengths[l])
         found.push_back(
-            {l, fmt::format("elements {:.3g} m high in layer \"{}\" do not resolve the wave of "
-                            "base_motion ({}): 95 % of its energy is below {:.3g} Hz, a wave "
-                            "length of {:.3g} m there; use elements of at most {:.2g} m",
-                            heights[l], p.layers[l].name, b == 0 ? "vx_m_s" : "vz_m_s", frequency,
-                            lengths[l], fraction * lengths[l])});
+            {l,
+             fmt::format("elements {:.3g} m high in layer \"{}\" do not resolve the wave of "
+                         "base_motion ({}): 95 % of its energy is below {:.3g} Hz, where the wave "
+                         "length in this layer is {:.3g} m; use elements at most {:.2g} m high",
+                         heights[l], p.layers[l].name, b == 0 ? "vx_m_s" : "vz_m_s", frequency,
+                         lengths[l], fraction * lengths[l])});
   }
   return found;
 }

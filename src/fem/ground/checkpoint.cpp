@@ -157,10 +157,10 @@ void Ground::load(const io::File& file, const std::string& group) {
   const auto components = static_cast<std::size_t>(impl_->components());
   const std::size_t total = file.extent(group + "/node")[0];
   if (total != static_cast<std::size_t>(mesh.node_count()))
-    throw RunError(fmt::format(
-        "the checkpoint holds a ground of {} nodes, but that of the deck has {}; restart with the "
-        "same ground",
-        total, mesh.node_count()));
+    throw RunError(
+        fmt::format("the ground in the checkpoint has {} nodes, but that of the deck has {}; "
+                    "restart with the ground of the checkpoint",
+                    total, mesh.node_count()));
   for (std::size_t begin = 0; begin < total; begin += rows_at_once) {
     const std::size_t count = std::min(rows_at_once, total - begin);
     const auto names = file.read_rows<std::int64_t>(group + "/node", begin, count);

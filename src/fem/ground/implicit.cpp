@@ -168,7 +168,7 @@ void Ground::Impl::correct_window(double dt, const Nodal& expected_load) {
 }
 
 Nodal Ground::Impl::deflection(double dt) {
-  require(!plasticity, "a yielding ground is not linear");
+  require(!plasticity, "the deflection of a ground is computed only if no layer yields");
   const AlphaScheme s = alpha_scheme(parameters);
   prepare_window(dt, s);
   Nodal moved(components(), mesh.nodes());

@@ -102,8 +102,8 @@ void require_held(const SolidMesh& mesh, const GroundParameters& parameters, con
       motions.push_back(fmt::format("{} {}", k < 3 ? "move along" : "turn about",
                                     axes[static_cast<std::size_t>(k % 3)]));
   throw InputError({fmt::format(
-      "{}: its borders do not hold the ground in static equilibrium: it can {}; let a border be "
-      "fixed, viscous at the base, or a roller normal to that direction",
+      "{}: the borders do not hold the ground in static equilibrium: it can {}; add a border that "
+      "is fixed, viscous at the base, or a roller normal to the free direction",
       parameters.mesh, fmt::join(motions, ", "))});
 }
 
@@ -146,10 +146,10 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
   }
   std::vector<std::string> problems;
   if (!below)
-    problems.push_back(fmt::format(
-        "{}: no viscous border faces down: the wave of ground.base_motion enters through the "
-        "dashpots of such a border",
-        parameters.mesh));
+    problems.push_back(
+        fmt::format("{}: no viscous border faces down, but the wave of ground.base_motion enters "
+                    "through the dashpots of such a border",
+                    parameters.mesh));
   for (const auto& [at, axis] : effects) {
     const auto report = [&, border = at.first](std::vector<std::string>& to,
                                                const std::string& what) {
@@ -158,15 +158,15 @@ void check_wave(const SolidMesh& mesh, const GroundParameters& parameters, const
     };
     if (at.second == WaveEffect::dashpots)
       report(warnings,
-             "impedes the wave of ground.base_motion; a roller is a plane of symmetry "
-             "of the wave, free-field sides are for layers");
+             "impedes the wave of ground.base_motion; a roller does not, if the wave moves "
+             "parallel to it; free-field sides are for layers only");
     if (at.second == WaveEffect::gap)
       report(warnings,
-             "is free and at an end of the mesh: no ground beside it moves with the wave of "
-             "ground.base_motion");
+             "is free and at an end of the mesh: there is no ground beside it that moves with the "
+             "wave of ground.base_motion");
     if (at.second == WaveEffect::holder)
-      report(problems, fmt::format("holds the ground along {0}, along which the wave of "
-                                   "ground.base_motion moves (v{0}_m_s is not 0)",
+      report(problems, fmt::format("holds the ground along {0}, but the wave of ground.base_motion "
+                                   "moves along {0} (v{0}_m_s is not 0)",
                                    axes[static_cast<std::size_t>(axis)]));
   }
   if (!problems.empty()) throw InputError(problems);
@@ -188,8 +188,8 @@ void warn_of_open_faces(const SolidMesh& mesh, const GroundParameters& parameter
   const double open = area_of(mesh, mesh.open);
   const double outer = open + area_of(mesh, mesh.borders) + area_of(mesh, mesh.top);
   warnings.push_back(
-      fmt::format("{}: {} outer faces are in no physical surface and free: {:.3g} m^2, {:.2g} % of "
-                  "the boundary, at {}",
+      fmt::format("{}: {} outer faces are in no physical surface and therefore free ({:.3g} m^2, "
+                  "{:.2g} % of the boundary, within {})",
                   parameters.mesh, mesh.open.size(), open, 100 * open / outer,
                   box_of(mesh, mesh.open).words()));
 }
@@ -201,8 +201,8 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
     warnings.push_back(fmt::format(
-        "{}: {} of {} tetrahedra are nearly flat (mean ratio below {:g}; {:.2g} of tetrahedron {}"
-        "{}): time steps are short and stresses inaccurate there",
+        "{}: {} of {} tetrahedra are nearly flat: their mean ratio is below {:g}, the least is "
+        "{:.2g} (tetrahedron {}{}); time steps are short and stresses inaccurate there",
         parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
         poor_mean_ratio, *worst, worst - ratios.begin() + 1,
         parameters.mesh.empty() ? "" : " of the file"));
@@ -227,10 +227,11 @@ void warn_of_curved_edges(const SolidMesh& mesh, const GroundParameters& paramet
   const auto worst = std::max_element(
       off.begin(), off.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const Vec3& at = place(mesh, worst->first);
-  warnings.push_back(fmt::format(
-      "{}: {} edges of the top are curved: the mid-edge node deviates from the straight edge, at "
-      "({:g}, {:g}, {:g}) m by {:.2g} % of its length; stones and pressures act on straight pieces",
-      parameters.mesh, off.size(), at.x(), at.y(), at.z(), 100 * worst->second));
+  warnings.push_back(
+      fmt::format("{}: {} edges of the top are curved: a mid-edge node deviates from the straight "
+                  "edge by up to {:.2g} % of its length, at ({:g}, {:g}, {:g}) m; stones and "
+                  "pressures act on two straight pieces of each of these edges",
+                  parameters.mesh, off.size(), 100 * worst->second, at.x(), at.y(), at.z()));
 }
 
 // A block without any element would be ignored without notice.

@@ -49,9 +49,8 @@ constexpr double largest_increment = 0.02;
 std::string Ground::Impl::not_converged(const NewtonStep& step) {
   if (step.converged)
     return fmt::format(
-        "the ground fails: plastic strains reach {:.2g} at the end of an implicit step, above the "
-        "limit {:g} of small displacements; use layers that carry the load on them, or a weaker "
-        "wave or load",
+        "the ground fails: plastic strains reach {:.2g} at the end of an implicit step, but small "
+        "displacements allow at most {:g}; use stronger layers, a weaker wave or a smaller load",
         step.strain, largest_strain);
   const std::string why =
       step.unsolved > 0
@@ -60,7 +59,7 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
           : fmt::format("the relative out-of-balance force is {:.2g}", step.residual);
   return fmt::format(
       "an implicit step of the ground did not converge: after {} Newton iterations {}; use a "
-      "shorter time.window, integrator = \"explicit\", or layers that carry the load on them",
+      "shorter time.window, ground.integrator = \"explicit\", or stronger layers",
       step.iterations, why);
 }
 

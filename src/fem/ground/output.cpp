@@ -104,7 +104,8 @@ std::int32_t Ground::Impl::node_of_top(std::int32_t number) const {
   const auto found =
       std::lower_bound(own_top.begin(), own_top.end(), number,
                        [](const TopNode& t, std::int32_t n) { return t.number < n; });
-  require(found != own_top.end() && found->number == number, "top node: not an own one");
+  require(found != own_top.end() && found->number == number,
+          "a rank writes only top nodes that it owns");
   return found->node;
 }
 

@@ -69,7 +69,7 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
   const Range wide = range_of(block.outline, 0), high = range_of(block.outline, 1);
   const About about{.reads = {"x", "elements_x", "ratio_x", "fine_x", "elements_z", "layer", key}};
   const std::string place =
-      fmt::format("the ground: x from {:g} to {:g} m, z from {:g} to 0 m", x.low, x.high, z.low);
+      fmt::format("the ground (x = {:g} to {:g} m, z = {:g} to 0 m)", x.low, x.high, z.low);
   if (high.high > rounding * depth)
     return s.rule(key, false,
                   fmt::format("has a corner at z = {:g} m, above {}; z is negative below the top",
@@ -78,12 +78,11 @@ void declare_place(const GroundParameters& ground, std::size_t number, Section& 
   // Cells of an embankment are not boxes: look_at_mesh counts them.
   const bool level = ground.sections.empty();
   if (level && (width_in(wide, ground.edges(0)) < 0 || width_in(high, ground.edges(2)) < 0))
-    return s.rule(
-        key, false,
-        fmt::format("contains the centre of no element of {}; move or enlarge it, use smaller "
-                    "elements, or set present = false",
-                    place),
-        about);
+    return s.rule(key, false,
+                  fmt::format("does not contain the centre of any element of {}; move or enlarge "
+                              "the block, use smaller elements, or set present = false",
+                              place),
+                  about);
   s.rule(key, x.holds(wide) && z.holds(high),
          fmt::format("is cut off where it extends beyond {}", place),
          {.severity = input::Severity::warning, .reads = about.reads});
@@ -96,11 +95,13 @@ void declare_width(const GroundParameters& ground, std::size_t number, Section& 
   const std::string key = fmt::format("block[{}].y", number);
   const Range y{ground.y[0], ground.y[1]}, wide{block.y[0], block.y[1]};
   const About about{.reads = {"y", "elements_y", "ratio_y", "fine_y", key}};
-  const std::string place = fmt::format("the ground: y from {:g} to {:g} m", y.low, y.high);
+  const std::string place = fmt::format("the ground (y = {:g} to {:g} m)", y.low, y.high);
   if (ground.sections.empty() && width_in(wide, ground.edges(1)) < 0)
-    return s.rule(key, false,
-                  fmt::format("contains the centre of no element of {}; move or widen it", place),
-                  about);
+    return s.rule(
+        key, false,
+        fmt::format("does not contain the centre of any element of {}; move or widen the block",
+                    place),
+        about);
   s.rule(key, y.holds(wide), fmt::format("is cut off where it extends beyond {}", place),
          {.severity = input::Severity::warning, .reads = about.reads});
 }
@@ -115,15 +116,14 @@ void declare_height(const GroundParameters& ground, std::size_t number, Section&
     range = {range.low - ground.layers[l].thickness, range.low};
   const double made = width_in(range, ground.edges(2)), asked = range.high - range.low;
   if (made < 0)
-    return s.rule(
-        key, false,
-        "contains the centre of no element: the layer would be left out; give each layer its "
-        "`elements`, or use more elements_z",
-        about);
+    return s.rule(key, false,
+                  "is too small: the layer does not contain the centre of any element and would be "
+                  "left out; give each layer its `elements`, or increase elements_z",
+                  about);
   constexpr double odd = 0.25;  // of its height: larger deviations are reported
   s.rule(key, std::abs(made - asked) <= odd * asked,
-         fmt::format("becomes {:.3g} m, the height of the elements whose centres are in it; give "
-                     "each layer its `elements`, or use more elements_z",
+         fmt::format("becomes {:.3g} m, the height of the elements whose centres are in the layer; "
+                     "give each layer its `elements`, or increase elements_z",
                      made),
          {.severity = input::Severity::warning, .reads = about.reads});
 }
@@ -154,7 +154,7 @@ bool crosses_itself(const std::vector<double>& outline) {
 void declare_elements(const GroundParameters& p, Section& s) {
   const bool all = std::all_of(p.layers.begin(), p.layers.end(),
                                [](const Layer& layer) { return layer.elements > 0; });
-  s.rule("layer", all || !p.layers_have_elements(), "need `elements` each, or none of them any",
+  s.rule("layer", all || !p.layers_have_elements(), "must all have `elements`, or none of them",
          {.reads = {"layer"}});
   s.rule("elements_z", !p.layers_have_elements() || p.elements_z == GroundParameters().elements_z,
          "has no effect: layers have their own `elements`",
@@ -162,9 +162,9 @@ void declare_elements(const GroundParameters& p, Section& s) {
   const double elements = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
                           static_cast<double>(p.elements_over_depth());
   s.rule("elements_x", !p.present || elements <= most_elements,
-         fmt::format(
-             "makes {:.3g} elements with elements_y and elements_z: at most {:g} are supported",
-             elements, most_elements),
+         fmt::format("gives {:.3g} elements together with elements_y and elements_z; at most {:g} "
+                     "are supported",
+                     elements, most_elements),
          {.reads = {"elements_x", "elements_y", "elements_z", "layer"}});
 }
 
@@ -172,8 +172,8 @@ void declare_elements(const GroundParameters& p, Section& s) {
 // unconditionally stable down to -1/3 (Hilber, Hughes, Taylor 1977), Bossak also below.
 void declare_alphas(GroundParameters& p, Section& s) {
   s.number("alpha", p.alpha, {.at_least = -1, .at_most = 0},
-           "Parameter alpha of numerical damping (hht, bossak); 0: none; more negative values damp "
-           "more.");
+           "Parameter alpha of the numerical damping (hht, bossak); 0: none; more negative values "
+           "give more damping.");
   s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
          "must be at least -1/3 for hht, or the integrator is not stable",
          {.reads = {"integrator", "alpha"}});
@@ -243,25 +243,26 @@ void Strength::declare(Section& s) {
            cohesion == common.cohesion && friction_angle == common.friction_angle &&
                dilation_angle == common.dilation_angle &&
                tensile_strength == common.tensile_strength,
-           "is none: cohesion, angles and tensile_strength have no effect",
+           "must be mohr_coulomb for cohesion, angles and tensile_strength to have an effect",
            {.severity = input::Severity::warning});
     return;
   }
   const About about{.reads = {"cohesion", "friction_angle", "dilation_angle", "tensile_strength"}};
   s.rule("friction_angle", cohesion > 0 || friction_angle > 0,
-         "and cohesion are 0: the solid has no shear strength", about);
+         "must be above 0 if cohesion is 0, or the solid has no shear strength", about);
   s.rule("dilation_angle", dilation_angle <= friction_angle,
-         fmt::format("is above friction_angle ({:g}): yielding creates energy", friction_angle),
+         fmt::format("must be at most friction_angle ({:g} degrees), or yielding creates energy",
+                     friction_angle),
          about);
   const double slope = std::tan(friction_angle * std::numbers::pi / 180);
   s.rule("tensile_strength", slope * tensile_strength <= cohesion * (1 + rounding),
-         fmt::format("is above cohesion / tan(friction_angle) = {:.6g} Pa, the tension at the "
-                     "apex of the yield surface",
+         fmt::format("must be at most cohesion / tan(friction_angle) = {:.6g} Pa, the tension at "
+                     "the apex of the yield surface",
                      slope > 0 ? cohesion / slope : 0.0),
          about);
   s.rule("cohesion", cohesion > 0,
-         "leaves the top without strength where it is not loaded: it yields under the first wave; "
-         "sand between sleepers has some kPa",
+         "should be above 0: where the top is not loaded it has no strength, and yields under the "
+         "first wave; sand between sleepers has some kPa",
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 
@@ -279,7 +280,7 @@ void Layer::declare(Section& s) {
   const auto fixed_strength = s.fixed_by(input::state::moved_ground);
   s.file("young_file", young_file,
          "CSV of Young's modulus along the track with columns x_m, young_Pa, linear between rows "
-         "and constant beyond; it overrides young; empty: none.");
+         "and constant beyond; the file overrides `young`; empty: none.");
   strength.declare(s);
 }
 
@@ -295,7 +296,7 @@ void Block::declare(Section& s) {
          "crosses itself; list the corners in order around the outline");
   s.numbers("y", y, {.unit = "m"},
             "Ends of the block across the track (space); none: the whole width of the ground.");
-  s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two numbers, from and to");
+  s.rule("y", y.empty() || (y.size() == 2 && y[0] < y[1]), "must be two increasing numbers");
   fixed.end();
   solid.declare(s);
   strength.declare(s);
@@ -336,10 +337,10 @@ void GroundParameters::declare_grading(Section& s) {
 void GroundParameters::declare_shape(Section& s) {
   auto fixed = s.fixed_by(input::state::any);  // the load of the bed is stored by node of the top
   s.numbers("x", x, {.unit = "m"}, "Ends of the ground along the track.", 2);
-  s.rule("x", rises(x), "must end beyond its begin");
+  s.rule("x", rises(x), "must be two increasing numbers");
   s.numbers("y", y, {.unit = "m"},
             "Ends of the ground across the track; a plane model uses its thickness instead.", 2);
-  s.rule("y", rises(y), "must end beyond its begin");
+  s.rule("y", rises(y), "must be two increasing numbers");
   s.integer("elements_x", elements_x, {.at_least = 1, .at_most = 1e5},
             "Number of elements along the track.");
   s.integer("elements_y", elements_y, {.at_least = 1, .at_most = 1e5},
@@ -381,7 +382,7 @@ void GroundParameters::declare_steps(Section& s) {
            "Safety factor on the critical step (explicit).");
   s.number("newmark_beta", newmark_beta, {.above = 0, .at_most = 1}, "Newmark's beta (newmark).");
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
-           "Newmark's gamma; values above 0.5 damp (newmark).");
+           "Newmark's gamma (newmark); values above 0.5 give numerical damping.");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
          "must be at least half of newmark_gamma, or the integrator is not stable");
   declare_alphas(*this, s);
@@ -391,8 +392,8 @@ void GroundParameters::declare_steps(Section& s) {
            "Newton iterations of yielding layers stop at 100 times this value.");
   s.integer("static_iterations", static_iterations, {.at_least = 1},
             "Number of iterations within which the out-of-balance force of the static solve must "
-            "halve (yielding layers); otherwise the solve stops as not converging. Near collapse "
-            "convergence takes some thousand iterations.");
+            "halve (yielding layers); otherwise the solve stops, because it does not converge. "
+            "Near collapse, convergence takes some thousand iterations.");
 }
 
 void GroundParameters::declare_base(Section& s) {
@@ -404,14 +405,14 @@ void GroundParameters::declare_base(Section& s) {
   const auto fixed_springs = s.fixed_by(input::state::moved_viscous_base);
   s.number("base_stiffness", base_stiffness, {.unit = "Pa/m", .at_least = -1},
            "Stiffness of springs in parallel with the dashpots of a viscous base, representing the "
-           "ground below; below 0: shear modulus at the base over its depth; 0: no springs, so "
-           "that the ground sinks as long as it is loaded. With base_motion there are none.");
+           "ground below; below 0: shear modulus at the base over the depth of the ground; 0: no "
+           "springs, so that the ground sinks as long as it is loaded. With base_motion there are "
+           "no springs.");
   s.rule("base_stiffness", base_stiffness <= 0 || base_motion.empty(),
-         "must be 0, or left out, with base_motion: springs would oppose the motion of the ground, "
-         "whose amplitude is twice that of the wave",
+         "must be 0 or left out with base_motion: springs would oppose the motion of the base",
          {.reads = {"base_stiffness", "base_motion"}});
   s.rule("base_stiffness", base_stiffness <= 0 || base_stiffness >= 1e4,
-         "is very soft below a track: is it in Pa/m?",
+         "is very soft for the ground below a track; is it in Pa/m?",
          {.severity = input::Severity::warning, .reads = {"base_stiffness"}});
 }
 

@@ -33,8 +33,8 @@ void refuse_others(const GroundParameters& p, Section& s) {
     const Sides side = p.side(static_cast<int>(i / 2), i % 2 == 1);
     without(side == p.sides ? "sides" : keys[i],
             side != Sides::free_field && side != Sides::periodic,
-            "cannot be free_field or periodic with ground.section: the ground beside is neither "
-            "level nor the same at both ends");
+            "cannot be free_field or periodic with ground.section: the ground beside the model is "
+            "neither level nor the same at both ends");
   }
   const bool half = p.y.size() == 2 && p.y[0] == 0;
   without("side_y_low", !half || p.side(1, false) == Sides::roller,
@@ -49,21 +49,20 @@ bool declare_layers(const GroundParameters& p, Section& s) {
   const bool some = p.embankment_layers >= 1 && p.embankment_layers < layers;
   s.rule(
       "embankment_layers", some,
-      fmt::format("must be 1 to {}: the embankment of ground.section consists of the uppermost of "
-                  "the {} layers, and at least one is the natural ground",
-                  std::max<std::int64_t>(layers - 1, 1), layers),
+      fmt::format("must be at least 1 and below the number of layers, {}: the uppermost layers are "
+                  "the embankment of ground.section, and at least one layer is the natural ground",
+                  layers),
       of_shape);
   const bool rows = std::all_of(p.layers.begin(), p.layers.end(),
                                 [](const Layer& layer) { return layer.elements > 0; });
-  s.rule("layer", rows, "need `elements` each with ground.section: slopes end at layer borders",
+  s.rule("layer", rows, "must all have `elements` with ground.section: slopes end at layer borders",
          of_shape);
   const double cells = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
                        static_cast<double>(p.elements_over_depth());
   s.rule("elements_x", cells <= most_cells,
-         fmt::format(
-             "makes {:.3g} cells of five tetrahedra with elements_y and elements_z: at most {:g} "
-             "with ground.section",
-             cells, most_cells),
+         fmt::format("gives {:.3g} cells of five tetrahedra together with elements_y and "
+                     "elements_z; at most {:g} are supported with ground.section",
+                     cells, most_cells),
          of_shape);
   return some && rows && cells <= most_cells;
 }
@@ -87,9 +86,9 @@ void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
   const auto layer = static_cast<std::size_t>(thin - thick.begin());
   s.rule(
       fmt::format("section[{}].height", number), *thin > same_place,
-      fmt::format("leaves {:g} m to layer[{}] (\"{}\"): the lowest layer of the embankment takes "
-                  "the difference of the height from the sum of its layers, and the lowest of all "
-                  "compensates it",
+      fmt::format("leaves {:g} m to layer[{}] (\"{}\"), but each layer needs a thickness: the "
+                  "lowest layer of the embankment takes the difference between the height and the "
+                  "sum of its layers, and the lowest layer of the ground compensates for this",
                   *thin, layer, p.layers[layer].name),
       of_shape);
 }
@@ -169,8 +168,8 @@ void declare_widths(const GroundParameters& p, Section& s) {
                        foot),
            of_shape);
     s.rule("y", found != Beside::mixed,
-           "ends at the foot of some sections and beyond that of others: leave ground beside all "
-           "sections or beside none",
+           "ends at the foot of some sections and beyond the foot of others; leave ground beside "
+           "all sections or beside none",
            of_shape);
     columns += found == Beside::ground ? 1 : 0;
     ends[high ? 1 : 0] = found == Beside::nothing;
@@ -206,8 +205,8 @@ void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
   const bool on_edge = std::any_of(edges.begin(), edges.end(),
                                    [&](double edge) { return std::abs(edge - x) < same_place; });
   s.rule(fmt::format("section[{}].x", number), on_edge || x < edges.front() || x > edges.back(),
-         "is within a row of elements: the shape has its kinks at element borders, and that of "
-         "this section is cut off; use other elements_x",
+         "is within a row of elements: kinks of the shape are at element borders only, so that the "
+         "kink at this section is cut off; use other elements_x",
          {.severity = Severity::warning, .reads = of_shape.reads});
 }
 
@@ -215,12 +214,12 @@ void declare_places(const GroundParameters& p, std::size_t number, Section& s) {
 
 void CrossSection::declare(Section& s) {
   s.number("x", x, {.unit = "m"},
-           "Position of the section along the track; the next section must be beyond.");
+           "Position of the section along the track; sections are listed with increasing x.");
   s.number("crest", crest, {.unit = "m", .above = 0, .usually_from = 0.5, .usually_to = 50},
            "Half-width of the crest, from y = 0 to either side.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 50},
-           "Height of the crest above the natural ground; 0: that of the layers of the embankment, "
-           "whose lowest layer otherwise takes the difference.");
+           "Height of the crest above the natural ground; 0: sum of the layers of the embankment. "
+           "If the height differs from this sum, the lowest of these layers takes the difference.");
   s.number("slope", slope, {.at_least = 0, .usually_to = 10},
            "Slope of the sides, horizontal to vertical; 0: vertical, with the boundary conditions "
            "side_y_low and side_y_high where y ends.");

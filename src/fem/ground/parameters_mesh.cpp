@@ -26,7 +26,7 @@ void declare_once(const List& list, const std::string& key, const std::set<std::
                   Section& s) {
   const int again = repeated(list, taken);
   s.rule(fmt::format("{}[{}].name", key, std::max(again, 0)), again < 0,
-         "is the name of an earlier one; names must be unique in the mesh", {.reads = {key}});
+         "is already the name of another part of the mesh; names must be unique", {.reads = {key}});
 }
 
 // Parameters of layers and elements have no effect on a mesh.
@@ -36,9 +36,9 @@ void refuse_layers(const GroundParameters& p, Section& s) {
     s.rule(key, holds, fmt::format("has no effect with ground.mesh; {}", instead),
            {.reads = {"mesh", key}});
   };
-  const char* solids = "its volumes are [[ground.solid]]";
-  const char* borders = "its surfaces are [[ground.border]]";
-  const char* shape = "the file defines the shape";
+  const char* solids = "describe the volumes of the mesh by [[ground.solid]]";
+  const char* borders = "describe the surfaces of the mesh by [[ground.border]]";
+  const char* shape = "the file of the mesh defines the shape";
   without("layer", p.layers.empty(), solids);
   without("section", p.sections.empty(), shape);
   without("block", p.blocks.empty(), solids);
@@ -77,8 +77,9 @@ void MeshBorder::declare(Section& s) {
 void GroundParameters::declare_mesh(Section& s) {
   auto fixed = s.fixed_by(input::state::any);
   s.file("mesh", mesh,
-         "Gmsh file (ASCII, 4.1 or 2.2) of 10-node tetrahedra instead of layers and elements; its "
-         "physical volumes need a solid, its physical surfaces a border; empty: none.");
+         "Gmsh file (ASCII, format 4.1 or 2.2) of 10-node tetrahedra, instead of layers and "
+         "elements; each physical volume of the file needs a solid, each physical surface except "
+         "mesh_top a border; empty: none.");
   s.text("mesh_top", mesh_top,
          "Name of the physical surface of the mesh below the stones; it must be at z = 0.");
   fixed.end();
@@ -101,7 +102,7 @@ void GroundParameters::declare_mesh(Section& s) {
   const bool held = std::any_of(borders.begin(), borders.end(), [](const MeshBorder& border) {
     return border.holds != BorderKind::free;
   });
-  s.rule("border", held, "holds the ground nowhere: all borders are free", with_mesh);
+  s.rule("border", held, "must hold the ground somewhere: all borders are free", with_mesh);
   refuse_layers(*this, s);
 }
 

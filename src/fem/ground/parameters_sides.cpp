@@ -53,7 +53,9 @@ void declare_kind(const GroundParameters& p, const NamedSide& side, const std::s
       .severity = Severity::warning,
       .reads = {before + "base", before + "base_motion", before + "layer", before + "block", key}};
   s.rule(key, side.holds != Sides::free_field || !p.base_motion.empty(),
-         "acts as a viscous one: there is no motion beside the ground; give base_motion", odd);
+         "acts as a viscous side: without base_motion the ground beside the model is at rest; give "
+         "base_motion or use viscous",
+         odd);
   const bool holds_back = side.holds == Sides::viscous || side.holds == Sides::fixed;
   s.rule(key, p.base_motion.empty() || !holds_back,
          "impedes the wave of base_motion" + better(p, side.key), odd);
@@ -179,11 +181,12 @@ void GroundParameters::declare_sides(Section& s) {
   one("side_x_high", side_x_high, "highest x");
   one("side_y_low", side_y_low, "lowest y");
   one("side_y_high", side_y_high, "highest y");
-  s.file("base_motion", base_motion,
-         "CSV of a wave that enters through a viscous base, with columns time_s (since the release "
-         "of the ground), vx_m_s, vz_m_s: half the velocity at an outcrop; empty: none. Rows "
-         "before 0 s have no effect on the ground. The first and the last row must be at rest; "
-         "rows at both ends with less than 1e-9 of the largest speed count as such.");
+  s.file(
+      "base_motion", base_motion,
+      "CSV of a wave that enters through a viscous base, with columns time_s (since the release of "
+      "the ground), vx_m_s, vz_m_s: half the velocity at an outcrop; empty: none. Rows before 0 s "
+      "have no effect on the ground. The wave must be at rest in the first and in the last row; a "
+      "row at either end with less than 1e-9 of the largest speed counts as at rest.");
   s.rule("base_motion", base_motion.empty() || base == Base::viscous,
          "needs base = \"viscous\": a wave enters through its dashpots",
          {.reads = {"base", "sides", "base_motion"}});

@@ -20,8 +20,8 @@ namespace {
 
 std::string divergence(int iterations, std::int64_t patience, double residual) {
   return fmt::format(
-      "static solve of the ground did not converge: relative out-of-balance force {:.2g} after {} "
-      "iterations, more than half of that {} iterations before; if its layers should carry the "
+      "static solve of the ground did not converge: the relative out-of-balance force is {:.2g} "
+      "after {} iterations and has not halved within the last {}; if the layers should carry the "
       "load, increase cohesion, friction_angle or tensile_strength, or, near collapse, "
       "ground.static_iterations",
       residual, iterations, patience);

@@ -114,7 +114,7 @@ Stiffness::Blocks blocks_of(const Eigen::MatrixXd& k, int components) {
         inside += value * value;
       }
   require(std::abs(inside - t.squaredNorm()) < 1e-10 * inside,
-          "the stiffness of an element lacks the symmetry of a box");
+          "the stiffness of an element has the symmetry of a box");
   return blocks;
 }
 

@@ -126,7 +126,7 @@ void Reader::names() {
   for (std::size_t n = words_.count("physical names"); n > 0; --n) {
     const Id dimension = words_.integer("the dimension of a group");
     const Id tag = words_.integer("the number of a group");
-    if (dimension < 0 || dimension > 3) words_.fail("a group has 0 to 3 dimensions");
+    if (dimension < 0 || dimension > 3) words_.fail("the dimension of a group must be 0 to 3");
     const auto at = static_cast<std::size_t>(group(static_cast<int>(dimension), tag));
     file_.groups[at].name = words_.quoted();
   }
@@ -274,7 +274,7 @@ void Reader::require_known() const {
     problems.push_back(file_.where(
         first.line,
         fmt::format("element {} is a {}{}: {}", first.tag, kind.name,
-                    first.count > 1 ? fmt::format(", as are {} in total", first.count) : "", why)));
+                    first.count > 1 ? fmt::format(" (the first of {})", first.count) : "", why)));
   }
   if (!problems.empty()) throw InputError(problems);
 }

@@ -49,7 +49,7 @@ Id Words::integer(std::string_view what) {
   Id value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size())
-    fail(fmt::format("\"{}\" found where {} is expected", shown(word), what));
+    fail(fmt::format("\"{}\" was found where {} is expected", shown(word), what));
   return value;
 }
 
@@ -58,7 +58,7 @@ double Words::number(std::string_view what) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-    fail(fmt::format("\"{}\" found where {} is expected", shown(word), what));
+    fail(fmt::format("\"{}\" was found where {} is expected", shown(word), what));
   return value;
 }
 
@@ -86,7 +86,7 @@ std::string Words::quoted() {
 
 void Words::expect(std::string_view word) {
   const std::string_view found = next();
-  if (found != word) fail(fmt::format("\"{}\" found where {} is expected", shown(found), word));
+  if (found != word) fail(fmt::format("\"{}\" was found where {} is expected", shown(found), word));
 }
 
 void Words::skip_to(std::string_view word, std::size_t begin) {

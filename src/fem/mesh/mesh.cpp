@@ -23,7 +23,7 @@ std::vector<int> node_owners(const Lattice& lattice, const Solids& solids,
   const auto nodes = static_cast<std::size_t>(lattice.node_count());
   if (ranks == 1) return std::vector<int>(nodes, 0);
   require(lattice.node_count() < std::numeric_limits<std::int32_t>::max(),
-          "the ground has more than 2^31 nodes");
+          "the ground has less than 2^31 nodes");
   std::vector<std::int32_t> corners;
   std::vector<double> cost;
   corners.reserve(static_cast<std::size_t>(lattice.element_count() * lattice.corners()));

@@ -20,7 +20,7 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
 std::string instead_of(const std::string& name, const std::vector<std::string>& names) {
   if (names.empty()) return "there is none";
   const std::string near = input::nearest(name, names);
-  return near.empty() ? fmt::format("there is {}", fmt::join(names, ", "))
+  return near.empty() ? fmt::format("known names: {}", fmt::join(names, ", "))
                       : fmt::format("did you mean {}?", near);
 }
 

@@ -115,9 +115,11 @@ void Builder::check_shapes() {
       problems_.add("shape", file_.tetrahedra[e],
                     fmt::format("is inverted or flat: its smallest Jacobian is {:.3g} m^3", least));
     else if (const double ratio = tetrahedron_mean_ratio(nodes); !(ratio >= least_mean_ratio))
-      problems_.add("flat", file_.tetrahedra[e],
-                    fmt::format("is flat: its mean ratio is {:.2g} (1: equilateral; at least {:g})",
-                                ratio, least_mean_ratio));
+      problems_.add(
+          "flat", file_.tetrahedra[e],
+          fmt::format(
+              "is flat: its mean ratio is {:.2g} and must be at least {:g} (1: equilateral)", ratio,
+              least_mean_ratio));
   }
 }
 
@@ -136,8 +138,8 @@ void Builder::check_nodes() {
   for (std::size_t n = 0; n < used.size(); ++n)
     if (used[n] == 0)
       problems_.add("free", file_.nodes[n],
-                    "is in no tetrahedron and so not held (in Gmsh: save elements of physical "
-                    "groups only)");
+                    "is in no tetrahedron, so that nothing holds it (in Gmsh: save elements of "
+                    "physical groups only)");
   const Vec3 along = Vec3(0.5773, 0.6180, 0.5342).normalized();
   std::vector<std::pair<double, std::int32_t>> order;
   for (std::size_t n = 0; n < used.size(); ++n)
@@ -267,7 +269,8 @@ void Builder::take_face(const GmshFile::Element& triangle, const Side& side) {
   face.border = border;
   if (border >= 0) face.holds = parameters_.borders[static_cast<std::size_t>(border)].holds;
   if (!fits(triangle, face))
-    return problems_.add("middle", triangle, "does not have the mid-edge nodes of its element");
+    return problems_.add("middle", triangle,
+                         "is a triangle without the mid-edge nodes of its tetrahedron");
   turn_of(face);
   check_direction(triangle, face, border);
   (border < 0 ? mesh_.top : mesh_.borders).push_back(face);

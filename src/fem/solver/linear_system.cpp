@@ -252,14 +252,15 @@ int LinearSystem::Handles::outcome(KSP of) {
   check(KSPGetConvergedReason(of, &reason), "get the reason of convergence");
   check(KSPGetIterationNumber(of, &iterations), "get the number of iterations");
   if (reason < 0)
-    throw RunError(fmt::format(
-        "the linear solver of the ground did not converge: stopped after {} iterations: {}; {}",
-        iterations, KSPConvergedReasons[reason],
-        reason == KSP_DIVERGED_ITS ? "poisson near 0.5 and solids of very unequal stiffness need "
-                                     "many: solve directly with -ground_ksp_type preonly "
-                                     "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type "
-                                     "mumps after --, or allow more with -ground_ksp_max_it"
-                                   : "try other solver options after --"));
+    throw RunError(
+        fmt::format("the linear solver of the ground did not converge ({} iterations, {}); {}",
+                    iterations, KSPConvergedReasons[reason],
+                    reason == KSP_DIVERGED_ITS
+                        ? "poisson near 0.5 and solids of very unequal stiffness need many "
+                          "iterations: use a direct solver by the options -ground_ksp_type preonly "
+                          "-ground_pc_type cholesky -ground_pc_factor_mat_solver_type mumps after "
+                          "--, or allow more iterations by -ground_ksp_max_it"
+                        : "try other solver options after --"));
   return static_cast<int>(iterations);
 }
 
@@ -276,8 +277,8 @@ void LinearSystem::Handles::require_solved(double all) {
   check(VecNorm(residual, NORM_2, &left), "measure a vector");
   if (!(left <= rounding * all))
     throw RunError(fmt::format(
-        "the linear solver of the ground leaves a residual of {:.2g} of the forces: "
-        "-ground_ksp_type preonly is for direct solvers (-ground_pc_type cholesky or lu)",
+        "the linear solver of the ground leaves a residual of {:.2g} times the forces; use "
+        "-ground_ksp_type preonly with direct solvers only (-ground_pc_type cholesky or lu)",
         left / all));
 }
 

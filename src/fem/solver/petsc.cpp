@@ -103,9 +103,10 @@ void require_range(KSP solver) {
 // PETSc stops at a first word that is not an option without naming it.
 void require_option(const std::vector<std::string>& options) {
   if (options.empty() || options.front().starts_with('-')) return;
-  throw InputError({fmt::format(
-      "command line: PETSc options are expected after --, as -ground_ksp_type cg; \"{}\" is none",
-      options.front())});
+  throw InputError(
+      {fmt::format("command line: PETSc options are expected after --, for example "
+                   "-ground_ksp_type cg; \"{}\" is not an option",
+                   options.front())});
 }
 
 // The signal handler of PETSc is disabled so that that of the program remains, and errors are

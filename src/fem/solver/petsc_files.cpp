@@ -47,12 +47,12 @@ std::string unusable_file(const std::vector<std::string>& words, const std::stri
     if (!option.starts_with('-') || value.starts_with('-')) continue;
     const bool is_read = option == "-options_file" || option == "-options_file_yaml";
     if (is_read && !is_readable(value))
-      return fmt::format("{}: the file of {} {} cannot be read", source, option, value);
+      return fmt::format("{}: {} {}: this file cannot be read", source, option, value);
     const std::string written = option == "-log_trace" ? value
                                 : option == "-info"    ? value.substr(0, value.find(':'))
                                                        : viewed(value);
     if (!is_read && !written.empty() && !is_writable(written))
-      return fmt::format("{}: the file of {} {} cannot be written", source, option, value);
+      return fmt::format("{}: {} {}: this file cannot be written", source, option, value);
   }
   return "";
 }

@@ -40,10 +40,10 @@ void BaseMotion::require_zero_ends(const std::string& path, const std::vector<in
   for (const std::size_t r : {std::size_t{0}, rows_.size() - 1}) {
     if (!moves(rows_[r])) continue;
     const Vec3& v = rows_[r];
-    throw InputError({fmt::format(
-        "{}:{}: vx_m_s = {:g}, vz_m_s = {:g}: must begin and end at rest: the {} row may move with "
-        "at most {:g} of the largest speed ({:g} m/s)",
-        path, lines[r], v.x(), v.z(), r == 0 ? "first" : "last", at_rest, largest)});
+    throw InputError(
+        {fmt::format("{}:{}: vx_m_s = {:g}, vz_m_s = {:g}: the wave must begin and end at rest: "
+                     "the speed in the {} row must be at most {:g} of the largest speed ({:g} m/s)",
+                     path, lines[r], v.x(), v.z(), r == 0 ? "first" : "last", at_rest, largest)});
   }
   const auto stop = [](Vec3& row) { row.setZero(); };
   std::for_each(rows_.begin(), first, stop);

@@ -44,7 +44,7 @@ Face face_of(const std::vector<Vec3>& vertices, const std::vector<int>& loop, do
   mean /= static_cast<double>(loop.size());
   face.offset = mean;
   for (const Vec3& corner : vertices) face.offset = std::max(face.offset, face.normal.dot(corner));
-  if (face.offset > mean + slack) refuse("a corner is outside of a face: not convex");
+  if (face.offset > mean + slack) refuse("a corner is outside of a face: the body is not convex");
   return face;
 }
 

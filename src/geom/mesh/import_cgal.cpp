@@ -51,7 +51,7 @@ void scale(std::vector<Vec3>& points, double unit) {
   for (Vec3& p : points) {
     p *= unit;
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > largest)
-      refuse("a coordinate is not a number or beyond 1000 km");
+      refuse("a coordinate is not a number, or is larger than 1000 km; is the length unit right?");
   }
 }
 
@@ -59,8 +59,9 @@ void scale(std::vector<Vec3>& points, double unit) {
 // resulting number is known: the message states which of the two prevails, and by how many.
 std::string cleaned(std::size_t before, std::size_t after) {
   return after > before
-             ? fmt::format("self-touching facets were split: {} more facets", after - before)
-             : fmt::format("{} facets without area or duplicate facets were removed",
+             ? fmt::format("self-touching facets were split, which gives {} facets more",
+                           after - before)
+             : fmt::format("facets removed, because they have no area or are duplicates: {}",
                            before - after);
 }
 
@@ -72,7 +73,8 @@ Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   pmp::repair_polygon_soup(points, soup.polygons);
   if (soup.polygons.size() != polygons) repairs.push_back(cleaned(polygons, soup.polygons.size()));
   if (!pmp::orient_polygon_soup(points, soup.polygons))
-    repairs.push_back("edges or corners of more than two facets were split");
+    repairs.push_back(
+        "edges of more than two facets, or corners at which surfaces only touch, were split");
   if (!pmp::is_polygon_soup_a_polygon_mesh(soup.polygons))
     refuse("the facets do not form a surface");
   Surface surface;
@@ -81,7 +83,7 @@ Surface joined(Soup& soup, std::vector<std::string>& repairs) {
   // Only edges whose ends have equal coordinates: merging points that are merely close would be a
   // guess about the shape.
   if (const std::size_t edges = pmp::stitch_borders(surface); edges > 0)
-    repairs.push_back(fmt::format("{} border edges stitched", edges));
+    repairs.push_back(fmt::format("pairs of equal border edges joined: {}", edges));
   return surface;
 }
 
@@ -98,7 +100,10 @@ Surface largest_part(const Surface& surface, std::vector<std::string>& repairs) 
     if (part != largest && pmp::area(*part) > allowed)
       refuse(fmt::format("the mesh has {} separate surfaces; a file must contain one body",
                          parts.size()));
-  if (parts.size() > 1) repairs.push_back(fmt::format("{} specks left out", parts.size() - 1));
+  if (parts.size() > 1)
+    repairs.push_back(
+        fmt::format("separate surfaces left out: {} (each at most {:g} % of the area)",
+                    parts.size() - 1, 100 * speck));
   return std::move(*largest);
 }
 
@@ -109,15 +114,15 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
   for (const auto border : borders) {
     const double length = pmp::face_border_length(border, surface);
     if (length > hole * extent)
-      refuse(fmt::format(
-          "the mesh is not closed: a hole has a border of {:.3g} m, more than {:g} of its "
-          "extent of {:.3g} m",
-          length, hole, extent));
+      refuse(
+          fmt::format("the mesh is not closed: a hole has a border of {:.3g} m; only borders up to "
+                      "{:g} of the extent of the mesh ({:.3g} m) are closed",
+                      length, hole, extent));
     std::vector<Surface::Face_index> patch;
     pmp::triangulate_hole(surface, border, std::back_inserter(patch));
     if (patch.empty()) refuse("the mesh is not closed, and a hole cannot be filled");
   }
-  if (!borders.empty()) repairs.push_back(fmt::format("{} small holes closed", borders.size()));
+  if (!borders.empty()) repairs.push_back(fmt::format("small holes closed: {}", borders.size()));
 }
 
 // Checked before any repair: the two sides of a flat mesh would be found to intersect. From the

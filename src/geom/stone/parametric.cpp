@@ -187,9 +187,7 @@ Piece rounded_stone(const StoneShape& shape, double rounding, std::uint64_t seed
   if (std::optional<Piece> stone = drawn(own, rounding, seed)) return *stone;
   throw std::invalid_argument(fmt::format(
       "no stone with {} corners has an elongation of {:g} and a flatness of {:g} with a rounding "
-      "of "
-      "{:g}; "
-      "bodies of few corners do not reach proportions near 1, nor rounded ones very flat shapes",
+      "of {:g}; use more corners for proportions near 1, or less rounding for very flat stones",
       own.vertices, own.elongation, own.flatness, rounding));
 }
 

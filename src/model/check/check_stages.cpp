@@ -28,7 +28,7 @@ void check_stages(const par::Comm& comm, const Model& model, const StagesToCheck
     const bool more = std::count_if(model.stages.begin(), model.stages.end(),
                                     [](const Stage& s) { return s.kind == StageKind::fill; }) > 1;
     say(comm,
-        fmt::format("  stones{}: {} of {} pieces, {:.0f} kg", more ? " of the first layer" : "",
+        fmt::format("  stones{}: {} ({} pieces), {:.0f} kg", more ? " of the first layer" : "",
                     totals.particles, totals.pieces, totals.mass));
     for (const std::string& line : estimate(world, actions, given.stones, given.deck))
       say(comm, line);

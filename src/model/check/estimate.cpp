@@ -90,12 +90,12 @@ double step_time(const par::Comm& comm, const bed::BedParameters& layer, Dimensi
 // Describes the steps of a stage and their limit: most stages of a deck have the same.
 std::string limits_of(const Model& model, const Stage& stage, const Steps& steps) {
   std::string words =
-      fmt::format("windows of {:.4g} s in {} sub-step{} (limit: {})\n", steps.window,
+      fmt::format("windows of {:.4g} s with {} sub-step{} each (limit: {})\n", steps.window,
                   steps.substeps, steps.substeps > 1 ? "s" : "", steps.limit);
   const CouplingLimit coupling = coupling_limit(model, stage);
   if (std::isfinite(coupling.window))
-    words += fmt::format("  coupling allows windows of {:.4g} s (assumed: {})\n", coupling.window,
-                         coupling.words());
+    words += fmt::format("  coupling allows windows of at most {:.4g} s (assumed: {})\n",
+                         coupling.window, coupling.words());
   return words;
 }
 
@@ -127,8 +127,8 @@ std::vector<std::string> warning_of_ground_steps(const World& world, double long
   const double steps = longest_window / world.ground->stable_step();
   if (!(steps > many)) return {};
   return {fmt::format(
-      "warning: the ground takes up to {:.0f} steps of its own in a window, which the estimate "
-      "does not include: see ground.rayleigh_stiffness and the sizes of elements",
+      "warning: the ground takes up to {:.0f} steps of its own in each window, whose wall time is "
+      "not included in the estimate: reduce ground.rayleigh_stiffness, or give larger elements",
       steps)};
 }
 
@@ -194,9 +194,9 @@ std::vector<std::string> estimate(const World& world, const StageActions& action
   }
   lines.push_back(shared + "  " + numbers);
   lines.push_back(fmt::format(
-      "estimated wall time on {} rank{}: {:.2g} s (assumed: idle cores; {:.0f} ns per stone and "
-      "sub-step, {:.0f} ns per ball and {:.0f} ns per polyhedron of it; stages of full length; "
-      "ground, coupling and output not included)",
+      "estimated wall time on {} rank{}: {:.2g} s (assumed: idle cores; in each sub-step {:.0f} ns "
+      "for each stone, {:.0f} ns for each ball and {:.0f} ns for each polyhedron of a stone; "
+      "stages of full duration; ground, coupling and output are not included)",
       comm.size(), comm.size() > 1 ? "s" : "", seconds, time_per_stone * 1e9, time_per_ball * 1e9,
       time_per_polyhedron * 1e9));
   for (const std::string& line : warning_of_ground_steps(world, longest)) lines.push_back(line);

@@ -83,8 +83,8 @@ std::string initial_overlap(const DeepContact& deep, const World& world, const i
     return fmt::format("surface \"{}\"", world.placement->surfaces()[k].name);
   }();
   return fmt::format(
-      "{}: stone \"{}\" initially overlaps {} by {:.4g} m, {:.3g} of the smaller radius (stones "
-      "with corners: rounding)",
+      "{}: stone \"{}\" initially overlaps {} by {:.4g} m, {:.3g} times the smaller radius (for "
+      "stones with corners: the smaller rounding radius)",
       deck.where(fmt::format("stone[{}].position", deep.first)),
       stones[static_cast<std::size_t>(deep.first)].name, other, deep.overlap,
       deep.overlap / deep.radius);
@@ -108,7 +108,7 @@ std::vector<std::string> from_behind(const World& world,
     sentences.push_back(fmt::format(
         "{}: stone \"{}\" reaches surface \"{}\" from behind after about {:.3g} s, which ends the "
         "run: plates and walls have contact on one side only; reverse the normal, use the other "
-        "side of a box, or place the stone in front of it",
+        "side of a box, or place the stone in front of the surface",
         deck.where(fmt::format("stone[{}].position", i)), stone.name,
         world.placement->surfaces()[reached->surface].name, reached->time));
   }
@@ -168,8 +168,8 @@ PlacesOfStones look_at_places(const World& world, const std::vector<bed::PlacedS
     const std::string where = initial_overlap(deep, world, deck);
     if (!(deep.overlap <= model.dem.largest_overlap * deep.radius))
       found.problems.push_back(
-          fmt::format("{}; the limit is dem.largest_overlap = {:g}: place it further away", where,
-                      model.dem.largest_overlap));
+          fmt::format("{}; the limit is dem.largest_overlap = {:g}: place the stone further away",
+                      where, model.dem.largest_overlap));
     else
       found.warnings.push_back(where);
   }

@@ -42,8 +42,8 @@ std::vector<std::string> leaps(const World& world, const input::Deck& deck, doub
        world.comm.all_gather(std::span<const dem::FastParticle>(mine)))
     sentences.push_back(fmt::format(
         "{}: stone \"{}\" moves {:.3g} m in a sub-step of {:.3g} s, more than its smallest radius "
-        "of "
-        "{:.3g} m: it may pass others without contact; give a smaller time.step or dem.safety",
+        "of {:.3g} m: the stone may pass through others without contact; give a smaller time.step "
+        "or dem.safety",
         deck.where(fmt::format("stone[{}].velocity", far.id)),
         placed.stones[static_cast<std::size_t>(far.id)].name, far.travel, dt, far.radius));
   return sentences;
@@ -61,8 +61,8 @@ void require_windows(const World& world, const input::Deck& deck) {
     const TimeParameters& time = world.model.time;
     const bool counted = time.window == 0 && time.substeps > 1;
     problems.push_back(fmt::format(
-        "{}: a window of {:.4g} s ({} sub-step{} of {:.4g} s) is longer than stage \"{}\" of {:g} "
-        "s; give {}",
+        "{}: a window of {:.4g} s ({} sub-step{} of {:.4g} s) is longer than stage \"{}\" ({:g} "
+        "s); give {}",
         deck.where(time.window > 0 ? "time.window"
                    : counted       ? "time.substeps"
                                    : "time.step"),
@@ -100,7 +100,7 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
   const dem::Totals totals = world.particles.totals();
   const dem::Domain& domain = world.particles.domain();
   std::vector<std::string> lines{
-      fmt::format("  stones: {} of {} pieces, {:.4g} kg; {} plate{} and {} box{}", totals.particles,
+      fmt::format("  stones: {} ({} pieces), {:.4g} kg; {} plate{} and {} box{}", totals.particles,
                   totals.pieces, totals.mass, model.placed.plates.size(),
                   model.placed.plates.size() == 1 ? "" : "s", model.placed.boxes.size(),
                   model.placed.boxes.size() == 1 ? "" : "es"),
@@ -112,11 +112,10 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
   for (const Stage& stage : model.stages) {
     steps = choose_steps(world, step_of(world), stage, deck);
     const double needs = number_covering(stage.duration, steps.window);
-    lines.push_back(
-        fmt::format("  {}: {:.4g} s in {:.0f} windows of {:.4g} s in {} sub-step{} "
-                    "(limit: {})",
-                    stage.name, stage.duration, needs, steps.window, steps.substeps,
-                    steps.substeps > 1 ? "s" : "", steps.limit));
+    lines.push_back(fmt::format(
+        "  {}: {:.4g} s in {:.0f} windows of {:.4g} s with {} sub-step{} each (limit: {})",
+        stage.name, stage.duration, needs, steps.window, steps.substeps,
+        steps.substeps > 1 ? "s" : "", steps.limit));
     windows += needs;
   }
   constexpr int tried = 200;
@@ -132,8 +131,8 @@ std::vector<std::string> estimate_placed(World& world, const input::Deck& deck) 
   }
   const std::chrono::duration<double> took = now() - start;
   lines.push_back(
-      fmt::format("estimated wall time on {} rank{}: {:.2g} s (from {} windows; rows "
-                  "of the histories not included)",
+      fmt::format("estimated wall time on {} rank{}: {:.2g} s (measured in {} windows; rows of the "
+                  "histories are not included)",
                   world.comm.size(), world.comm.size() > 1 ? "s" : "",
                   world.comm.max(took.count()) / tried * windows, tried));
   return lines;

@@ -101,7 +101,8 @@ double GroundBelow::stable_step(const Model& model) {
   const double safety = model.ground.safety, alone = ground_.stable_step(&limit_) / safety;
   const double b = 1 / alone + c * most;
   if (c * most > 1 / alone)
-    limit_ = fmt::format("ballast dampers on the ground's top (the ground alone by {})", limit_);
+    limit_ = fmt::format("ballast dampers on the ground's top (the ground alone is limited by {})",
+                         limit_);
   return 2 * safety / (b + std::sqrt(b * b + k * most * safety));
 }
 
@@ -375,7 +376,7 @@ void GroundBelow::load(const io::File& file) {
   ground_.load(file, "ground");
   force_ = file.read_all<double>(std::string(group) + "/force");
   if (force_.size() != footprints_.count())
-    throw RunError(std::string(group) + "/force belongs to another number of sleepers");
+    throw RunError(std::string(group) + "/force was written for a different number of sleepers");
   if (implicit()) force_before_ = file.read_all<double>(std::string(group) + "/force_before");
   footprints_.add_forces(force_, load_);
   const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");

@@ -52,7 +52,7 @@ void PressureParameters::declare(input::Section& s) {
   s.number("speed", speed, {.unit = "m/s", .usually_from = -200, .usually_to = 200},
            "Speed of the rectangle along x, from 0 s on.");
   const auto range = [&](const char* key, const std::vector<double>& values) {
-    s.rule(key, values.size() == 2 && values[0] < values[1], "must be two numbers, from and to",
+    s.rule(key, values.size() == 2 && values[0] < values[1], "must be two increasing numbers",
            {.reads = {key}});
   };
   range("x", x);
@@ -70,7 +70,7 @@ void PressureParameters::declare(input::Section& s) {
          "must be 0 m/s for a dead load, which is part of the static equilibrium",
          {.reads = {"course", "speed"}});
   const auto idle = [&](const char* key, bool given, bool used) {
-    s.rule(key, used || !given, "has no effect with this course",
+    s.rule(key, used || !given, "has no effect with this course (course)",
            {.severity = input::Severity::warning, .reads = {"course", key}});
   };
   const bool runs = course == PressureCourse::rise || course == PressureCourse::pulse;

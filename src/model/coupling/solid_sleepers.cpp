@@ -180,7 +180,7 @@ void SolidSleepers::load(const io::File& file, const std::string& group) {
   const auto rows = file.read_all<double>(group + "/reaction");
   const auto given = file.read_all<double>(group + "/solid/seat_force");
   if (rows.size() != 3 * count() || given.size() != count())
-    throw RunError(group + " belongs to another number of sleepers");
+    throw RunError(group + " was written for a different number of sleepers");
   for (std::size_t i = 0; i < count(); ++i)
     reaction_[i] = {rows[3 * i], rows[3 * i + 1], rows[3 * i + 2]};
   given_ = given;

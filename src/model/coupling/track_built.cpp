@@ -39,10 +39,11 @@ std::string words_of_speed(const track::TrainParameters& train) {
 // scatter.
 std::string words_of_d1(const char* section, const track::IrregularityParameters& given,
                         const track::Irregularity& profile) {
-  std::string text = fmt::format("  {}: D1 (3 to 25 m) root mean square {:.4f} mm", section,
-                                 1e3 * profile.d1_rms());
+  std::string text =
+      fmt::format("  {}: root mean square of D1 (wavelengths of 3 to 25 m) {:.4f} mm", section,
+                  1e3 * profile.d1_rms());
   if (given.kind == track::IrregularityKind::spectrum)
-    text += fmt::format("; of its spectrum {:.4f} mm", 1e3 * profile.spectrum_d1_rms());
+    text += fmt::format("; that of the given spectrum {:.4f} mm", 1e3 * profile.spectrum_d1_rms());
   return text;
 }
 
@@ -55,8 +56,9 @@ void introduce_track(const par::Comm& comm, const TrackModel& model, const Built
                         built.line.sides(), built.line.sides() > 1 ? "s" : "",
                         built.line.sleepers(), built.line.system().mass.rows()));
   if (built.line.sleepers_bend())
-    say(comm, fmt::format("  sleepers bend: first frequency {:.1f} Hz if free and slender",
-                          track::bending_frequency(model.line.track)));
+    say(comm, fmt::format(
+                  "  bending sleepers: first natural frequency of a free slender sleeper {:.1f} Hz",
+                  track::bending_frequency(model.line.track)));
   std::vector<std::string> printed;
   for (const track::VehicleParameters& vehicle : built.train.vehicles()) {
     if (std::find(printed.begin(), printed.end(), vehicle.name) != printed.end()) continue;
@@ -108,10 +110,10 @@ TrackAssembly::TrackAssembly(const par::Comm& comm, const Model& model)
 std::vector<std::string> introduce(const par::Comm& comm, const Model& model,
                                    const TrackAssembly& whole, const BuiltTrack& built) {
   if (!(built.passage.duration() > 0))
-    throw InputError(
-        {fmt::format("passage.duration: seat loads would last {:.4g} s: they begin behind the "
-                     "track (load.start), or end before 0 s",
-                     built.passage.duration())});
+    throw InputError({fmt::format(
+        "passage.duration: seat loads would last {:.4g} s, but their duration must be above 0 s: "
+        "axles start beyond the track (load.start), or the rows of the table end before 0 s",
+        built.passage.duration())});
   introduce_track(comm, whole.track, built);
   std::vector<std::string> warnings =
       warnings_of_profiles(whole.track, {built.irregularity, built.right});
@@ -129,8 +131,8 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model,
                         built.line.sleeper_x(built.line.first_moved()),
                         built.line.sleeper_x(built.line.first_moved() + built.line.moved() - 1)));
   if (model.ground.integrator != fem::Integrator::explicit_)
-    say(comm, fmt::format("  step: {:.4g} s (passage.step), implicit ground: two solves in each "
-                          "step, {} before the first",
+    say(comm, fmt::format("  step: {:.4g} s (passage.step), implicit ground: two solutions in each "
+                          "step, and {} before the first step",
                           whole.track.passage.step, whole.below->footprints()));
   if (whole.track.passage.step < model.track.passage.step)
     say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,

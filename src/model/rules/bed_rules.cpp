@@ -24,7 +24,7 @@ std::vector<std::string> names_of(const std::vector<bed::NamedLayer>& layers) {
 std::string instead_of(const std::string& name, const std::vector<std::string>& names) {
   if (names.empty()) return "the deck has none";
   const std::string near = input::nearest(name, names);
-  return near.empty() ? fmt::format("there is {}", fmt::join(names, ", "))
+  return near.empty() ? fmt::format("the deck has {}", fmt::join(names, ", "))
                       : fmt::format("did you mean {}?", near);
 }
 
@@ -32,11 +32,11 @@ std::string instead_of(const std::string& name, const std::vector<std::string>& 
 std::string misfit(const bed::LayerParameters& layer, Dimension dimension) {
   using enum bed::StoneKind;
   if (dimension == Dimension::space)
-    return layer.stone == pebbles ? "makes plane stones: the model must be a plane one" : "";
+    return layer.stone == pebbles ? "makes plane stones, which need dimension = \"plane\"" : "";
   const bool plane = layer.stone == pebbles || layer.stone == disk ||
                      (layer.stone == clump && !layer.clump.empty());
   return plane ? ""
-               : "makes stones in space: a plane model takes disk, pebbles, or clump with the "
+               : "makes stones in space: a plane model allows disk, pebbles, and clump with the "
                  "spheres given in `clump`";
 }
 
@@ -47,7 +47,7 @@ std::string misfit(const bed::LayerParameters& layer, Dimension dimension) {
 void declare_layers(const Model& model, input::Section& s) {
   const std::vector<std::string> names = names_of(model.bed.layers);
   s.rule("bed.layer", std::set(names.begin(), names.end()).size() == names.size(),
-         "layers need different names", {.reads = {"bed.layer"}});
+         "layers must have different names", {.reads = {"bed.layer"}});
   std::set<std::string> poured;
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
     const std::string& layer = model.stages[i].layer;
@@ -83,15 +83,15 @@ void declare_profile(const Model& model, input::Section& s) {
   double top = 0;
   for (const Stage& stage : model.stages) top = std::max(top, stage.profile);
   s.rule("bed.crest", top > 0 || !model.start.empty(),
-         "has no effect: no stage has a profile; give one to a stage after the bed is compacted",
+         "has no effect: no stage has a profile; give a profile to a stage after the compaction of "
+         "the bed",
          {.severity = input::Severity::warning, .reads = {"stage", "bed"}});
   // m, height at which the slope ends at a wall; 0 at the crest itself, which has no slope.
   const auto held = [&](double run) { return run > 0 ? top - run / model.bed.slope : 0; };
   for (const double at : {held(crest[0] - y[0]), held(y[1] - crest[1])})
     s.rule("bed.crest", at <= 1e-9,
-           fmt::format("a slope of {:g} from the crest at {:g} m reaches a side of the bed {:.3g} "
-                       "m above its foot and ends at the side wall; make bed.y wider or the crest "
-                       "narrower",
+           fmt::format("the slope of {:g} below the crest (height {:g} m) ends at a side wall of "
+                       "the bed, {:.3g} m above z = 0; make bed.y wider or the crest narrower",
                        model.bed.slope, top, at),
            {.severity = input::Severity::warning, .reads = {"stage", "bed"}});
 }

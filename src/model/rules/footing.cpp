@@ -23,21 +23,24 @@ bool two_rails(const Model& model) { return model.track.line.track.dimension == 
 // (docs/decisions/track_on_ground.md).
 void declare_kind(const Model& model, input::Section& s) {
   const input::About about{.reads = {"ground", "model"}};
-  s.rule("ground.present", model.ground.present, "must be true: without it the model is \"track\"",
+  s.rule("ground.present", model.ground.present,
+         "must be true for model = \"track_on_ground\"; without a ground give model = \"track\"",
          about);
   const fem::GroundParameters& ground = model.ground;
   const bool newmark = ground.integrator == fem::Integrator::newmark;
   s.rule("ground.integrator", newmark || ground.integrator == fem::Integrator::explicit_,
-         "must be explicit or newmark below a track, which uses average acceleration: the coupling "
-         "with others can gain energy",
+         "must be explicit or newmark below a track: the track is integrated with average "
+         "acceleration, and its coupling with other integrators can gain energy",
          about);
   s.rule("ground.newmark_beta",
          !newmark || (ground.newmark_beta == 0.25 && ground.newmark_gamma == 0.5),
-         "and newmark_gamma must be 0.25 and 0.5 below a track, which uses average acceleration: "
-         "the coupling with others can gain energy",
+         "must be 0.25, and ground.newmark_gamma 0.5, below a track: the track is integrated with "
+         "average acceleration, and its coupling with other integrators can gain energy",
          about);
-  s.rule("ground.layer", !model.ground.yields(),
-         "must not yield below a track without stones, whose weight is not in the model", about);
+  s.rule(
+      "ground.layer", !model.ground.yields(),
+      "must not yield below a track without stones: the weight of the ballast is not in the model",
+      about);
 }
 
 // Sleepers on the ground are sleepers of the track between its run-ins.
@@ -46,29 +49,29 @@ void declare_track(const Model& model, input::Section& s) {
   const FootingParameters& footing = model.footing;
   const input::About about{.reads = {"track", "footing", "model"}};
   s.rule("track.support", track.support == track::Support::sleepers,
-         "must be sleepers: the ground is below their ballast", about);
+         "must be sleepers: the ground is below the ballast of sleepers", about);
   const bool hangs = std::any_of(track.zones.begin(), track.zones.end(),
                                  [](const track::TrackZone& zone) { return zone.gap > 0; });
   s.rule("track.sleeper.model", !hangs || track.sleeper.model == track::SleeperModel::rigid,
-         "must be rigid on a ground with hanging sleepers (gap of a zone)", about);
+         "must be rigid on a ground with hanging sleepers (gap of a track.zone)", about);
   s.rule("pad.uplift", !model.track.line.pad.uplift,
-         "must be false on a ground: pads can lift off only on a track alone (model = \"track\")",
+         "must be false on a ground: the rail can lift off its pads only on a track alone (model = "
+         "\"track\")",
          {.reads = {"pad", "model"}});
   const double first = static_cast<double>(footing.before) * track.spacing;
   const double last = first + static_cast<double>(footing.count - 1) * track.spacing;
   s.rule("footing.before", first >= track.run_in - rounding,
-         fmt::format("puts the first sleeper on the ground at {:g} m from the start of the track, "
-                     "within its run-in of {:g} m",
+         fmt::format("the first sleeper on the ground is at {:g} m from the start of the track, "
+                     "within the run-in of {:g} m",
                      first, track.run_in),
          about);
-  s.rule(
-      "footing.count", last <= track.length - track.run_in + rounding,
-      fmt::format("puts the last sleeper on the ground at {:g} m from the start of the track; it "
-                  "ends at {:g} m, and its run-in is the last {:g} m",
-                  last, track.length, track.run_in),
-      about);
+  s.rule("footing.count", last <= track.length - track.run_in + rounding,
+         fmt::format("the last sleeper on the ground is at {0:g} m from the start of the track; it "
+                     "must be before the run-out, the last {2:g} m of the {1:g} m of track",
+                     last, track.length, track.run_in),
+         about);
   s.rule("train.start", model.track.train.vehicles.empty() || model.track.train.start <= 0,
-         "must be at most 0 on a ground: the train comes from the rigid rail before the track",
+         "must be at most 0 m on a ground: the train comes from the rigid rail before the track",
          {.reads = {"train", "model"}});
 }
 
@@ -100,10 +103,11 @@ std::array<double, 2> extent_of(const Model& model) {
 // Footprints may overlap, since ballast spreads loads, but most often the width is wrong.
 void declare_overlap(const Model& model, input::Section& s) {
   const double spacing = model.track.line.track.spacing;
-  s.rule(
-      "footing.width", model.footing.count < 2 || model.footing.width <= spacing + rounding,
-      fmt::format("is more than track.spacing ({:g} m): footprints of neighbours overlap", spacing),
-      {.severity = input::Severity::warning, .reads = {"footing", "track"}});
+  s.rule("footing.width", model.footing.count < 2 || model.footing.width <= spacing + rounding,
+         fmt::format(
+             "is more than track.spacing ({:g} m): footprints of neighbouring sleepers overlap",
+             spacing),
+         {.severity = input::Severity::warning, .reads = {"footing", "track"}});
 }
 
 // Reports the parameter that is wrong: the width if it exceeds the spacing and the outermost
@@ -115,21 +119,22 @@ void declare_along(const Model& model, const input::About& about, input::Section
   const double spacing = model.track.line.track.spacing;
   const double space = std::min(from - x[0], x[1] - to) + footing.width / 2;
   const bool width = footing.width > spacing && space >= spacing / 2 - rounding;
-  s.rule(
-      "footing.width", !width || footing.width / 2 <= space + rounding,
-      fmt::format("puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to "
-                  "{:g} m): the outermost sleepers have {:g} m beside their middle "
-                  "(footing.first)",
-                  from, to, x[0], x[1], space),
-      about);
-  s.rule("footing.first", width || from >= x[0] - rounding,
-         fmt::format("puts a footprint from {:g} m on, beyond the ground (ground.x: {:g} to {:g} "
-                     "m)",
-                     from, x[0], x[1]),
+  s.rule("footing.width", !width || footing.width / 2 <= space + rounding,
+         fmt::format(
+             "puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to {:g} "
+             "m): beside the middle of the outermost sleepers there are {:g} m (footing.first)",
+             from, to, x[0], x[1], space),
          about);
+  s.rule(
+      "footing.first", width || from >= x[0] - rounding,
+      fmt::format(
+          "the first footprint begins at x = {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
+          from, x[0], x[1]),
+      about);
   s.rule("footing.count", width || to <= x[1] + rounding,
-         fmt::format("puts a footprint up to {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
-                     to, x[0], x[1]),
+         fmt::format(
+             "the last footprint ends at x = {:g} m, beyond the ground (ground.x: {:g} to {:g} m)",
+             to, x[0], x[1]),
          about);
 }
 
@@ -140,8 +145,8 @@ void declare_across(const FootingParameters& footing, double low, double high,
   const double from = footing.y - footing.length / 2, to = footing.y + footing.length / 2;
   const bool fits = footing.length <= high - low + rounding;
   s.rule(fits ? "footing.y" : "footing.length", from >= low - rounding && to <= high + rounding,
-         fmt::format("puts footprints from y = {:g} to {:g} m, beyond {} (footing.{})", from, to,
-                     where, fits ? "length" : "y"),
+         fmt::format("puts footprints from y = {:g} to {:g} m, beyond {}; see also footing.{}",
+                     from, to, where, fits ? "length" : "y"),
          about);
 }
 
@@ -156,7 +161,8 @@ void declare_place(const Model& model, input::Section& s) {
   if (is_plane(model)) {
     const FootingParameters none;
     s.rule("footing.length", footing.length == none.length && footing.y == none.y,
-           "and y have no effect in a plane model: the length of footprints is its thickness",
+           "footing.length and footing.y have no effect in a plane model, whose thickness is the "
+           "length of the footprints; leave them out",
            about);
     return;
   }
@@ -177,16 +183,17 @@ void FootingParameters::declare(input::Section& s) {
   s.integer("before", before, {.at_least = 0, .at_most = 10000},
             "Number of sleepers on springs alone before the first one on the ground.");
   s.integer("count", count, {.at_least = 1, .at_most = 10000}, "Number of sleepers on the ground.");
-  s.number("first", first, {.unit = "m"}, "x, in the ground, of the first sleeper on it.");
+  s.number("first", first, {.unit = "m"},
+           "x of the first sleeper on the ground, in the coordinates of the ground.");
   s.number("width", width, {.unit = "m", .at_least = 1e-3, .usually_to = 3},
            "Width, along the track, of the footprint of a sleeper on the ground.");
   s.number("length", length, {.unit = "m", .at_least = 1e-3, .usually_to = 5},
-           "Length of the footprint across the track (space; a plane model uses its thickness), "
-           "with two rails at least the sleeper length.");
+           "Length of the footprint across the track (space; a plane model uses its thickness); "
+           "with two rails it must be at least the sleeper length.");
   s.number("y", y, {.unit = "m"}, "y of the middle of the footprint (space).");
   s.number("rails", rails, {.above = 0, .at_most = 2},
-           "Number of rails whose load the ground carries: 1 for half a track, 2 for a whole one "
-           "and for two rails.");
+           "Number of rails whose load the ground carries: 1 for half a track; 2 for a whole "
+           "track, also if it is modelled with two rails.");
 }
 
 // The surface of a plane model is as wide as its thickness. A linear pressure across the footprint

@@ -36,7 +36,8 @@ std::string beside(const Model& model, const PressureParameters& p, const std::v
     return fmt::format("moves from x = {:g} to {:g} m and is never on the ground ({:g} to {:g} m)",
                        from, to, x[0], x[1]);
   if (model.dimension == Dimension::space && p.y.size() == 2 && outside(p.y, y))
-    return fmt::format("has a y beyond the top of the ground ({:g} to {:g} m)", y[0], y[1]);
+    return fmt::format("reaches across the track beyond the top of the ground ({:g} to {:g} m)",
+                       y[0], y[1]);
   return "";
 }
 
@@ -47,7 +48,7 @@ bool has_place(const PressureParameters& p) {
 void declare_steps(const Model& model, input::Section& s) {
   const bool implicit = model.ground.integrator != fem::Integrator::explicit_;
   s.rule("time.window", !implicit || model.time.window > 0,
-         "must be given for implicit steps: each window is one step",
+         "must be given for an implicit ground (ground.integrator): each window is one step",
          {.reads = {"time.window", "ground"}});
   const TimeParameters none;
   const Output output;
@@ -56,7 +57,8 @@ void declare_steps(const Model& model, input::Section& s) {
   };
   for (const Stage& stage : model.stages)
     s.rule("time.window", stage.duration <= 0 || model.time.window <= stage.duration,
-           fmt::format("is longer than stage \"{}\", which takes at least one window", stage.name),
+           fmt::format("is longer than stage \"{}\" ({:g} s), which then lasts one window",
+                       stage.name, stage.duration),
            {.severity = input::Severity::warning, .reads = {"time.window", "stage"}});
   for (const auto& [key, idle] : {std::pair{"time.step", model.time.step == none.step},
                                   {"time.substeps", model.time.substeps == none.substeps}})
@@ -69,8 +71,9 @@ void declare_steps(const Model& model, input::Section& s) {
     s.rule(key,
            interval == 0 || is_default(interval) ||
                interval >= model.time.window * (1 - rounding_of_steps),
-           fmt::format("is less than a time window ({:g} s): output is written after every window",
-                       model.time.window),
+           fmt::format(
+               "is less than a time window ({:g} s): output is then written after every window",
+               model.time.window),
            {.severity = input::Severity::warning, .reads = {key, "time"}});
 }
 
@@ -112,7 +115,7 @@ void declare_resolved(const Model& model, const PressureParameters& p, const std
                p.frequency * fewest * window <= 1 + rounding_of_steps,
            fmt::format("gives cycles of {:g} s", p.frequency > 0 ? 1 / p.frequency : 0));
   resolved(".speed", std::abs(p.speed) * window <= p.x[1] - p.x[0],
-           fmt::format("moves it by {:g} m in a window, more than its length",
+           fmt::format("moves the pressure by {:g} m in a window, more than its length",
                        std::abs(p.speed) * window));
 }
 
@@ -144,10 +147,9 @@ void declare_stages_alone(const Model& model, input::Section& s) {
   s.rule("pressure", loaded || !model.ground.base_motion.empty(),
          fmt::format("nothing moves the ground: {}, and there is no incoming wave "
                      "(ground.base_motion)",
-                     model.pressures.empty()
-                         ? "there are no pressures"
-                         : "all pressures have course = \"dead\", under which it is initially in "
-                           "static equilibrium"),
+                     model.pressures.empty() ? "there are no pressures"
+                                             : "all pressures have course = \"dead\", under which "
+                                               "the ground is initially in static equilibrium"),
          {.severity = input::Severity::warning, .reads = {"pressure", "ground"}});
 }
 
@@ -172,7 +174,8 @@ void declare_pressures(const Model& model, input::Section& s) {
     const double time = model.duration();
     const bool begins = p.course != PressureCourse::dead && p.course != PressureCourse::table;
     s.rule(key + ".begin", !begins || time <= 0 || p.begin < time,
-           fmt::format("is after the end of the last stage at {:g} s", time),
+           fmt::format("is after the end of the last stage at {:g} s: the pressure has no effect",
+                       time),
            {.severity = input::Severity::warning, .reads = {key, "stage"}});
     if (!ground.mesh.empty() || ground.x.size() != 2 || ground.y.size() != 2) continue;
     std::vector<double> across = ground.y;
@@ -182,7 +185,7 @@ void declare_pressures(const Model& model, input::Section& s) {
       across = {std::max(-half, across[0]), std::min(half, across[1])};
     }
     const std::string why = beside(model, p, ground.x, across);
-    s.rule(key + (why.starts_with("has a y") ? ".y" : ".x"), why.empty(), why,
+    s.rule(key + (why.starts_with("reaches across") ? ".y" : ".x"), why.empty(), why,
            {.reads = {key, "ground", "dimension", "stage"}});
   }
 }

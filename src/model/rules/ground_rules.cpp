@@ -164,7 +164,7 @@ std::vector<std::string> warnings_of_shapes(const Model& model, const input::Dec
   }
   if (longest <= flat * shortest || of_shortest == of_longest) return {};
   return {fmt::format(
-      "{}: elements are up to {:.3g} m long along {} and down to {:.3g} m along {}: such flat "
+      "{}: elements are up to {:.3g} m long along {}, but only {:.3g} m along {}: such flat "
       "elements need short steps and have inaccurate stresses",
       deck.where("ground.elements_" + of_longest), longest, of_longest, shortest, of_shortest)};
 }
@@ -237,8 +237,8 @@ void declare_ground_mesh(const Model& model, input::Section& s) {
   s.rule(what, model.dimension == Dimension::space, "needs dimension = \"space\"",
          {.reads = {"dimension", what}});
   s.rule("time.window", model.time.window > 0,
-         fmt::format("must be given with {}: the mass of the nodes of its top does not follow from "
-                     "the deck",
+         fmt::format("must be given with {}: the stable window depends on the masses of the nodes "
+                     "of its top, which do not follow from the deck",
                      what),
          {.reads = {"time.window", what}});
   if (ground.mesh.empty()) declare_crest(model, s);

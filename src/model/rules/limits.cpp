@@ -235,7 +235,7 @@ std::string remedies(const Model& model, double limit) {
         fmt::format("dem.largest_overlap = {:.2g} (larger overlaps would stop the run)", overlap));
   if (safety <= 1) words.push_back(fmt::format("dem.safety = {:.3g}", 1.005 * safety));
   if (words.empty()) return {};
-  return fmt::format("; {} would allow it", fmt::join(words, " or "));
+  return fmt::format("; {} would allow this step", fmt::join(words, " or "));
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ namespace {
 constexpr double most_cycles = 1e6;
 
 constexpr const char* footing_meaning =
-    "Footprints of the sleepers on the ground of model = \"track_on_ground\".";
+    "Footprints of the sleepers on the ground (model = \"track_on_ground\").";
 constexpr const char* output_meaning = "What is written, and when the run stops early.";
 constexpr const char* pressure_meaning =
-    "Uniform pressures on rectangles of the top of model = \"ground\".";
+    "Uniform pressures on rectangles of the top of the ground (model = \"ground\").";
 constexpr double margin_beside_floor = 0.25;  // m
 // Fraction of the bed's larger side by which walls with a controlled pressure may move. At 15 % of
 // axial strain a bed of twice that height widens by about a fifth.
@@ -61,11 +61,11 @@ void Stage::declare_course(input::Section& s) {
            "Longest simulated time of the stage; passage: of all its trains together, 0: until the "
            "last axle has left; tamp: 0, since its times are those of [tamping].");
   s.number("growth", growth, {.unit = "s", .at_least = 0, .usually_to = 10},
-           "Duration of the growth of stones in place, from a loose initial size to full size "
-           "(fill); 0: stones are dropped.");
+           "Time in which stones grow in place from a small initial size to their full size "
+           "(fill); 0: stones of full size are dropped.");
   s.number("growth_height", growth_height, {.unit = "-", .at_least = 0.5, .at_most = 10},
-           "Initial height of growing stones over that of the bed (fill). Values above 1 reduce "
-           "their kinetic energy and make the bed slightly looser.");
+           "Height up to which growing stones are initially placed, over the height of the bed "
+           "(fill). Values above 1 reduce their kinetic energy and make the bed slightly looser.");
   s.number("local_damping", local_damping, {.at_least = -1, .at_most = 0.99},
            "Local damping of stones during the stage; below 0: that of the materials.");
   s.number("friction", friction, {.unit = "-", .at_least = -1, .at_most = 2},
@@ -88,14 +88,15 @@ void Stage::declare_bodies(input::Section& s) {
            "are fixed. Opposite walls have the same displacement, controlled by a servo like that "
            "of the platen.");
   s.number("displacement", displacement, {.unit = "m"},
-           "Displacement in the duration; shear: of floor and lower half along x; triaxial: of the "
-           "platen downwards.");
+           "Displacement during the stage; shear: of the floor and the lower half of the walls "
+           "along x; triaxial: of the platen downwards.");
   s.number("height", height, {.unit = "m", .at_least = 0, .usually_to = 5},
            "Height of the lower face of sleepers (sleepers); 0: on top of the stones.");
   s.number("profile", profile, {.unit = "m", .at_least = 0, .usually_to = 5},
-           "Height of the crest (see bed.crest); stones with their centre above it or the slopes "
-           "beside it are removed when the stage begins; 0: none. Cribs are filled to this height, "
-           "and stones above are removed at the end. It is not for fill.");
+           "Height of the crest (see bed.crest). When the stage begins, stones whose centre is "
+           "above the crest or above the slopes beside it are removed; 0: no stones are removed. A "
+           "stage of kind cribs fills cribs up to this height and removes stones above it at its "
+           "end. A stage of kind fill cannot have a profile.");
 }
 
 void Stage::declare_loads(input::Section& s) {
@@ -111,11 +112,11 @@ void Stage::declare_loads(input::Section& s) {
             "Number of cycles; load: haversines in the duration, 0: ramp, hold, ramp; passage: "
             "trains, one after the other, 0: one; tamp: insertions of the tines, 0: one.");
   s.flag("train", train,
-         "Whether the vehicles of [train] run over rail and pads on the sleepers, instead of the "
-         "axles of [load] (passage).");
+         "Whether the vehicles of [train], on a rail and its pads, load the sleepers instead of "
+         "the axles of [load] (passage).");
   s.number("settlement", settlement, {.unit = "m", .at_least = 0},
-           "Largest settlement of a sleeper in the last cycle with which the stage ends early "
-           "(load and passage with cycles); 0: never.");
+           "The stage ends early after a cycle in which no sleeper settles by more than this value "
+           "(load and passage with cycles); 0: the stage does not end early.");
 }
 
 // One struct for all kinds: a parameter that a kind does not use keeps its default. The rules at
@@ -131,28 +132,28 @@ void Stage::declare(input::Section& s) {
   s.rule("duration", kind == StageKind::passage || tamps || duration > 0,
          "must be above 0 s for this kind of stage");
   s.rule("duration", !tamps || duration == 0,
-         "is not for stages of kind tamp: times are those of [tamping]",
+         "must be 0 s for stages of kind tamp: their times are those of [tamping]",
          {.reads = {"kind", "duration"}});
   s.rule("profile", kind != StageKind::cribs || profile > 0, "must be above 0 m to fill cribs");
   s.rule("profile", kind != StageKind::fill || profile == 0,
          "has no effect while stones still fall; give it to a later stage");
-  s.rule(
-      "growth", growth <= duration,
-      fmt::format("is longer than the stage ({:g} s): stones would not reach their size", duration),
-      {.reads = {"duration", "growth"}});
+  s.rule("growth", growth <= duration,
+         fmt::format("is longer than the stage ({:g} s): stones would not reach their full size",
+                     duration),
+         {.reads = {"duration", "growth"}});
   s.rule("layer", kind == StageKind::fill || layer.empty(), "is for stages of kind fill only",
          {.reads = {"kind", "layer"}});
   const bool loaded = kind == StageKind::load || kind == StageKind::passage;
   s.rule("cycles", cycles == 0 || loaded || tamps,
          "is for stages of kind load, passage and tamp only");
-  s.rule("settlement", settlement == 0 || cycles > 0, "needs cycles, at least 1");
+  s.rule("settlement", settlement == 0 || cycles > 0, "needs at least one cycle (cycles)");
 }
 
 // 0 means chosen by the program: most decks need no values here.
 void TimeParameters::declare(input::Section& s) {
   s.number("window", window, {.unit = "s", .at_least = 0},
-           "Length of a time window of the coupling; 0: `substeps` sub-steps, or the limit of the "
-           "coupling if that is less.");
+           "Length of a time window of the coupling; 0: `substeps` sub-steps, or the stable window "
+           "of the coupling if that is shorter.");
   s.number("step", step, {.unit = "s", .at_least = 0},
            "Sub-step of the stones; 0: chosen from stability.");
   s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
@@ -163,34 +164,37 @@ void TimeParameters::declare(input::Section& s) {
       fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
                   rough_step));
   s.rule("step", step == 0 || step >= 1e-3 * rough_step || rough_step == input::unbounded,
-         fmt::format("is less than a thousandth of the stable step of about {:.3g} s", rough_step),
+         fmt::format("is less than a thousandth of the stable step of about {:.3g} s; is it in s?",
+                     rough_step),
          {.severity = input::Severity::warning, .reads = {"step"}});
-  s.rule("step", window == 0 || step <= window,
-         fmt::format("is longer than the window of {:g} s, which is then one sub-step", window),
-         {.severity = input::Severity::warning, .reads = {"window", "step"}});
+  s.rule(
+      "step", window == 0 || step <= window,
+      fmt::format("is longer than the window of {:g} s: each window is then one sub-step", window),
+      {.severity = input::Severity::warning, .reads = {"window", "step"}});
   s.rule("substeps", window == 0 || substeps == 1,
-         "has no effect: the window is given, and the stones' sub-steps fill it",
+         "has no effect: time.window is given, and the number of sub-steps follows from it",
          {.severity = input::Severity::warning, .reads = {"window", "substeps"}});
   s.rule("window", window <= rough_window,
          fmt::format("is unstable: contact stiffness and the mass of the bodies in contact with "
-                     "stones allow {:.3g} s",
+                     "stones allow about {:.3g} s",
                      rough_window));
 }
 
 void RunOutput::declare(input::Section& s) {
   s.number("history_interval", history_interval, {.unit = "s", .at_least = 0},
-           "Simulated time between rows of the histories, rounded to windows; 0: a row after each. "
-           "For a track alone or on a ground, whose windows are its steps, the default is 1e-3 s.");
+           "Simulated time between rows of the histories, rounded to windows; 0: a row after each "
+           "window. For a track alone or on a ground, whose windows are its steps, the default is "
+           "1e-3 s.");
   const auto free = s.free_to_change();
-  s.number(
-      "checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
-      "Simulated time between checkpoints within a stage, rounded to windows; 0: only at its end. "
-      "For a track alone or on a ground the default is 0: none, except when a run is stopped.");
+  s.number("checkpoint_interval", checkpoint_interval, {.unit = "s", .at_least = 0},
+           "Simulated time between checkpoints within a stage, rounded to windows; 0: only at the "
+           "end of the stage. For a track alone or on a ground the default is 0: none, except when "
+           "a run is stopped.");
   s.number("wall_time", wall_time, {.unit = "s", .at_least = 0},
            "Wall time after which a checkpoint is written and the run stops; 0: no limit.");
   s.integer("stop_after", stop_after, {.at_least = 0},
-            "Number of time windows, counted from the first of the run also after a resume, after "
-            "which a checkpoint is written and the run stops; 0: no limit.");
+            "Number of time windows after which a checkpoint is written and the run stops. Windows "
+            "are counted from the start of the run, also after a resume; 0: no limit.");
 }
 
 void Output::declare(input::Section& s) {
@@ -200,9 +204,9 @@ void Output::declare(input::Section& s) {
       "fields_interval", fields_interval, {.unit = "s", .at_least = 0},
       "Simulated time between fields within a stage; 0: only at its end. Needs fields = true.");
   s.flag("ground_extremes", ground_extremes,
-         "Whether the ground's fields include the extremes of each element's stress over history "
-         "rows and fields of a stage in which the ground moves. If switched on by a resume within "
-         "a stage, they count from there on. Needs fields = true.");
+         "Whether the ground's fields include the smallest and largest stresses of each element at "
+         "all history rows and fields of a stage in which the ground moves. If a resume within a "
+         "stage switches this on, earlier times are not included. Needs fields = true.");
   s.rule("ground_extremes", !ground_extremes || fields, "has no effect without fields = true",
          {.severity = input::Severity::warning, .reads = {"fields", "ground_extremes"}});
   s.number(
@@ -222,7 +226,7 @@ void Model::declare_passage(input::Section& s) {
   s.table("output", static_cast<RunOutput&>(output), output_meaning);
   const double step = track.passage.step, interval = output.history_interval;
   s.rule("output.history_interval", track.on_ground || interval == 0 || interval >= step,
-         "is less than a time step (passage.step); a row is written after every step",
+         "is less than a time step (passage.step): a row is then written after every step",
          {.severity = input::Severity::warning, .reads = {"passage", "output"}});
 }
 
@@ -251,7 +255,7 @@ void Model::declare_ground_alone(input::Section& s) {
 void Model::declare_space(input::Section& s) {
   const auto fixed = s.fixed_by(input::state::any);
   s.choice("dimension", dimension, {"plane", "space"},
-           "Dimension of the model: two (x and z) or three.");
+           "Dimension of the model; plane: x and z; space: x, y and z.");
   s.number("thickness", thickness,
            {.unit = "m", .above = 0, .usually_from = 0.01, .usually_to = 10},
            "Thickness of a plane model across the track; half the sleeper length if seat loads are "
@@ -265,12 +269,13 @@ void Model::declare(input::Section& s) {
   // The state of a track alone or on a ground is the motion of a model that is built again from the
   // deck, and depends on nearly every parameter.
   const auto fixed = s.fixed_by(has_stages() ? input::state::none : input::state::passage);
-  s.choice("model", given, {"bed", "track", "track_on_ground", "ground", "stones"},
-           "Kind of model; bed: stones, ground and sleepers under seat loads; track: a train on "
-           "rail and springs alone, with title and the sections of a track alone; track_on_ground: "
-           "the same with [ground] below the springs of some sleepers; ground: [ground] alone "
-           "under [[pressure]], in stages of kind run; stones: each [[stone]], [[plate]] and "
-           "[[box]] as placed by the deck, in stages of kind run and settle.");
+  s.choice(
+      "model", given, {"bed", "track", "track_on_ground", "ground", "stones"},
+      "Kind of model; bed: stones, ground and sleepers under seat loads; track: a train on rail, "
+      "pads, sleepers and springs, without stones and ground (a track alone); track_on_ground: a "
+      "track alone with [ground] below the springs of some sleepers; ground: [ground] alone under "
+      "[[pressure]], in stages of kind run; stones: each [[stone]], [[plate]] and [[box]] as "
+      "placed by the deck, in stages of kind run and settle.");
   if (given != kind) set_kind(given);
   track.on_bed = kind == ModelKind::bed;
   track.on_ground = kind == ModelKind::track_on_ground;
@@ -302,15 +307,16 @@ void Model::declare_bed(input::Section& s) {
   s.texts("periodic", periodic, "Axes along which the bed is periodic: any of \"x\", \"y\".");
   fixed.end();
   s.file("start", start,
-         "Checkpoint from which the run starts (a file stage_*.h5, or a result folder: the one "
-         "named by its `latest`); the stages before it are not repeated.",
+         "Checkpoint from which the run starts (a file stage_*.h5, or a result folder, of which "
+         "the checkpoint named in its file `latest` is taken); the stages before it are not "
+         "computed again.",
          input::FileRole::origin);
   s.text("wall_material", wall_material, "Contact material of walls and platen.");
   s.text("ground_material", ground_material,
          "Contact material of the ground's surface, or of the floor if there is no ground.");
   s.number("settle_average", settle_average, {.unit = "s", .at_least = 0},
-           "Time constant of the average of the bed's load with which the ground is in static "
-           "equilibrium before it starts to move.");
+           "Time constant of the average of the bed's load on the ground. Before the ground starts "
+           "to move, it is in static equilibrium with this averaged load.");
   physics.declare(s);
   s.table("dem", dem, "Integration and contact search of stones.");
   s.table("bed", bed, "The ballast bed.");

@@ -84,7 +84,7 @@ void declare_plane(const Model& model, input::Section& s) {
          {.reads = {"thickness", "dimension"}});
   if (model.dimension != Dimension::plane) return;
   const auto zero = [&](const std::string& key, double value) {
-    s.rule(key, value == 0, "must have no component out of the plane x, z in a plane model",
+    s.rule(key, value == 0, "must have the y component 0 in a plane model",
            {.reads = {key, "dimension"}});
   };
   const auto about_y = [&](const std::string& key, const std::vector<double>& axis, double angle) {
@@ -98,7 +98,8 @@ void declare_plane(const Model& model, input::Section& s) {
     const std::string key = fmt::format("stone[{}]", i);
     const bool flat = stone.shape == bed::ShapeKind::ball ||
                       (stone.shape == bed::ShapeKind::clump && !stone.spheres.empty());
-    s.rule(key + ".shape", flat, "makes stones in space: a plane model takes ball and clump",
+    s.rule(key + ".shape", flat,
+           "makes stones in space: a plane model allows ball, and clump with given spheres",
            {.reads = {key, "dimension"}});
     zero(key + ".position", vector_of(stone.position).y());
     zero(key + ".velocity", vector_of(stone.velocity).y());
@@ -153,7 +154,8 @@ void declare_domain(const Model& model, input::Section& s) {
   const DomainParameters& d = model.placed.domain;
   const auto ok = [](const std::vector<double>& v) { return v.empty() || v.size() == 3; };
   s.rule("domain.low", ok(d.low) && d.low.size() == d.high.size(),
-         "must be three numbers, and so must `high`, or none", {.reads = {"domain"}});
+         "must be three numbers, like domain.high, or both must be left out",
+         {.reads = {"domain"}});
   if (!ok(d.low) || d.low.size() != d.high.size()) return;
   const dem::Domain box = model.domain();
   const bool rises = d.low.empty() || (vector_of(d.high) - vector_of(d.low)).minCoeff() > 0;
@@ -186,7 +188,8 @@ void declare_motion(const Model& model, input::Section& s) {
   });
   declare_steadiness(model, corners, s);
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
-         "must be given: no stone is free, so no stable step exists", {.reads = {"stone", "time"}});
+         "must be given: no stone is free, so that there is no stable step from which to choose",
+         {.reads = {"stone", "time"}});
 }
 
 }  // namespace

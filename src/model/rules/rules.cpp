@@ -56,7 +56,7 @@ void declare_materials(const Model& model, input::Section& s) {
            std::any_of(
                parts.begin(), parts.end(),
                [&](const auto& part) { return part.second == model.physics.materials[m].name; }),
-           "is the name of a material that no part of the model has",
+           "is the name of a material that no part of the model uses",
            {.severity = input::Severity::warning, .reads = {"material", "bed", "sleepers"}});
 }
 
@@ -73,14 +73,14 @@ void declare_ground_below(const Model& model, input::Section& s) {
   const auto below = [&](const std::string& axis, const auto& bed, const auto& ground) {
     s.rule("bed." + axis, is_within(bed, ground),
            fmt::format("reaches beyond ground.{} ({:g} to {:g} m): stones would fall beside the "
-                       "ground; make it longer or the bed shorter",
+                       "ground; make the ground longer or the bed shorter",
                        axis, ground[0], ground[1]),
            {.reads = {"ground.present", "ground." + axis, "bed." + axis}});
     if (!model.periodic_in(axis) || model.bed.sieve.empty() || bed.size() != 2) return;
     const double stone = 1e-3 * model.bed.sieve.back();  // mm
     s.rule("ground." + axis, is_within({bed[0] - stone, bed[1] + stone}, ground),
            fmt::format("ends less than a stone ({:g} m) beyond a periodic side of the bed: stones "
-                       "that reach over its end have no support there",
+                       "that reach beyond the end of the ground have no support there",
                        stone),
            {.severity = input::Severity::warning,
             .reads = {"ground.present", "ground." + axis, "bed", "periodic"}});
@@ -122,9 +122,10 @@ void declare_sleepers(const Model& model, input::Section& s) {
   s.rule("sleepers.y", !beside,
          fmt::format("puts the sleepers beside the bed (bed.y: {:g} to {:g} m)", y[0], y[1]),
          {.reads = reads});
-  s.rule("sleepers.length", beside || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
-         "sleepers reach beyond the sides of the bed (bed.y)",
-         {.severity = input::Severity::warning, .reads = reads});
+  s.rule(
+      "sleepers.length", beside || is_within({p.y - p.length / 2, p.y + p.length / 2}, y),
+      fmt::format("sleepers reach beyond the sides of the bed (bed.y: {:g} to {:g} m)", y[0], y[1]),
+      {.severity = input::Severity::warning, .reads = reads});
 }
 
 // Positions of the axles of one train at the ends of its passage, relative to the sleepers. Axles
@@ -154,7 +155,7 @@ AxlePassage::AxlePassage(const Model& model, const Stage& stage)
                         (load.start - behind);  // m, distance from the axle to the sleeper
       any = any || (on >= 0 && on <= travel);
     }
-  where = fmt::format("sleepers are from x = {:g} to {:g} m", first, last);
+  where = fmt::format("sleepers are at x = {:g} to {:g} m", first, last);
 }
 
 // A passage in which no axle loads a sleeper would compute an unloaded bed for its whole duration.
@@ -165,18 +166,17 @@ void declare_load(const Model& model, const Stage& stage, const std::string& dur
   // The parameter to report: for a start beyond the track more time is no remedy.
   const bool too_late = start - p.rear > p.last;
   s.rule(too_late ? "load.start" : duration, p.any,
-         too_late
-             ? fmt::format("no axle passes a sleeper: the last axle begins at x = {:g} m and "
-                           "moves along +x, {}; start before them",
-                           start - p.rear, p.where)
-             : fmt::format("no axle passes a sleeper: the first axle moves from x = {:g} to {:g} "
-                           "m{}, {}; give more time, or 0 for the whole passage",
-                           start - p.lead, start - p.lead + p.travel,
-                           stage.cycles > 1 ? fmt::format(" in {:g} s, the time of one of {} "
-                                                          "trains",
-                                                          p.time, stage.cycles)
-                                            : "",
-                           p.where),
+         too_late ? fmt::format("no axle passes a sleeper: the last axle begins at x = {:g} m and "
+                                "moves along +x ({}); start before the sleepers",
+                                start - p.rear, p.where)
+                  : fmt::format("no axle passes a sleeper: the first axle moves from x = {:g} to "
+                                "{:g} m{} ({}); give more time, or 0 for the whole passage",
+                                start - p.lead, start - p.lead + p.travel,
+                                stage.cycles > 1 ? fmt::format(" in {:g} s, the time of one of {} "
+                                                               "trains",
+                                                               p.time, stage.cycles)
+                                                 : "",
+                                p.where),
          about);
   if (!p.any) return;
   s.rule(duration, start - p.rear + p.travel >= p.last,
@@ -193,18 +193,17 @@ void declare_begin(const Model& model, const Stage& stage, const input::About& a
   const auto& load = model.load;
   const bool beyond = load.start - p.lead > p.first;
   s.rule("load.start", !beyond,
-         fmt::format("the first axle begins beyond the first sleeper: the load begins with a jump "
-                     "({})",
+         fmt::format("the first axle begins beyond the first sleeper: the load begins with a jump; "
+                     "start further away ({})",
                      p.where),
          {.severity = input::Severity::warning, .reads = about.reads});
   const double at_first = track::SeatLoad(load, model.sleepers.spacing).at(p.first, 0);
   const double jump = load.peak > 0 ? at_first / load.peak : 0;
-  s.rule(
-      "load.start", beyond || std::abs(jump) <= negligible,
-      fmt::format("the load of the first sleeper begins with a jump of {:.2g} of the peak: start "
-                  "further away ({})",
-                  jump, p.where),
-      {.severity = input::Severity::warning, .reads = about.reads});
+  s.rule("load.start", beyond || std::abs(jump) <= negligible,
+         fmt::format("the load of the first sleeper begins with a jump of {:.2g} times the peak; "
+                     "start further away ({})",
+                     jump, p.where),
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // Missing axles or sleepers are reported elsewhere; a table of loads has its own times and no
@@ -227,22 +226,21 @@ void declare_oddities(const Model& model, input::Section& s) {
   const auto& ground = model.ground;
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const Stage& stage) { return stage.ground_moves; });
-  s.rule(
-      "ground.base_stiffness",
-      !ground.present || !moves || ground.base != fem::Base::viscous ||
-          ground.base_stiffness != 0 || !ground.base_motion.empty(),
-      "a viscous base without springs carries no static load: the ground sinks as long as a train "
-      "is on it; give the stiffness of springs, a value below 0 to have it chosen, or "
-      "base = \"fixed\"",
-      {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
+  s.rule("ground.base_stiffness",
+         !ground.present || !moves || ground.base != fem::Base::viscous ||
+             ground.base_stiffness != 0 || !ground.base_motion.empty(),
+         "a viscous base without springs carries no static load: the ground sinks as long as a "
+         "train is on it; give a spring stiffness above 0, a value below 0 to have the stiffness "
+         "chosen, or base = \"fixed\"",
+         {.severity = input::Severity::warning, .reads = {"ground", "stage"}});
   double held = 0;  // s until the ground moves, at most
   for (std::size_t i = 0; i < model.stages.size() && !model.stages[i].ground_moves; ++i)
     held += model.stages[i].duration;
   s.rule("settle_average",
          !ground.present || !moves || !model.start.empty() || held == 0 ||
              3 * model.settle_average <= held,
-         fmt::format("is not short compared with the {:g} s until the ground moves: the ground "
-                     "would not be in equilibrium with the bed",
+         fmt::format("is more than a third of the {:g} s until the ground moves: the ground would "
+                     "not be in equilibrium with the bed",
                      held),
          {.severity = input::Severity::warning, .reads = {"settle_average", "ground", "stage"}});
   // Static loads of a stage are most likely meant to remain in the following stages.
@@ -281,12 +279,14 @@ bool has_corners(const bed::BedParameters& bed) {
 // lightest stone is known only roughly from the deck.
 void declare_steadiness(const Model& model, bool corners, input::Section& s) {
   const double steady = dem::steady_safety(model.physics);
-  s.rule("dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
-         fmt::format("may be too large for compacted stones with sticking contacts: with this k_s "
-                     "and these zeta a gain of energy was observed above about {:.2f}",
-                     steady),
-         {.severity = input::Severity::warning,
-          .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
+  s.rule(
+      "dem.safety", !corners || model.time.step > 0 || model.dem.safety <= steady,
+      fmt::format(
+          "may be too large for compacted stones with sticking contacts: with these k_s and zeta, "
+          "energy increased in tests with a safety above about {:.2f}; give at most this value",
+          steady),
+      {.severity = input::Severity::warning,
+       .reads = {"dem.safety", "time.step", "contact", "bed", "stone"}});
 }
 
 // In plane stress there is no confinement across the track, without which soil has hardly any
@@ -309,14 +309,14 @@ void declare_intervals(const Model& model, input::Section& s) {
                                       {"output.fields_interval", output.fields_interval},
                                       {"output.checkpoint_interval", output.checkpoint_interval}})
     s.rule(key, interval == 0 || interval >= window * (1 - rounding_of_steps),
-           fmt::format(
-               "is less than a time window (about {:.2g} s or more): output is written after every "
-               "window; is it in s?",
-               window),
+           fmt::format("is less than a time window (about {:.2g} s or more): output is then "
+                       "written after every window; is the interval in s?",
+                       window),
            {.severity = input::Severity::warning, .reads = {key, "time", "dem", "bed", "contact"}});
   for (const Stage& stage : model.stages)
     s.rule("time.window", stage.duration <= 0 || model.time.window <= stage.duration,
-           fmt::format("is longer than stage \"{}\", which takes at least one window", stage.name),
+           fmt::format("is longer than stage \"{}\" ({:g} s), which then lasts one window",
+                       stage.name, stage.duration),
            {.severity = input::Severity::warning, .reads = {"time.window", "stage"}});
   constexpr double fewest = 4;  // windows in a cycle: zero, rise, peak, fall
   for (std::size_t i = 0; i < model.stages.size(); ++i) {
@@ -325,7 +325,7 @@ void declare_intervals(const Model& model, input::Section& s) {
     const double cycle = stage.duration / static_cast<double>(stage.cycles);
     s.rule(fmt::format("stage[{}].cycles", i), cycle >= fewest * window,
            fmt::format("gives cycles of {:.2g} s, which a time window of about {:.2g} s or more "
-                       "does not resolve; give fewer, or a longer duration",
+                       "does not resolve; give fewer cycles, or a longer duration",
                        cycle, window),
            {.reads = {"stage", "time", "dem", "bed", "contact"}});
   }

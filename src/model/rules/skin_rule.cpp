@@ -14,9 +14,9 @@ namespace trackbed::model {
 void declare_skin(const Model& model, double smallest, double largest, input::Section& s) {
   const double skin = model.dem.skin;
   s.rule("dem.skin", skin == 0 || (skin >= 5e-4 * smallest && skin <= largest),
-         fmt::format("makes neighbour lists {}: the stones' diameters are about {:.3g} to {:.3g} "
-                     "m; 0 chooses a suitable skin; is it in m?",
-                     skin > largest ? "very long" : "that are soon outdated", smallest, largest),
+         fmt::format("makes neighbour lists that are {}: the stones have diameters of about {:.3g} "
+                     "to {:.3g} m; is the skin in m? 0 lets the program choose",
+                     skin > largest ? "very long" : "soon outdated", smallest, largest),
          {.severity = input::Severity::warning, .reads = {"dem.skin", "bed", "stone"}});
 }
 

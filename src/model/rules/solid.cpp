@@ -110,16 +110,18 @@ void declare_seats(const Model& model, input::Section& s) {
   s.rule("solid.seat_size", size[0] <= sleeper.width,
          fmt::format("is wider along x than the sleeper ({:g} m)", sleeper.width), about);
   for (const double y : model.solid.seats)
-    s.rule("solid.seats", std::abs(y) + size[1] / 2 <= sleeper.length / 2,
-           fmt::format("puts a seat at {:g} m, beyond the end of the sleeper, which is {:g} m long",
-                       y, sleeper.length),
-           about);
+    s.rule(
+        "solid.seats", std::abs(y) + size[1] / 2 <= sleeper.length / 2,
+        fmt::format(
+            "puts a seat at y = {:g} m, which reaches beyond the end of the sleeper ({:g} m long)",
+            y, sleeper.length),
+        about);
   std::vector<double> seats = model.solid.seats;
   std::sort(seats.begin(), seats.end());
   for (std::size_t r = 1; r < seats.size(); ++r)
     s.rule("solid.seats", seats[r] - seats[r - 1] >= size[1],
-           fmt::format("puts seats {:g} m wide at {:g} and {:g} m: they overlap", size[1],
-                       seats[r - 1], seats[r]),
+           fmt::format("puts seats of {:g} m width at y = {:g} and {:g} m: the seats overlap",
+                       size[1], seats[r - 1], seats[r]),
            about);
 }
 
@@ -127,19 +129,20 @@ void declare_seats(const Model& model, input::Section& s) {
 void declare_rails(const Model& model, input::Section& s) {
   s.rule("pad.bilinear_at",
          model.solid.rails || !model.has_train() || model.track.line.pad.bilinear_at == 0,
-         "must be 0 on solid sleepers", {.reads = {"pad", "sleepers.model", "stage"}});
+         "must be 0 on solid sleepers, whose pads are linear",
+         {.reads = {"pad", "sleepers.model", "stage"}});
   if (!model.solid.rails) return;
   s.rule("solid.rails", !model.has_train(),
-         "must be false below a train (train = true), whose rail is a beam; on solid rails the "
-         "axles of [load] pass",
+         "must be false below a train (train = true), whose rail is a beam; solid rails carry the "
+         "axles of [load]",
          {.reads = {"solid.rails", "stage"}});
   s.rule(
       "load.kind",
       !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
-      "must be winkler with solid rails, on which the wheels run; other kinds are loads on seats",
+      "must be winkler with solid rails: its wheels run on the rails, other kinds load the seats",
       {.reads = {"load.kind", "solid.rails", "stage"}});
-  s.rule("pad.bilinear_at", model.track.line.pad.bilinear_at == 0, "must be 0 below solid rails",
-         {.reads = {"pad", "solid.rails"}});
+  s.rule("pad.bilinear_at", model.track.line.pad.bilinear_at == 0,
+         "must be 0 below solid rails, whose pads are linear", {.reads = {"pad", "solid.rails"}});
 }
 
 }  // namespace
@@ -162,15 +165,16 @@ void SolidParameters::declare(input::Section& s) {
            "resolve.");
   const auto fixed_shape = s.fixed_by(input::state::solid_sleepers);
   s.flag("half", half,
-         "Whether sleepers are halves: their end at low y is in the middle of the track and fixed "
-         "along y.");
+         "Whether the model has half of each sleeper, whose end at low y is in the middle of the "
+         "track and fixed along y.");
   s.numbers("seats", seats, {.unit = "m"},
-            "y of the rail seats relative to the centre of a sleeper; two rails need half of "
-            "track.gauge to either side.");
+            "y of the rail seats relative to the centre of a sleeper; two rails need seats at half "
+            "of track.gauge to either side.");
   s.numbers("seat_size", seat_size, {.unit = "m"}, "Size of a rail seat along x and y.");
   s.flag("rails", rails,
          "Whether rails are solids ([rail]) on pads ([pad]). The axles of [load] (kind winkler) "
-         "then run on them with 2 peak / (decay spacing) each; otherwise loads act on the seats.");
+         "then run on these rails, each with the load 2 peak / (decay spacing); otherwise loads "
+         "act on the seats.");
   s.number("pad_shear", pad_shear, {.above = 0, .at_most = 1},
            "Ratio of stiffness and damping of a pad along x and y to those along z.");
 }
@@ -223,8 +227,7 @@ void declare_solids(const Model& model, input::Section& s) {
     const auto text = [](SolidParameters solid) {
       return input::effective([&solid](input::Section& inner) { solid.declare(inner); });
     };
-    return s.rule("solid", text(model.solid) == text({}),
-                  "has no effect, and neither do [rail] and [pad] for it: sleepers.model is rigid",
+    return s.rule("solid", text(model.solid) == text({}), "has no effect: sleepers.model is rigid",
                   {.severity = input::Severity::warning, .reads = {"solid", "sleepers.model"}});
   }
   declare_kinds(model, s), declare_seats(model, s), declare_rails(model, s);

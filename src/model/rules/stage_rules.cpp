@@ -24,8 +24,8 @@ bool is_a_word(const std::string& name) {
 }
 
 constexpr const char* word_wanted =
-    "must be a word of letters, digits and _ - + . (at most 100, not beginning with . or -): "
-    "it is used in overrides and in names of files and groups of the results";
+    "must be a word of letters, digits and _ - + . (at most 100 characters, not beginning with . "
+    "or -): it is used in overrides and in names of files and groups of the results";
 
 // Each a word, all different.
 void declare_names(const std::string& list, const std::string& plural, const auto& tables,
@@ -91,9 +91,10 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
           key, used || !given, fmt::format("has no effect: it is for {}", words),
           {.severity = input::Severity::warning, .reads = {key, fmt::format("stage[{}].kind", i)}});
     };
-    only("lift", stage.lift != none.lift, {release, lift_walls}, "release and lift_walls");
-    only("height", stage.height != none.height, {sleepers}, "sleepers");
-    only("growth", stage.growth != none.growth, {fill}, "fill");
+    only("lift", stage.lift != none.lift, {release, lift_walls},
+         "stages of kind release and lift_walls");
+    only("height", stage.height != none.height, {sleepers}, "stages of kind sleepers");
+    only("growth", stage.growth != none.growth, {fill}, "stages of kind fill");
     const std::string growth = fmt::format("stage[{}].growth", i);
     s.rule(growth, model.bed.cell.empty() || stage.growth == 0,
            "must be 0 with bed.cell, whose copies are already packed",
@@ -102,12 +103,12 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     s.rule(growth_height, stage.growth_height == none.growth_height || stage.growth > 0,
            "has no effect: the stage has no growth",
            {.severity = input::Severity::warning, .reads = {growth, growth_height}});
-    only("load", stage.load != none.load, {load}, "load");
+    only("load", stage.load != none.load, {load}, "stages of kind load");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
-         "load, compact, shear and triaxial");
+         "stages of kind load, compact, shear and triaxial");
     const bool loaded = stage.kind == load || stage.kind == passage;
     only("until_ratio", stage.until_ratio != none.until_ratio && loaded, {},
-         "kinds without axles and cycles");
+         "stages without axles and cycles");
     only("seat_force", stage.seat_force != none.seat_force,
          {sleepers, cribs, load, passage, run, settle}, "stages with sleepers");
   }
@@ -144,9 +145,10 @@ void declare_heights(const Model& model, input::Section& s) {
            {.severity = input::Severity::warning, .reads = {sleepers, "bed"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
     const std::string key = fmt::format("stage[{}].height", i);
-    s.rule(key, !places || stage.height == 0 || stage.height >= stone,
-           fmt::format("puts the sleepers less than a stone ({:.3g} m) above z = 0", stone),
-           {.severity = input::Severity::warning, .reads = {key, "bed"}});
+    s.rule(
+        key, !places || stage.height == 0 || stage.height >= stone,
+        fmt::format("puts the sleepers less than the largest stone ({:.3g} m) above z = 0", stone),
+        {.severity = input::Severity::warning, .reads = {key, "bed"}});
   }
 }
 

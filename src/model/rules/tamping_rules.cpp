@@ -20,8 +20,8 @@ void declare_clearance(const Model& model, input::Section& s) {
   const double reach = p.reach();
   s.rule("tamping.gap",
          sleepers.count < 2 || 2 * reach <= sleepers.spacing - sleepers.width + rounding,
-         fmt::format("and thickness and amplitude, {:g} m on either side, exceed the space between "
-                     "sleepers ({:g} m)",
+         fmt::format("two tines need {:g} m each (gap, thickness and amplitude), together more "
+                     "than the space between sleepers ({:g} m)",
                      reach, sleepers.spacing - sleepers.width),
          about);
   // Surfaces have no periodic images: a stone that crosses the side near a tine would suddenly
@@ -61,8 +61,8 @@ void declare_tamping(const Model& model, input::Section& s) {
     s.rule("tamping.depth",
            stage.kind != StageKind::sleepers || stage.height == 0 ||
                stage.height + model.tamping.lift > model.tamping.depth,
-           fmt::format("puts the tips below the floor: the sleepers are {:g} m above it and are "
-                       "lifted by {:g} m",
+           fmt::format("puts the tips of the tines below the floor: the sleepers are {:g} m above "
+                       "the floor and are lifted by {:g} m",
                        stage.height, model.tamping.lift),
            {.reads = {"tamping", "stage"}});
 }

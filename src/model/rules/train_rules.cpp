@@ -29,12 +29,11 @@ bool untouched(const Model& model) {
 
 // Sections of rail and train without a train would have no effect.
 void declare_presence(const Model& model, input::Section& s) {
-  s.rule(
-      "model", model.has_train() || untouched(model),
-      "must be \"track\", or a stage must have train = true: a section of rail and train is given "
-      "(rail, pad, under_sleeper_pad, ballast, track, vehicle, train, wheel_rail, irregularity, "
-      "irregularity_right, passage), and these have no effect otherwise",
-      {.reads = {"model"}});
+  s.rule("model", model.has_train() || untouched(model),
+         "must be \"track\", or a stage must have train = true: otherwise the given sections of "
+         "rail and train have no effect (these are rail, pad, under_sleeper_pad, ballast, track, "
+         "vehicle, train, wheel_rail, irregularity, irregularity_right, passage)",
+         {.reads = {"model"}});
   const track::SeatParameters none;
   s.rule("seat",
          model.has_train() || (model.seat.before == none.before && model.seat.rails == none.rails),
@@ -54,7 +53,8 @@ void declare_presence(const Model& model, input::Section& s) {
   for (std::size_t i = 0; i < model.stages.size(); ++i)
     s.rule(fmt::format("stage[{}].duration", i),
            !model.stages[i].train || model.stages[i].cycles < 2 || model.stages[i].duration == 0,
-           "must be 0 for several trains: the next one starts when the last axle has left",
+           "must be 0 for several trains: each train starts when the last axle of the train before "
+           "has left",
            {.reads = {"stage"}});
 }
 
@@ -68,9 +68,10 @@ void declare_arrivals(const Model& model, input::Section& s) {
     if (!stage.train || stage.duration == 0) continue;
     const double reached = track::Motion(track.train).x(stage.duration);
     s.rule(fmt::format("stage[{}].duration", i), reached >= bed,
-           fmt::format("ends the stage before the train is on the bed: its first axle reaches "
-                       "{:.4g} m, the bed's first sleeper is at {:.4g} m of the track",
-                       reached, bed),
+           fmt::format(
+               "ends the stage before the train is on the bed: the first axle reaches {:.4g} m "
+               "from the start of the track, and the first sleeper of the bed is at {:.4g} m",
+               reached, bed),
            {.severity = input::Severity::warning, .reads = {"stage", "train", "seat", "track"}});
   }
 }
@@ -95,11 +96,11 @@ void declare_place(const Model& model, input::Section& s) {
          about);
   s.rule("track.length", last <= (track.length - track.run_in) * (1 + rounding),
          fmt::format("must be at least {:g} m: {:g} m up to the last sleeper of the bed, and the "
-                     "run-in behind it",
+                     "run-out behind it",
                      last + track.run_in, last),
          about);
   s.rule("train.start", model.track.train.start <= 0,
-         "must be at most 0 on a bed: the train comes from the rigid rail before the track",
+         "must be at most 0 m on a bed: the train comes from the rigid rail before the track",
          {.reads = {"train", "stage"}});
 }
 
@@ -114,8 +115,8 @@ void declare_zones(const Model& model, input::Section& s) {
       over += zone.covers(x, 0, track.length) || zone.covers(x, 1, track.length);
     }
     s.rule(fmt::format("track.zone[{}].from", i), over == 0 || (zone.bed == 1 && zone.gap == 0),
-           fmt::format("begins a zone over {} sleeper{} of the bed, supported by stones: `bed` and "
-                       "`gap` have no effect there",
+           fmt::format("begins a zone that contains {} sleeper{} of the bed, which stones support: "
+                       "`bed` and `gap` have no effect there",
                        over, over == 1 ? "" : "s"),
            {.severity = input::Severity::warning, .reads = {"track", "sleepers", "seat", "stage"}});
   }
@@ -174,10 +175,10 @@ void declare_sides(const Model& model, input::Section& s) {
          about);
   if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
   const auto& free = model.sleepers.free;
-  s.rule(
-      "sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
-      "does not contain rx: sleepers of the bed do not roll below two rails, those on springs do",
-      {.severity = input::Severity::warning, .reads = about.reads});
+  s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
+         "does not contain rx: sleepers of the bed do not roll below two rails, but sleepers on "
+         "springs do",
+         {.severity = input::Severity::warning, .reads = about.reads});
 }
 
 // The mass per rail of sleepers of the bed and on springs should be similar; otherwise one of them
@@ -189,13 +190,12 @@ void declare_warnings(const Model& model, input::Section& s) {
   const track::TrackParameters& track = model.track.line.track;
   const double given = track.sleeper_mass / static_cast<double>(track.rails);
   constexpr double far = 2;
-  s.rule(
-      "seat.rails", mass <= far * given && given <= far * mass,
-      fmt::format("gives a mass per rail of {:.3g} kg of the bed's sleepers, but that of sleepers "
-                  "on springs is {:.3g} kg (track.sleeper_mass): check the number of rails",
-                  mass, given),
-      {.severity = input::Severity::warning,
-       .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
+  s.rule("seat.rails", mass <= far * given && given <= far * mass,
+         fmt::format("gives {:.3g} kg per rail for a sleeper of the bed, but a sleeper on springs "
+                     "has {:.3g} kg per rail (track.sleeper_mass): check the number of rails",
+                     mass, given),
+         {.severity = input::Severity::warning,
+          .reads = {"track", "sleepers", "seat", "stage", "material", "thickness"}});
   const TrackOutput none;
   const TrackOutput& passage = model.track.passage;
   const auto unused = [&](const char* key, bool given_one, const char* instead) {

@@ -35,8 +35,8 @@ void declare_container(const Model& model, input::Section& s) {
          about);
   s.rule("bed.beside", bed.beside <= 0 || !model.ground.present,
          "needs a floor instead of a ground: set ground.present = false", about);
-  s.rule("bed.beside", bed.beside <= 0 || !model.uses_sleepers(), "is for beds without sleepers",
-         about);
+  s.rule("bed.beside", bed.beside <= 0 || !model.uses_sleepers(),
+         "must be 0 in a model with sleepers", about);
 }
 
 bool has_walls(const Model& model) {
@@ -59,8 +59,9 @@ void declare_shear(const Model& model, std::size_t i, double travel, input::Sect
   s.rule(kind, before == StageKind::compact || before == StageKind::shear,
          "needs the platen: the preceding stage must be of kind compact or shear", about);
   s.rule(displacement, std::abs(travel) <= model.bed.beside * (1 + rounding),
-         fmt::format("moves the lower half by {:g} m in total, more than bed.beside = {:g} m",
-                     travel, model.bed.beside),
+         fmt::format(
+             "moves the lower half of the walls by {:g} m in total, more than bed.beside = {:g} m",
+             travel, model.bed.beside),
          about);
 }
 
@@ -103,7 +104,7 @@ void declare_lift(const Model& model, std::size_t i, input::Section& s) {
   const std::string kind = fmt::format("stage[{}].kind", i);
   const input::About about{.reads = {"bed", "periodic", kind}};
   s.rule(kind, has_walls(model), "needs walls, but all sides are periodic", about);
-  s.rule(kind, model.bed.beside > 0, "needs floor around the walls: give bed.beside, m", about);
+  s.rule(kind, model.bed.beside > 0, "needs floor around the walls: give bed.beside in m", about);
   s.rule(kind, model.bed.split <= 0, "needs undivided walls: leave out bed.split", about);
   s.rule(
       fmt::format("stage[{}].lift", i), stage.lift * stage.duration >= model.bed.height,

@@ -92,7 +92,8 @@ class CellCheck {
     look_at_state();
     if (cell_.at("dimension") != quoted(model_.dimension == Dimension::plane ? "plane" : "space"))
       add("bed.cell",
-          fmt::format("was made with dimension = {}; both must be equal", cell_.at("dimension")));
+          fmt::format("was made with dimension = {}; cell and bed must have the same dimension",
+                      cell_.at("dimension")));
     else
       look_at_sides();
     look_at_length();
@@ -115,22 +116,22 @@ class CellCheck {
   // be those of the stage, and the bed may not be in equilibrium.
   void look_at_state() {
     if (file_.integer_attribute("/", "stage_finished") == 0)
-      add("bed.cell", fmt::format("was written within stage \"{}\"; take one that was written at "
-                                  "the end of a stage (stage_*.h5)",
+      add("bed.cell", fmt::format("was written within stage \"{}\"; take a checkpoint that was "
+                                  "written at the end of a stage (stage_*.h5)",
                                   file_.text_attribute("/", "stage")));
     if (file_.integer_attribute("/", "particles") == 0) add("bed.cell", "contains no stones");
     if (file_.has("platen"))
       add("bed.cell",
-          "was written with the platen on the stones; take one written after a stage of kind "
-          "release");
+          "was written with the platen on the stones; take a checkpoint that was written after a "
+          "stage of kind release");
     if (file_.has("sleepers"))
       add("bed.cell",
-          "contains sleepers, which are not repeated; take one written before they were "
-          "placed");
+          "contains sleepers, which cannot be repeated; take a checkpoint that was written before "
+          "the sleepers were placed");
     if (file_.has("ground"))
       add("bed.cell",
-          "was written with a ground that has moved; take one written before the first stage "
-          "with ground_moves");
+          "was written with a ground that has moved; take a checkpoint that was written before the "
+          "first stage with ground_moves");
   }
 
   // The sides across the track must be equal numbers: overlaps of stones and walls are microns.
@@ -143,8 +144,9 @@ class CellCheck {
       return;
     }
     if (periodic_in(cell_, "y") != model_.periodic_in("y"))
-      add("periodic", fmt::format("the cell was made {} \"y\"; both must be equal",
-                                  periodic_in(cell_, "y") ? "with" : "without"));
+      add("periodic",
+          fmt::format("differs from that of the cell, which was made {} \"y\"; both must be equal",
+                      periodic_in(cell_, "y") ? "with" : "without"));
     const std::vector<double> y = numbers_of(cell_, "bed.y");
     if (y != model_.bed.y)
       add("bed.y", fmt::format("= [{:g}, {:g}] m: the cell reaches from {:g} to {:g} m; both must "
@@ -161,8 +163,8 @@ class CellCheck {
     if (std::abs(times - static_cast<double>(tiling.copies)) <= rounding * times) return;
     const double fewer = std::max(1.0, std::floor(times)), more = std::max(2.0, fewer + 1);
     add("bed.x",
-        fmt::format("is {:g} m long, {:.4g} cells of {:g} m, and must be a whole number of cells; "
-                    "the nearest lengths are {:g} and {:g} m",
+        fmt::format("is {:g} m long, which is {:.4g} cells of {:g} m; it must be a whole number of "
+                    "cells: the nearest lengths are {:g} and {:g} m",
                     length, times, tiling.length, fewer * tiling.length, more * tiling.length));
   }
 

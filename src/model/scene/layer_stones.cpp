@@ -61,12 +61,11 @@ void require_length(const Model& model, const std::string& layer, double largest
   for (const int axis : {0, 1}) {
     const double length = domain.high[axis] - domain.low[axis];
     if (!domain.periodic[static_cast<std::size_t>(axis)] || length >= least) continue;
-    problems.push_back(
-        fmt::format("{}: the length of the bed along a periodic axis is {:.4g} m and must be at "
-                    "least {:.4g} m, "
-                    "3 times the bounding sphere of its largest stone{}",
-                    deck.where(axis == 0 ? "bed.x" : "bed.y"), length, least,
-                    layer.empty() ? "" : fmt::format(" of layer {}", layer)));
+    problems.push_back(fmt::format(
+        "{}: the length of the bed along a periodic axis is {:.4g} m and must be at least {:.4g} "
+        "m, 3 times the sum of dem.skin and the diameter of the sphere around its largest stone{}",
+        deck.where(axis == 0 ? "bed.x" : "bed.y"), length, least,
+        layer.empty() ? "" : fmt::format(" of layer {}", layer)));
   }
   if (!problems.empty()) throw InputError(problems);
 }

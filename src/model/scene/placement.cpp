@@ -248,7 +248,7 @@ void Placement::load(const io::File& file) {
   const auto read = [&](const char* path, std::vector<ContactImpulse>& all) {
     const auto rows = file.read_all<double>(path);
     if (rows.size() != 7 * all.size())
-      throw RunError(std::string(path) + " has another number of rows than the deck has bodies");
+      throw RunError(std::string(path) + " was written for a different number of bodies");
     for (std::size_t i = 0; i < all.size(); ++i) {
       const double* row = rows.data() + 7 * i;
       all[i] = {Vec3(row[0], row[1], row[2]), row[3], Vec3(row[4], row[5], row[6])};

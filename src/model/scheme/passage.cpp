@@ -27,8 +27,8 @@ std::int64_t steps_of(const TrackModel& model, const BuiltTrack& built) {
 // Describes the lowest position of a rail, m.
 std::string words_of_lowest(double lowest) {
   const std::string far = fmt::format("{:.4f} mm", std::abs(1e3 * lowest));
-  return lowest > 0 && far != "0.0000 mm" ? "always at least " + far + " above its level"
-                                          : "down to " + far;
+  return lowest > 0 && far != "0.0000 mm" ? "lowest position " + far + " above its unloaded level"
+                                          : "lowest position " + far + " below its unloaded level";
 }
 
 // Prints the results of a finished run; wheel forces only if a wheel was on the track.
@@ -44,10 +44,11 @@ void print_results(const par::Comm& comm, const TrackModel& model, const BuiltTr
                           model.passage.points[i / sides], words_of_lowest(lowest[i])));
   if (!wheels.any) return;
   const Range open = between_run_ins(model.line.track);
-  say(comm, fmt::format("  wheels: {:.2f} to {:.2f} kN{}", wheels.least / 1e3, wheels.most / 1e3,
-                        open.from > 0 ? fmt::format(", between the run-ins ({:g} to {:g} m)",
-                                                    open.from, open.to)
-                                      : ""));
+  say(comm,
+      fmt::format("  wheel forces: {:.2f} to {:.2f} kN{}", wheels.least / 1e3, wheels.most / 1e3,
+                  open.from > 0
+                      ? fmt::format(", between the run-ins ({:g} to {:g} m)", open.from, open.to)
+                      : ""));
 }
 
 // Hash of the whole motion, to compare runs bitwise.

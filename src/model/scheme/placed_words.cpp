@@ -72,7 +72,7 @@ std::string by_names(const std::string& problem, const World& world) {
   for (std::size_t i = 0; i < world.particles.size(); ++i)
     if (world.particles[i].id == id &&
         came_from_behind(world, world.particles[i].position, where[1]))
-      words += "; it came from behind, where plates and walls have no contact";
+      words += "; this stone came from behind the surface, where plates and walls have no contact";
   return words;
 }
 

@@ -17,13 +17,13 @@ void say_values(const par::Comm& comm, fmt::format_string<Args...> text, Args&&.
 double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / (1024 * 1024); }
 
 std::string words_of_base(const fem::GroundParameters& ground) {
-  if (!ground.mesh.empty()) return "of the mesh " + ground.mesh;
+  if (!ground.mesh.empty()) return "mesh " + ground.mesh;
   return ground.base == fem::Base::fixed ? "base fixed" : "base viscous (dashpots)";
 }
 
 std::string words_of_springs(const fem::GroundParameters& ground) {
-  if (ground.base_stiffness < 0) return " on springs of shear modulus over depth";
-  return fmt::format(" on springs of {:g} Pa/m", ground.base_stiffness);
+  if (ground.base_stiffness < 0) return " with springs (stiffness: shear modulus over depth)";
+  return fmt::format(" with springs of {:g} Pa/m", ground.base_stiffness);
 }
 
 }  // namespace
@@ -46,7 +46,8 @@ void say_model(World& world, const std::string& name) {
   const bool passes = model.has_stage(StageKind::passage) && !model.has_train();
   if (world.sleepers)
     say_values(
-        comm, "  sleepers: {} of {:.1f} kg{}", world.sleepers->count(), world.sleepers->mass(),
+        comm, "  sleepers: {}, each of {:.1f} kg{}", world.sleepers->count(),
+        world.sleepers->mass(),
         passes ? fmt::format("; seat load peak {:.4g} kN at {:.2f} km/h, {} axles",
                              model.load.peak / 1e3, model.load.speed * 3.6, model.load.axles.size())
                : "");
@@ -57,13 +58,11 @@ void say_model(World& world, const std::string& name) {
   }
   if (!model.has_train()) return;
   const track::TrackParameters& track = model.track.line.track;
-  say_values(
-      comm,
-      "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the bed, "
-      "whose "
-      "sleepers carry {:g} rail{}",
-      fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6, track.length,
-      model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
+  say_values(comm,
+             "  train: {} at {:.2f} km/h over {:g} m of rail; {} sleepers on springs before the "
+             "bed; the sleepers of the bed carry {:g} rail{}",
+             fmt::join(model.track.train.vehicles, ", "), model.track.train.speed * 3.6,
+             track.length, model.seat.before, model.seat.rails, model.seat.rails == 1 ? "" : "s");
 }
 
 // Memory is the largest of all ranks, since that rank fails first.
@@ -73,21 +72,20 @@ void say_stage_begins(RunContext& run, World& world, const Stage& stage) {
   const dem::Totals totals = world.particles.totals();
   const double bytes = comm.max(megabytes(world.memory()));
   const bool stones = world.model.has_stones();
-  say_values(
-      comm,
-      "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; {:.2g} MB per "
-      "rank",
-      stage.name,
-      stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
-                           plural_ending(totals.particles), totals.pieces,
-                           plural_ending(totals.pieces))
-             : "",
-      course.clock.dt(),
-      stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
-                           plural_ending(course.steps.substeps))
-             : "",
-      course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
-      course.clock.windows(), bytes);
+  say_values(comm,
+             "stage {}: {}window {:.4g} s{} (limit: {}), up to {:.4g} s = {} windows; memory "
+             "{:.2g} MB per rank",
+             stage.name,
+             stones ? fmt::format("{} stone{} ({} piece{}), ", totals.particles,
+                                  plural_ending(totals.particles), totals.pieces,
+                                  plural_ending(totals.pieces))
+                    : "",
+             course.clock.dt(),
+             stones ? fmt::format(" in {} sub-step{}", course.steps.substeps,
+                                  plural_ending(course.steps.substeps))
+                    : "",
+             course.steps.limit, static_cast<double>(course.clock.windows()) * course.clock.dt(),
+             course.clock.windows(), bytes);
   run.log.mark(course.clock.time());
 }
 
@@ -102,7 +100,7 @@ std::string status_of(const World& world) {
   return fmt::format("E_kin {:.3g} J | overlap {:.3g} um | unbalanced {:.2g} | {} contacts{}{}",
                      totals.kinetic, totals.largest_overlap * 1e6, totals.unbalanced,
                      totals.contacts,
-                     deep > 0 ? fmt::format(" | {} times overlapping cores", deep) : "",
+                     deep > 0 ? fmt::format(" | cores overlapped {} times", deep) : "",
                      world.platen ? fmt::format(" | platen {:.1f} kPa at {:.4f} m",
                                                 world.platen->pressure() / 1e3, world.platen->z())
                                   : "");

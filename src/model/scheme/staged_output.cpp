@@ -58,8 +58,8 @@ void StagedScheme::resume_extremes(bool kept) {
   if (world_.ground && !keeps_extremes()) world_.ground->end_extremes();
   if (keeps_extremes() && !kept)
     run_.warn(
-        fmt::format("output.ground_extremes: extremes of stage \"{}\" are those from {:.6g} s on, "
-                    "where the run was resumed: they were not recorded before",
+        fmt::format("output.ground_extremes: extremes of stage \"{}\" include only times from "
+                    "{:.6g} s on, where the run was resumed; they were not recorded before",
                     present().name, run_.course.clock.time()));
 }
 

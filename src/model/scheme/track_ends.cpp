@@ -51,8 +51,8 @@ std::vector<std::string> warnings_of_passage(const TrackModel& model, const Buil
   const bool flat = model.wheel_rail.flat_axle > 0;
   if (off > (flat ? off_by_flats : often_off) * on)
     warnings.push_back(
-        fmt::format("wheels were off the rail in {:.0f} % of their steps on the track: check "
-                    "profile, track and speed",
+        fmt::format("wheels were off the rail in {:.0f} % of their time steps on the track: check "
+                    "irregularity, track and speed",
                     100 * off / on));
   if (const double load = mean_load(built); load > 0 && wheels.most > far_above * load)
     warnings.push_back(fmt::format(
@@ -64,9 +64,8 @@ std::vector<std::string> warnings_of_passage(const TrackModel& model, const Buil
   const auto worst = std::min_element(lowest.begin(), lowest.end());
   if (worst != lowest.end() && -*worst > bound && std::isfinite(*worst))
     warnings.push_back(fmt::format(
-        "the rail at {:g} m has deflected by {:.4g} m: deflections are assumed to be small, here "
-        "up "
-        "to about {:.3g} m; check the stiffness of rail and support",
+        "the rail at {:g} m has deflected by {:.4g} m: the model assumes small deflections, here "
+        "up to about {:.3g} m; check the stiffness of rail and support",
         model.passage.points[static_cast<std::size_t>(worst - lowest.begin()) / built.line.sides()],
         -*worst, bound));
   return warnings;

@@ -99,7 +99,7 @@ std::vector<std::string> warnings_of_end(const World& world, StageKind last) {
     warnings.push_back(warning);
   const std::int64_t stones = world.comm.sum(flying(world));
   if (stones > 0 && world.model.has_bed() && last != StageKind::fill && last != StageKind::cribs)
-    warnings.push_back(fmt::format("{} stone{} at the end faster than {:g} m/s or above the walls",
+    warnings.push_back(fmt::format("{} stone{} faster than {:g} m/s or above the walls at the end",
                                    stones, stones > 1 ? "s are" : " is", fast));
   // A few occur in fills with high speeds; each costs about a hundred contacts.
   const std::int64_t deep = world.particles.core_overlaps();

@@ -227,8 +227,8 @@ std::optional<std::string> StageActions::shortfall(const Stage& stage) const {
   if (stage.kind == StageKind::compact) {
     if (!world_.platen->steady() || walls_are_steady(stage)) return world_.platen->shortfall();
     return fmt::format(
-        "the pressure of the walls was within {:g} % of {:g} kPa for {:.3g} s instead of {:g} s "
-        "(platen.hold)",
+        "the pressure of the walls was within {:g} % of {:g} kPa only for {:.3g} s instead of {:g} "
+        "s (platen.hold)",
         100 * model_.platen.tolerance, stage.confinement / 1e3, world_.walls.steady_for(),
         model_.platen.hold);
   }

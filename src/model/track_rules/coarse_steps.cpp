@@ -80,9 +80,9 @@ std::vector<CoarseStep> coarse_steps(const TrackModel& model, double step) {
     if (length.size < enough * travel * (1 - rounding))
       found.push_back(
           {length.key, length.size,
-           fmt::format("is {:.2g} times the travel of wheels in a step, {:.3g} m at {:g} m/s in "
-                       "{:.4g} s, and is resolved poorly: at least {:g} times is needed; give a "
-                       "shorter passage.step",
+           fmt::format("is only {:.2g} times the travel of wheels in a step ({:.3g} m at {:g} m/s "
+                       "in {:.4g} s) and therefore resolved poorly: at least {:g} times are "
+                       "needed; give a shorter passage.step",
                        length.size / travel, travel, largest_speed(model.train), step, enough)});
   return found;
 }
@@ -101,7 +101,7 @@ std::vector<std::string> warnings_of_step(const TrackModel& model, double step,
   if (history_interval > 0 && history_interval < step)
     found.push_back(
         {"output.history_interval", history_interval,
-         fmt::format("is less than a time step of {:.4g} s; a row is written after every step",
+         fmt::format("is less than a time step of {:.4g} s: a row is then written after every step",
                      step)});
   std::vector<std::string> warnings;
   for (const CoarseStep& one : found)

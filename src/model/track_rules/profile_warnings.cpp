@@ -117,11 +117,12 @@ void warning_rows(const TrackModel& model, const track::Irregularity& profile,
   double most = 0;
   for (const double z : profile.heights()) most = std::max(most, std::abs(z));
   if (most > high)
-    to.push_back(fmt::format("{} is up to {:g} m high; are heights in millimetres?", p.file, most));
+    to.push_back(fmt::format("heights of {} are up to {:g} m; are they given in mm instead of m?",
+                             p.file, most));
   if (rows.back() < length || rows.front() > p.fade)
     to.push_back(
-        fmt::format("{} has rows from {:g} to {:g} m, and the track reaches to {:g} m; outside of "
-                    "its rows the rail is level",
+        fmt::format("{} has rows from {:g} to {:g} m, but the track reaches from 0 to {:g} m; "
+                    "outside of the range of rows the rail is level",
                     p.file, rows.front(), rows.back(), length));
 }
 
@@ -135,9 +136,10 @@ struct Rail {
 std::string words_of_strike(const TrackModel& model, const Profiles& both, const Rail& rail,
                             double x) {
   const std::optional<double> force = strike_at(model, both, rail.side, x);
-  if (!force) return "it causes an impact of wheels";
-  return fmt::format("at {:g} m/s the wheel force reaches about {:.0f} kN, in steps of {:g} s",
-                     largest_speed(model.train), *force / 1e3, step_of_strikes(model));
+  if (!force) return "wheels strike the rail there";
+  return fmt::format(
+      "at {:g} m/s the wheel force reaches about {:.0f} kN (computed with steps of {:g} s)",
+      largest_speed(model.train), *force / 1e3, step_of_strikes(model));
 }
 
 // Warnings of jumps and changes of slope in a range of x.
@@ -180,7 +182,7 @@ std::vector<std::string> warnings_of(const TrackModel& model, const Profiles& bo
   if (std::abs(step) > relevant) {
     warnings.push_back(
         fmt::format("{} begins with a step of {:.3g} mm at x = 0, where wheels come from a level "
-                    "rail: let it fade in (fade), or let it begin at 0",
+                    "rail: let the profile fade in (fade), or begin with height 0",
                     rail.given.file, 1e3 * step));
     range->from = largest_speed(model.train) * 2 * contact_time(track::WheelRail(model.wheel_rail));
   }

@@ -29,14 +29,16 @@ void declare_seats(const TrackModel& model, input::Section& s) {
     return s.rule("load", model.on_bed || text(model.load) == text({}),
                   "has no effect: it acts only with passage.loaded_by = \"seats\"", about);
   }
-  s.rule("load.gauge", model.load.gauge == 0,
-         "must be 0 except on a bed: a table of seat loads is the same for both rails", about);
+  s.rule(
+      "load.gauge", model.load.gauge == 0,
+      "must be 0 except on a bed: without a bed, a table of seat loads acts equally on both rails",
+      about);
   s.rule("passage.loaded_by", !model.on_bed,
-         "must be train on a bed, whose loads are in its stages", about);
+         "must be train on a bed, whose loads are given by its stages", about);
   s.rule("train.vehicles", model.train.vehicles.empty(),
          "must be [] with passage.loaded_by = \"seats\": seat loads replace the train", about);
   s.rule("force", model.passage.forces.empty(),
-         "acts on a rail, which does not exist with seat loads (passage.loaded_by)", about);
+         "needs a rail, which does not exist with seat loads (passage.loaded_by)", about);
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
          "must be sleepers with seat loads (passage.loaded_by)", about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
@@ -54,8 +56,8 @@ constexpr double most_elements = 1e6;
 void declare_size(const TrackModel& model, input::Section& s) {
   const track::TrackParameters& track = model.line.track;
   s.rule("track.spacing", model.is_countable(),
-         fmt::format("gives {:.3g} elements of {:g} m of rail, at most {:g} are possible; is it in "
-                     "m?",
+         fmt::format("gives {:.3g} elements for {:g} m of rail; at most {:g} are possible; is the "
+                     "spacing in m?",
                      elements_of(track), track.length, most_elements),
          {.reads = {"track"}});
 }
@@ -100,12 +102,11 @@ void declare_tipping(const TrackModel& model, input::Section& s) {
     if (whole.body_offset == 0 || !runs(model, whole) || !track::lacking(whole).empty()) continue;
     if (!track::layout_of(whole.kind).body) continue;
     const double most = track::mass_of(whole) * model.line.track.gauge / (2 * whole.body_mass);
-    s.rule(
-        fmt::format("vehicle[{}].body_offset", i), std::abs(whole.body_offset) < most,
-        fmt::format("tips the vehicle over: on rails {:g} m apart (track.gauge) it must be below "
-                    "{:.4g} m",
-                    model.line.track.gauge, most),
-        {.reads = {"vehicle", "train.vehicles", "track"}});
+    s.rule(fmt::format("vehicle[{}].body_offset", i), std::abs(whole.body_offset) < most,
+           fmt::format("tips the vehicle over: on rails {:g} m apart (track.gauge) its magnitude "
+                       "must be below {:.4g} m",
+                       model.line.track.gauge, most),
+           {.reads = {"vehicle", "train.vehicles", "track"}});
   }
 }
 
@@ -120,8 +121,9 @@ void declare_force_in_time(const track::RailForce& force, const std::string& nam
                   impact ? "an impact" : "periods", time, step);
   const input::About about{.reads = {"force", "passage.step"}};
   constexpr double needed = 2, enough = 8;  // steps
-  s.rule(key, time > needed * step, words + " do not resolve", about);
-  s.rule(key, time <= needed * step || time >= enough * step, words + " resolve poorly",
+  s.rule(key, time > needed * step, words + " do not resolve; give a shorter step", about);
+  s.rule(key, time <= needed * step || time >= enough * step,
+         words + " resolve poorly; give a shorter step",
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 
@@ -175,7 +177,7 @@ void declare_sides(const TrackModel& model, input::Section& s) {
   const input::About about{.reads = {"track", "irregularity", "irregularity_right", "force"}};
   using Kind = track::IrregularityKind;
   s.rule("irregularity.kind", model.irregularity.kind != Kind::same,
-         "same is for the right rail (irregularity_right)", about);
+         "\"same\" is only for the right rail (irregularity_right)", about);
   s.rule("irregularity_right.kind", space || model.irregularity_right.kind == Kind::same,
          "needs two rails (track.dimension = \"space\")", about);
   const track::TrackParameters& track = model.line.track;
@@ -224,7 +226,8 @@ void declare_uplift(const TrackModel& model, input::Section& s) {
   const auto& zones = model.line.track.zones;
   const auto hangs = [](const track::TrackZone& zone) { return zone.gap > 0; };
   s.rule("pad.uplift", std::none_of(zones.begin(), zones.end(), hangs),
-         "must be false with hanging sleepers (gap of a zone), which the pads connect to the rail",
+         "must be false with hanging sleepers (gap of a zone): pads must connect these sleepers to "
+         "the rail",
          about);
   s.rule("pad.uplift", !by_seats(model),
          "needs a rail, which seat loads replace (passage.loaded_by = \"seats\")", about);
@@ -264,9 +267,10 @@ void declare_speed(const TrackModel& model, input::Section& s) {
                     std::any_of(later.begin(), later.end(), [](double v) { return v > 0; });
   const bool ends = !model.on_bed && model.passage.duration > 0;
   s.rule("train.speed", goes || ends,
-         model.on_bed ? "must be above 0 m/s, or one of train.speeds"
-                      : "must be above 0 m/s, or one of train.speeds, or passage.duration must be "
-                        "above 0 s: the train does not move",
+         model.on_bed
+             ? "the train does not move: train.speed or one of train.speeds must be above 0 m/s"
+             : "the train does not move: train.speed or one of train.speeds must be above 0 m/s, "
+               "or passage.duration above 0 s",
          {.reads = {"train", "passage.duration"}});
 }
 
@@ -289,7 +293,7 @@ void declare_run(const TrackModel& model, input::Section& s) {
                      stop.value_or(0)),
          {.reads = {"passage.duration", "train", "vehicle", "track.length"}});
   s.rule("passage.duration", passage.duration == 0 || passage.duration >= passage.step,
-         "is shorter than a time step (passage.step), of which at least one is taken",
+         "is shorter than a time step (passage.step): the run takes one whole step",
          {.severity = input::Severity::warning, .reads = {"passage"}});
 }
 

@@ -36,18 +36,20 @@ void declare_zone(const track::TrackParameters& track, std::size_t i, input::Sec
          about);
   if (!on) return;
   s.rule(from, zone.rail != 1 || zone.bed != 1 || zone.gap > 0,
-         "begins a zone without effect: rail and bed are 1, gap is 0", about);
+         "begins a zone without effect: `rail` and `bed` are 1, and `gap` is 0", about);
   const double element = track.spacing / static_cast<double>(track.elements);
   const bool elements = holds_place(zone, track.length, element / 2, element);
   s.rule(from, zone.rail == 1 || elements,
-         "begins a zone without the middle of an element of the rail: its factor `rail` has no "
-         "effect",
+         "begins a zone that does not contain the middle of any rail element: its factor `rail` "
+         "has no effect",
          about);
   const bool bears = track.support == track::Support::sleepers
                          ? holds_place(zone, track.length, 0, track.spacing)
                          : track.support == track::Support::continuous && elements;
   s.rule(from, (zone.bed == 1 && zone.gap == 0) || bears,
-         "begins a zone without a sleeper: `bed` and `gap` have no effect", about);
+         "begins a zone without a sleeper or another support of the rail: `bed` and `gap` have no "
+         "effect",
+         about);
 }
 
 // With seat loads there are no pads: sleepers need support from below.
@@ -92,13 +94,14 @@ void declare_support(const track::TrackParameters& track, input::Section& s) {
   const int needed = track.support == track::Support::sleepers ? 2 : 1;
   if (track.ends == track::RailEnds::free)
     s.rule("track.zone", least >= needed,
-           fmt::format("leaves {} support{} of the rail, whose ends are free; at least {} needed: "
-                       "bed = 0 or a gap is nearly everywhere",
-                       least, least == 1 ? "" : "s", needed == 2 ? "2 are" : "1 is"),
+           fmt::format("leaves {} support{} of the rail, but a rail with free ends needs at least "
+                       "{}: nearly everywhere bed = 0, or there is a gap",
+                       least, least == 1 ? "" : "s", needed),
            {.reads = {"track"}});
   else
     s.rule("track.zone", least > 0,
-           "leaves no support of the rail between its pinned ends: bed = 0 or a gap is everywhere",
+           "leaves no support of the rail between its pinned ends: everywhere bed = 0, or there is "
+           "a gap",
            {.severity = input::Severity::warning, .reads = {"track"}});
 }
 
@@ -145,9 +148,10 @@ void declare_run_in(const track::TrackParameters& track, const std::string& at, 
   const double from = std::max(begin, 0.0), to = std::min(end, track.length);
   const double over = std::max(std::min(to, open.to) - std::max(from, open.from), 0.0);
   s.rule(at, 2 * over >= to - from,
-         fmt::format("puts {} of it in a run-in (track.run_in: up to {:g} and from {:g} m on), "
-                     "where rail and supports are up to {:g} times as stiff: forces there are not "
-                     "realistic, and the summary contains only wheels between the run-ins",
+         fmt::format("puts {} of the irregularity into a run-in or run-out (track.run_in: up to "
+                     "{:g} m and from {:g} m on), where rail and supports are up to {:g} times as "
+                     "stiff: forces there are not realistic, and the summary contains only wheel "
+                     "forces between run-in and run-out",
                      over > 0 ? "most" : "all", open.from, open.to, track.run_in_factor),
          {.severity = input::Severity::warning, .reads = {at.substr(0, at.find('.')), "track"}});
 }
@@ -163,7 +167,7 @@ void declare_irregularity(const TrackModel& model, const track::IrregularityPara
   const double begin = waves ? p.at : p.at - p.length / 2;
   const double end = waves ? p.at + static_cast<double>(p.waves) * p.length : p.at + p.length / 2;
   s.rule(section + ".at", !closed || (begin < length && end > 0),
-         fmt::format("puts it outside of the track, which is {:g} m long", length),
+         fmt::format("puts the irregularity outside of the track, which is {:g} m long", length),
          {.severity = input::Severity::warning, .reads = reads});
   if (closed && begin < length && end > 0)
     declare_run_in(model.line.track, section + ".at", begin, end, s);
@@ -172,14 +176,15 @@ void declare_irregularity(const TrackModel& model, const track::IrregularityPara
       range && closed && begin < length && end > 0)
     s.rule(section + ".at",
            end > range->from && begin<range->to, end> range->from
-               ? fmt::format("puts it where no wheel rolls: wheels roll up to {:g} m", range->to)
-               : fmt::format("puts it where no wheel rolls: wheels roll from {:g} m on "
-                             "(train.start)",
+               ? fmt::format("puts the irregularity where no wheel rolls: wheels roll up to {:g} m",
+                             range->to)
+               : fmt::format("puts the irregularity where no wheel rolls: wheels roll from {:g} m "
+                             "on (train.start)",
                              range->from),
            {.severity = input::Severity::warning,
             .reads = {section, "track.length", "train", "vehicle", "passage.duration"}});
   s.rule(section + ".fade", p.kind != Kind::spectrum || p.fade > 0,
-         "is 0: the random profile begins with a step at x = 0; give a length to fade in",
+         "the random profile begins with a step at x = 0; give a length over which it fades in",
          {.severity = input::Severity::warning, .reads = reads});
   const double samples = track::Irregularity::samples_for(p.shortest, length);
   constexpr double most = 1e6;

@@ -122,14 +122,15 @@ void IrregularityParameters::declare(input::Section& s) {
   s.number("longest", longest, {.unit = "m", .above = 0, .usually_to = 300},
            "Longest wavelength of the spectrum.");
   s.integer("seed", seed, {.at_least = 0}, "Seed of the random profile.");
-  s.number("fade", fade, {.unit = "m", .at_least = 0},
-           "Distance from the start of the track over which spectrum or file fade in.");
+  s.number(
+      "fade", fade, {.unit = "m", .at_least = 0},
+      "Distance from the start of the track over which the profile (spectrum or file) fades in.");
   s.file(
       "file", file,
       "CSV of the profile with columns x_m (increasing), z_m (upwards): cubic between equidistant "
       "rows, linear between others; constant before the first and after the last row.");
   s.rule("file", kind != IrregularityKind::file || !file.empty(), "is needed for kind = \"file\"");
-  s.rule("longest", longest > shortest, "must be longer than the shortest");
+  s.rule("longest", longest > shortest, "must be longer than `shortest`");
 }
 
 // Closed forms need no samples.

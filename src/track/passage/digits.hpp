@@ -18,12 +18,12 @@ inline constexpr double least_pivot = 1e-10;
 inline void require_digits(const Eigen::VectorXd& pivots, const Eigen::VectorXd& diagonal) {
   for (Eigen::Index k = 0; k < diagonal.size(); ++k)
     if (!(pivots[k] > least_pivot * diagonal[k]))
-      throw InputError({fmt::format(
-          "the stiffness matrix of the track is ill-conditioned: for a degree of freedom with "
-          "{:.3g} N/m (rotations: N m) the ratio of pivot to diagonal is {:.2g}, and it must "
-          "exceed {:g}; reduce the largest stiffness of rail, pads, ballast or springs, or "
-          "increase the smallest",
-          diagonal[k], pivots[k] / diagonal[k], least_pivot)});
+      throw InputError(
+          {fmt::format("the stiffness matrix of the track is ill-conditioned: for a degree of "
+                       "freedom with {:.3g} N/m (rotations: N m) the ratio of pivot to diagonal is "
+                       "{:.2g}, but must exceed {:g}; reduce the largest stiffness of rail, pads, "
+                       "ballast or springs, or increase the smallest",
+                       diagonal[k], pivots[k] / diagonal[k], least_pivot)});
 }
 
 }  // namespace trackbed::track

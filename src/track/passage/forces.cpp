@@ -27,7 +27,8 @@ void RailForce::declare(input::Section& s) {
   s.choice(
       "kind", kind, {"harmonic", "impact"},
       "Course of the force; harmonic: a sine without end; impact: half a sine, as of a hammer.");
-  s.choice("side", side, {"left", "right"}, "Rail on which the force acts, of two rails.");
+  s.choice("side", side, {"left", "right"},
+           "Rail on which the force acts (on a track with two rails).");
   s.number(
       "at", at, {.unit = "m", .at_least = 0},
       "x of the force, preferably at a rail node (a multiple of track.spacing / track.elements).");

@@ -82,12 +82,12 @@ struct TrainOnBed::Impl {
 // Limits: a slice may be as thin as a stone, whole sleepers carry two rails.
 void SeatParameters::declare(input::Section& s) {
   s.integer("before", before, {.at_least = 0, .at_most = 10000},
-            "Number of sleepers on springs ([ballast]) before the first one of the bed; the rest "
-            "of track.length is behind the last one.");
+            "Number of sleepers on springs ([ballast]) before the first sleeper of the bed; the "
+            "rest of the track (track.length) is behind the last sleeper of the bed.");
   s.number("rails", rails, {.above = 0, .at_most = 2},
-           "Number of rails whose load the sleepers of the model carry: 1 for half a track, 2 for "
-           "a whole one and for two rails (track.dimension = \"space\"); for a slice of a bed it "
-           "is the fraction of a rail that its width carries.");
+           "Number of rails whose load the sleepers of the model carry: 1 for half a track; 2 for "
+           "a whole track, also if it is modelled with two rails (track.dimension = \"space\"); "
+           "for a slice of a bed the fraction of a rail that the width of the slice carries.");
 }
 
 TrainOnBed::TrainOnBed(const TrainOnBedParameters& parameters, const std::vector<double>& levels)

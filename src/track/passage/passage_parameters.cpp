@@ -40,16 +40,18 @@ void PadParameters::declare(input::Section& s) {
   s.number("preload", preload, {.unit = "N", .at_least = -1, .usually_to = 1e5},
            "Static compressive force of each pad from rail weight and fastenings (uplift); below "
            "0: the rail's weight alone.");
-  s.rule("preload", uplift || preload < 0, "has no effect: pads do not lift off (uplift = false)",
+  s.rule("preload", uplift || preload < 0,
+         "has no effect: the rail does not lift off its pads (uplift = false)",
          {.severity = input::Severity::warning, .reads = {"uplift", "preload"}});
   s.rule("bilinear_stiffness", bilinear_at == 0 || bilinear_stiffness > stiffness,
-         "must be above pad.stiffness",
+         fmt::format("must be above pad.stiffness ({:g} N/m)", stiffness),
          {.reads = {"stiffness", "bilinear_at", "bilinear_stiffness"}});
   s.rule("bilinear_stiffness", bilinear_at > 0 || bilinear_stiffness == 0,
          "has no effect with bilinear_at = 0",
          {.severity = input::Severity::warning, .reads = {"bilinear_at", "bilinear_stiffness"}});
   s.rule("damping", bilinear_at == 0 || damping > 0,
-         "leaves bilinear pads undamped: energy may increase in steps that pass bilinear_at",
+         "leaves bilinear pads undamped: energy may increase in steps in which the compression "
+         "passes bilinear_at",
          {.severity = input::Severity::warning, .reads = {"bilinear_at", "damping"}});
 }
 
@@ -73,9 +75,9 @@ void BallastParameters::declare(input::Section& s) {
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"mass", "below_stiffness", "below_damping"}};
   s.rule("below_stiffness", mass > 0 || below_stiffness == none.below_stiffness,
-         "has no effect without a mass of the ballast", about);
+         "has no effect without a mass of the ballast (mass)", about);
   s.rule("below_damping", mass > 0 || below_damping == none.below_damping,
-         "has no effect without a mass of the ballast", about);
+         "has no effect without a mass of the ballast (mass)", about);
 }
 
 // Measured by their bedding modulus (N/mm^3, EN 16730): times the face of half a sleeper, about
@@ -92,13 +94,13 @@ void UnderSleeperPadParameters::declare(input::Section& s) {
   s.number(
       "to", to, {.unit = "m", .at_least = 0},
       "x up to which sleepers have under-sleeper pads (exclusive); 0: up to the end of the track.");
-  s.rule("to", to == 0 || to > from, "must lie beyond from, or be 0");
+  s.rule("to", to == 0 || to > from, "must be above `from`, or 0");
   const UnderSleeperPadParameters none;
   const input::About about{.severity = input::Severity::warning,
                            .reads = {"stiffness", "damping", "from", "to"}};
   const auto unused = [&](const char* name, double value, double unset) {
-    s.rule(name, stiffness > 0 || value == unset, "has no effect without a stiffness of the pad",
-           about);
+    s.rule(name, stiffness > 0 || value == unset,
+           "has no effect without a stiffness of the pad (stiffness)", about);
   };
   unused("damping", damping, none.damping);
   unused("from", from, none.from), unused("to", to, none.to);
@@ -117,7 +119,7 @@ void TrackZone::declare(input::Section& s) {
            "Gap between sleepers and ballast of the unloaded track (hanging sleepers).");
   s.choice("side", side, {"both", "left", "right"},
            "Rail, or end of the sleepers, to which the zone applies (space).");
-  s.rule("to", to > from, "must lie beyond from");
+  s.rule("to", to > from, "must be above `from`");
 }
 
 // Parameters of a track with two rails only.
@@ -133,20 +135,20 @@ void TrackParameters::declare_space(input::Section& s) {
            "Length of the sleepers, with uniform ballast below (space, or bending sleepers).");
   s.number("sleeper_inertia", sleeper_inertia, {.unit = "kg m2", .at_least = 0},
            "Roll inertia of a whole rigid sleeper (space); 0: that of a uniform bar.");
-  s.rule("rails", dimension == Dimension::plane || rails == 2, "must be 2 where dimension = space",
-         {.reads = {"dimension", "rails"}});
+  s.rule("rails", dimension == Dimension::plane || rails == 2,
+         "must be 2 with dimension = \"space\"", {.reads = {"dimension", "rails"}});
   for (std::size_t i = 0; i < zones.size(); ++i)
     s.rule(fmt::format("zone[{}].side", i),
            zones[i].side == ZoneSide::both || dimension == Dimension::space,
-           "is for dimension = space", {.reads = {"dimension", "zone"}});
+           "needs dimension = \"space\"", {.reads = {"dimension", "zone"}});
 }
 
 // With these values the first bending frequency of a free sleeper of 2.6 m and 300 kg is 121 Hz;
 // that of concrete monoblock sleepers is 100 to 150 Hz.
 void SleeperBeamParameters::declare(input::Section& s) {
   s.choice("model", model, {"rigid", "beam"},
-           "Model of the sleepers; beam: they bend across the track, and a plane track has half of "
-           "each, symmetric about the middle.");
+           "Model of the sleepers; rigid: rigid bodies; beam: beams that bend across the track, of "
+           "which a plane track has one half, symmetric about the middle.");
   s.choice("theory", theory, {"timoshenko", "euler"},
            "Beam theory; euler: without shear deformation and rotary inertia (beam).");
   s.number("young", young, {.unit = "Pa", .above = 0, .usually_from = 1e9, .usually_to = 1e12},
@@ -158,12 +160,12 @@ void SleeperBeamParameters::declare(input::Section& s) {
   s.number("height", height, {.unit = "m", .above = 0, .usually_from = 0.05, .usually_to = 0.6},
            "Height of the cross-section of the sleepers (beam).");
   s.integer("elements", elements, {.at_least = 2, .at_most = 100},
-            "Number of elements of a sleeper between the rails, even; elements beyond are not "
-            "longer (beam).");
+            "Number of elements of a sleeper between the rails, which must be even; the elements "
+            "outside the rails are not longer (beam).");
   s.number("unsupported", unsupported, {.unit = "m", .at_least = 0, .usually_to = 2},
-           "Unsupported length in the middle of each sleeper; the ballast below the rest keeps the "
-           "total stiffness (space, or beam).");
-  s.rule("elements", elements % 2 == 0, "must be even: the middle is a node");
+           "Unsupported length in the middle of each sleeper; the total stiffness of the ballast "
+           "below the sleeper is unchanged (space, or beam).");
+  s.rule("elements", elements % 2 == 0, "must be even, so that there is a node in the middle");
 }
 
 // Mass and support of a bending sleeper are distributed along it.
@@ -178,9 +180,9 @@ void TrackParameters::declare_sleepers(input::Section& s) {
       fmt::format("must be longer than the gauge of {:g} m: the seats are on the sleepers", gauge),
       about);
   s.rule("rails", !bends || rails == 2,
-         "must be 2 with bending sleepers: a plane track has half of each", about);
+         "must be 2 with bending sleepers: a plane track has half of each sleeper", about);
   s.rule("sleeper_inertia", !bends || sleeper_inertia == 0,
-         "is for rigid sleepers: that of bending ones follows from their mass", about);
+         "must be 0 with bending sleepers, whose roll inertia follows from their mass", about);
   s.rule("sleeper.unsupported", sleeper.unsupported < sleeper_length,
          fmt::format("must be shorter than the sleeper, which is {:g} m long", sleeper_length),
          about);
@@ -202,7 +204,7 @@ void TrackParameters::declare(input::Section& s) {
   s.number("length", length, {.unit = "m", .above = 0, .usually_to = 2000},
            "Length of the track, from x = 0; beyond its ends wheels roll on rigid rails.");
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.1, .usually_to = 30},
-           "Sleeper spacing, of which the length of the track is a multiple.");
+           "Sleeper spacing; the length of the track must be a multiple of it.");
   s.integer("elements", elements, {.at_least = 1, .at_most = 100},
             "Number of rail elements per sleeper spacing.");
   s.number("sleeper_mass", sleeper_mass,
@@ -229,9 +231,9 @@ void TrackParameters::declare(input::Section& s) {
          "must be pinned: the rail has no other support");
   for (std::size_t i = 0; i < zones.size(); ++i)
     s.rule(fmt::format("zone[{}].gap", i), zones[i].gap == 0 || support == Support::sleepers,
-           "is for hanging sleepers; the track has no sleepers", {.reads = {"support", "zone"}});
+           "must be 0: the track has no sleepers (support)", {.reads = {"support", "zone"}});
   s.rule("run_in", support == Support::none || 2 * run_in <= length,
-         "must be at most half the length");
+         "must be at most half of track.length");
 }
 
 // Wheel and rail oscillate against each other on the contact stiffness at several hundred Hz, and

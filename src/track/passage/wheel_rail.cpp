@@ -128,7 +128,7 @@ void WheelRailParameters::declare(input::Section& s) {
   of_flat("flat_length", flat_length != none.flat_length);
   of_flat("flat_at", flat_at != none.flat_at);
   s.rule("flat_length", flat_axle == 0 || flat_length <= bodies.wheel_radius,
-         "must be at most the radius of the wheel",
+         fmt::format("must be at most the radius of the wheel ({:g} m)", bodies.wheel_radius),
          {.reads = {"flat_axle", "flat_length", "wheel_radius"}});
 }
 

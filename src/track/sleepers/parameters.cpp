@@ -32,8 +32,8 @@ void SleeperParameters::declare(input::Section& s) {
   s.number("spacing", spacing, {.unit = "m", .above = 0, .usually_from = 0.2, .usually_to = 2},
            "Sleeper spacing, between centres.");
   s.number("y", y, {.unit = "m"},
-           "y of the sleeper centres (space); half sleepers of half a track are centred between "
-           "its wall and their ends.");
+           "y of the sleeper centres (space). In a model of half a track it is the middle of the "
+           "half sleepers, between the wall at the track's middle and the sleeper ends.");
   s.number("width", width, {.unit = "m", .above = 0, .usually_to = 2}, "Sleeper width, along x.");
   s.number("height", height, {.unit = "m", .above = 0, .usually_to = 1},
            "Sleeper height, along z.");
@@ -48,7 +48,7 @@ void SleeperParameters::declare(input::Section& s) {
   s.number("bevel", bevel, {.unit = "m", .at_least = 0},
            "Bevel of the lower sleeper edges, at 45 degrees; 0: sharp edges.");
   s.rule("free", are_degrees_of_freedom(free),
-         "must name each of x, y, z, rx, ry, rz at most once");
+         "may contain only x, y, z, rx, ry and rz, each at most once");
   s.rule("bevel", bevel < std::min(width / 2, height),
          "must be smaller than half the width and than the height");
   s.rule("spacing", count < 2 || spacing > width, "must be larger than the width");
@@ -76,13 +76,14 @@ void SeatLoadParameters::declare(input::Section& s) {
   s.number("ratio", ratio, {.above = 0},
            "Load one spacing away from the axle over the peak (power).");
   s.file("file", file,
-         "CSV of seat loads with columns time_s, force_N of the sleeper at x = 0, delayed by "
-         "x/speed at others (table), or time_s, sleeper_0, sleeper_1 and so on, in N (seats). "
-         "Loads are linear between rows, 0 before the first and after the last.");
+         "CSV of seat loads; table: columns time_s and force_N, the load of the sleeper at x = 0, "
+         "which acts on the sleeper at x later by x/speed; seats: columns time_s, sleeper_0, "
+         "sleeper_1 and so on, in N. Loads are linear between rows, 0 before the first and after "
+         "the last.");
   s.number("gauge", gauge, {.unit = "m", .at_least = 0, .usually_to = 2},
            "Distance between the two seats of a sleeper, each with a column: sleeper_0_left, "
            "sleeper_0_right and so on (seats, on a bed in space); 0: one seat in the middle.");
-  s.rule("axles", is_table() || !axles.empty(), "must name at least one axle");
+  s.rule("axles", is_table() || !axles.empty(), "must contain at least one axle");
   s.rule("ratio", ratio < 1, "must be below 1");
   s.rule("gauge", gauge == 0 || kind == SeatLoadKind::seats,
          "needs kind = \"seats\", whose table has columns of both seats");

@@ -161,7 +161,7 @@ Train::Train(const TrainParameters& parameters, const std::vector<VehicleParamet
     const VehicleParameters v = find_vehicle(name, known);
     if (const auto missing = lacking(v); !missing.empty())
       throw InputError(
-          {fmt::format("vehicle \"{}\" needs {} too", name, fmt::join(missing, ", "))});
+          {fmt::format("vehicle \"{}\" also needs {}", name, fmt::join(missing, ", "))});
     const VehicleLayout layout = layout_of(v.kind);
     const bool constant = layout.constant;
     const std::vector<double> axles = axles_of(v);

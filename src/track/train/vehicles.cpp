@@ -262,20 +262,23 @@ void declare_unused(const V& given, const V& whole, input::Section& s) {
   const bool own = given.like.empty();
   const input::About about{.severity = own ? input::Severity::warning : input::Severity::problem};
   s.rule("kind", own || given.kind == VehicleKind::of_like || given.kind == whole.kind,
-         fmt::format("is that of {}, which it is like: leave it out", given.like));
+         fmt::format("must be that of {} (like): leave out the kind", given.like));
   const VehicleLayout layout = layout_of(whole.kind);
   for (const Usage& one : usages)
     s.rule(one.name, given.*one.number == 0 || one.by(layout),
            "has no effect on a vehicle of this kind", about);
   const bool forces = layout.constant;
-  s.rule("axles", given.axles.empty() || forces, "is for constant forces (kind)", about);
+  s.rule("axles", given.axles.empty() || forces,
+         "is only for vehicles of constant forces (kind = \"forces\")", about);
   s.rule("axles", std::is_sorted(given.axles.begin(), given.axles.end()),
-         "must rise: the first axle is the foremost one");
-  s.rule("loads", given.loads.empty() || forces, "is for constant forces (kind)", about);
+         "must increase: the first axle is the foremost one");
+  s.rule("loads", given.loads.empty() || forces,
+         "is only for vehicles of constant forces (kind = \"forces\")", about);
   const double reach = axle_span_of(whole);
   s.rule("bogie_distance",
          layout.bogies < 2 || whole.bogie_distance == 0 || whole.bogie_distance > whole.wheelbase,
-         fmt::format("must exceed the wheelbase of {:g} m: bogies overlap", whole.wheelbase));
+         fmt::format("must exceed the wheelbase of {:g} m: otherwise the bogies overlap",
+                     whole.wheelbase));
   s.rule("length", reach <= whole.length,
          fmt::format("is less than the {:g} m that its axles need: axles overlap other vehicles",
                      reach),
@@ -370,14 +373,14 @@ void VehicleParameters::declare(input::Section& s) {
             "Load of each axle, both wheels (forces).");
   declare_unused(*this, complete(*this), s);
   if (const auto missing = lacking(complete(*this)); !missing.empty())
-    s.rule("kind", false, fmt::format("needs {} too", fmt::join(missing, ", ")));
+    s.rule("kind", false, fmt::format("also needs {}", fmt::join(missing, ", ")));
 }
 
 // Names are checked where both lists are known (model/track_rules/track_model.cpp).
 void TrainParameters::declare(input::Section& s) {
   s.texts("vehicles", vehicles,
-          "Names of [[vehicle]] or of the library, front first; the list may be empty with a "
-          "[[force]] and must be with seat loads.");
+          "Names of vehicles of the deck ([[vehicle]]) or of the library, front first. The list "
+          "may be empty if there is a [[force]]; it must be empty with seat loads.");
   s.number("speed", speed, {.unit = "m/s", .at_least = 0, .usually_from = 1, .usually_to = 170},
            "Speed along x at the start, constant unless train.times are given; 0: the train stands "
            "at train.start for passage.duration.");
@@ -401,7 +404,7 @@ bool TrainParameters::changes_are_valid() const {
 void TrainParameters::declare_changes(input::Section& s) const {
   s.rule("times",
          std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end(),
-         "must rise from each to the next");
+         "must increase from each time to the next");
   s.rule("speeds", speeds.size() == times.size(),
          fmt::format("must be as many as train.times: {} speeds, {} times", speeds.size(),
                      times.size()));
@@ -414,7 +417,8 @@ void TrainParameters::declare_changes(input::Section& s) const {
   }
   constexpr double emergency = 3;  // m/s^2, including magnetic track brakes
   s.rule("speeds", largest <= emergency,
-         fmt::format("changes by up to {:.3g} m/s2; trains brake by 3 m/s2 at most", largest),
+         fmt::format("require accelerations of up to {:.3g} m/s2; trains brake with at most 3 m/s2",
+                     largest),
          {.severity = input::Severity::warning, .reads = {"speed", "times", "speeds"}});
 }
 

@@ -385,7 +385,8 @@ TEST(StonePair, ValuesThatAreNotNumbersEndTheRun) {
   row[2].velocity.x() = std::numeric_limits<double>::quiet_NaN();
   dem::Particles p = two(a, a, row, elastic());
   p.advance(1e-5, 2);
-  EXPECT_EQ(p.trouble(), "position or attitude of particle 2 is not a number: use smaller steps");
+  EXPECT_EQ(p.trouble(),
+            "the position or attitude of particle 2 is not a number; use smaller steps");
 }
 
 }  // namespace

@@ -209,8 +209,8 @@ TEST(BaseMotion, RefusesWavesThatBeginOrEndInMotion) {
   EXPECT_NE(words("0,0,0\n1,1,0\n").find("begin and end at rest"), std::string::npos);
   EXPECT_NE(words("0,0,0.1\n1,0,0\n").find("begin and end at rest"), std::string::npos);
   const std::string ends = words("0,0,0\n1,1,0\n\n2,0,-2e-9\n");
-  EXPECT_NE(ends.find(":5: vx_m_s = 0, vz_m_s = -2e-09: must begin and end at rest: the last row "
-                      "may move with at most 1e-09 of the largest speed (1 m/s)"),
+  EXPECT_NE(ends.find(":5: vx_m_s = 0, vz_m_s = -2e-09: the wave must begin and end at rest: the "
+                      "speed in the last row must be at most 1e-09 of the largest speed (1 m/s)"),
             std::string::npos)
       << ends;
   EXPECT_NE(words("0,0,0\n").find("at least two rows"), std::string::npos);

@@ -161,7 +161,8 @@ std::vector<Damage> damages() {
       {with(four, "$EndNodes", "$EndNode"), "found where $EndNodes is expected"},
       {with(two, "$Nodes\n45", "$Nodes\n4500000"), "more than the remaining file can contain"},
       {with(two, "\n2 0.5 0 -1", "\n1 0.5 0 -1"), "node 1 is given twice"},
-      {with(two, "\n2 0.5 0 -1", "\n2 nan 0 -1"), "\"nan\" found where a coordinate is expected"},
+      {with(two, "\n2 0.5 0 -1", "\n2 nan 0 -1"),
+       "\"nan\" was found where a coordinate is expected"},
       {with(two, "\n45 2 1 0", "\n46 2 1 0"), "which is not in $Nodes"},
       {with(two, "\n21 11 2", "\n21 99 2"), "99 is not a known element type"},
       {with(two, "\n21 11 2 1 1", "\n21 11 2 0 1"), "element 21 is in no physical volume"},
@@ -192,7 +193,7 @@ TEST(Gmsh, LinearTetrahedraAreRefused) {
       "$EndElements\n";
   const std::string found = problems(linear);
   EXPECT_NE(found.find("box.msh:14: element 1 is a 3-node triangle"), found.npos) << found;
-  EXPECT_NE(found.find("box.msh:15: element 2 is a 4-node tetrahedron, as are 2 in total: linear "
+  EXPECT_NE(found.find("box.msh:15: element 2 is a 4-node tetrahedron (the first of 2): linear "
                        "tetrahedra lock"),
             found.npos)
       << found;

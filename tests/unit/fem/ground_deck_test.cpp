@@ -79,7 +79,7 @@ TEST(GroundDeck, RefusesInvalidValues) {
   };
   EXPECT_EQ(with("elements_z = 3"), "");
   EXPECT_NE(with("elements_z = 0").find("elements_z"), std::string::npos);
-  EXPECT_NE(with("x = [3, 1]").find("must end beyond its begin"), std::string::npos);
+  EXPECT_NE(with("x = [3, 1]").find("must be two increasing numbers"), std::string::npos);
   EXPECT_NE(with("x = [3]"), "");
   EXPECT_NE(with("safety = 1.2").find("safety"), std::string::npos);
   EXPECT_NE(with("newmark_gamma = 0.9").find("half of newmark_gamma"), std::string::npos);
@@ -112,11 +112,14 @@ TEST(GroundDeck, AMeshReplacesLayers) {
     EXPECT_NE(problems(text).find(words), std::string::npos) << problems(text);
   };
   refused(head + "elements_x = 3\n" + groups, "elements_x = 3: has no effect with ground.mesh");
-  refused(head + "sides = \"viscous\"\n" + groups, "its surfaces are [[ground.border]]");
-  refused(head + groups + "[[ground.layer]]\nthickness = 1\n", "its volumes are [[ground.solid]]");
-  refused(head + groups + groups, "is the name of an earlier one");
-  refused(head + groups + "[[ground.border]]\nname = \"top\"\n", "is the name of an earlier one");
-  refused(head + "[[ground.solid]]\nname = \"clay\"\n", "holds the ground nowhere");
+  refused(head + "sides = \"viscous\"\n" + groups,
+          "describe the surfaces of the mesh by [[ground.border]]");
+  refused(head + groups + "[[ground.layer]]\nthickness = 1\n",
+          "describe the volumes of the mesh by [[ground.solid]]");
+  refused(head + groups + groups, "is already the name of another part of the mesh");
+  refused(head + groups + "[[ground.border]]\nname = \"top\"\n",
+          "is already the name of another part of the mesh");
+  refused(head + "[[ground.solid]]\nname = \"clay\"\n", "must hold the ground somewhere");
   refused("[ground]\nmesh = \"none.msh\"\n" + groups, "does not exist");
   refused("[ground]\nmesh_top = \"crest\"\n[[ground.layer]]\nthickness = 1\n",
           "has no effect without mesh");
@@ -128,11 +131,13 @@ TEST(GroundDeck, LayersHaveElements) {
     std::string text = good;
     return problems(text.replace(text.find(found), found.size(), put));
   };
-  EXPECT_NE(with("thickness = 0.6", "thickness = 0.02").find("contains the centre of no element"),
+  EXPECT_NE(with("thickness = 0.6", "thickness = 0.02")
+                .find("does not contain the centre of any element"),
             std::string::npos);
   EXPECT_EQ(with("thickness = 0.6", "thickness = 0.06"), "");
-  EXPECT_NE(with("thickness = 0.6", "thickness = 0.6\nelements = 8").find("need `elements` each"),
-            std::string::npos);
+  EXPECT_NE(
+      with("thickness = 0.6", "thickness = 0.6\nelements = 8").find("must all have `elements`"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -136,12 +136,12 @@ TEST(Import, RepairsMinorDefects) {
   const Import mixed = import_mesh(obj(body), MeshFormat::obj, 1, "");
   EXPECT_NEAR(mesh_solid(mixed.mesh).volume, 5, rounding);
   ASSERT_EQ(mixed.repairs.size(), 1u);
-  EXPECT_EQ(mixed.repairs[0], "1 facets without area or duplicate facets were removed");
+  EXPECT_EQ(mixed.repairs[0], "facets removed, because they have no area or are duplicates: 1");
   Mesh open = ball_mesh();
   open.triangles.pop_back();
   const Import closed = import_mesh(obj(open), MeshFormat::obj, 1, "");
   EXPECT_EQ(closed.mesh.triangles.size(), ball_mesh().triangles.size());
-  EXPECT_EQ(closed.repairs.at(0), "1 small holes closed");
+  EXPECT_EQ(closed.repairs.at(0), "small holes closed: 1");
   Mesh specks = letter();
   const auto first = static_cast<int>(specks.vertices.size());
   for (const Vec3& p : cube().vertices) specks.vertices.push_back(0.05 * p + Vec3(5, 0, 0));
@@ -149,7 +149,7 @@ TEST(Import, RepairsMinorDefects) {
     specks.triangles.push_back({first + a, first + b, first + c});
   const Import clean = import_mesh(obj(specks), MeshFormat::obj, 1, "");
   EXPECT_NEAR(mesh_solid(clean.mesh).volume, 5, rounding);
-  EXPECT_EQ(clean.repairs.at(0), "1 specks left out");
+  EXPECT_EQ(clean.repairs.at(0), "separate surfaces left out: 1 (each at most 1 % of the area)");
 }
 
 // Two triangles given as one facet that returns to a corner they share: it is split there.
@@ -165,7 +165,7 @@ TEST(Import, ReportsSplitFacets) {
   const Import cut = import_mesh(text, MeshFormat::obj, 1, "");
   EXPECT_NEAR(mesh_solid(cut.mesh).volume, 5, rounding);
   ASSERT_EQ(cut.repairs.size(), 1u);
-  EXPECT_EQ(cut.repairs[0], "self-touching facets were split: 1 more facets");
+  EXPECT_EQ(cut.repairs[0], "self-touching facets were split, which gives 1 facets more");
 }
 
 TEST(Import, GivesTheReasonOfARefusal) {
@@ -188,7 +188,8 @@ TEST(Import, GivesTheReasonOfARefusal) {
   EXPECT_EQ(reason(ply(body), MeshFormat::ply), "a facet refers to a vertex that does not exist");
   body = letter();
   body.vertices[0].x() = 1e300;
-  EXPECT_EQ(reason(obj(body)), "a coordinate is not a number or beyond 1000 km");
+  EXPECT_EQ(reason(obj(body)),
+            "a coordinate is not a number, or is larger than 1000 km; is the length unit right?");
   EXPECT_NE(reason(""), "accepted");
   EXPECT_NE(reason("solid body\n", MeshFormat::stl), "accepted");
   const std::string whole = binary_stl(letter());

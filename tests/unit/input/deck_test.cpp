@@ -148,9 +148,9 @@ TEST(Deck, ReportsWhatIsWrongOnTheCommandLine) {
                          "nonsense", "dem.safety.x=1", "layer.sand.depth=-1", "=3", "dm.skin=1"}),
             (Sentences{
                 "deck.toml:1: titel is not a parameter; did you mean title?",
-                "command line: layer.clay.young: there is no element clay; it has sand",
-                "command line: layer.1.young: there is no element 1; it has sand",
-                "command line: \"nonsense\" must read key=value",
+                "command line: layer.clay.young: the list has no element clay; its elements: sand",
+                "command line: layer.1.young: the list has no element 1; its elements: sand",
+                "command line: \"nonsense\" must have the form key=value",
                 "command line: dem.safety.x: the name before x is a value, not a section",
                 "command line: \"\" is not the name of a parameter",
                 "command line: dem.safety = \"high\" must be a number",

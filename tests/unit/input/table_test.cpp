@@ -50,7 +50,8 @@ TEST(Table, SkipsAByteOrderMark) {
 TEST(Table, ReportsAllProblemsAtOnce) {
   const Csv csv("time,laod\n0,1\n1\n2,x\n3,\n4,nan\n5,6,7\n");
   EXPECT_EQ(csv.problems({"time", "load"}),
-            (Sentences{"table_test.csv:1: there is no column load; is it laod?",
+            (Sentences{"table_test.csv:1: there is no column load; rename column laod if it "
+                       "contains these values",
                        "table_test.csv:3: has 1 columns, the first line has 2",
                        "table_test.csv:7: has 3 columns, the first line has 2"}));
   EXPECT_EQ(csv.problems({"laod"}),

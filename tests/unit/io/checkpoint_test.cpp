@@ -104,7 +104,7 @@ TEST(Checkpoint, ReportsTheDefectOfAFile) {
   EXPECT_EQ(refusal(path), path + ": does not exist");
   EXPECT_EQ(refusal(scratch.folder()),
             scratch.folder() +
-                ": holds no checkpoint; name the result folder of a run, or a file .h5 in it");
+                ": contains no checkpoint; give the result folder of a run, or a file .h5 in it");
   on_root([&] { std::ofstream(path).close(); });
   EXPECT_EQ(refusal(path), path + ": is empty");
   on_root([&] { std::ofstream(path) << "some text of another kind, longer than a header"; });
@@ -115,8 +115,9 @@ TEST(Checkpoint, ReportsTheDefectOfAFile) {
   const auto whole = fs::file_size(path);
   constexpr std::uintmax_t seal_bytes = 32 + 16;  // one dataset
   on_root([&] { fs::resize_file(path, whole / 2); });
-  EXPECT_EQ(refusal(path), path + ": is cut short (" + std::to_string(whole / 2) +
-                               " of more than " + std::to_string(whole - seal_bytes) + " bytes)");
+  EXPECT_EQ(refusal(path), path + ": is cut short (it has " + std::to_string(whole / 2) +
+                               " bytes and should have more than " +
+                               std::to_string(whole - seal_bytes) + ")");
   on_root([&] { fs::remove(path); });
   EXPECT_EQ(refusal(scratch.folder()), path + ": does not exist");
 }
@@ -141,7 +142,8 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     file.seekp(200);
     file.put('\1');
   });
-  EXPECT_EQ(refusal(path), path + ": is damaged: its structure does not match its seal");
+  EXPECT_EQ(refusal(path),
+            path + ": is damaged: its structure does not match the checksum at its end");
   for (const bool newer : {true, false}) {
     const std::int64_t format = checkpoint_format + (newer ? 1 : -1);
     {
@@ -151,8 +153,9 @@ TEST(Checkpoint, NamesTheDamagedDatasetAndAnotherFormat) {
     }
     on_root([&] { EXPECT_EQ(seal(path, {}), ""); });
     EXPECT_EQ(refusal(path), path + ": was written by " + (newer ? "a newer" : "an older") +
-                                 " trackbed (checkpoint format " + std::to_string(format) +
-                                 "; this one reads " + std::to_string(checkpoint_format) + ")");
+                                 " version of trackbed (checkpoint format " +
+                                 std::to_string(format) + "; this version reads format " +
+                                 std::to_string(checkpoint_format) + ")");
   }
 }
 
