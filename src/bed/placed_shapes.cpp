@@ -92,8 +92,8 @@ PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
   const std::vector<NamedShape> shapes = load_library(comm, p.file);
   std::vector<std::string> names;
   for (const NamedShape& shape : shapes) names.push_back(shape.name);
-  if (p.entry.empty() && shapes.size() == 1) return {shapes[0].shape, 1, Quat::Identity()};
-  const auto found = std::find(names.begin(), names.end(), p.entry);
+  const bool only = p.entry.empty() && shapes.size() == 1;
+  const auto found = only ? names.begin() : std::find(names.begin(), names.end(), p.entry);
   if (found == names.end()) {
     const std::string near = p.entry.empty() ? "" : input::nearest(p.entry, names);
     const std::size_t count = names.size();
@@ -111,7 +111,8 @@ PlacedShape of_library(const par::Comm& comm, const ShapeParameters& p) {
   for (const geom::Piece& piece : shape.shape.pieces)
     if (!(piece.radius > 0))
       throw InputError({fmt::format(
-          "entry: shape {} has edges without rounding, but contacts need rounded edges", p.entry)});
+          "entry: shape {} has edges without rounding, but contacts need rounded edges",
+          shape.name)});
   return {shape.shape, 1, Quat::Identity()};
 }
 

@@ -22,23 +22,28 @@ std::array<double, 2> covered_range(const Model& model, const PressureParameters
   return {p.x[0] + std::min(travel, 0.0), p.x[1] + std::max(travel, 0.0)};
 }
 
-// Why the pressure cannot act at its position, or empty; a moving one may enter and leave the
-// ground.
-std::string beside(const Model& model, const PressureParameters& p, const std::vector<double>& x,
-                   const std::vector<double>& y) {
+// A parameter of a pressure, and why the pressure cannot act at this position; no reason if it can.
+struct Misplaced {
+  const char* key;
+  std::string why;
+};
+
+// A moving pressure may enter and leave the ground.
+Misplaced misplaced(const Model& model, const PressureParameters& p, const std::vector<double>& x,
+                    const std::vector<double>& y) {
   const auto outside = [](const auto& inner, const std::vector<double>& outer) {
     return inner[0] < outer[0] - rounding || inner[1] > outer[1] + rounding;
   };
   if (p.speed == 0 && outside(p.x, x))
-    return fmt::format("reaches beyond the top of the ground ({:g} to {:g} m)", x[0], x[1]);
+    return {"x", fmt::format("reaches beyond the top of the ground ({:g} to {:g} m)", x[0], x[1])};
   const auto [from, to] = covered_range(model, p);
   if (!model.ground.periodic(0) && (to <= x[0] || from >= x[1]))
-    return fmt::format("moves from x = {:g} to {:g} m and is never on the ground ({:g} to {:g} m)",
-                       from, to, x[0], x[1]);
+    return {"x",
+            fmt::format("moves from x = {:g} to {:g} m and is never on the ground ({:g} to {:g} m)",
+                        from, to, x[0], x[1])};
   if (model.dimension == Dimension::space && p.y.size() == 2 && outside(p.y, y))
-    return fmt::format("reaches across the track beyond the top of the ground ({:g} to {:g} m)",
-                       y[0], y[1]);
-  return "";
+    return {"y", fmt::format("reaches beyond the top of the ground ({:g} to {:g} m)", y[0], y[1])};
+  return {"x", ""};
 }
 
 bool has_place(const PressureParameters& p) {
@@ -184,8 +189,8 @@ void declare_pressures(const Model& model, input::Section& s) {
       const double half = ground.narrowest_crest(from, to);
       across = {std::max(-half, across[0]), std::min(half, across[1])};
     }
-    const std::string why = beside(model, p, ground.x, across);
-    s.rule(key + (why.starts_with("reaches across") ? ".y" : ".x"), why.empty(), why,
+    const auto [name, why] = misplaced(model, p, ground.x, across);
+    s.rule(fmt::format("{}.{}", key, name), why.empty(), why,
            {.reads = {key, "ground", "dimension", "stage"}});
   }
 }
@@ -194,9 +199,10 @@ void require_below(const Model& model, const std::array<double, 2>& x,
                    const std::array<double, 2>& y, const input::Deck& deck,
                    std::vector<std::string>& problems) {
   for (std::size_t i = 0; i < model.pressures.size(); ++i) {
-    const std::string why = beside(model, model.pressures[i], {x[0], x[1]}, {y[0], y[1]});
+    const auto [name, why] = misplaced(model, model.pressures[i], {x[0], x[1]}, {y[0], y[1]});
     if (!why.empty())
-      problems.push_back(fmt::format("{}: {}", deck.where(fmt::format("pressure[{}]", i)), why));
+      problems.push_back(
+          fmt::format("{}: {}", deck.where(fmt::format("pressure[{}].{}", i, name)), why));
   }
 }
 

@@ -106,9 +106,9 @@ void declare_uses_of_stages(const Model& model, input::Section& s) {
     only("load", stage.load != none.load, {load}, "stages of kind load");
     only("ramp", stage.ramp != none.ramp, {load, compact, shear, triaxial},
          "stages of kind load, compact, shear and triaxial");
-    const bool loaded = stage.kind == load || stage.kind == passage;
-    only("until_ratio", stage.until_ratio != none.until_ratio && loaded, {},
-         "stages without axles and cycles");
+    only("until_ratio", stage.until_ratio != none.until_ratio,
+         {fill, settle, compact, release, sleepers, cribs, run, lift_walls, tamp},
+         "all kinds of stages except load, passage, shear and triaxial");
     only("seat_force", stage.seat_force != none.seat_force,
          {sleepers, cribs, load, passage, run, settle}, "stages with sleepers");
   }
