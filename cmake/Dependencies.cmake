@@ -17,6 +17,9 @@ target_link_libraries(trackbed_cgal INTERFACE ${MPFR_LIBRARY} ${GMP_LIBRARY})
 
 find_library(METIS_LIBRARY metis REQUIRED)
 pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET PETSc)
+# Options of Debian's own build (-D_FORTIFY_SOURCE), with which precompiled headers of modules
+# without PETSc could not be used.
+set_property(TARGET PkgConfig::PETSC PROPERTY INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-openmpi)
 
 # Debian's python3, not the first on PATH: only Debian's has the modules of cmake/packages.txt.

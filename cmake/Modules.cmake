@@ -35,14 +35,24 @@ set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
 
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <module>... [LABELS <label>...]
 #               [TIMEOUT <s>])
-# One executable per file, run once for each number of ranks as <file>_on_<n>.
+# The tests of a file, run once for each number of ranks as <file>_on_<n>. The files of a folder are
+# one executable, <folder above>_<folder>_tests: a hundred executables took a minute to link.
 function(trackbed_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS" ${ARGN})
-  add_executable(${name} ${name}.cpp)
-  target_link_libraries(${name} PRIVATE test_support trackbed_options ${TEST_LINKS})
-  target_precompile_headers(${name} REUSE_FROM test_support)
-  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(NOT TEST_RANKS)
+    message(FATAL_ERROR "trackbed_test(${name}): RANKS is missing, so that the test would never run")
+  endif()
+  file(RELATIVE_PATH program ${CMAKE_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "_" program ${program}_tests)
+  if(NOT TARGET ${program})
+    add_executable(${program})
+    target_link_libraries(${program} PRIVATE test_support trackbed_options)
+    target_precompile_headers(${program} REUSE_FROM test_support)
+    target_include_directories(${program} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
+    set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  endif()
+  target_sources(${program} PRIVATE ${name}.cpp)
+  target_link_libraries(${program} PRIVATE ${TEST_LINKS})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()
@@ -50,7 +60,7 @@ function(trackbed_test name)
     set(test ${name}_on_${ranks})
     add_test(NAME ${test}
       COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe --bind-to none
-              $<TARGET_FILE:${name}>
+              $<TARGET_FILE:${program}> --file ${name}
       WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
     set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
       LABELS "${TEST_LABELS}"

@@ -1,16 +1,16 @@
-// One file per program and number of ranks, so that programs that run side by side do not mix rows:
-// a row is folder, test, quantity, unit, measured, sign, reference or limit, tolerance, separated
-// by tabs.
+// One file per source file of tests and number of ranks, so that tests that run side by side do not
+// mix rows. A row is folder, test, quantity, unit, measured, sign, reference or limit, tolerance,
+// separated by tabs.
 #include "support/verified.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "trackbed/par/comm.hpp"
 
@@ -21,20 +21,22 @@ namespace {
 namespace fs = std::filesystem;
 
 // Empty if no rows are requested, or on other ranks than 0.
-std::ofstream opened() {
+std::ofstream opened(const std::string& source) {
   const char* folder = std::getenv("TRACKBED_VERIFICATION");
   const par::Comm world = par::Comm::world();
   if (folder == nullptr || !world.root()) return {};
   fs::create_directories(folder);
-  return std::ofstream(fs::path(folder) /
-                       fmt::format("{}_{}.tsv", program_invocation_short_name, world.size()));
+  return std::ofstream(fs::path(folder) / fmt::format("{}_{}.tsv", source, world.size()));
 }
 
 void keep(const std::string& quantity, const std::string& unit, double measured,
           const std::string& sign, double reference, double tolerance, const Place& place) {
-  static std::ofstream rows = opened();
-  if (!rows.is_open()) return;
   const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
+  static std::map<std::string, std::ofstream> files;
+  const std::string source = fs::path(test.file()).stem();
+  if (!files.contains(source)) files[source] = opened(source);
+  std::ofstream& rows = files[source];
+  if (!rows.is_open()) return;
   rows << fmt::format("{}\t{}.{}\t{}\t{}\t{:.15g}\t{}\t{:.9g}\t{:.3g}\n",
                       fs::path(place.file_name()).parent_path().filename().string(),
                       test.test_suite_name(), test.name(), quantity, unit, measured, sign,
