@@ -4,6 +4,8 @@
     results.sleeper["displacement"].values                 # [time, sleeper], m, up positive
     state = read.checkpoint("results/quickstart/wedge")         # the one named in `latest`
     state["run/window"].unit
+    for window, file in read.fields("results/quickstart/wedge", "load", "ground").items():
+        read.datasets(file)["VTKHDF/Points"].values
 
 As a program it lists the datasets of a file: `read.py FILE`. A file that cannot be read ends any
 script with one message and code 2.
@@ -12,6 +14,7 @@ import contextlib
 import dataclasses
 import json
 import pathlib
+import re
 import sys
 import tomllib
 
@@ -231,7 +234,8 @@ def _results(file_path, file):
 
 
 def datasets(path):
-    """Every dataset of an HDF5 file by its path, as a Quantity; missing labels are empty."""
+    """Every dataset of an HDF5 file, or of results.h5 in a folder, by its path, as a Quantity;
+    missing labels are empty."""
     found = {}
 
     def see(name, item):
@@ -244,13 +248,25 @@ def datasets(path):
     return found
 
 
-def checkpoint(path):
-    """Every dataset of a checkpoint; of a folder, the file named in its text file `latest`."""
+def checkpoint(path, stage=""):
+    """Every dataset of a checkpoint; of a folder, that at the end of the stage of this name, or the
+    file named in its text file `latest`."""
     path = pathlib.Path(path)
-    if path.is_dir():
+    if stage:
+        path = path / f"stage_{stage}.h5"
+    elif path.is_dir():
         names = _place(path, "latest").read_text(encoding="utf-8").splitlines()
         path = path / (names[0] if names else "latest is empty")
     return datasets(path)
+
+
+def fields(folder, stage, part):
+    """Field files of a stage in a result folder, by the number of their window in the stage. Parts
+    are stones, contacts, ground and solids."""
+    name = re.compile(rf"{re.escape(stage)}_(\d+)_{part}\.vtkhdf")
+    files = sorted((pathlib.Path(folder) / "fields").glob("*.vtkhdf"))
+    numbered = {int(found[1]): file for file in files if (found := name.fullmatch(file.name))}
+    return dict(sorted(numbered.items()))
 
 
 def main():

@@ -9,10 +9,9 @@ import re
 import shutil
 import sys
 
-import h5py
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import datasets  # noqa: E402
 
 # Contexts in which some parameters have an effect.
 EVEN = ["track.support=continuous"]
@@ -188,8 +187,7 @@ class Bench:
         if ran.returncode not in (0, 3):
             return {"code": ran.returncode, "refused": ran.stderr}
         track = summary(place)["track"]
-        with h5py.File(place / "results.h5") as file:
-            rows = len(file["history/time"])
+        rows = len(datasets(place)["history/time"])
         written = sorted(file.name for file in place.glob("checkpoint_*.h5"))
         return {"code": ran.returncode, "track": track, "rows": rows, "written": written}
 

@@ -78,42 +78,43 @@ SURFACE = [[0.5, -1.0, 0.1], [1.5, -1.0, 0.3], [0.5, 0.0, 0.5], [1.5, 0.0, 0.5],
 GRADING = np.array([[0.0224, 0, 0, 3], [0.035, 20, 10, 30], [0.063, 100, 100, 100]])
 
 
+def store(path, datasets, **attributes):
+    """Writes an HDF5 file of {name: (values, unit)} with attributes of the file."""
+    with h5py.File(path, "w") as file:
+        file.attrs.update(attributes)
+        for name, (values, unit) in datasets.items():
+            file[name] = values
+            file[name].attrs["unit"], file[name].attrs["meaning"] = unit, "made for a test"
+
+
 def write(folder, wedge=True, ground=True):
     """Writes folder/results.h5 and returns the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     x, nodes = np.arange(0.3, 9.0, 0.6), np.linspace(0, 9, 91)
     settle, passage = np.arange(0, 0.1, 1e-3), 0.1 + np.arange(0, 2.0, 1e-3)
     time = np.concatenate([settle, passage])
-    with h5py.File(folder / "results.h5", "w") as file:
-        def put(path, values, unit="-", meaning="made for a test"):
-            dataset = file.create_dataset(path, data=values)
-            dataset.attrs["unit"], dataset.attrs["meaning"] = unit, meaning
-        file.attrs["deck"] = DECK.format(speed=SPEED, axles=list(AXLES), edge=EDGE,
-                                         wedge=str(wedge).lower())
-        file.attrs["version"], file.attrs["ranks"] = "0.0.0", 2
-        put("sleepers/x", x, "m")
-        put("history/time", time, "s")
-        put("history/stage", np.repeat([3, 4], [len(settle), len(passage)]))
-        for name, (values, unit) in histories(time, x).items():
-            put(f"history/sleeper/{name}", values, unit)
-        for name, scale in (("kinetic", 1e-3), ("potential", 100.0), ("elastic", 2.0)):
-            put(f"history/energy/{name}", scale * (1 + np.sin(time)), "J")
-        for name, one in REGION.items():
-            put(f"history/region/slab/{name}", np.concatenate(
-                [np.atleast_2d(value) * np.ones((len(time), 1)) for value in one], axis=1))
-        put("envelope/sleeper/displacement_min", -1e-3 * np.ones(len(x)), "m")
-        put("envelope/sleeper/displacement_max", 1e-3 * np.ones(len(x)), "m")
-        put("envelope/sleeper/acceleration_max", 53.0 * np.ones(len(x)), "m/s^2")
-        if ground:
-            put("ground/x", nodes, "m")
-            put("envelope/ground/displacement_min", ground_displacement(nodes, wedge), "m")
-            put("envelope/ground/sigma_z_min", ground_stress(nodes, wedge), "Pa")
-        chains = np.array([[1.0, 0.1, 1.1, 0.2], [3.0, 0.1, 3.0, 0.3]])
-        put("chains/load/segments", chains, "m")
-        put("chains/load/force", np.array([100.0, 900.0]), "N")
-        put("stones/load/centre", chains[:, :2], "m")
-        put("stones/load/radius", np.array([0.03, 0.02]), "m")
-        put("stones/load/sieved", SIEVED, "m, kg")
-        put("surface/load/top", SURFACE, "m")
-        put("bed/grading", GRADING, "m, %")
+    chains = np.array([[1.0, 0.1, 1.1, 0.2], [3.0, 0.1, 3.0, 0.3]])
+    made = {"sleepers/x": (x, "m"), "history/time": (time, "s"),
+            "history/stage": (np.repeat([3, 4], [len(settle), len(passage)]), "-")}
+    made |= {f"history/sleeper/{name}": one for name, one in histories(time, x).items()}
+    made |= {f"history/energy/{name}": (scale * (1 + np.sin(time)), "J") for name, scale in
+             (("kinetic", 1e-3), ("potential", 100.0), ("elastic", 2.0))}
+    made |= {f"history/region/slab/{name}": (np.concatenate(
+        [np.atleast_2d(value) * np.ones((len(time), 1)) for value in one], axis=1), "-")
+             for name, one in REGION.items()}
+    made |= {"envelope/sleeper/displacement_min": (-1e-3 * np.ones(len(x)), "m"),
+             "envelope/sleeper/displacement_max": (1e-3 * np.ones(len(x)), "m"),
+             "envelope/sleeper/acceleration_max": (53.0 * np.ones(len(x)), "m/s^2")}
+    if ground:
+        made |= {"ground/x": (nodes, "m"),
+                 "envelope/ground/displacement_min": (ground_displacement(nodes, wedge), "m"),
+                 "envelope/ground/sigma_z_min": (ground_stress(nodes, wedge), "Pa")}
+    made |= {"chains/load/segments": (chains, "m"),
+             "chains/load/force": (np.array([100.0, 900.0]), "N"),
+             "stones/load/centre": (chains[:, :2], "m"),
+             "stones/load/radius": (np.array([0.03, 0.02]), "m"),
+             "stones/load/sieved": (SIEVED, "m, kg"), "surface/load/top": (SURFACE, "m"),
+             "bed/grading": (GRADING, "m, %")}
+    store(folder / "results.h5", made, version="0.0.0", ranks=2, deck=DECK.format(
+        speed=SPEED, axles=list(AXLES), edge=EDGE, wedge=str(wedge).lower()))
     return folder

@@ -136,6 +136,23 @@ def test_read_checkpoint_through_latest(tmp_path):
     (tmp_path / "latest").write_text("a.h5\n")
     mass = read.checkpoint(tmp_path)["dem/mass"]
     assert mass.unit == "kg" and np.array_equal(mass.values, [0, 1, 2])
+    (tmp_path / "a.h5").rename(tmp_path / "stage_load.h5")
+    assert np.array_equal(read.checkpoint(tmp_path, "load")["dem/mass"].values, [0, 1, 2])
+    for stage in ("", "fill"):
+        with pytest.raises(SystemExit, match="does not exist"):
+            read.checkpoint(tmp_path, stage)
+
+
+def test_field_files_are_listed_by_their_window(tmp_path):
+    assert read.fields(tmp_path, "load", "ground") == {}
+    (tmp_path / "fields").mkdir()
+    names = ("load_1000000_ground", "load_000900_ground", "load_000900_stones",
+             "load_2_000007_ground", "fill_000001_ground")
+    for name in names:
+        (tmp_path / f"fields/{name}.vtkhdf").touch()
+    assert [(window, file.stem) for window, file in read.fields(tmp_path, "load", "ground").items()
+            ] == [(900, names[1]), (1000000, names[0])]
+    assert list(read.fields(tmp_path, "load_2", "ground")) == [7]
 
 
 def test_low_pass_keeps_10_hz_and_removes_300_hz():
@@ -258,10 +275,9 @@ def test_stress_jump_is_of_means_not_of_single_nodes(runs):
 
 def test_histories_of_one_place_have_two_dimensions(tmp_path):
     """The file stores those of a single sleeper in one dimension."""
-    with h5py.File(tmp_path / "one.h5", "w") as file:
-        for name, shape in (("one", (5,)), ("two", (5, 2))):
-            data = file.create_dataset(f"history/sleeper/{name}", data=np.zeros(shape))
-            data.attrs["unit"], data.attrs["meaning"] = "m", "-"
+    made.store(tmp_path / "one.h5", {f"history/sleeper/{name}": (np.zeros(shape), "m")
+                                     for name, shape in (("one", (5,)), ("two", (5, 2)))})
+    with h5py.File(tmp_path / "one.h5") as file:
         found = read._of_places(file, "history/sleeper")
     assert found["one"].values.shape == (5, 1) and found["two"].values.shape == (5, 2)
 

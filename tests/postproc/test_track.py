@@ -1,11 +1,11 @@
 """Tests of track_figures.py on synthetic histories with known results."""
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import read
 import track_figures
 import track_measures
+from made import store
 
 
 def made(sleepers=True):
@@ -237,12 +237,8 @@ def test_seat_loads_have_no_rail_and_no_forces_on_it(tmp_path, monkeypatch, caps
             "envelope/sleeper/displacement_min": np.array([-1e-3, -2e-3]),
             "envelope/sleeper/displacement_max": np.zeros(2),
             "envelope/sleeper/seat_force_max": np.array([1e3, 2e3])}
-    with h5py.File(tmp_path / "results.h5", "w") as file:
-        file.attrs["deck"] = '[track]\nlength = 20\n[passage]\nloaded_by = "seats"\n'
-        file.attrs["version"], file.attrs["ranks"] = "0.0.0", 1
-        for name, values in run.items():
-            file[name] = values
-            file[name].attrs["unit"], file[name].attrs["meaning"] = "-", "made for a test"
+    store(tmp_path / "results.h5", {name: (values, "-") for name, values in run.items()},
+          deck='[track]\nlength = 20\n[passage]\nloaded_by = "seats"\n', version="0.0.0", ranks=1)
     drawn = {}
     monkeypatch.setattr(track_figures, "write_figure",
                         lambda path, figure: drawn.update({path.name: figure}))

@@ -4,14 +4,16 @@ support each other.
 
     bench_decks.py PROGRAM DECK FOLDER
 """
-import json
 import pathlib
 import subprocess
 import sys
 import tomllib
 
-import h5py
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import summary  # noqa: E402
+from results import checkpoint  # noqa: E402
 
 SIDE = (-0.2, 0.2)  # m
 SHORT = [f"bed.x={list(SIDE)}", f"bed.y={list(SIDE)}", "bed.height=0.08", "bed.shapes=6",
@@ -28,9 +30,8 @@ def main():
     program, deck, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     subprocess.run([program, "run", deck, *SHORT, "-o", folder], check=True)
     bed = tomllib.loads(deck.read_text(encoding="utf-8"))["bed"]
-    dem = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["dem"]
-    with h5py.File(folder / "stage_rest.h5") as file:
-        place, velocity = file["particles/position"][:], file["particles/velocity"][:]
+    dem, stones = summary(folder)["dem"], checkpoint(folder, "rest")
+    place, velocity = stones["particles/position"], stones["particles/velocity"]
     expect(len(place) == dem["particles"] > 100, f"{len(place)} stones")
     # Stones leave periodic sides until lists are rebuilt, by less than their size.
     size = bed["sieve"][-1] * 1e-3

@@ -8,13 +8,13 @@ import pathlib
 import subprocess
 import sys
 
-import h5py
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "jobs"))
+sys.path[:0] = [str(ROOT / "jobs"), str(ROOT / "tests/support")]
 import bench_spheres  # noqa: E402
 import bench_stones  # noqa: E402
+from results import checkpoint  # noqa: E402
 
 SHORT = ["bed.height=0.08", "bed.shapes=6", "stage.fill.duration=0.02",
          "stage.settle.duration=0.002", "stage.rest.duration=0.002", "--force"]
@@ -60,9 +60,8 @@ def main():
     state = made(program, "spheres", folder)
     bench_spheres.write_lammps(state, folder)
     spheres = rows(folder / "spheres.data")
-    with h5py.File(state) as file:
-        scale = file["particles/scale"][:].ravel()
-        radius = scale * file["particles/template/radius"][0]
+    stones = checkpoint(state)
+    radius = stones["particles/scale"].ravel() * stones["particles/template/radius"][0]
     expect(np.allclose(spheres[:, 2], 2 * radius), "diameters of the spheres")
     expect("timestep" in (folder / "spheres.in").read_text(), "input of the spheres")
 

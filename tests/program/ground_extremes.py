@@ -12,7 +12,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program  # noqa: E402
-from results import datasets  # noqa: E402
+from results import datasets, read  # noqa: E402
 
 RARE = ["output.fields=true", "output.ground_extremes=true", "output.history_interval=1",
         "stage.load.duration=0.03", "stage.load.cycles=1"]
@@ -28,7 +28,7 @@ def array(cells, words):
 def pictures(folder, stage):
     """Least and largest principal stress and extremes of each ground field file in a stage."""
     found = []
-    for path in sorted((folder / "fields").glob(f"{stage}_*_ground.vtkhdf")):
+    for path in read.fields(folder, stage, "ground").values():
         cells = datasets(path)
         principal = array(cells, "principal stresses, rest and since")
         found.append((principal[:, 2], principal[:, 0], array(cells, "least principal stress"),
@@ -53,8 +53,8 @@ def check(folder, stage, count):
 
 def without(folder, stage, windows):
     """Field files of windows that must not contain extremes."""
-    shown = [path for path in (folder / "fields").glob(f"{stage}_*_ground.vtkhdf")
-             if windows(int(path.name.split("_")[1]))]
+    shown = [path for window, path in read.fields(folder, stage, "ground").items()
+             if windows(window)]
     for path in shown:
         if any("up to now" in name for name in datasets(path)):
             raise SystemExit(f"{path}: extremes without output.ground_extremes")
@@ -75,8 +75,8 @@ def check_ends(program, words, often, folder):
     ran = program.done(1, "resume", gap, "output.ground_extremes=true", "output.stop_after=0")
     if ran.stdout.count("they were not recorded before") != 1:
         raise SystemExit(f"a gap in the extremes must be reported once: {ran.stdout}")
-    shown = [datasets(path) for path in sorted((gap / "fields").glob("load_*_ground.vtkhdf"))
-             if int(path.name.split("_")[1]) > 140]
+    shown = [datasets(path) for window, path in read.fields(gap, "load", "ground").items()
+             if window > 140]
     least = np.min([array(cells, "principal stresses")[:, 2] for cells in shown], axis=0)
     if len(shown) < 2 or not np.array_equal(least, array(shown[-1], "least principal stress")):
         raise SystemExit(f"extremes of {len(shown)} files since the resume include earlier ones")

@@ -9,13 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/support"), str(ROOT / "tests/restart")]
 from program import Program, summary  # noqa: E402
 from restart import compare  # noqa: E402
+from results import checkpoint, histories  # noqa: E402
 
 ROUND = ["bed.stone=disk", "bed.sieve=[40, 53]", "bed.passing=[0, 100]", "dem.largest_overlap=0.5",
          "contact.0.k_n=1e6", "contact.0.k_s=8e5", "contact.1.k_n=1e6", "contact.1.k_s=8e5"]
@@ -49,15 +49,18 @@ def closed(folder):
             sys.exit(f"{folder.name}: imbalance of {name} is {value}")
 
 
+def on_walls(found, quantity):
+    """A history of every wall by the name of the wall: [row, x y z]."""
+    return {name.split("/")[1]: rows.reshape(-1, 3) for name, rows in found.items()
+            if name.startswith("wall/") and name.endswith(f"/{quantity}")}
+
+
 def check_shear(folder):
-    with h5py.File(folder / "results.h5") as file:
-        history = file["history"]
-        rows = history["stage"][()].ravel() == 3
-        force = {name: wall["force"][()].reshape(-1, 3)[rows]
-                 for name, wall in history["wall"].items()}
-        travel = history["wall/floor/displacement"][()].reshape(-1, 3)[rows, 0]
-        plate = history["platen/force"][()].reshape(-1, 3)[rows]
-        pressure = history["platen/pressure"][()].ravel()[rows]
+    found = histories(folder, 3)
+    force = on_walls(found, "force")
+    travel = found["wall/floor/displacement"].reshape(-1, 3)[:, 0]
+    plate = found["platen/force"].reshape(-1, 3)
+    pressure = found["platen/pressure"].ravel()
     upper = sum(f for name, f in force.items() if name.endswith(".upper")) + plate
     lower = sum(f for name, f in force.items() if name.endswith(".lower")) + force["floor"]
     moving = travel > 0.3 * travel[-1]
@@ -81,14 +84,10 @@ def check_shear(folder):
 def check_triaxial(folder):
     """Walls keep their pressure while the platen moves down, opposite ones symmetrically, and the
     strength of the bed is in its range."""
-    with h5py.File(folder / "results.h5") as file:
-        history = file["history"]
-        rows = history["stage"][()].ravel() == 3
-        wall = {name: {kind: data[kind][()].reshape(-1, 3)[rows] for kind in data}
-                for name, data in history["wall"].items()}
-        height = history["platen/z"][()].ravel()[rows]
-        plate = history["platen/force"][()].reshape(-1, 3)[rows, 2]
-    travel = {name: wall[name]["displacement"] for name in wall}
+    found = histories(folder, 3)
+    force, travel = on_walls(found, "force"), on_walls(found, "displacement")
+    height = found["platen/z"].ravel()
+    plate = found["platen/force"].reshape(-1, 3)[:, 2]
     sides = [0.3 - 2 * travel["wall.left"][:, 0], 0.3 - 2 * travel["wall.front"][:, 1]]
     moving = height < height[0] - 0.002
     wrong = []
@@ -97,7 +96,7 @@ def check_triaxial(folder):
     if abs(height[0] - height[-1] - 0.006) > 1e-4:
         wrong.append(f"the platen has moved {height[0] - height[-1]} m")
     for axis, (low, high) in enumerate((("wall.left", "wall.right"), ("wall.front", "wall.back"))):
-        push = (wall[high]["force"][:, axis] - wall[low]["force"][:, axis]) / 2
+        push = (force[high][:, axis] - force[low][:, axis]) / 2
         pressure = (push / (sides[1 - axis] * height))[moving].mean()
         if not 0.9 < pressure / 60e3 < 1.1:  # some 80 balls in motion
             wrong.append(f"walls across {'xy'[axis]} have a mean pressure of {pressure} Pa")
@@ -109,9 +108,12 @@ def check_triaxial(folder):
     print(f"triaxial: ratio of stresses {ratio:.2f}")
 
 
+def centres_of_heap(folder):
+    return checkpoint(folder, "heap")["particles/position"].reshape(-1, 3)
+
+
 def check_heap(folder, program, deck):
-    with h5py.File(folder / "stage_heap.h5") as file:
-        centres = file["particles/position"][()].reshape(-1, 3)
+    centres = centres_of_heap(folder)
     count = [stage["particles"] for stage in summary(folder)["stages"]]
     wrong = []
     if len(set(count)) != 1 or centres[:, 2].min() < 0:
@@ -122,8 +124,7 @@ def check_heap(folder, program, deck):
     small = folder.with_name("small_floor")
     program.done(1, "run", deck, *HEAP, "bed.beside=0.05", "--force", "-o", small)
     left = summary(small)["dem"]["particles"]
-    with h5py.File(small / "stage_heap.h5") as file:
-        furthest = np.abs(file["particles/position"][()].reshape(-1, 3)[:, :2]).max()
+    furthest = np.abs(centres_of_heap(small)[:, :2]).max()
     if not 0 < left < count[-1] or furthest > 0.21:
         wrong.append(f"of {count[-1]} stones {left} are left on a small floor, to {furthest} m")
     if wrong:

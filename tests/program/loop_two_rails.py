@@ -14,11 +14,11 @@ import subprocess
 import sys
 import tomllib
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program  # noqa: E402
+from results import checkpoint, histories  # noqa: E402
 
 EACH = 5
 HANDOVER = f"""
@@ -80,6 +80,11 @@ def check_geometry(folder, deck, rows):
             raise SystemExit(f"[{section}] is {file}: {heights}")
 
 
+def rolls_of(folder, stage=""):
+    """Rotation of each sleeper about the track, rad, in a checkpoint."""
+    return 2 * checkpoint(folder, stage)["sleepers/attitude"].reshape(-1, 4)[:, 0]
+
+
 def check_forces(folder, deck, rows):
     """The seat forces of the track, and their sum and moment on the bed."""
     seats = table(folder / "round_0/seats.csv")
@@ -90,19 +95,15 @@ def check_forces(folder, deck, rows):
     most = column(rows, 0, "largest_seat_force_N")
     if not np.allclose(most, force.max(axis=0)) or not (most[:, 0] > 1.2 * most[:, 1]).all():
         raise SystemExit(f"the load is left of the middle, largest seat forces {most} N")
-    with h5py.File(folder / "round_0/trains/results.h5") as file:
-        last = file["history/stage"][()].ravel() == file["history/stage"][()].max()
-        on_bed = -file["history/sleeper/seat_force"][()][last]
+    on_bed = -histories(folder / "round_0/trains")["sleeper/seat_force"]
     most = on_bed.max(axis=0) - deck["stage"][-1]["seat_force"]
     if not np.allclose(most, force.sum(axis=2).max(axis=0), rtol=0.02):
         raise SystemExit(f"largest forces on sleepers {most} N, sums of seat forces "
                          f"{force.sum(axis=2).max(axis=0)}")
     # The roll of the sleepers by the moment equals the difference of settlement of their seats.
-    heights = []
-    for state in ("load_test/stage_load_test_0.h5", "trains/stage_trains_0.h5"):
-        with h5py.File(folder / "round_0" / state) as file:
-            heights.append(2 * file["sleepers/attitude"][()].reshape(-1, 4)[:, 0])
-    roll = heights[1] - heights[0]
+    before, after = (rolls_of(folder / "round_0" / run, f"{run}_0")
+                     for run in ("load_test", "trains"))
+    roll = after - before
     lost = column(rows, 0, "settlement_per_train_m")
     if not np.allclose(lost[:, 1] - lost[:, 0], deck["track"]["gauge"] * roll, rtol=1e-3):
         raise SystemExit(f"roll of sleepers {roll} rad, settlement of seats {lost} m")
@@ -123,8 +124,7 @@ def check_sides(program, folder):
                                                 ["1", *forces])), encoding="utf-8")
         Program(program).done(1, "run", folder / "trains.toml", "output.stop_after=100",
                               f"load.file={place}.csv", "-o", place, code=3)
-        with h5py.File(next(place.glob("checkpoint_*.h5"))) as file:
-            rolls.append(2 * file["sleepers/attitude"][()].reshape(-1, 4)[:, 0])
+        rolls.append(rolls_of(place))
     # Positive: the left seat higher (seat_heights of the script).
     if not (rolls[0] < rolls[1]).all():
         raise SystemExit(f"loads on the left seats roll sleepers by {rolls[0] - rolls[1]}")

@@ -11,11 +11,11 @@ import subprocess
 import sys
 import tomllib
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import datasets  # noqa: E402
 
 SHORT = ["stage.fill.duration=0.5", "stage.compact.duration=0.4", "stage.release.duration=0.05",
          "stage.sleepers.duration=0.1", "stage.bed_in.duration=0.1", "stage.bed_in.cycles=1"]
@@ -25,12 +25,12 @@ GRAVITY = 9.81
 
 def check_histories(folder, deck):
     mass = 2441 * 0.29 * 0.22 * deck["thickness"]
-    with h5py.File(folder / "results.h5") as file:
-        train = file["history/stage"][()].ravel() == len(deck["stage"]) - 1
-        wheel, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
-        sleeper = {name: file[f"history/sleeper/{name}"][()][train]
-                   for name in ("acceleration", "seat_force", "reaction")}
-        rail = file["history/rail/displacement"][()][train]
+    found = datasets(folder)
+    train = found["history/stage"].ravel() == len(deck["stage"]) - 1
+    wheel, x = found["history/wheel/force"], found["history/wheel/x"]
+    sleeper = {name: found[f"history/sleeper/{name}"][train]
+               for name in ("acceleration", "seat_force", "reaction")}
+    rail = found["history/rail/displacement"][train]
     if np.isfinite(wheel[~train]).any() or not np.isfinite(wheel[train]).all():
         raise SystemExit("wheels have forces while the train runs, and only then")
     # Before the first wheel comes near, the whole track is at rest.
@@ -164,8 +164,7 @@ def check_geometry(program, place, lost):
     for name in ("geometry", "lower"):
         subprocess.run([program, "run", place / "track.toml", "--force", "-o", place / name,
                         f"irregularity.file={place / name}.csv"], check=True, capture_output=True)
-        with h5py.File(place / f"{name}/results.h5") as file:
-            forces.append(file["history/wheel/force"][()])
+        forces.append(datasets(place / name)["history/wheel/force"])
     if not np.abs(forces[1] - forces[0]).max() > 0.1 * STATIC:
         raise SystemExit("a sleeper 1 mm lower changes wheel forces by "
                          f"{np.abs(forces[1] - forces[0]).max()} N")

@@ -8,11 +8,11 @@ import sys
 import tomllib
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import checkpoint, datasets  # noqa: E402
 
 SMALL = ["bed.height=0.1", "bed.stone=disk", "dem.largest_overlap=0.5", "platen.speed=3",
          "stage.fill.duration=0.2", "region.slab.z=[0.03, 0.07]", "region.layers.z=[0, 0.08]",
@@ -35,13 +35,12 @@ LAYER = 0.02  # m
 ROUNDING = 1e-10
 
 
-def steps_by_force(checkpoint, area, layers):
+def steps_by_force(held, area, layers):
     """Difference of mean compression between each layer and the next, Pa. Between two heights the
     force through a section changes by the contact forces f on the stones between them, so the means
     over neighbouring layers differ by the sum of f, weighted by a triangle that is 1 at their
     border and 0 one layer away."""
-    with h5py.File(checkpoint) as file:
-        z, f = file["particles/position"][:, 2], file["particles/force"][:, 2]
+    z, f = held["particles/position"][:, 2], held["particles/force"][:, 2]
     weights = [np.clip(1 - np.abs(z / LAYER - border), 0, None) for border in range(1, layers)]
     return np.array([weight @ f for weight in weights]) / area
 
@@ -59,18 +58,17 @@ def contacts(x, radius, widths, platen):
             np.concatenate([d / apart[:, None], np.repeat(up, 2 * len(x), axis=0)]))
 
 
-def unsure(checkpoint, deck, widths, step):
+def unsure(held, deck, widths, step):
     """Largest difference between the stones' forces and those of their overlaps, Pa. In the step in
     which a contact begins or ends, its force is not determined by its overlap only (contact.hpp,
     spring_force), but is off by at most k_n s, where s is the normal displacement in a step:
     contacts with an overlap below s count. Twice s, as local damping adds to the acceleration."""
-    with h5py.File(checkpoint) as file:
-        x, v, f, scale = (file[f"particles/{name}"][()] for name in
-                          ("position", "velocity", "force", "scale"))
-        volume, radius = file["particles/template/solid"][0, 0], file["particles/template/radius"]
-        scale = scale.ravel()
-        overlap, i, j, normal = contacts(x, radius[()].ravel()[0] * scale, widths,
-                                         file["platen/servo"][0, 7])
+    x, v, f, scale = (held[f"particles/{name}"] for name in
+                      ("position", "velocity", "force", "scale"))
+    volume, radius = held["particles/template/solid"][0, 0], held["particles/template/radius"]
+    scale = scale.ravel()
+    overlap, i, j, normal = contacts(x, radius.ravel()[0] * scale, widths,
+                                     held["platen/servo"][0, 7])
     mass = deck["material"][0]["density"] * volume * scale**3
     still = np.zeros_like(v)  # floor and platen
     speed, change = (np.concatenate([of, still]) for of in (v, step * f / mass[:, None]))
@@ -83,8 +81,9 @@ def wrong_layers(folder, deck, stage, regions):
     """Problems: differences between measured stress and the stones' forces."""
     layers, bed = -np.array([cell["stress_pa"][2] for cell in regions["layers"]]), deck["bed"]
     widths = np.array([bed["x"][1] - bed["x"][0], bed["y"][1] - bed["y"][0]])
-    steps = steps_by_force(folder / "stage_held.h5", np.prod(widths), len(layers))
-    off = unsure(folder / "stage_held.h5", deck, widths, stage["window_s"] / stage["substeps"])
+    held = checkpoint(folder, "held")
+    steps = steps_by_force(held, np.prod(widths), len(layers))
+    off = unsure(held, deck, widths, stage["window_s"] / stage["substeps"])
     apart = np.max(np.abs(layers[:-1] - layers[1:] - steps))
     print(f"layers {[f'{p:.0f}' for p in layers]} Pa: their differences and the stones' forces "
           f"differ by {apart:.2g} Pa, allowed for beginning or ending contacts {off:.2g} Pa")
@@ -92,13 +91,13 @@ def wrong_layers(folder, deck, stage, regions):
             if apart > ROUNDING * stage["platen_pressure_pa"] + off else [])
 
 
-def wrong_histories(results, deck, slab):
-    with h5py.File(results) as file:
-        last = file["history/region/slab/stress"][-1].reshape(-1, 6)[:, 2]
-        width = file["history/region/layers/porosity"].shape[1]
-        # Stones touch before the platen moves, which all rows must show, also the first of a stage.
-        number = file["history/stage"][()].ravel()
-        later = file["history/energy/elastic"][()].ravel()[number > number[0]]
+def wrong_histories(folder, deck, slab):
+    found = datasets(folder)
+    last = found["history/region/slab/stress"][-1].reshape(-1, 6)[:, 2]
+    width = found["history/region/layers/porosity"].shape[1]
+    # Stones touch before the platen moves, which all rows must show, also the first of a stage.
+    number = found["history/stage"].ravel()
+    later = found["history/energy/elastic"].ravel()[number > number[0]]
     wrong = []
     if not np.all(later > 0):
         wrong.append(f"elastic energy {later[:3]} J when the platen starts")
@@ -119,7 +118,7 @@ def main():
     compacted, stage = summary(folder)["stages"][-2:]
     regions = {r["name"]: r["cells"] for r in summary(folder)["regions"]}
     loaded, slab = stage["platen_pressure_pa"], regions["slab"][0]
-    wrong = wrong_histories(folder / "results.h5", deck, slab)
+    wrong = wrong_histories(folder, deck, slab)
     wrong += wrong_layers(folder, deck, stage, regions)
     if not compacted["aim_reached"] or abs(loaded / deck["platen"]["pressure"] - 1) > 0.02:
         wrong.append(f"pressure of the platen {loaded} Pa")

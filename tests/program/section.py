@@ -8,11 +8,11 @@ import re
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import checkpoint  # noqa: E402
 
 LAYER = """
 [[bed.layer]]
@@ -69,16 +69,15 @@ def main():
     # Required accuracy; a compacted bed of another height would differ accordingly.
     if abs(stones["sleepers"] / left - 1) > 0.03:
         wrong.append(f"{stones['sleepers']} stones remain, forecast of check {left}")
-    with h5py.File(folder / "run/stage_compact.h5") as file:
-        ids, z = file["particles/id"][()].ravel(), file["particles/position"][:, 2]
-        materials = np.unique(file["particles/material"][()])
+    state = checkpoint(folder / "run", "compact")
+    ids, z = state["particles/id"].ravel(), state["particles/position"][:, 2]
+    materials = np.unique(state["particles/material"])
     if not z[ids < lower].mean() < 0.06 < 0.15 < z[ids >= lower].mean() or len(materials) != 1:
         wrong.append(f"layers at {z[ids < lower].mean()} and {z[ids >= lower].mean()} m")
     # One window after the cut: centres are below crest and slope, except for the motion since then.
     program.done(2, "run", deck, *SMALL, f"start={folder / 'run/stage_release.h5'}",
                  "output.stop_after=1", "--force", "-o", folder / "cut", code=3)
-    with h5py.File(next((folder / "cut").glob("checkpoint_*.h5"))) as file:
-        y, z = file["particles/position"][:, 1], file["particles/position"][:, 2]
+    _, y, z = checkpoint(folder / "cut")["particles/position"].T
     above = (z - PROFILE + np.maximum(0, y - CREST) / SLOPE).max()
     if not -0.01 < above < 1e-4:  # many stones: some are close below; 1 m/s in 0.1 ms
         wrong.append(f"the highest centre is {above} m above its outline")

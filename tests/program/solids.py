@@ -7,12 +7,11 @@ inputs/demfem/solids with few and round stones and one light wheel.
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
-from results import datasets  # noqa: E402
+from results import datasets, histories, read  # noqa: E402
 
 PEAK, DECAY, SPACING = 3e3, 1.54257, 0.6                # N, 1/m, m
 WHEEL = 2 * PEAK / (DECAY * SPACING)                    # N
@@ -33,12 +32,6 @@ YOUNG, ELEMENT = 37e9, 0.1  # Pa, m, of the sleepers
 PLACES = (0.5, 0.0)         # m along y, below the seat and in the middle of the track
 # Relative to the largest bending stress: stress of elements includes pressure across the sleeper.
 UNIAXIAL = 0.1
-
-
-def last_stage(folder, name):
-    with h5py.File(folder / "results.h5") as file:
-        stage = file["history/stage"][()].ravel()
-        return file[f"history/{name}"][()][stage == stage.max()]
 
 
 def stretched(picture):
@@ -63,10 +56,10 @@ def stretched(picture):
 
 def bending(folder):
     """Problems: bending stress of the histories differs from that of the lower face in files."""
-    rows, wrong = last_stage(folder, "solid/bending_stress"), []
-    pictures = sorted((folder / "fields").glob("wheels_*_solids.vtkhdf"))
-    for picture in pictures:
-        stress, found = rows[int(picture.name.split("_")[1]) - 1], np.array(stretched(picture))
+    rows, wrong = histories(folder)["solid/bending_stress"], []
+    pictures = read.fields(folder, "wheels", "solids")
+    for window, picture in pictures.items():
+        stress, found = rows[window - 1], np.array(stretched(picture))
         off = np.abs(stress - found).max() / np.abs(found).max()
         text = f"{picture.name}: bending stress {stress} Pa, of the lower face {found} Pa"
         print(f"{text}: {off:.2g}")
@@ -86,27 +79,26 @@ def main():
         found = summary(place)
         wrong += [f"{name}: imbalance of {key} is {value}"
                   for key, value in found["coupling"].items() if not 0 <= value <= BALANCE]
-        pictures = sorted(path.name for path in (place / "fields").glob("wheels_*_solids.vtkhdf"))
+        pictures = [path.name for path in read.fields(place, "wheels", "solids").values()]
         if bool(pictures) != (name == "solid") or ("solids" in found) != (name == "solid"):
             wrong.append(f"{name}: field files {pictures}, summary {found.get('solids')}")
     # While the wheel is on the rail its force is transferred by the pads.
-    carried = -last_stage(places["solid"], "sleeper/seat_force").sum(axis=1)
+    of = {name: histories(place) for name, place in places.items()}
+    carried = -of["solid"]["sleeper/seat_force"].sum(axis=1)
     print(f"wheel {WHEEL:.0f} N, force of the pads {carried.min():.0f} to {carried.max():.0f} N")
     # It enters the rail within centimetres on a soft bed: dynamic force up to twice its weight.
     if not 0.7 * WHEEL < carried.max() < 3 * (WHEEL + 400):
         wrong.append(f"force of the pads {carried.max()} N under a wheel of {WHEEL} N")
-    travel = {name: np.ptp(last_stage(place, "sleeper/displacement"), axis=0)
-            for name, place in places.items()}
+    travel = {name: np.ptp(found["sleeper/displacement"], axis=0) for name, found in of.items()}
     print(f"displacement range of the sleepers in the passage, m: {travel}")
     # Different models of one track on one bed: the same order of magnitude.
     ratio = travel["solid"].mean() / travel["rigid"].mean()
     if not 0.1 < ratio < 10:
         wrong.append(f"displacement of solid over rigid sleepers {ratio}")
-    seats, rails = (last_stage(places["solid"], f"solid/{part}_displacement")
-                    for part in ("seat", "rail"))
+    seats, rails = (of["solid"][f"solid/{part}_displacement"] for part in ("seat", "rail"))
     if not np.all(np.abs(rails - seats) < 1e-3):
         wrong.append("rail and seats separate: a pad has deformed by more than a millimetre")
-    if not np.all(np.ptp(last_stage(places["solid"], "solid/bending_stress"), axis=0) > 1e3):
+    if not np.all(np.ptp(of["solid"]["solid/bending_stress"], axis=0) > 1e3):
         wrong.append("sleepers do not bend")
     program.done(2, "run", deck, *SMALL, *OFTEN, "--force",
                  f"start={places['solid'] / 'stage_preload.h5'}", "-o", folder / "often")

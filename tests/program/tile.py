@@ -10,11 +10,11 @@ import shutil
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import checkpoint  # noqa: E402
 
 LENGTH, COPIES = 0.6, 3  # m
 SMALL = ["bed.y=[0, 0.3]", "bed.height=0.09", "region.slabs.y=[0, 0.3]",
@@ -38,16 +38,15 @@ class Bench:
         return self.folder / name
 
 
-def places(checkpoint):
-    """x within the cell, of stones by id."""
-    with h5py.File(checkpoint) as file:
-        order = np.argsort(file["particles/id"][()])
-        return file["particles/position"][()][order]
+def places(folder, stage):
+    """Positions at the end of a stage, of stones by id."""
+    stones = checkpoint(folder, stage)
+    return stones["particles/position"][np.argsort(stones["particles/id"])]
 
 
 def furthest(bed, cell, copies):
     """Largest displacement of a stone relative to the cell, m."""
-    moved = places(bed / "stage_lay.h5") - np.tile(places(cell / "stage_rest.h5"), (copies, 1))
+    moved = places(bed, "lay") - np.tile(places(cell, "rest"), (copies, 1))
     moved[:, 0] -= LENGTH * np.round(moved[:, 0] / LENGTH)
     return np.abs(moved).max()
 

@@ -7,11 +7,11 @@ tests/restart/tiny_solids: with 1e4 times Young's modulus both are the same trac
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import histories  # noqa: E402
 
 STATIC = 54545  # N, of a wheel: a quarter of an axle load of 109.09 kN in each of two rails
 RAILS = 0.1     # number of rails on the narrow sleepers
@@ -35,15 +35,6 @@ BALANCE = 1e-10  # relative, required of the coupling
 # Ten times the largest values of beds of six seeds: 1e-3 of the weight, 1.2e-3 of the displacement.
 # The agreement on springs is the subject of verify/solids/train_on_solids_test.
 LIKE = 0.01
-
-
-def passage(folder):
-    with h5py.File(folder / "results.h5") as file:
-        stage = file["history/stage"][()].ravel()
-        last = stage == stage.max()
-        return {name: file[f"history/{name}"][()][last]
-                for name in ("wheel/force", "wheel/x", "sleeper/displacement",
-                             "sleeper/acceleration", "sleeper/seat_force", "sleeper/reaction")}
 
 
 def apart(one, other):
@@ -91,7 +82,7 @@ def main():
                  folder / "other")
     wrong = [f"{name}: imbalance of {key} is {value}" for name, place in places.items()
              for key, value in summary(place)["coupling"].items() if not 0 <= value <= BALANCE]
-    found = {name: passage(place) for name, place in places.items()}
+    found = {name: histories(place) for name, place in places.items()}
     wrong += wrong_forces(found["stiff"]) + wrong_motion(found)
     if wrong:
         sys.exit("\n".join(wrong))

@@ -10,12 +10,11 @@ import subprocess
 import sys
 import tomllib
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
-from results import datasets, same_bits  # noqa: E402
+from results import datasets, histories, same_bits  # noqa: E402
 
 STATIC = 550 * 9.80665 / 2  # N, of a wheel
 GRAVITY = 9.81
@@ -91,15 +90,9 @@ def check_runs(program, deck, folder, words, numbers):
         same_bits(folder / "ranks_1", place, f"stopped after {windows} windows", facts, "history/")
 
 
-def histories(folder, stages):
+def passage(folder, stages):
     """Histories of the stage with the train, on two seats of two sleepers below two wheels."""
-    with h5py.File(folder / "results.h5") as file:
-        train = file["history/stage"][()].ravel() == stages - 1
-        of = {name: file[f"history/{name}"][()][train]
-              for name in ("wheel/force", "wheel/x", "rail/displacement", "seat/displacement",
-                           "seat/force", "body/roll", "sleeper/displacement", "sleeper/reaction",
-                           "sleeper/seat_force", "sleeper/acceleration", "solid/seat_displacement")
-              if f"history/{name}" in file}
+    of = histories(folder, stages - 1)
     shapes = {name: of[name].shape[1:] for name in ("wheel/force", "rail/displacement",
                                                     "seat/displacement", "seat/force")}
     if list(shapes.values()) != [(2,), (4,), (4,), (4,)]:
@@ -126,7 +119,7 @@ def check_dip(program, deck, folder, words, begins):
                  "irregularity.kind=none", "-o", folder / "even")
     wheels = []
     for name in ("ranks_1", "even"):
-        rows = datasets(folder / name / "results.h5")
+        rows = datasets(folder / name)
         x = rows["history/wheel/x"][:, 0]
         wheels.append(rows["history/wheel/force"][np.isfinite(x)])
         x = x[np.isfinite(x)]
@@ -185,10 +178,10 @@ def main():
     check_sentences(program, deck)
     read = tomllib.loads(deck.read_text(encoding="utf-8"))
     check_runs(program, deck, folder, [], (1, 4))
-    check_rigid(histories(folder / "ranks_1", len(read["stage"])), read)
+    check_rigid(passage(folder / "ranks_1", len(read["stage"])), read)
     check_dip(program, deck, folder, [], -0.1)
     check_runs(program, deck, folder / "solid", [*SOLID, *BRIEF], (1, 2))
-    check_solid(histories(folder / "solid/ranks_1", len(read["stage"])))
+    check_solid(passage(folder / "solid/ranks_1", len(read["stage"])))
     check_dip(program, deck, folder / "solid", [*SOLID, *BRIEF], 0)
     check_figures(source, folder / "ranks_1")
 

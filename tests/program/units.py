@@ -7,7 +7,8 @@ import pathlib
 import re
 import sys
 
-import h5py
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
+import read  # noqa: E402
 
 # All of them, as the end of a path: counts, names, identifiers, ratios, unit vectors.
 PLAIN = {
@@ -30,17 +31,10 @@ PLAIN = {
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 
 
-def text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
-
-
 def problems_of(path):
     found = []
-
-    def visit(name, item):
-        if not isinstance(item, h5py.Dataset):
-            return
-        unit, meaning = (text(item.attrs.get(key, "")) for key in ("unit", "meaning"))
+    for name, item in read.datasets(path).items():
+        unit, meaning = item.unit, item.meaning
         if not unit or not meaning:
             found.append(f"{name} has no unit or no meaning")
         elif unit == "-" and not any(name.endswith(end) for end in PLAIN):
@@ -51,9 +45,6 @@ def problems_of(path):
         named = re.search(r"\(([^()]*)\)$", name.replace("∕", "/"))
         if name.startswith("VTKHDF/") and named and named.group(1) != unit:
             found.append(f"{name} has the unit {unit}")
-
-    with h5py.File(path) as file:
-        file.visititems(visit)
     return [f"{path}: {problem}" for problem in found]
 
 

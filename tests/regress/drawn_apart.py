@@ -58,7 +58,7 @@ def main():
         program.done(1, "run", deck, f"ground.base_motion={folder.resolve() / name}.csv",
                      f"time.window={window}", f"ground.integrator={scheme}",
                      *(f"ground.layer.soil.{change}" for change in soil), "-o", place)
-        found = datasets(place / "results.h5")
+        found = datasets(place)
         if name == "loose":
             check_motion(found, scheme, window)
         top = found["history/ground/displacement"].mean(axis=1)

@@ -33,7 +33,7 @@ class Bench:
         return self.folder / name
 
     def history(self, name, *overrides):
-        found = datasets(self.run(name, *overrides) / "results.h5")
+        found = datasets(self.run(name, *overrides))
         return found["history/time"], found
 
     def require(self, holds, words):

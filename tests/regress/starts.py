@@ -7,13 +7,11 @@ can be stopped and resumed like any other, and its results name the start.
 import pathlib
 import shutil
 import sys
-import tomllib
-
-import h5py
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 from program import Program, summary  # noqa: E402
+from results import read  # noqa: E402
 
 FIRST = "sleepers"             # stage of the deck at whose end the others start
 
@@ -52,9 +50,7 @@ def main(program, deck, folder):
     if whole["dem"]["state_hash"] != stopped["dem"]["state_hash"]:
         raise SystemExit("a stopped and resumed start is not bitwise identical")
     for run in ("whole", "stopped"):
-        with h5py.File(folder / run / "results.h5") as file:
-            stored = tomllib.loads(file.attrs["deck"] if isinstance(file.attrs["deck"], str)
-                                   else file.attrs["deck"].decode())
+        stored = read.results(folder / run).deck
         if stored["start"] != start.removeprefix("start="):
             raise SystemExit(f"{run}: the results have start = {stored['start']!r}")
     print("ok")

@@ -7,11 +7,11 @@ import pathlib
 import shutil
 import sys
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import datasets, same_datasets  # noqa: E402
 
 SEATS = "train.vehicles=[] passage.loaded_by=seats"
 SHORT = ["passage.duration=0.05", "train.start=25"]
@@ -121,14 +121,14 @@ def check_runs(program, decks, folder):
         hashes.add(summary(folder / "run")["track"]["state_hash"])
     if len(hashes) != 1:
         raise SystemExit(f"the state depends on the number of ranks: {hashes}")
-    with h5py.File(folder / "run/results.h5") as file:
-        force, time = file["history/wheel/force"][()], file["history/time"][()]
-        seats = file["history/sleeper/seat_force"][()]
-        if force.shape != (51, 4) or abs(time[-1] - 0.05) > 1e-12 or seats.shape != (51, 2):
-            raise SystemExit(f"histories have other shapes: {force.shape}, {seats.shape}")
-        # 109.09 kN on an axle.
-        if not np.allclose(force[0], 54545, atol=10):
-            raise SystemExit(f"forces at rest: {force[0]}")
+    found = datasets(folder / "run")
+    force, time = found["history/wheel/force"], found["history/time"]
+    seats = found["history/sleeper/seat_force"]
+    if force.shape != (51, 4) or abs(time[-1] - 0.05) > 1e-12 or seats.shape != (51, 2):
+        raise SystemExit(f"histories have other shapes: {force.shape}, {seats.shape}")
+    # 109.09 kN on an axle.
+    if not np.allclose(force[0], 54545, atol=10):
+        raise SystemExit(f"forces at rest: {force[0]}")
     ran = program(1, "resume", folder / "run")
     if ran.returncode != 2 or "a track alone without a checkpoint" not in ran.stderr:
         raise SystemExit(f"no checkpoint to resume: {ran.stderr}")
@@ -153,19 +153,7 @@ size = 20e3
 
 
 def same_bits(one, other, what):
-    found = []
-    for place in (one, other):
-        datasets = {}
-        with h5py.File(place / "results.h5") as file:
-            file.visititems(lambda name, item, to=datasets: to.update({name: item[()]})
-                            if isinstance(item, h5py.Dataset) else None)
-        found.append(datasets)
-    first, second = found
-    if set(first) != set(second):
-        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
-    for name, values in first.items():
-        if not np.array_equal(values, second[name]):
-            raise SystemExit(f"{what}: {name} differs")
+    same_datasets(datasets(one), datasets(other), what)
     tracks = [summary(place)["track"] for place in (one, other)]
     if tracks[0] != tracks[1] or not summary(other)["finished"]:
         raise SystemExit(f"{what}: {tracks}")
@@ -225,8 +213,7 @@ def check_braking(program, decks, folder):
         program.done(ranks, "run", decks / "plain.toml", *words, "passage.duration=0.5", "-o",
                      folder / f"brakes_{ranks}")
         same_bits(place, folder / f"brakes_{ranks}", f"braking on {ranks} ranks")
-    with h5py.File(place / "results.h5") as file:
-        x = file["history/wheel/x"][()][-1, 0]
+    x = datasets(place)["history/wheel/x"][-1, 0]
     if abs(x - (25 + 50 * 0.1 + 49.75 * 0.3 + 49.5 * 0.1)) > 1e-9:
         raise SystemExit(f"the first axle is at {x} m")
     for steps in (700, 2100):
@@ -257,11 +244,11 @@ def check_two_rails(program, decks, folder):
     program.done(1, "run", deck, *words, "output.stop_after=111", "-o", place, code=3)
     program.done(3, "resume", place)
     same_bits(folder / "space", place, "two rails")
-    with h5py.File(place / "results.h5") as file:
-        force, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
-        shapes = [file[f"history/{name}"].shape[1:] for name in (
-            "wheel/force", "rail/displacement", "sleeper/seat_force", "body/roll")]
-        roll = file["history/body/roll"][()].ravel()
+    found = datasets(place)
+    force, x = found["history/wheel/force"], found["history/wheel/x"]
+    shapes = [found[f"history/{name}"].shape[1:] for name in (
+        "wheel/force", "rail/displacement", "sleeper/seat_force", "body/roll")]
+    roll = found["history/body/roll"].ravel()
     if shapes != [(8,), (4,), (4,), ()] or np.any(x[:, ::2] != x[:, 1::2]):
         raise SystemExit(f"histories of two rails: {shapes}")
     if not np.abs(force[:, ::2] - force[:, 1::2]).max() > 1e3 or not np.abs(roll).max() > 1e-6:
@@ -292,10 +279,8 @@ def check_bending_sleepers(program, decks, folder):
         place = folder / f"unsupported_{unsupported}"
         program.done(1, "run", decks / "plain.toml", *SHORT, "track.sleeper.model=beam",
                      "passage.points=[27]", f"track.sleeper.unsupported={unsupported}", "-o", place)
-        with h5py.File(place / "results.h5") as file:
-            moment = file["history/sleeper/moment"][()]
-            row = moment[np.abs(moment[:, 0]).argmax()]
-        moments.append(row)
+        moment = datasets(place)["history/sleeper/moment"]
+        moments.append(moment[np.abs(moment[:, 0]).argmax()])
     (seat, middle), (seat_without, middle_without) = moments
     if not (1e3 < seat < seat_without < 1e4 and middle < middle_without):
         raise SystemExit(f"moments below a rail and in the middle: {moments} N m")
@@ -316,9 +301,9 @@ def check_seat_loads(program, decks, folder):
                  code=3)
     program.done(3, "resume", stopped)
     same_bits(place, stopped, "seat loads, stopped")
-    with h5py.File(place / "results.h5") as file:
-        time, load = file["history/time"][()].ravel(), file["history/sleeper/seat_force"][()]
-        rail = file["history/rail/displacement"][()]
+    found = datasets(place)
+    time, load = found["history/time"].ravel(), found["history/sleeper/seat_force"]
+    rail = found["history/rail/displacement"]
     later = [time[one.argmax()] for one in load.T]
     # 12 m at 50 m/s; axles at 0, 2.8, 9 and 11.8 m: the last one is 3 m beyond the end.
     if abs(later[1] - later[0] - 0.24) > 1.1e-3 or np.abs(rail).max() > 1e-15:
@@ -327,10 +312,9 @@ def check_seat_loads(program, decks, folder):
         raise SystemExit(f"seat loads up to {load.max(axis=0)} N until {time[-1]} s")
     # As in the deck: 80.664 kN, a quarter of it at mid-bogie, 15 m after and 3 m before the start.
     program.done(1, "run", decks / "seats.toml", "passage.duration=0.65", "-o", folder / "carriage")
-    with h5py.File(folder / "carriage/results.h5") as file:
-        time, load = (file[f"history/{name}"][()].ravel()
-                      for name in ("time", "sleeper/seat_force"))
-        seat, middle = file["history/sleeper/moment"][()].T
+    found = datasets(folder / "carriage")
+    time, load = (found[f"history/{name}"].ravel() for name in ("time", "sleeper/seat_force"))
+    seat, middle = found["history/sleeper/moment"].T
     between = (time > 18 / 33.333) & (time < 20.5 / 33.333)
     ratios = [load.max() / 80.664e3, load[between].min() / 20.166e3]
     if not np.allclose(ratios, 1, atol=2e-3) or seat.max() < 5e3 or middle.min() > -1e3:
@@ -348,9 +332,8 @@ def check_forces(program, decks, folder):
     """An impact without a train: the rail below deflects and returns."""
     words = ["train.vehicles=[]", "passage.duration=0.5", "passage.points=[27]"]
     program.done(1, "run", folder / "hanging.toml", *words, "-o", folder / "hammer")
-    with h5py.File(folder / "hammer/results.h5") as file:
-        rail = file["history/rail/displacement"][()].ravel()
-        force = file["history/rail/force"][()].ravel()
+    found = datasets(folder / "hammer")
+    rail, force = (found[f"history/rail/{name}"].ravel() for name in ("displacement", "force"))
     if abs(force.max() - 20e3) > 1e3 or rail.min() > -1e-5 or abs(rail[-1]) > 0.05 * -rail.min():
         raise SystemExit(f"an impact of {force.max()} N: rail {rail.min()} m, {rail[-1]} m")
     refuse(program, folder / "hanging.toml", words[:1], "must be above 0 s without vehicles")
@@ -363,9 +346,8 @@ def check_targets(program, decks, folder):
     """Targets in the deck's head: rail 0.8, rail to sleeper 0.2, ground 0.6 mm, within a tenth."""
     program.done(1, "run", decks / "netirail_plain.toml", "passage.duration=0.8",
                  "train.vehicles=[\"alfa_pendular\"]", "-o", folder / "train")
-    with h5py.File(folder / "train/results.h5") as file:
-        rail = file["history/rail/displacement"][()].ravel()
-        sleeper = file["history/sleeper/displacement"][()].ravel()
+    found = datasets(folder / "train")
+    rail, sleeper = (found[f"history/{of}/displacement"].ravel() for of in ("rail", "sleeper"))
     found = [-rail.min(), (sleeper - rail).max(), -sleeper.min()]
     if not np.allclose(found, [0.8e-3, 0.2e-3, 0.6e-3], rtol=0.1):
         raise SystemExit(f"displacements of the train: {found} m")

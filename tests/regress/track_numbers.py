@@ -7,11 +7,11 @@ import pathlib
 import shutil
 import sys
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
+from results import datasets  # noqa: E402
 from track import SHORT, same_bits  # noqa: E402
 from track_warnings import COACH, TWO_RAILS, VEHICLE, deck_with  # noqa: E402
 
@@ -23,9 +23,9 @@ def check_extremes(program, decks, folder):
                         ("few", ["output.history_interval=0.03"])):
         program.done(1, "run", decks / "plain.toml", *SHORT, *words, "-o", folder / name)
         found.append(summary(folder / name)["track"])
-    with h5py.File(folder / "each/results.h5") as file:
-        rail, force = file["history/rail/displacement"][()], file["history/wheel/force"][()]
-        on = (file["history/wheel/x"][()] >= 0) & (file["history/wheel/x"][()] <= 60)
+    rows = datasets(folder / "each")
+    rail, force = rows["history/rail/displacement"], rows["history/wheel/force"]
+    on = (rows["history/wheel/x"] >= 0) & (rows["history/wheel/x"] <= 60)
     if found[0]["rail_lowest_m"] != list(rail.min(axis=0)):
         raise SystemExit(f"lowest rail: {found[0]['rail_lowest_m']}, rows {rail.min(axis=0)}")
     if [found[0][f"wheel_force_{name}_n"] for name in ("min", "max")] != [force[on].min(),
@@ -44,21 +44,21 @@ def check_extremes(program, decks, folder):
 def check_envelope(place):
     """Extremes along the track equal those of the rows if every step has a row, and include the
     history points."""
-    with h5py.File(place / "results.h5") as file:
-        x = file["envelope/x"][()].ravel()
-        for what, at in (("rail", "rail/x"), ("sleeper", "sleepers/x")):
-            watched = file[at][()].ravel()
-            shared = [i for i, one in enumerate(watched) if np.abs(x - one).min() < 1e-9]
-            near = [int(np.abs(x - watched[i]).argmin()) for i in shared]
-            if not near:
-                raise SystemExit(f"{at}: {watched} are not in {x}")
-            for name in ["displacement", "seat_force"] if what == "sleeper" else ["displacement"]:
-                rows = file[f"history/{what}/{name}"][()].reshape(-1, len(watched))[:, shared]
-                for end, wanted in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
-                    found = file[f"envelope/{what}/{name}_{end}"][()].ravel()
-                    if len(found) != len(x) or list(found[near]) != list(wanted):
-                        raise SystemExit(f"envelope of {what} {name}, {end}: {found[near]}, rows "
-                                         f"have {wanted}")
+    written = datasets(place)
+    x = written["envelope/x"].ravel()
+    for what, at in (("rail", "rail/x"), ("sleeper", "sleepers/x")):
+        watched = written[at].ravel()
+        shared = [i for i, one in enumerate(watched) if np.abs(x - one).min() < 1e-9]
+        near = [int(np.abs(x - watched[i]).argmin()) for i in shared]
+        if not near:
+            raise SystemExit(f"{at}: {watched} are not in {x}")
+        for name in ["displacement", "seat_force"] if what == "sleeper" else ["displacement"]:
+            rows = written[f"history/{what}/{name}"].reshape(-1, len(watched))[:, shared]
+            for end, wanted in (("min", rows.min(axis=0)), ("max", rows.max(axis=0))):
+                found = written[f"envelope/{what}/{name}_{end}"].ravel()
+                if len(found) != len(x) or list(found[near]) != list(wanted):
+                    raise SystemExit(f"envelope of {what} {name}, {end}: {found[near]}, rows "
+                                     f"have {wanted}")
 
 
 def check_raised(program, decks, folder):
@@ -67,8 +67,7 @@ def check_raised(program, decks, folder):
                        "irregularity.kind=none", "irregularity.fade=10", "passage.duration=4e-3",
                        "passage.points=[22.2]", "output.history_interval=2e-4", "-o",
                        folder / "raised")
-    with h5py.File(folder / "raised/results.h5") as file:
-        least = file["history/rail/displacement"][()].min()
+    least = datasets(folder / "raised")["history/rail/displacement"].min()
     found = summary(folder / "raised")["track"]["rail_lowest_m"]
     words = f"rail at 22.2 m: lowest position {1e3 * least:.4f} mm above its unloaded level"
     if not least > 1e-6 or found != [least] or words not in ran.stdout:
@@ -84,8 +83,8 @@ def check_run_ins(program, decks, folder):
                                       ("bridge", ["track.support=none", "rail.inertia=1"],
                                        (0, 60), " kN\n")):
         ran = program.done(1, "run", decks / "plain.toml", *words, *support, "-o", folder / name)
-        with h5py.File(folder / name / "results.h5") as file:
-            force, x = file["history/wheel/force"][()], file["history/wheel/x"][()]
+        rows = datasets(folder / name)
+        force, x = rows["history/wheel/force"], rows["history/wheel/x"]
         most = force[(x >= span[0]) & (x <= span[1])].max()
         found = summary(folder / name)["track"]["wheel_force_max_n"]
         print(f"{name}: {found:.0f} N, anywhere {force[(x >= 0) & (x <= 60)].max():.0f} N")
@@ -130,8 +129,7 @@ def check_crossing(program, decks, folder):
         program.done(1, "run", decks / "crossing.toml", f"irregularity.depth={depth}",
                      "train.start=15", "passage.duration=0.1", "-o", place)
         forces.append(summary(place)["track"]["wheel_force_max_n"])
-        with h5py.File(place / "results.h5") as file:
-            accelerations.append(np.abs(file["history/sleeper/acceleration"][()]).max())
+        accelerations.append(np.abs(datasets(place)["history/sleeper/acceleration"]).max())
     if forces[1] < 1.2 * forces[0] or accelerations[1] < 1.2 * accelerations[0]:
         raise SystemExit(f"dips of 0.75 and 1.5 mm: {forces} N, {accelerations} m/s2")
 
@@ -142,9 +140,8 @@ def check_lost(program, decks, folder):
     program.done(1, "run", decks / "plain.toml", "irregularity.kind=vee", "irregularity.at=59.7",
                  "irregularity.length=0.6", "irregularity.depth=-6e-3", "train.start=55",
                  "passage.duration=0.12", "output.history_interval=2e-4", "-o", place)
-    with h5py.File(place / "results.h5") as file:
-        off = file["history/wheel/force"][()] == 0
-        on = file["history/wheel/x"][()] <= 60
+    rows = datasets(place)
+    off, on = rows["history/wheel/force"] == 0, rows["history/wheel/x"] <= 60
     counted = summary(place)["track"]["wheel_steps_off_rail"]
     if not (off & ~on).any() or not 0 < counted == (off & on).sum():
         raise SystemExit(f"{counted} steps of wheels off the rail: rows have {(off & on).sum()}, "
@@ -176,9 +173,9 @@ length = 4e-3
                          "track.length=6", "track.run_in=0", "passage.points=[3]",
                          "passage.step=5e-6", "output.history_interval=5e-6",
                          f"passage.duration={until}", "-o", place)
-            with h5py.File(place / "results.h5") as file:
-                force = -file["history/rail/force"][()].ravel()  # upwards
-                height = file["history/rail/displacement"][()].ravel()
+            rows = datasets(place)
+            force = -rows["history/rail/force"].ravel()  # upwards
+            height = rows["history/rail/displacement"].ravel()
             given = np.sum((force[1:] + force[:-1]) / 2 * np.diff(height))
             held = summary(place)["energy"]["track_j"]
             if not given > 50 or abs(held - given) > 1e-5 * given:
@@ -199,9 +196,9 @@ def check_order(program, decks, folder):
                          "train.start=20", "passage.duration=0.12", f"rail.theory={theory}",
                          "passage.points=[24]", "output.history_interval=8e-4",
                          f"passage.step={step}", "-o", place)
-            with h5py.File(place / "results.h5") as file:
-                late = file["history/time"][()].ravel() > 0.0595
-                rail.append(file["history/rail/displacement"][()].ravel()[late])
+            rows = datasets(place)
+            late = rows["history/time"].ravel() > 0.0595
+            rail.append(rows["history/rail/displacement"].ravel()[late])
         off[theory] = [np.abs(a - b).max() for a, b in zip(rail, rail[1:])]
     order = {theory: np.log2(two[0] / two[1]) for theory, two in off.items()}
     if abs(order["euler"] - 2) > 0.2 or off["euler"][0] > 1e-8:
@@ -239,8 +236,7 @@ def check_tipping(program, decks, folder):
     deck = deck_with(decks, folder, more + "body_offset = 0.949\n")
     changes += [*TWO_RAILS, "passage.duration=2e-4", "--force", "-o", folder / "tips"]
     program.done(1, "run", deck, *changes, "train.start=-1")
-    with h5py.File(folder / "tips/results.h5") as file:
-        least = file["history/wheel/force"][0].min()
+    least = datasets(folder / "tips")["history/wheel/force"][0].min()
     wanted = 9.81 * (38e3 * 1.5 / 2 - 30e3 * 0.949) / 1.5 / 4  # N, of each of four right wheels
     if abs(least - wanted) > 1e-3 * wanted:
         raise SystemExit(f"a vehicle about to tip over: {least} N, {wanted} N are required")

@@ -113,7 +113,7 @@ def check_ranks(program, deck, folder):
         program.done(ranks, "run", deck, "-o", place)
         check_balance(place, f"{ranks} ranks")
         same_bits(folder / "ranks_1", place, f"{ranks} ranks", facts)
-    found = datasets(folder / "ranks_1" / "results.h5")
+    found = datasets(folder / "ranks_1")
     down, force = -found["history/ground/displacement"], found["history/ground/force"]
     if down.max() < 1e-4 or force.max() < 1e4:
         raise SystemExit(f"displacement of the ground {down.max()} m under {force.max()} N")
@@ -151,7 +151,7 @@ def check_implicit(program, deck, folder):
             place = folder / f"implicit_{name}_{ranks}"
             program.done(ranks, "run", here, *step, *words, "-o", place)
             check_balance(place, f"implicit, {ranks} ranks", SOLVED)
-            found, other = (datasets(folder / f"implicit_{name}_{n}" / "results.h5")
+            found, other = (datasets(folder / f"implicit_{name}_{n}")
                             for n in (ranks, 1))
             for quantity, values in other.items():
                 off = np.abs(found[quantity] - values).max()
@@ -196,7 +196,7 @@ def check_hanging(program, deck, folder):
     if ran.returncode != 2 or "must be rigid on a ground with hanging sleepers" not in ran.stderr:
         raise SystemExit(f"flexible unsupported sleepers on a ground: {ran.stdout}{ran.stderr}")
     program.done(2, "run", path, "-o", folder / "hanging")
-    even, hangs = (datasets(folder / name / "results.h5")["history/ground/force"].max(axis=0)
+    even, hangs = (datasets(folder / name)["history/ground/force"].max(axis=0)
                    for name in ("ranks_1", "hanging"))
     if hangs[0] != 0 or hangs[1] < 1.1 * even[1]:
         raise SystemExit(f"largest forces on the ground {even} N, with the first sleeper "
@@ -216,7 +216,7 @@ def check_bending_sleepers(program, deck, folder):
     program.done(1, "run", deck, *words, "output.stop_after=333", "-o", place, code=3)
     program.done(3, "resume", place)
     same_bits(folder / "bending_1", place, "bending sleepers, stopped", facts)
-    rigid, bending = (datasets(folder / name / "results.h5") for name in ("ranks_1", "bending_1"))
+    rigid, bending = (datasets(folder / name) for name in ("ranks_1", "bending_1"))
     forces = [found["history/ground/force"].max() for found in (rigid, bending)]
     if "history/sleeper/moment" not in bending or not 0.8 < forces[1] / forces[0] < 1.2:
         raise SystemExit(f"largest forces on the ground, rigid and bending: {forces} N")
@@ -234,7 +234,7 @@ def check_seat_loads(program, deck, folder):
     program.done(2, "run", deck, *words, "output.stop_after=222", "-o", place, code=3)
     program.done(1, "resume", place)
     same_bits(folder / "seats_1", place, "seat loads, stopped", facts)
-    found = datasets(place / "results.h5")
+    found = datasets(place)
     largest = [found[f"history/{name}"].max() for name in ("sleeper/seat_force", "ground/force")]
     if not np.allclose(largest, 71.1e3, rtol=0.3):
         raise SystemExit(f"seats are loaded with {largest[0]} N, the ground gets {largest[1]} N")
@@ -272,7 +272,7 @@ def check_two_rails(program, deck, folder):
         program.done(after, "resume", place)
         same_bits(folder / "two_rails_1", place, f"two rails, stopped after {stop} steps", facts)
         check_balance(place, "two rails, stopped")
-    found = datasets(folder / "two_rails_1" / "results.h5")
+    found = datasets(folder / "two_rails_1")
     most = found["history/ground/force"].max(axis=0)
     if len(most) != 4 or found["history/ground/displacement"].shape[1] != 4:
         raise SystemExit(f"two sleepers have {len(most)} ends")
@@ -293,7 +293,7 @@ def check_two_rails(program, deck, folder):
     program.done(2, "run", deck, *TWO_RAILS, "footing.y=1.8", "track.dimension=plane", "-o",
                  folder / "as_one")
     for name in ("displacement", "force"):
-        ends, one = (datasets(folder / place / "results.h5")[f"history/ground/{name}"]
+        ends, one = (datasets(folder / place)[f"history/ground/{name}"]
                      for place in ("alike", "as_one"))
         off = np.abs(ends - np.repeat(one, 2, axis=1)).max() / np.abs(one).max()
         if not off < ALIKE:
@@ -309,7 +309,7 @@ def check_netirail(program, deck, folder):
     words = [*PLAIN, 'train.vehicles=["alfa_pendular"]']
     place = folder / "netirail"
     program.done(2, "run", deck, *words, "passage.duration=0.62", "-o", place)
-    found = datasets(place / "results.h5")
+    found = datasets(place)
     rail, sleeper, ground = (found[f"history/{name}/displacement"][:, 0]
                              for name in ("rail", "sleeper", "ground"))
     check_balance(place, "the deck")

@@ -18,7 +18,7 @@ from results import datasets  # noqa: E402
 
 def require_moves(folder):
     """Requires contacts among stones, with driven bodies and walls, so that they are tested."""
-    found = datasets(folder / "results.h5")
+    found = datasets(folder)
     for path in ("surface/walls", "surface/driven", "stone/arm", "stone/rock", "stone/ball",
                  "stone/clump"):
         if not found[f"history/{path}/peak_force"][-1] > 0:

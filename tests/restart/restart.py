@@ -18,7 +18,7 @@ import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
-from results import datasets  # noqa: E402
+from results import datasets, same_datasets  # noqa: E402
 
 RANKS_OF_STOPPED, RANKS_OF_RESUMED = 2, (3, 1)  # in turn
 
@@ -32,14 +32,9 @@ def canonical(name, values):
 
 
 def compare(reference, other, what):
-    first, second = datasets(reference / "results.h5"), datasets(other / "results.h5")
-    if set(first) != set(second):
-        raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
-    for name, values in first.items():
-        rows, others = canonical(name, values), canonical(name, second[name])
-        # Cells of the surface without stones are NaN in both.
-        if not numpy.array_equal(rows, others, equal_nan=rows.dtype.kind == "f"):
-            raise SystemExit(f"{what}: {name} differs")
+    first, second = ({name: canonical(name, values) for name, values in datasets(place).items()}
+                     for place in (reference, other))
+    same_datasets(first, second, what, nan=True)  # of cells of the surface without stones
     hashes = [summary(folder)["dem"]["state_hash"] for folder in (reference, other)]
     if hashes[0] != hashes[1]:
         raise SystemExit(f"{what}: state hash {hashes[1]} instead of {hashes[0]}")

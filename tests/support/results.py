@@ -1,36 +1,62 @@
-"""Results of runs, for tests that compare them bitwise."""
+"""Results of runs as arrays, for tests, by the names of datasets (postproc/read.py)."""
 import hashlib
+import pathlib
+import sys
 
-import h5py
 import numpy as np
 from program import summary
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "postproc"))
+import read  # noqa: E402
+
+
+def values(found):
+    """The arrays of {name: read.Quantity}."""
+    return {name: one.values for name, one in found.items()}
+
 
 def datasets(path):
-    """All datasets of an HDF5 file, by name."""
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()]})
-                        if isinstance(item, h5py.Dataset) else None)
-    return found
+    """All datasets of an HDF5 file, or of the results in a folder, by name."""
+    return values(read.datasets(path))
+
+
+def checkpoint(path, stage=""):
+    """All datasets of a checkpoint, by name; which one: read.checkpoint."""
+    return values(read.checkpoint(path, stage))
+
+
+def histories(folder, stage=None):
+    """Histories by their name below history/, in the rows of the stage with this number; without
+    one, of the last stage that has rows."""
+    found = {name.removeprefix("history/"): rows for name, rows in datasets(folder).items()
+             if name.startswith("history/")}
+    number = found["stage"].ravel()
+    chosen = number == (number.max() if stage is None else stage)
+    return {name: rows[chosen] for name, rows in found.items()}
 
 
 def data(path):
     """One digest for all datasets."""
     digest = hashlib.sha256()
-    for name, values in sorted(datasets(path).items()):
-        digest.update(name.encode() + values.tobytes())
+    for name, rows in sorted(datasets(path).items()):
+        digest.update(name.encode() + rows.tobytes())
     return digest.hexdigest()
+
+
+def same_datasets(first, second, what, below="", nan=False):
+    """Requires the same names in {name: array}, and bitwise identical arrays below a group; with
+    `nan`, not-a-number equals itself."""
+    if set(first) != set(second):
+        raise SystemExit(f"{what}: other datasets: {sorted(set(first) ^ set(second))}")
+    for name, rows in first.items():
+        equal_nan = nan and rows.dtype.kind == "f"
+        if name.startswith(below) and not np.array_equal(rows, second[name], equal_nan=equal_nan):
+            raise SystemExit(f"{what}: {name} differs")
 
 
 def same_bits(one, other, what, facts, below=""):
     """Compares results below a group, and `facts` of the summary, with those of another folder."""
-    first, second = (datasets(place / "results.h5") for place in (one, other))
-    if set(first) != set(second):
-        raise SystemExit(f"{what}: other datasets: {set(first) ^ set(second)}")
-    for name, values in first.items():
-        if name.startswith(below) and not np.array_equal(values, second[name], equal_nan=True):
-            raise SystemExit(f"{what}: {name} differs")
+    same_datasets(datasets(one), datasets(other), what, below, nan=True)
     found = [facts(summary(place)) for place in (one, other)]
     if found[0] != found[1]:
         raise SystemExit(f"{what}: {found}")

@@ -268,7 +268,7 @@ int LinearSystem::Handles::outcome(KSP of) {
 void LinearSystem::Handles::require_solved(double all) {
   constexpr double rounding = 1e-4;  // far above the relative residual of a direct solver
   PetscBool once = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(solver), KSPPREONLY, &once),
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(KSP(solver)), KSPPREONLY, &once),
         "get the type of a solver");
   if (once == PETSC_FALSE) return;
   PetscReal left = 0;
