@@ -1,6 +1,6 @@
 // One file per program and number of ranks, so that programs that run side by side do not mix rows:
-// a row is folder, test, quantity, unit, measured, sign, reference or limit, tolerance, separated
-// by tabs.
+// a row is folder, test, quantity, unit, measured, sign, reference or limit, tolerance, reason,
+// separated by tabs.
 #include "support/verified.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <type_traits>
 
 #include "trackbed/par/comm.hpp"
 
@@ -30,39 +31,48 @@ std::ofstream opened() {
                        fmt::format("{}_{}.tsv", program_invocation_short_name, world.size()));
 }
 
-void keep(const std::string& quantity, const std::string& unit, double measured,
-          const std::string& sign, double reference, double tolerance, const Place& place) {
+static_assert(std::is_constructible_v<Reason, const char (&)[2]> &&
+              !std::is_constructible_v<Reason, const char (&)[1]>);  // an empty text
+static_assert(!std::is_convertible_v<double, Tolerance>);            // no tolerance without reason
+
+struct Row {
+  const std::string &quantity, &unit;
+  double measured, reference, tolerance;
+  const char *sign, *reason;
+};
+
+void keep(const Row& row, const Place& place) {
   static std::ofstream rows = opened();
   if (!rows.is_open()) return;
   const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
-  rows << fmt::format("{}\t{}.{}\t{}\t{}\t{:.15g}\t{}\t{:.9g}\t{:.3g}\n",
+  rows << fmt::format("{}\t{}.{}\t{}\t{}\t{:.15g}\t{}\t{:.15g}\t{:.3g}\t{}\n",
                       fs::path(place.file_name()).parent_path().filename().string(),
-                      test.test_suite_name(), test.name(), quantity, unit, measured, sign,
-                      reference, tolerance)
+                      test.test_suite_name(), test.name(), row.quantity, row.unit, row.measured,
+                      row.sign, row.reference, row.tolerance, row.reason)
        << std::flush;
 }
 
 }  // namespace
 
 void near(const std::string& quantity, const std::string& unit, double measured, double reference,
-          double tolerance, const Place& place) {
-  keep(quantity, unit, measured, "=", reference, tolerance, place);
+          const Tolerance& tolerance, const Place& place) {
+  keep({quantity, unit, measured, reference, tolerance.size, "=", tolerance.reason.text()}, place);
   const ::testing::ScopedTrace trace(place.file_name(), static_cast<int>(place.line()), quantity);
-  EXPECT_NEAR(measured, reference, tolerance);
+  EXPECT_NEAR(measured, reference, tolerance.size);
 }
 
-void below(const std::string& quantity, const std::string& unit, double measured, double limit,
-           const Place& place) {
-  keep(quantity, unit, measured, "<", limit, 0, place);
+void below(const std::string& quantity, const std::string& unit, double measured,
+           const Limit& limit, const Place& place) {
+  keep({quantity, unit, measured, limit.size, 0, "<", limit.reason.text()}, place);
   const ::testing::ScopedTrace trace(place.file_name(), static_cast<int>(place.line()), quantity);
-  EXPECT_LT(measured, limit);
+  EXPECT_LT(measured, limit.size);
 }
 
-void above(const std::string& quantity, const std::string& unit, double measured, double limit,
-           const Place& place) {
-  keep(quantity, unit, measured, ">", limit, 0, place);
+void above(const std::string& quantity, const std::string& unit, double measured,
+           const Limit& limit, const Place& place) {
+  keep({quantity, unit, measured, limit.size, 0, ">", limit.reason.text()}, place);
   const ::testing::ScopedTrace trace(place.file_name(), static_cast<int>(place.line()), quantity);
-  EXPECT_GT(measured, limit);
+  EXPECT_GT(measured, limit.size);
 }
 
 }  // namespace trackbed::verified
