@@ -151,23 +151,42 @@ def test_generated_docs_finds(tmp_path):
 
 
 def test_verification_page_finds(tmp_path):
-    row = "ground\tColumn.FrontArrives/plane\tarrival\ts\t{}\t=\t1.5\t0.1\n"
+    row = "ground\tColumn.FrontArrives/plane\tarrival\ts\t{}\t=\t1.5\t0.1\tan element: 0.1 s\n"
     (tmp_path / "a_test_2.tsv").write_text(row.format("9"))  # of more ranks: ignored
     (tmp_path / "a_test_1.tsv").write_text(row.format("1.52"))
     rows = verification.rows_of(tmp_path)
     page = verification.document_of(rows)
-    assert "| Column: front arrives (plane) | arrival | 1.52 s | 1.5 s | 0.1 s |" in page
+    cells = ["Column: front arrives (plane)", "arrival", "1.52 s", "1.5 s", "0.1 s",
+             "an element: 0.1 s"]
+    assert "| " + " | ".join(cells) + " |\n" in page
     assert not verification.differences(rows, page)
     (tmp_path / "a_test_1.tsv").write_text(row.format("1.53"))  # another machine's digits
     assert not verification.differences(verification.rows_of(tmp_path), page)
     for changed, said in ((page.replace("1.52 s", "1.7 s"), "measured 1.52"),
                           (page.replace("| 0.1 s", "| 0.2 s"), "the test"),
+                          (page.replace("| an element", "| a step"), "the test"),
+                          (page.replace("| an element: 0.1 s |", "|"), "not in the document"),
                           (page.replace("| arrival", "| leave"), "not measured"),
                           (page.replace("| arrival", "| leave"), "not in the document")):
         assert any(said in line for line in verification.differences(rows, changed)), said
-    (tmp_path / "a_test_1.tsv").write_text(2 * row.format("1.52"))
-    with pytest.raises(SystemExit, match="two rows"):
+
+
+@pytest.mark.parametrize("cells,said", [
+    ("1.5\t0.1\tan element", "two rows"), ("1.5\t0.1\t ", "no reason"),
+    ("1.5\t0.1", "no reason"), ("1.5\t0.1\tan element | a step", "a cell contains"),
+])
+def test_verification_page_refuses(tmp_path, cells, said):
+    row = f"ground\tColumn.FrontArrives\tarrival\ts\t1.52\t=\t{cells}\n"
+    (tmp_path / "a_test_1.tsv").write_text((2 if said == "two rows" else 1) * row)
+    with pytest.raises(SystemExit, match=said):
         verification.rows_of(tmp_path)
+
+
+def test_verification_page_shows_the_digits_that_a_tolerance_resolves(tmp_path):
+    (tmp_path / "a_test_1.tsv").write_text(
+        "track\tUplift.Beam\twork\t-\t0.5333333333334\t=\t0.533333333333333\t1e-12\trounding\n")
+    page = verification.document_of(verification.rows_of(tmp_path))
+    assert "| 0.5333333333334 | 0.5333333333333 | 1e-12 | rounding |" in page
 
 
 def test_spelling_finds_a_misspelling(tree_with):

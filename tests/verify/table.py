@@ -11,11 +11,13 @@ from pathlib import Path
 
 HEAD = """# Verification
 Each row is a value that a test computes and compares with a closed form, a published value or a
-limit. `ninja -C build/release verification` runs the tests and rewrites this document; ctest
-`verification_page` compares it with the latest results of the tests. SI units.
+limit; "why" is the reason for the size of the tolerance or limit. `ninja -C build/release
+verification` runs the tests and rewrites this document; ctest `verification_page` compares it with
+the latest results of the tests. SI units.
 
 """
-COLUMNS = "| case | quantity | measured | reference | tolerance |\n|---|---|---|---|---|\n"
+COLUMNS = ("| case | quantity | measured | reference | tolerance | why |\n"
+           "|---|---|---|---|---|---|\n")
 # Order of the sections; other folders follow.
 SECTIONS = {"particles": "Particles", "ground": "Ground", "track": "Track and train",
             "coupling": "Coupling", "compaction": "Bed", "solids": "Solid sleepers"}
@@ -44,15 +46,19 @@ def rows_of(folder):
             key = (folder, words(test), quantity)
             if key in rows:
                 raise SystemExit(f"two rows are called {key}")
+            if len(rest) != 6 or not rest[-1].strip():
+                raise SystemExit(f"no reason for the tolerance of {key}")
+            if "|" in line:
+                raise SystemExit(f"a cell contains |: {key}")
             rows[key] = rest
     return rows
 
 
-def digits(measured, tolerance):
-    """Six significant digits, or as many as the tolerance resolves."""
-    value, margin = float(measured), float(tolerance)
+def digits(number, tolerance, least):
+    """`least` significant digits, or as many as the tolerance resolves."""
+    value, margin = float(number), float(tolerance)
     resolved = math.log10(abs(value) / margin) if value and margin else 0
-    return f"{value:.{max(6, math.ceil(resolved) + 1)}g}"
+    return f"{value:.{max(least, math.ceil(resolved) + 1)}g}"
 
 
 def document_of(rows):
@@ -62,25 +68,26 @@ def document_of(rows):
         if section not in present:
             continue
         text += f"## {SECTIONS.get(section, section.capitalize())}\n{COLUMNS}"
-        for (where, case, quantity), (unit, measured, sign, reference, tolerance) in rows.items():
+        for (where, case, quantity), row in rows.items():
             if where != section:
                 continue
+            unit, measured, sign, reference, tolerance, reason = row
             unit = "" if unit == "-" else f" {unit}"
-            reference = reference if sign == "=" else f"{sign} {reference}"
             margin = f"{tolerance}{unit}" if sign == "=" else ""
-            shown = digits(measured, tolerance)
-            text += (f"| {case} | {quantity} | {shown}{unit} | {reference}{unit} | "
-                     f"{margin} |\n")
+            measured, reference = digits(measured, tolerance, 6), digits(reference, tolerance, 9)
+            sign = "" if sign == "=" else f"{sign} "
+            text += (f"| {case} | {quantity} | {measured}{unit} | {sign}{reference}{unit} | "
+                     f"{margin} | {reason} |\n")
         text += "\n"
     return text.rstrip() + "\n"
 
 
 def measured_in(document):
-    """(case, quantity) -> (measured, reference, tolerance) in the document."""
+    """(case, quantity) -> (measured, reference, tolerance, reason) in the document."""
     found = {}
     for line in document.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if len(cells) == 5 and not cells[0].startswith("---") and cells[0] != "case":
+        if len(cells) == 6 and not cells[0].startswith("---") and cells[0] != "case":
             found[cells[0], cells[1]] = cells[2:]
     return found
 
@@ -93,7 +100,7 @@ def differences(rows, document):
         if stated[key][1:] != wanted[key][1:]:
             lines.append(f"{key}: the document has {stated[key][1:]}, the test {wanted[key][1:]}")
     # Digits beyond the tolerance depend on machine and compiler.
-    for (_, case, quantity), (_, measured, sign, _, tolerance) in rows.items():
+    for (_, case, quantity), (_, measured, sign, _, tolerance, _) in rows.items():
         old = float(stated.get((case, quantity), ["nan"])[0].split()[0])
         if sign == "=" and abs(old - float(measured)) > float(tolerance):
             lines.append(f"{case}, {quantity}: the document has {old}, measured {measured}")

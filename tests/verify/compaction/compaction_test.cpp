@@ -120,9 +120,12 @@ TEST(CompactionOfABed, ReachesThePressureOnAnyNumberOfRanks) {
   EXPECT_EQ(world.sum(std::int64_t{shared.particles().trouble().empty() ? 0 : 1}), 0);
   constexpr double target = 200e3;  // Pa
   EXPECT_TRUE(shared.platen().steady());
-  verified::near("pressure of the platen", "Pa", shared.platen().pressure(), target, 0.02 * target);
-  verified::below("largest pressure during compaction", "Pa", shared.peak(), 1.1 * target);
-  constexpr double closed = 1e-10;  // accuracy of the coupling: rounding of forces to quanta
+  verified::near("pressure of the platen", "Pa", shared.platen().pressure(), target,
+                 {0.02 * target, "tolerance of the servo"});
+  verified::below("largest pressure during compaction", "Pa", shared.peak(),
+                  {1.1 * target, "separates: the servo does not overshoot"});
+  const verified::Limit closed{
+      1e-10, "rounding of loads to quanta, 1e-18 of the largest one; a lost load gives 1"};
   verified::below("imbalance of force", "-", shared.balance().force, closed);
   verified::below("imbalance of moment", "-", shared.balance().moment, closed);
   verified::below("imbalance of work", "-", shared.balance().work, closed);
@@ -149,8 +152,8 @@ TEST(CompactionOfABed, HasThePorosityOfFrictionAndAFlatPlate) {
     EXPECT_TRUE(bed.platen().steady()) << "seed " << seed;
     mean += bed.porosity() / beds;
   }
-  // Single beds: 0.38 with a standard deviation of 0.064; three times that of the mean of eight.
-  verified::near("porosity", "-", mean, 0.351, 0.068);
+  verified::near("porosity", "-", mean, 0.351,
+                 {0.068, "scatter of beds, 0.064: three times that of the mean of eight"});
 }
 
 // With a tenth of the pressure the static load of the plate moves few stones; vibration moves more.
@@ -172,12 +175,13 @@ TEST(CompactionOfABed, SettlesMoreUnderAVibratingPlate) {
     EXPECT_TRUE(bed.particles().trouble().empty());
     settlement += (steady - bed.platen().z()) / beds, pressure += bed.late() / beds;
   }
-  // By more than the plate's travel in a period, since the phase at the end is arbitrary. Single
-  // beds settle by -2 to 50 mm, five of eight by more than 10 mm.
-  verified::above("mean settlement", "m", settlement, 2 * vibrating.vibration);
-  // The servo is slower than the impacts, and the bed settles below it: single beds have a standard
-  // deviation of 23 %; three times that of the mean of eight.
-  verified::near("mean pressure", "Pa", pressure, still.pressure, 0.25 * still.pressure);
+  // Single beds settle by -2 to 50 mm, five of eight by more than 10 mm.
+  verified::above("mean settlement", "m", settlement,
+                  {2 * vibrating.vibration, "separates from the plate's travel in a period"});
+  // The servo is slower than the impacts, and the bed settles below it.
+  verified::near(
+      "mean pressure", "Pa", pressure, still.pressure,
+      {0.25 * still.pressure, "scatter of beds, 23 %: three times that of the mean of eight"});
 }
 
 }  // namespace

@@ -165,17 +165,21 @@ TEST(Triaxial, StrengthOfAFaceCentredCubicArray) {
                f_y = across("wall.front", "wall.back", 1);
   ASSERT_GT(std::max(s_x, s_y), 1.005 * width);
   // Contacts of f = 40 N overlap by 0.4 um, 1e-5 of d.
-  verified::near("F_1 over F on the walls that move apart", "-",
-                 array.on("platen").z() / (s_x > s_y ? f_x : f_y),
-                 4 * (n - 1) * h / (interfaces * std::max(s_x, s_y)), 2e-3);
+  verified::near(
+      "F_1 over F on the walls that move apart", "-",
+      array.on("platen").z() / (s_x > s_y ? f_x : f_y),
+      4 * (n - 1) * h / (interfaces * std::max(s_x, s_y)),
+      {2e-3, "forces that are unbalanced 0.1 s after the platen stops; overlaps are 1e-5 of d"});
   const double height = array.platen().z();
+  const verified::Tolerance held{servo().tolerance, "tolerance of the servo"};
   verified::near("pressure of walls across x", "Pa", f_x / ((side - 2 * in_y) * height),
-                 confinement, servo().tolerance * confinement);
+                 confinement, held.of(confinement));
   verified::near("pressure of walls across y", "Pa", f_y / ((side - 2 * in_x) * height),
-                 confinement, servo().tolerance * confinement);
-  // The walls follow the array; overlaps of walls, layers and plates amount to 2 um.
+                 confinement, held.of(confinement));
+  // The walls follow the array.
   verified::near("distance of centres in adjacent layers", "m",
-                 std::sqrt(h * h + (s_x * s_x + s_y * s_y) / 4), width, 2e-6);
+                 std::sqrt(h * h + (s_x * s_x + s_y * s_y) / 4), width,
+                 {2e-6, "overlaps of walls, layers and plates"});
 }
 
 }  // namespace

@@ -90,11 +90,12 @@ TEST(Drop, AgreesWithAReferenceOfHighResolution) {
                   difference(found.speed, reference.speed),
                   difference(found.deflection, reference.deflection));
   }
-  // First order: halving leaves about half, slightly less with the error of the reference itself.
-  verified::below("error left by half the window", "-", error[1] / error[0], 0.65);
-  verified::below("error left by half of that", "-", error[2] / error[1], 0.65);
-  constexpr double fine = 0.05;  // of the largest, with a window of a hundredth of the collision
-  verified::below("error, window of 0.1 ms", "-", error[2], fine);
+  const verified::Tolerance half{0.1,
+                                 "first order: 1/2, less with the reference's own window: 0.47"};
+  verified::near("error left by half the window", "-", error[1] / error[0], 0.5, half);
+  verified::near("error left by half of that", "-", error[2] / error[1], 0.5, half);
+  verified::below("error, window of 0.1 ms", "-", error[2],
+                  {0.05, "first order: the window is a hundredth of the collision, five times"});
 }
 
 }  // namespace

@@ -66,11 +66,12 @@ class Sample {
     }
   }
   // The error of the pressure is proportional to the rate: the last steps are a thousand times
-  // smaller.
-  void fail(double axial, double pressure) {
+  // smaller. Returns one of them.
+  double fail(double axial, double pressure) {
     const double travel = axial - strain_.z();
     compress(axial - 1e-3 * travel, pressure, 2000);
     compress(axial, pressure, 2000);
+    return 1e-3 * std::abs(travel) / 2000;
   }
   const Vec3& strain() const { return strain_; }
 
@@ -102,6 +103,10 @@ TEST_P(Failure, TriaxialStrength) {
       const double n = passive(friction), limit = 2 * cohesion * std::sqrt(n);
       const std::string which = fmt::format(", c {:g} kPa, phi {:g}, at {:g} kPa", cohesion / 1e3,
                                             friction, pressure / 1e3);
+      // In a step d of axial strain the lateral one changes by M d, M of the dilation angle (in
+      // extension by d/M), of which each of one or two directions has its part. The correction of
+      // the last step misses that, which is a pressure.
+      const double missed = 1.5 * solid.young / (GetParam() == Dimension::plane ? 1 : 2);  // Pa
       Sample compressed(solid, strength, GetParam()), extended(solid, strength, GetParam());
       // First isotropic and elastic, also along z; in a plane y follows.
       for (Sample* sample : {&compressed, &extended}) {
@@ -109,18 +114,19 @@ TEST_P(Failure, TriaxialStrength) {
         sample->compress(-k * pressure / solid.young, pressure, 300);
         sample->compress(sample->strain().z(), pressure, 100);
       }
-      compressed.fail(-0.03, pressure);
-      // Tolerance: remaining error of the pressure.
       const double exact = n * pressure + limit;
-      verified::near("strength" + which, "Pa", -compressed.stress()(2), exact, 1e-4 * exact);
-      extended.fail(0.02, pressure);
+      const verified::Tolerance lag{1.3 * missed * compressed.fail(-0.03, pressure),
+                                    "N M 3/2 E times the last step of strain, 1.3 times"};
+      verified::near("strength" + which, "Pa", -compressed.stress()(2), exact,
+                     lag.of(n * passive(dilation)));
+      const verified::Tolerance loss{2 * missed * extended.fail(0.02, pressure),
+                                     "3/2 E / (N M) times the last step of strain, twice"};
       const double tension = std::min(10e3, (limit - pressure) / n);
-      const double reach = 1e-4 * (exact + limit);
       if (pressure > 100e3)
         verified::near("axial stress in extension" + which, "Pa", extended.stress()(2), tension,
-                       reach);
+                       loss.of(1 / (n * passive(dilation))));
       else
-        EXPECT_NEAR(extended.stress()(2), tension, reach) << which;
+        EXPECT_NEAR(extended.stress()(2), tension, 1e-4 * (exact + limit)) << which;
     }
 }
 
@@ -133,7 +139,9 @@ TEST_P(Failure, DilatesByItsAngle) {
   sample.compress(-0.04, 100e3, 2000);
   const Vec3 more = sample.strain() - before;
   const double exact = 1 - passive(12);
-  verified::near("volume over axial strain", "-", more.sum() / more.z(), exact, 1e-3);
+  verified::near(
+      "volume over axial strain", "-", more.sum() / more.z(), exact,
+      {1e-6, "both states yield with the same elastic strain: exact but for the lag's decay"});
 }
 
 // Weight alone: with nu 0.1 the elastic K0 is below the active pressure, so the whole column yields
@@ -156,9 +164,10 @@ TEST_P(Failure, RankinesPressureInStaticEquilibrium) {
     const double exact = std::min(weight * z * 0.1 / 0.9, (limit + weight * z) / n);
     most = std::max(most, std::abs(grid.cell_data[1].values[6 * c] - exact));
   }
-  // Iterations of the static solve stop at 1e-5 of the weight; both lines join within an element.
+  // Both lines join within an element.
   verified::below("error of the horizontal stress over that at the base", "-",
-                  Comm::world().max(most) / (weight * 10 / n), 1e-5);
+                  Comm::world().max(most) / (weight * 10 / n),
+                  {1e-5, "iterations of the static solve stop at 1e-5 of the weight"});
 }
 
 // Half of a rigid, smooth strip of half width 1 m on weightless clay, driven downwards at constant
@@ -210,16 +219,23 @@ double bearing(const Comm& comm, std::int64_t elements, double cohesion, double 
 TEST(Footing, CarriesPrandtlsPressure) {
   const Comm comm = Comm::world();
   const double exact = 2 + std::numbers::pi;
-  const double coarse = bearing(comm, 4, 50e3, 0), fine = bearing(comm, 8, 50e3, 0);
+  const double coarsest = bearing(comm, 2, 50e3, 0), coarse = bearing(comm, 4, 50e3, 0),
+               fine = bearing(comm, 8, 50e3, 0);
+  const verified::Tolerance quarter{0.08, "wider by up to half of an element in 4: 1/8"};
+  const verified::Tolerance eighth{0.04, "wider by up to half of an element in 8: 1/16"};
   verified::near("pressure over cohesion, 4 elements under the half width", "-", coarse, exact,
-                 0.08 * exact);
-  verified::near("pressure over cohesion, 8 elements", "-", fine, exact, 0.04 * exact);
-  verified::near("order", "-", std::log2((coarse - exact) / (fine - exact)), 1, 0.4);
+                 quarter.of(exact));
+  verified::near("pressure over cohesion, 8 elements", "-", fine, exact, eighth.of(exact));
+  const verified::Tolerance order{0.4, "first order: the width; the edge's singularity adds to it"};
+  verified::near("order", "-", std::log2((coarse - exact) / (fine - exact)), 1, order);
+  verified::near("order, 2 and 4 elements", "-", std::log2((coarsest - exact) / (coarse - exact)),
+                 1, {0.5, "first order: the width; the edge's singularity adds to it"});
   // With friction and dilation of 20 degrees: (N e^(pi tan phi) - 1) / tan phi (Prandtl, Reissner).
   const double slope = std::tan(20 * std::numbers::pi / 180);
   const double more = (passive(20) * std::exp(std::numbers::pi * slope) - 1) / slope;
+  const verified::Tolerance wider{0.05, "wider by up to half of an element in 8: 1/16"};
   verified::near("pressure over cohesion, phi 20, 8 elements", "-", bearing(comm, 8, 50e3, 20),
-                 more, 0.05 * more);
+                 more, wider.of(more));
 }
 
 }  // namespace

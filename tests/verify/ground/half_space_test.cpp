@@ -76,20 +76,24 @@ TEST(HalfSpace, CircularLoad) {
     settlement[elements == 24 ? 1 : 0] = settlement_of_centre(comm, ground);
     if (elements == 12) continue;
     // Borders add up to c (z/L)^2 of P/L^2 = 0.087 q, 0.02 c q at 3 a where the exact stress is
-    // 0.146 q; c is below 1/3. Elements: of order (h/z)^2 / 8, 0.8 % at a.
+    // 0.146 q; c is below 1/3. Elements: of order (h/z)^2 / 8.
     const std::array<double, 3> exact = {0.646447, 0.284458, 0.146185};
-    const std::array<double, 3> error = {0.01, 0.01, 0.05};
+    const std::array<verified::Tolerance, 3> error = {
+        {{0.01, "elements: (h/z)^2 / 8 = 0.8 %, borders 0.1 %"},
+         {0.01, "elements: (h/z)^2 / 8 = 0.2 %, borders c (z/L)^2 P/L^2 = 1 %"},
+         {0.05, "borders: c (z/L)^2 P/L^2, c = 1/3: 5 %"}}};
     for (std::size_t k = 0; k < 3; ++k) {
       const double depth = static_cast<double>(k + 1) * radius;
       verified::near(fmt::format("sigma_z / q at {:g} a, borders at 6 a", depth), "-",
-                     stress_on_axis(comm, ground, depth, size), exact[k], error[k] * exact[k]);
+                     stress_on_axis(comm, ground, depth, size), exact[k], error[k].of(exact[k]));
     }
   }
   // The borders reduce the settlement by c a/L, which is eliminated by the two models; the
   // remainder is of order (a/L)^3: 0.5 and 4 %, giving 2 * 0.5 - 4 % at c = 1. Elements: of order
   // (h/a)^2 / 8.
+  const verified::Tolerance rest{0.01, "borders: 3 c (a/L)^3 = 1 %; elements: (h/a)^2 / 8 = 0.8 %"};
   verified::near("settlement of the centre, borders at 3 and 6 a extrapolated", "m",
-                 2 * settlement[1] - settlement[0], 3.64e-3, 0.01 * 3.64e-3);
+                 2 * settlement[1] - settlement[0], 3.64e-3, rest.of(3.64e-3));
 }
 
 constexpr double line_force = 100e3, line_zone = 0.1;  // N/m, m
@@ -120,12 +124,12 @@ std::vector<Stress6> under_line(const std::vector<Vec3>& points) {
 // sigma = -2 P / pi r^4 (x^2 z, z^3, x z^2) with z downwards (Flamant 1892).
 TEST(HalfSpace, Flamant) {
   const auto s = under_line({{0, 0, -1}, {1, 0, -1}});
-  // Elements: of order (h/z)^2 = 0.01.
-  const double below = 63662.0, aside = 15915.5, tolerance = 0.01;
-  verified::near("sigma_z at (0, 1)", "Pa", -s[0][2], below, tolerance * below);
-  verified::near("sigma_z at (1, 1)", "Pa", -s[1][2], aside, tolerance * aside);
-  verified::near("sigma_x at (1, 1)", "Pa", -s[1][0], aside, tolerance * aside);
-  verified::near("tau_xz at (1, 1)", "Pa", std::abs(s[1][5]), aside, tolerance * aside);
+  const double below = 63662.0, aside = 15915.5;
+  const verified::Tolerance mesh{0.01, "elements: (h/z)^2 = 0.01"};
+  verified::near("sigma_z at (0, 1)", "Pa", -s[0][2], below, mesh.of(below));
+  verified::near("sigma_z at (1, 1)", "Pa", -s[1][2], aside, mesh.of(aside));
+  verified::near("sigma_x at (1, 1)", "Pa", -s[1][0], aside, mesh.of(aside));
+  verified::near("tau_xz at (1, 1)", "Pa", std::abs(s[1][5]), aside, mesh.of(aside));
 }
 
 // A load passes slowly from x = -3 to 3 m over the point (0, 1): (sigma_z - sigma_x, 2 tau) is on a
@@ -139,8 +143,9 @@ TEST(HalfSpace, MovingLineLoadDescribesACardioid) {
   // The points are at the corners of four elements: their mean over x = +-h/2 reduces sigma_z by 2
   // (h/2z)^2 = 0.5 % and adds half of that to sigma_x; the error of the elements is of the same
   // order.
+  const verified::Tolerance mean{0.015, "mean of four elements: 0.75 %; elements as much"};
   verified::near("a, half of sigma_z - sigma_x below the load", "Pa", 0.5 * -(s[30][2] - s[30][0]),
-                 a, 0.015 * a);
+                 a, mean.of(a));
   double off = 0, turn = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double theta = std::atan2(points[k].x(), 1.0), f = 2 * theta;
@@ -150,9 +155,11 @@ TEST(HalfSpace, MovingLineLoadDescribesACardioid) {
                                    shear - a * (1 + std::cos(f)) * std::sin(f)));
     turn = std::max(turn, std::abs(0.5 * std::atan2(shear, across) - theta));
   }
-  verified::below("largest distance from the cardioid over a", "-", off / a, 0.03);
+  verified::below("largest distance from the cardioid over a", "-", off / a,
+                  {0.03, "twice the error of a, of a diameter of 2 a"});
   // At 72 degrees the cardioid is 0.2 a from its cusp: an error of 1 % of a turns psi by 0.025.
-  verified::below("largest difference of psi and theta", "rad", turn, 0.03);
+  verified::below("largest difference of psi and theta", "rad", turn,
+                  {0.03, "1 % of a, 0.2 a from the cusp, turns psi by 0.025"});
 }
 
 }  // namespace

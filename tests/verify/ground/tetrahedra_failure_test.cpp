@@ -30,6 +30,8 @@ GroundParameters sample_of_file(const Elastic& solid, const Strength& strength) 
   return p;
 }
 
+constexpr double last_step = 1e-4 / 3000;  // of axial strain
+
 // Uniform strain along z at constant lateral pressure by elastic corrections; final stress, Pa.
 double strength_of(const GroundParameters& parameters, const Elastic& solid, double pressure) {
   const Mesh mesh(Comm::self(), parameters, Dimension::space, 1);
@@ -55,7 +57,7 @@ double strength_of(const GroundParameters& parameters, const Elastic& solid, dou
     }
   };
   const double begin = -(1 - 2 * solid.poisson) * pressure / solid.young;
-  go(begin, 200), go(-0.02, 1500), go(-0.02002, 600);
+  go(begin, 200), go(-0.02, 1500), go(-0.02 - 600 * last_step, 600);
   return -stress()(2);
 }
 
@@ -69,11 +71,12 @@ TEST(TetrahedraThatYield, TriaxialStrength) {
       const Strength limit{Yield::mohr_coulomb, cohesion, friction, 0, 10e3};
       const std::string name = fmt::format("strength, c {:g} kPa, phi {:g}, at {:g} kPa",
                                            cohesion / 1e3, friction, pressure / 1e3);
-      verified::near(name, "Pa", strength_of(sample(solid, limit), solid, pressure), exact,
-                     1e-4 * exact);
+      // As in failure_test.cpp; no dilation.
+      const verified::Tolerance lag{n * 0.75 * solid.young * last_step * 1.5,
+                                    "N 3/4 E times the last step of strain, 1.5 times"};
+      verified::near(name, "Pa", strength_of(sample(solid, limit), solid, pressure), exact, lag);
       verified::near(name + ", of a file", "Pa",
-                     strength_of(sample_of_file(solid, limit), solid, pressure), exact,
-                     1e-4 * exact);
+                     strength_of(sample_of_file(solid, limit), solid, pressure), exact, lag);
     }
 }
 
@@ -104,7 +107,8 @@ TEST(TetrahedraThatYield, CutOfClayHasItsStabilityNumber) {
   EXPECT_TRUE(stands(low));
   EXPECT_FALSE(stands(high));
   while (high - low > 0.15) (stands((low + high) / 2) ? low : high) = (low + high) / 2;
-  verified::near("stability number of a vertical cut", "-", (low + high) / 2, 3.83, 0.2);
+  verified::near("stability number of a vertical cut", "-", (low + high) / 2, 3.83,
+                 {0.2, "bisection to 0.05, and elements of an eighth of the height: 4 %"});
 }
 
 }  // namespace

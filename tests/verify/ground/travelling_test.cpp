@@ -79,13 +79,23 @@ TEST(PeriodicGround, WaveTravelsAround) {
        {std::pair{"explicit", Integrator::explicit_}, {"newmark", Integrator::newmark}}) {
     const Circuits coarse = travel_around(comm, 12, circuits, integrator);
     const Circuits fine = travel_around(comm, 24, circuits, integrator);
-    // Mass lumped along x, stiffness not: error (k h)^2/12 of the frequency.
+    const Circuits coarsest = travel_around(comm, 6, circuits, integrator);
+    // Mass lumped along x, stiffness not.
+    const verified::Tolerance mesh{0.006, "error of the frequency: (k h)^2 / 12 = 5.7e-3"};
     verified::near(fmt::format("time of three circuits, 24 elements, {}", name), "s", fine.time,
-                   exact, 0.006 * exact);
+                   exact, mesh.of(exact));
+    const verified::Tolerance order{0.15,
+                                    "second order; next term (k h)^2 / 9 = 0.12 at the coarsest"};
     verified::near(fmt::format("error with 12 elements over that with 24, {}", name), "-",
-                   (coarse.time - exact) / (fine.time - exact), 4, 0.4);
+                   (coarse.time - exact) / (fine.time - exact), 4, order);
+    verified::near(fmt::format("error with 6 elements over that with 12, {}", name), "-",
+                   (coarsest.time - exact) / (coarse.time - exact), 4, order);
+    const verified::Limit early{
+        8.5e-3,
+        "released a quarter of the exact period apart: pi / 4 of the error of "
+        "the frequency, 4.3e-3, twice"};
     verified::below(fmt::format("standing fraction of the wave, 24 elements, {}", name), "-",
-                    fine.standing, 0.02);
+                    fine.standing, early);
   }
 }
 

@@ -84,12 +84,15 @@ inline Motion impact(const Ball& ball, const Motion& before, double dt,
   return {p[0].velocity, p[0].spin};
 }
 
-// t_c = 2.943 d / v, d = (15 m v^2 / (16 E* sqrt(R)))^0.4.
+// m, largest overlap of a Hertz impact at v m/s: d = (15 m v^2 / (16 E* sqrt(R)))^0.4.
+inline double depth(const Ball& b, double v) {
+  return std::pow(15 * b.mass() * v * v / (16 * b.e_star() * std::sqrt(b.radius)), 0.4);
+}
+
+// t_c = 2.943 d / v.
 inline double contact_time(const Ball& b, double v) {
   if (!b.hertz) return std::numbers::pi * std::sqrt(b.mass() / b.k_n);
-  const double depth =
-      std::pow(15 * b.mass() * v * v / (16 * b.e_star() * std::sqrt(b.radius)), 0.4);
-  return 2.943 * depth / v;
+  return 2.943 * depth(b, v) / v;
 }
 
 // An elastic Hertz impact with any tangential force: `friction(overlap, slip)` is that against the

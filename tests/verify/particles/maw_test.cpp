@@ -25,7 +25,10 @@ namespace {
 
 using namespace impacts;
 
-constexpr double speed = 0.01;  // m/s: an overlap of 2e-5 R, so that the lever arm of friction is R
+// m/s: an overlap of 4.5e-5 R, so that the lever arm of friction is almost R.
+constexpr double speed = 0.01;
+const verified::Tolerance arm{
+    4e-5, "lever arm of friction: 5/7 of the mean overlap, 3.6e-5 R, one and a half times"};
 
 Ball steel() {
   return {.young = 208e9, .poisson = 0.3, .density = 7850, .radius = 0.01, .friction = 0.3};
@@ -66,16 +69,14 @@ TEST(Incidence, GrossSlidingIsExactAndBeginsAsPredicted) {
   const Ball b = steel();
   const double chi = chi_of(b), begin = 4 * chi - 2.0 / 3;
   for (const double psi : {begin + 0.05, begin + 0.5, 2 * begin, 10 * begin}) {
-    // All steps are at the limit; rounding of speeds that differ by the factor psi remains.
     verified::near(fmt::format("impulses over mu, psi_1 = 4 chi {:+.4g}", psi - 4 * chi), "-",
-                   sliding(b, psi), 1, 1e-9);
-    // The lever arm is shorter than R by 1e-5.
+                   sliding(b, psi), 1,
+                   {1e-11, "all steps at the limit: rounding of a speed 30 times the impulse"});
     verified::near(fmt::format("psi_2 at psi_1 = 4 chi {:+.4g}", psi - 4 * chi), "-",
-                   by_law(b, psi), psi - 4 * chi, 4e-5 * 4 * chi);
+                   by_law(b, psi), psi - 4 * chi, arm.of(4 * chi));
   }
-  // Below this limit the contact sticks at its end.
   verified::below("impulses over mu, psi_1 = 4 chi - 2/3 - 0.05", "-", sliding(b, begin - 0.05),
-                  1 - 1e-6);
+                  {1 - 1e-6, "separates sticking at the end from sliding, which has 1"});
 }
 
 // Largest tangential over normal force in the first tenth of the collision, over mu.
@@ -93,23 +94,26 @@ double first_slip(const Ball& b, double psi) {
 TEST(Incidence, TheContactSticksInitiallyBelowOne) {
   const Ball b = steel();
   verified::near("force over mu N at 5 to 10 % of the collision, psi_1 = 1.05", "-",
-                 first_slip(b, 1.05), 1, 1e-9);
-  // The first step counts fully although the contact begins within it: 1 % after 50 steps.
+                 first_slip(b, 1.05), 1, {1e-12, "at the limit: rounding of one force"});
   verified::near("force over mu N at 5 to 10 % of the collision, psi_1 = 0.9", "-",
-                 first_slip(b, 0.9), 0.9, 0.017);
+                 first_slip(b, 0.9), 0.9,
+                 {0.017, "the first of 50 steps counts fully, though it touches within it: 1 %"});
 }
 
 // Without slip the error is of first order in the step, 1e-3 psi_1 here, since a step uses the
 // stiffness at its end. Slip removes this error.
 TEST(Incidence, TheLawFollowsItsRule) {
   const Ball b = steel();
-  const auto check = [&](double psi, double tolerance) {
+  const auto check = [&](double psi, const verified::Tolerance& tolerance) {
     verified::near(fmt::format("psi_2 at psi_1 = {:g}", psi), "-", by_law(b, psi), by_rule(b, psi),
                    tolerance);
   };
-  for (const double psi : {0.2, 0.6, 1.0}) check(psi, 2e-3 * psi);
-  check(1.4, 6e-5);
-  for (const double psi : {2.0, 3.0, 4.0, 4.7, 5.0}) check(psi, 4e-6);
+  const verified::Tolerance sticks{2e-3, "no slip: first order, 1e-3 psi_1 in this step, twice"};
+  for (const double psi : {0.2, 0.6, 1.0}) check(psi, sticks.of(psi));
+  check(1.4, {6e-5, "slips for a short time, which leaves 3 % of the error without slip, twice"});
+  const verified::Tolerance slips{
+      4e-6, "slip removes the error; the rule in steps of 1e-5 of the collision: first order"};
+  for (const double psi : {2.0, 3.0, 4.0, 4.7, 5.0}) check(psi, slips);
 }
 
 // Finite element results in test 5 of Chung, Ooi 2011 (doi:10.1007/s10035-011-0277-0), digitised
@@ -123,13 +127,14 @@ constexpr double elements[][2] = {
 TEST(Incidence, PartialSlipAgreesWithFiniteElements) {
   const Ball b = steel();
   const double factor = 4 * b.g_star() / b.e_star();
+  const verified::Tolerance digitised{
+      0.05 * 1.77, "5 % of the largest rebound: digitising, 2 %, and the finite elements"};
   for (const auto& [before, after] : elements)
-    // 5 % of the largest rebound: 2 % of digitising, and the error of the finite elements.
     verified::near(fmt::format("u_2/(mu v_n) at {:g}, partial slip", before), "-",
-                   by_partial_slip(b, factor * before) / factor, after, 0.05 * 1.77);
+                   by_partial_slip(b, factor * before) / factor, after, digitised);
   const double chi = chi_of(b);
   verified::near("psi_2, partial slip, at psi_1 = 4 chi - 1 + 0.01", "-",
-                 by_partial_slip(b, 4 * chi - 0.99), -0.99, 3e-4);
+                 by_partial_slip(b, 4 * chi - 0.99), -0.99, arm.of(4 * chi));
 }
 
 TEST(Incidence, DifferenceOfTheLawFromPartialSlip) {
@@ -141,7 +146,8 @@ TEST(Incidence, DifferenceOfTheLawFromPartialSlip) {
   }
   const double most = by_law(b, where) - by_partial_slip(b, where);
   verified::near(fmt::format("largest psi_2 above that of partial slip, at psi_1 = {:.3g}", where),
-                 "-", most, of_rule, 4e-4);
+                 "-", most, of_rule,
+                 {4e-4, "law against rule: between 1e-3 psi_1 without slip and 3 % of it at 1.4"});
 }
 
 // Impacts of aluminium oxide balls, 5 mm, at 3.9 m/s on soda-lime glass: spins measured by Kharaz,
@@ -173,8 +179,7 @@ TEST(Incidence, SpinsAreCloseToMeasurements) {
       most = std::max(most, std::abs(spin_by_law(m.degrees) - m.spin));
     return most / largest;
   };
-  // In sliding the only parameters are friction and restitution: 7 % is the scatter of measurement
-  // and digitising, at 39 degrees.
+  // In sliding the only parameters are friction and restitution.
   verified::below("distance over the largest spin, sliding", "-",
                   farthest({{31.14, 612.2},
                             {38.96, 595.1},
@@ -183,10 +188,10 @@ TEST(Incidence, SpinsAreCloseToMeasurements) {
                             {69.96, 243.0},
                             {78.56, 142.4},
                             {84.32, 70.6}}),
-                  0.08);
-  // In sticking the law is in addition 8 % below partial slip.
+                  {0.08, "scatter of measurement and digitising: 7 %, at 39 degrees"});
   verified::below("distance over the largest spin, sticking", "-",
-                  farthest({{5.90, 134.9}, {10.87, 261.2}, {21.12, 573.7}}), 0.15);
+                  farthest({{5.90, 134.9}, {10.87, 261.2}, {21.12, 573.7}}),
+                  {0.15, "scatter of measurement, 7 %, and the law is 8 % below partial slip"});
 }
 
 }  // namespace

@@ -74,12 +74,12 @@ TEST(SolidSleeper, HasTheBendingModeOfAFreeBeam) {
   const double coarse = first_mode(sleeper(), 0.99 * beam),
                fine = first_mode(sleeper(2), 0.99 * beam);
   const double hertz = 1 / (2 * std::numbers::pi);
-  constexpr double theory = 5e-3;  // a beam's plane sections against a solid of l/h = 12
-  constexpr double mesh = 5e-3;
+  const verified::Tolerance theory{5e-3, "plane sections against a solid: (h / l)^2 = 7e-3"};
+  const verified::Tolerance mesh{5e-3, "mesh: (k h)^2 / 12 = 2.8e-3, k l = 4.73, almost twice"};
   verified::near("first free bending mode, elements of 0.1 m", "Hz", coarse * hertz, fine * hertz,
-                 mesh * fine * hertz);
+                 mesh.of(fine * hertz));
   verified::near("first free bending mode, elements of 0.05 m, against Timoshenko", "Hz",
-                 fine * hertz, beam * hertz, theory * beam * hertz);
+                 fine * hertz, beam * hertz, theory.of(beam * hertz));
 }
 
 // Static, on springs below its whole lower face, with a load at the middle of its upper one.
@@ -164,13 +164,14 @@ TEST(SolidSleeper, BendsOnABedLikeABeam) {
   const auto [w, moment] = beam_on_bed(modulus * width, concrete.young * inertia, load);
   const double stress = moment * height / 2 / inertia;
   const Bedded coarse = bedded(sleeper(), modulus, load), fine = bedded(sleeper(2), modulus, load);
-  constexpr double shears = 0.03;  // shear deformation, which that beam neglects
-  constexpr double mesh = 0.02;
-  verified::near("deflection on a bed, elements of 0.1 m", "m", coarse.deflection, w, shears * w);
+  const verified::Tolerance shears{0.03,
+                                   "shear, which that beam neglects: 2 b^2 E I / k G A = 3 %"};
+  const verified::Tolerance mesh{4e-3, "mesh: (b h)^2 / 12 = 1.3e-3, b = 1.2/m, three times"};
+  verified::near("deflection on a bed, elements of 0.1 m", "m", coarse.deflection, w, shears.of(w));
   verified::near("deflection on a bed, elements of 0.1 m against 0.05 m", "m", coarse.deflection,
-                 fine.deflection, mesh * w);
+                 fine.deflection, mesh.of(w));
   verified::near("bending stress beside the load, elements of 0.1 m", "Pa", coarse.bending_stress,
-                 stress, shears * stress);
+                 stress, shears.of(stress));
 }
 
 // Smooth load on a free bar of few elements: error at the end against a much shorter step.
@@ -194,9 +195,12 @@ TEST(SolidSleeper, TimeIntegrationIsOfSecondOrder) {
     return bodies.displacement(push.at).z();
   };
   const double exact = end(1.25e-5);
-  const double coarse = std::abs(end(2e-4) - exact), fine = std::abs(end(1e-4) - exact);
-  constexpr double margin = 0.25;  // Bossak's scheme is of second order for any alpha
-  verified::near("order of the step", "-", std::log2(coarse / fine), 2, margin);
+  const double coarse = std::abs(end(2e-4) - exact), middle = std::abs(end(1e-4) - exact),
+               fine = std::abs(end(5e-5) - exact);
+  const verified::Tolerance order{
+      0.15, "second order for any alpha; the reference's step is a quarter of the finest: 0.07"};
+  verified::near("order of the step", "-", std::log2(coarse / middle), 2, order);
+  verified::near("order of the step, 0.1 and 0.05 ms", "-", std::log2(middle / fine), 2, order);
 }
 
 // Both on springs and dashpots at the lower corners, under an oscillating seat force.
@@ -245,8 +249,8 @@ TEST(SolidSleeper, StiffEqualsRigid) {
   }
   ASSERT_GT(turned, 1e-4);
   // The forces act one step apart: leapfrog uses those at the start of a step, Bossak's scheme
-  // those at its end. On these springs a step changes the phase by 6e-3.
-  constexpr double close = 5e-3;
+  // those at its end.
+  const verified::Limit close{2.5e-3, "forces a step apart: omega dt = 2.5e-3 of a load of 20 Hz"};
   verified::below(
       "displacement of a stiff solid relative to a rigid sleeper, over that of the sleeper", "-",
       gap / largest, close);

@@ -219,7 +219,6 @@ Histories on_solids(const Case& c) {
 }
 
 // Flexible sleepers: the plane train has the same ones, whose two seats share the force of its pad.
-// The remaining difference is the accuracy of the contact solution, 1e-12 m at some 1e9 N/m.
 TEST(TwoRailsOnSolids, UnderASymmetricLoadEqualThePlaneTrain) {
   OnSolids space({}), plane({.dimension = Dimension::plane});
   double wheel = 0, seat = 0, level = 0, most = 0;
@@ -237,10 +236,12 @@ TEST(TwoRailsOnSolids, UnderASymmetricLoadEqualThePlaneTrain) {
                                        plane.train.seat_displacement(below_dip, 0)));
     }
   }
-  verified::above("largest force of a seat", "N", most, 20e3);
-  verified::below("largest difference of a wheel force", "N", wheel, 1e-3);
-  verified::below("largest difference of a seat's force", "N", seat, 1e-3);
-  verified::below("largest difference of a seat", "m", level, 1e-10);
+  const verified::Limit contacts{1e-3, "contacts converge to 1e-12 m at 1e9 N/m: 1 mN"};
+  verified::above("largest force of a seat", "N", most, {20e3, "separates: the train loads it"});
+  verified::below("largest difference of a wheel force", "N", wheel, contacts);
+  verified::below("largest difference of a seat's force", "N", seat, contacts);
+  verified::below("largest difference of a seat", "m", level,
+                  {4e-12, "contacts converge to 1e-12 m, four times"});
 }
 
 // The right rail has a crest where the left one has a dip. With alpha 0 the step is that of the
@@ -250,21 +251,26 @@ TEST(TwoRailsOnSolids, StiffSleepersRollLikeThoseOfTheTrackAlone) {
   const Histories rigid = alone(2e-4, -2e-3);
   const Histories stiff = on_solids({.stiffer = 1e4, .alpha = 0, .right = -2e-3}),
                   soft = on_solids({.stiffer = 1e2, .alpha = 0, .right = -2e-3});
+  const verified::Limit rolls{5e3, "separates: the axles roll"};
   verified::above("largest difference of left and right wheel", "N", largest(rigid.wheels_apart),
-                  5e3);
+                  rolls);
   verified::above("largest difference of left and right seat", "m", largest(rigid.seats_apart),
-                  2e-5);
+                  {2e-5, "separates: the sleeper rolls"});
   verified::below("difference of wheels, 1e4 E against rigid, root mean square", "N",
-                  distance(stiff.wheels_apart, rigid.wheels_apart), 0.1);
+                  distance(stiff.wheels_apart, rigid.wheels_apart),
+                  {0.1, "deformation: 0.03 N, three times; contacts converge to 1 mN"});
   verified::below("difference of seats, 1e4 E against rigid, root mean square", "m",
-                  distance(stiff.seats_apart, rigid.seats_apart), 1e-9);
+                  distance(stiff.seats_apart, rigid.seats_apart),
+                  {2e-10, "deformation: F l^3 / 400 E I = 1.5 um with E, 1e-4 of it"});
+  const verified::Tolerance inverse{
+      1e-3, "first order in 1/E; contacts converge to 1e-12 of 4e-11 m: 2.5e-4, four times"};
   verified::near("difference of seats with 1e4 E over that with 1e2 E", "-",
                  distance(stiff.seats_apart, rigid.seats_apart) /
                      distance(soft.seats_apart, rigid.seats_apart),
-                 1e-2, 2e-3);
+                 1e-2, inverse);
   verified::near("sum of seats with 1e4 E over that with 1e2 E", "-",
                  distance(stiff.sleeper, rigid.sleeper) / distance(soft.sleeper, rigid.sleeper),
-                 1e-2, 2e-3);
+                 1e-2, inverse);
 }
 
 // Largest residual of the pad law over all pads and windows, over the largest force.
@@ -285,9 +291,11 @@ double off_law(bool joined) {
 // With the mobility of each seat alone, pads would not include the effect of the other seat's
 // force.
 TEST(TwoRailsOnSolids, PadForcesAreThoseAtTheEndOfTheWindow) {
-  verified::below("residual of the pad law, windows of 1 ms", "-", off_law(true), 1e-12);
+  verified::below(
+      "residual of the pad law, windows of 1 ms", "-", off_law(true),
+      {4e-14, "rounding of 1 mm and 1 m/s times spring and dashpot, 1e-14 of the force"});
   verified::above("residual of the pad law without mutual deflection of seats", "-", off_law(false),
-                  1e-2);
+                  {1e-2, "separates: without it forces are wrong by percents"});
 }
 
 // Largest displacement of a seat in the last 500 of 1000 windows after an impulse on it, over that

@@ -16,27 +16,27 @@ namespace {
 constexpr double load = 100e3;  // N
 constexpr double middle = 30;   // m
 
-// References have seven digits. The error with elements of 75 mm is (beta h)^4/720 = 9e-8.
-constexpr double digits = 2e-6;
-
 TEST(Winkler, EulerBernoulli) {
   const Line line(winkler(60, BeamTheory::euler, 8));
   const Vector u = at_rest(line, middle, load);
   const auto down = [&](double x) { return -line.at(middle + x).deflection(u); };
-  verified::near("w(0)", "m", down(0), 1.183082e-3, 1.183082e-3 * digits);
-  verified::near("w(0.6 m)", "m", down(0.6), 0.820362e-3, 1.2e-3 * digits);
-  verified::near("w(1.2 m)", "m", down(1.2), 0.325852e-3, 1.2e-3 * digits);
-  verified::near("uplift at pi/beta", "m", -down(std::numbers::pi / 1.183082), 5.1126e-5, 5e-9);
-  verified::near("M(0)", "N m", line.bending_moment(middle, u), 21131.24, 21131.24 * 1e-5);
+  const verified::Tolerance digits{
+      6e-10, "digits of the reference, 5e-10 m, and elements, (beta h)^4 / 720 = 9e-8 of 1.2 mm"};
+  verified::near("w(0)", "m", down(0), 1.183082e-3, digits);
+  verified::near("w(0.6 m)", "m", down(0.6), 0.820362e-3, digits);
+  verified::near("w(1.2 m)", "m", down(1.2), 0.325852e-3, digits);
+  verified::near("uplift at pi/beta", "m", -down(std::numbers::pi / 1.183082), 5.1126e-5, digits);
+  verified::near("M(0)", "N m", line.bending_moment(middle, u), 21131.24,
+                 {0.02, "digits of the reference, 0.005, and elements, (beta h)^4 / 120 = 5e-7"});
 }
 
-// The element is exact for forces at nodes, but a bed also acts between them: second order, 8e-6
-// with elements of 25 mm.
+// The element is exact for forces at nodes, but a bed also acts between them.
 TEST(Winkler, Timoshenko) {
+  const verified::Tolerance mesh{1e-5, "second order in elements of 25 mm, of a bed: 8e-6"};
   const Line line(winkler(60, BeamTheory::timoshenko, 24));
   const Vector u = at_rest(line, middle, load);
-  verified::near("w(0)", "m", -line.at(middle).deflection(u), 1.246102e-3, 1.246e-3 * 1e-5);
-  verified::near("M(0)", "N m", line.bending_moment(middle, u), 20760.45, 20760.45 * 1e-5);
+  verified::near("w(0)", "m", -line.at(middle).deflection(u), 1.246102e-3, mesh.of(1.246e-3));
+  verified::near("M(0)", "N m", line.bending_moment(middle, u), 20760.45, mesh.of(20760.45));
 }
 
 TEST(Winkler, TimoshenkoConverges) {
@@ -44,8 +44,14 @@ TEST(Winkler, TimoshenkoConverges) {
     const Line line(winkler(60, BeamTheory::timoshenko, elements));
     return std::abs(-line.at(middle).deflection(at_rest(line, middle, load)) / 1.2461022e-3 - 1);
   };
-  verified::below("error with elements of 0.15 m", "-", error(4), 5e-4);
-  verified::near("order in element length", "-", std::log2(error(2) / error(4)), 2, 0.1);
+  const double coarse = error(2), middle_one = error(4), fine = error(8);
+  verified::below("error with elements of 0.15 m", "-", middle_one,
+                  {5e-4, "second order from 8e-6 at 25 mm: 2.9e-4, almost twice"});
+  const verified::Tolerance order{0.1,
+                                  "second order; next term (beta h)^2 / 3 = 4 % at the coarsest"};
+  verified::near("order in element length", "-", std::log2(coarse / middle_one), 2, order);
+  verified::near("order in element length, 0.15 and 0.075 m", "-", std::log2(middle_one / fine), 2,
+                 order);
 }
 
 // Pad and ballast of twice the stiffness in series are the support.
@@ -63,10 +69,12 @@ TEST(DiscreteSupports, SeatRatios) {
     const std::size_t below = line.nearest_sleeper(middle);
     for (std::size_t i = 0; i < ratios.size(); ++i)
       verified::near(fmt::format("R{}, {:g} MN/m", i, support / 1e6), "-",
-                     line.seat_force(below + i, u, rest) / load, ratios[i], 5e-5);
+                     line.seat_force(below + i, u, rest) / load, ratios[i],
+                     {5e-5, "four decimals of the reference"});
     double sum = 0;
     for (std::size_t i = 0; i < line.sleepers(); ++i) sum += line.seat_force(i, u, rest);
-    verified::near(fmt::format("sum of seats, {:g} MN/m", support / 1e6), "-", sum / load, 1, 1e-9);
+    verified::near(fmt::format("sum of seats, {:g} MN/m", support / 1e6), "-", sum / load, 1,
+                   {1e-10, "equilibrium: rounding times the condition, 1e5, ten times"});
   }
 }
 
@@ -80,6 +88,7 @@ TEST(SingleSpan, DeflectionIsExactBetweenNodes) {
   p.track.elements = 2;
   const Line line(p);
   const Beam beam = beam_of(p.rail);
+  const verified::Tolerance rounding{1e-11, "exact: rounding times the condition, 1e4, ten times"};
   for (const double a : {0.6, 0.3, 0.85}) {
     const double b = 1.2 - a;
     const double exact =
@@ -87,7 +96,7 @@ TEST(SingleSpan, DeflectionIsExactBetweenNodes) {
     const RailPoint point = line.at(a);
     verified::near(fmt::format("w under P at {:g} m of 1.2 m", a), "m",
                    -point.deflection(at_rest(line, a, load)) + point.local * load, exact,
-                   1e-9 * exact);
+                   rounding.of(exact));
   }
 }
 
@@ -117,11 +126,12 @@ TEST(Winkler, Receptance) {
         sum += line.at(middle).deflection(motion.displacement) * std::polar(1.0, -w * i * dt);
     }
     const auto measured = sum * 2.0 / (5.0 * per_period);
-    // Errors: period error of Newmark at 200 steps, (w dt)^2/12 = 8e-5, and elements of 0.15 m.
+    const verified::Tolerance step{
+        5e-4, "200 steps a period: (omega dt)^2 / 12 = 8e-5 of it, up to six times near resonance"};
     verified::near(fmt::format("amplitude of w per F at {:g} Hz", frequency), "m/N",
-                   std::abs(measured), std::abs(exact), 5e-4 * std::abs(exact));
+                   std::abs(measured), std::abs(exact), step.of(std::abs(exact)));
     verified::near(fmt::format("phase at {:g} Hz", frequency), "rad", std::arg(measured),
-                   std::arg(exact), 5e-4);
+                   std::arg(exact), step);
   }
 }
 

@@ -13,6 +13,9 @@
 namespace trackbed::track {
 namespace {
 
+// The contact of wheel and rail has 1.3e9 N/m.
+const verified::Limit contacts{5e-3, "contacts converge to 1e-12 m: 1.3 mN, four times"};
+
 enum class Dip { left, both };
 
 // A coach over a dip; a dip of the left rail only excites roll.
@@ -61,9 +64,16 @@ TEST(BendingSleepers, EqualRigidOnesIfTheyAreStiff) {
     return sum;
   };
   const double soft = difference(1), stiff = difference(1e3), stiffer = difference(1e4);
-  verified::above("largest difference of a wheel force, as stiff as sleepers are", "N", soft, 50);
-  verified::below("ten thousand times as stiff", "N", stiffer, 1);
-  verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1, 0.05);
+  verified::above("largest difference of a wheel force, as stiff as sleepers are", "N", soft,
+                  {50, "separates: bending has an effect"});
+  const verified::Limit flexible{
+      2e-4, "first order in the flexibility: 1e-4 of the difference above, twice"};
+  verified::below("ten thousand times as stiff", "N", stiffer, flexible.of(soft));
+  verified::near("order in their flexibility", "-", std::log10(stiff / stiffer), 1,
+                 {0.05, "first order; contacts converge to 1 mN of 34 mN: 0.04"});
+  verified::near("order in their flexibility, 1 to 1000 times as stiff", "-",
+                 std::log10(soft / stiff) / 3, 1,
+                 {0.05, "first order; the softest are not in its range, by a tenth"});
 }
 
 TEST(BendingSleepers, AHalfEqualsAWholeOne) {
@@ -85,8 +95,9 @@ TEST(BendingSleepers, AHalfEqualsAWholeOne) {
                                                 35, y, other.passage.line_motion().displacement)));
     }
   }
-  verified::below("largest difference of a wheel force", "N", wheel, 0.05);
-  verified::below("largest difference of a moment", "N m", moment, 0.01);
+  verified::below("largest difference of a wheel force", "N", wheel, contacts);
+  verified::below("largest difference of a moment", "N m", moment,
+                  {4e-3, "contacts converge to 1.3 mN, on levers of 0.75 m, four times"});
 }
 
 // N m, under a sine on one rail, after the decay of the transient.
@@ -118,9 +129,11 @@ TEST(BendingSleepers, AreOfSecondOrderInTheStep) {
     return std::sqrt(sum / static_cast<double>(a.size()));
   };
   const auto a = moments(2e-4), b = moments(1e-4), c = moments(5e-5);
-  verified::above("largest moment below a rail", "N m", *std::max_element(a.begin(), a.end()), 100);
+  verified::above("largest moment below a rail", "N m", *std::max_element(a.begin(), a.end()),
+                  {100, "separates: the sleeper bends"});
   verified::near("order from steps of 0.2, 0.1, 0.05 ms, moment below a rail", "-",
-                 std::log2(distance(a, b) / distance(b, c)), 2, 0.2);
+                 std::log2(distance(a, b) / distance(b, c)), 2,
+                 {0.1, "second order; next term (omega dt)^2 = 0.036 at the coarsest"});
 }
 
 // Compressed over its whole length, a sleeper with a very small gap equals one without a gap: the
@@ -133,9 +146,17 @@ TEST(BendingSleepers, WithAGap) {
     return one.line.sleeper_at(30, 0.75).deflection(one.passage.line_motion().displacement);
   };
   const double even = run(6, 0), touching = run(6, 1e-12), hanging = run(6, 1e-3);
-  verified::near("below a coach, a gap of 0", "m", touching, even, 1e-3 * std::abs(even));
-  verified::below("a gap of 1 mm", "m", hanging, 1.1 * even);
+  const verified::Tolerance points{
+      4e-5, "two points of an element instead of its length: (b h)^4 / 720 = 1e-5, four times"};
+  verified::near("below a coach, a gap of 0", "m", touching, even, points.of(even));
+  verified::below("a gap of 1 mm", "m", hanging,
+                  {1.1 * even, "separates: without ballast it is lower by a tenth or more"});
 }
+
+const verified::Tolerance equilibrium{
+    1e-5, "rounding: 1e-16 of 2e10 N/m times 1 mm in each of 500 rows: 1e-6 N at most, ten times"};
+const verified::Tolerance linear{
+    1e-13, "linear: rounding of 1 mm times the condition, 1e5, 1e-14 m, ten times"};
 
 // Moved ground below the ballast: the sum of forces on it is the load of the rails, and a uniform
 // lift of the ground lifts the track equally.
@@ -154,13 +175,13 @@ TEST(BendingSleepers, OnMovedGround) {
   const Vector u = Statics(line.system()).flexibility(load), rest = Vector::Zero(u.size());
   double sum = 0;
   for (std::size_t i = 0; i < 11; ++i) sum += line.ground_force(i, u, rest, up[i]);
-  verified::near("sum of forces on the ground", "N", sum, 100e3, 1e-6 * 100e3);
+  verified::near("sum of forces on the ground", "N", sum, 100e3, equilibrium);
   load.setZero();
   line.add_seats(up, load);
   const Vector lifted = Statics(line.system()).flexibility(load);
   for (const double y : {0.0, 0.75, 1.25})
     verified::near(fmt::format("sleeper at {:g} m, ground lifted by 1 mm", y), "m",
-                   line.sleeper_at(5, y).deflection(lifted), 1e-3, 1e-12);
+                   line.sleeper_at(5, y).deflection(lifted), 1e-3, linear);
 }
 
 // Two rails, ballast less than half as stiff on the left, load on the left rail: force and moment
@@ -187,14 +208,14 @@ TEST(BendingSleepers, OnRotatedGround) {
       const double force = line.ground_force(i, u, rest, rotated[side], side);
       sum += force, moment += force * (side == 0 ? arm : -arm);
     }
-  verified::near("sum of forces on the ground, left rail loaded", "N", sum, 100e3, 0.1);
-  verified::near("their moment about the track's middle", "N m", moment, 75e3, 0.1);
+  verified::near("sum of forces on the ground, left rail loaded", "N", sum, 100e3, equilibrium);
+  verified::near("their moment about the track's middle", "N m", moment, 75e3, equilibrium);
   load.setZero();
   line.add_seats(seats, load);
   const Vector lifted = Statics(line.system()).flexibility(load);
   for (const double y : {-1.25, 0.0, 0.75})
     verified::near(fmt::format("sleeper at {:g} m on rotated ground", y), "m",
-                   line.sleeper_at(5, y).deflection(lifted), 2.5e-4 + 7.5e-4 * y / arm, 1e-12);
+                   line.sleeper_at(5, y).deflection(lifted), 2.5e-4 + 7.5e-4 * y / arm, linear);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "model/coupling/ground_below.hpp"
 #include "model/coupling/track_built.hpp"
+#include "support/verified.hpp"
 #include "unit/fem/ground_scene.hpp"
 
 namespace trackbed::model {
@@ -68,6 +69,24 @@ inline Model at_rest(Model m) {
   m.track.passage.forces[0].length = 2;
   return m;
 }
+
+// Reasons that several tests share.
+inline const verified::Tolerance almost_static{2e-4, "static to (10 ms/s)^2 = 1e-4, twice"};
+inline const verified::Tolerance second_order{
+    0.05, "second order; next term (omega dt)^2 / 4 = 0.016 at 200 Hz and the coarsest step"};
+inline const verified::Tolerance mean_energy{
+    3e-3, "leapfrog: means of ten energies that vary by (omega h / 2)^2, up to 1 % at 40 Hz"};
+inline const verified::Limit largest_energy{
+    1.01, "leapfrog: energy varies by (omega h / 2)^2, up to 1 % at 40 Hz"};
+inline const verified::Tolerance ground_energy{
+    0.02, "leapfrog: energy of the ground varies by (omega h / 2)^2, up to 1 % at 40 Hz, twice"};
+inline const verified::Limit rigid_ground{
+    5e-6, "compliance of the ground, 1e-6 of the ballast's, with dynamic amplification"};
+inline const verified::Limit rounding_of_sums{4e-14,
+                                              "rounding of sums over a hundred nodes: 1e-14"};
+inline const verified::Limit corners{
+    2e-4,
+    "pads and gaps pass their corners within a step: k (v dt)^2 / 8 each, 1e-5 of the energy"};
 
 // Root mean square.
 inline double distance(const std::vector<double>& a, const std::vector<double>& b) {

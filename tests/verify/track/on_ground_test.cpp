@@ -30,9 +30,9 @@ void check_column(double under) {
                                                   passage.line_motion().velocity);
   const double series = under + 1 / 100e6 + height / (modulus * area);
   verified::near("sleeper per seat force", "m/N", -sleeper(pair, before) / force, series,
-                 2e-4 * series);
+                 almost_static.of(series));
   verified::near("force on the ground over seat force", "-", passage.ground_force(before) / force,
-                 1, 2e-4);
+                 1, almost_static);
 }
 
 TEST(TrackOnGround, SpringAndColumnInSeries) { check_column(0); }
@@ -61,7 +61,7 @@ TEST(TrackOnGround, SpringAndBlockInSeries) {
   const double series = 1 / 100e6 - print.means(height)[0][0] / 1e5;
   verified::near("sleeper per force on the ground", "m/N",
                  -sleeper(pair, before) / pair.built.passage.ground_force(before), series,
-                 2e-4 * series);
+                 almost_static.of(series));
 }
 
 // A footprint on the whole top in space gives a uniform settlement, with few elements as with many:
@@ -82,7 +82,8 @@ TEST(TrackOnGround, AUniformPressureGivesAUniformSettlement) {
       off = std::max(off, std::abs(ground.top_motion(node).displacement.z() / column + 1));
     verified::below("largest difference of the top from a column, " + std::to_string(across) +
                         " elements each way",
-                    "-", Comm::world().max(off), 1e-6);
+                    "-", Comm::world().max(off),
+                    {1e-8, "constant stress is exact: solver, 1e-9 times a condition of ten"});
   }
 }
 
@@ -108,9 +109,10 @@ TEST(TrackOnGround, IsOfSecondOrder) {
   for (const std::size_t k : {0, 1}) {
     const std::string of = k == 0 ? "sleeper" : "ground";
     verified::near("order in the step, " + of, "-",
-                   std::log2(distance(a[k], b[k]) / distance(b[k], c[k])), 2, 0.15);
+                   std::log2(distance(a[k], b[k]) / distance(b[k], c[k])), 2, second_order);
     verified::below("change from steps of 0.04 to 0.02 ms, root mean square, " + of, "m",
-                    distance(b[k], c[k]), 1e-7);
+                    distance(b[k], c[k]),
+                    {2e-8, "(omega dt)^2 / 16 = 1e-5 of 0.5 mm at 50 Hz: 5e-9 m, four times"});
   }
 }
 
@@ -133,8 +135,10 @@ TEST(TrackOnGround, KeepsEnergyOfBothRails) {
     in_ground = std::max(
         in_ground, of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>());
   }
-  verified::above("largest fraction of the energy in the ground", "-", in_ground / after, 0.1);
-  verified::below("largest change of energy in 50 ms", "-", furthest / after, 5e-5);
+  verified::above("largest fraction of the energy in the ground", "-", in_ground / after,
+                  {0.1, "separates: the ground takes part"});
+  verified::below("largest change of energy in 50 ms", "-", furthest / after,
+                  {5e-5, "leapfrog: (omega h / 2)^2 = 4e-5 at 100 Hz"});
 }
 
 // Without dampers the energy of the impact is conserved, at the longest step that the program uses,
@@ -154,16 +158,16 @@ TEST(TrackOnGround, KeepsEnergyAtTheLongestStep) {
     most = std::max(most, energy);
   }
   verified::near("mean energy after 36000 steps over that of the first 4000", "-", end / begin, 1,
-                 0.01);
-  verified::below("largest energy over the first mean", "-", most / begin, 1.1);
+                 mean_energy);
+  verified::below("largest energy over the first mean", "-", most / begin, largest_energy);
   const auto of = pair.whole.below->energies(pair.built.passage);
   const double held = of["ground_kinetic_j"].get<double>() + of["ground_elastic_j"].get<double>();
   verified::near("energy of the ground over the work of the ballast on it", "-",
-                 held / of["given_to_ground_j"].get<double>(), 1, 0.02);
+                 held / of["given_to_ground_j"].get<double>(), 1, ground_energy);
   const auto balance = pair.whole.below->balance();
   for (const char* name : {"force", "moment", "work"})
     verified::below(std::string("largest imbalance of ") + name, "-", balance[name].get<double>(),
-                    1e-9);
+                    rounding_of_sums);
 }
 
 // With hanging sleepers and pads compressed beyond bilinear_at energy is conserved. Relative to the
@@ -186,8 +190,8 @@ TEST(TrackOnGround, KeepsEnergyOfBilinearPadsAndGaps) {
     in_stops = std::max(in_stops, passage.track_energy() - passage.line_motion().energy());
   }
   verified::above("largest fraction of the energy in bilinear pads and closed gaps", "-",
-                  in_stops / after, 0.1);
-  verified::below("largest change of energy in 50 ms", "-", furthest / after, 2e-4);
+                  in_stops / after, {0.1, "separates: pads and gaps take part"});
+  verified::below("largest change of energy in 50 ms", "-", furthest / after, corners);
 }
 
 // A ground a million times as stiff and as heavy, with the same wave speeds, equals the track alone
@@ -210,7 +214,8 @@ TEST(TrackOnGround, ARigidGroundEqualsTheTrackAlone) {
     off = std::max(off, std::abs(sleeper(pair, before + 2) - there));
     most = std::max(most, std::abs(there));
   }
-  verified::below("largest difference of a sleeper over its largest motion", "-", off / most, 5e-6);
+  verified::below("largest difference of a sleeper over its largest motion", "-", off / most,
+                  rigid_ground);
 }
 
 }  // namespace

@@ -87,32 +87,41 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// The oscillation at w = 632 rad/s is a tenth of 1.2 mm; its error with steps of 0.1 ms is
-// (w dt)^2/12 = 3e-4.
+// The oscillation at w = 632 rad/s is a tenth of 1.2 mm.
 TEST(SeatLoads, MoveEachSleeperAsAMassOnASpring) {
   const std::vector<double> reference = exact();
   const auto error = [&](double step) {
     return distance(computed(sleepers(Dimension::plane), step).left, reference);
   };
   verified::above("largest displacement", "m",
-                  -*std::min_element(reference.begin(), reference.end()), 1e-3);
-  verified::below("root mean square of the difference, steps of 0.1 ms", "m", error(1e-4), 5e-8);
-  verified::near("order from steps of 0.5 and 0.25 ms", "-", std::log2(error(5e-4) / error(2.5e-4)),
-                 2, 0.1);
+                  -*std::min_element(reference.begin(), reference.end()),
+                  {1e-3, "separates: the sleeper moves"});
+  const double coarse = error(5e-4), middle = error(2.5e-4), fine = error(1e-4);
+  verified::below("root mean square of the difference, steps of 0.1 ms", "m", fine,
+                  {5e-8, "(omega dt)^2 / 12 = 3e-4 of an oscillation of 0.12 mm: 4e-8 m"});
+  const verified::Tolerance order{0.1,
+                                  "second order; next term (omega dt)^2 / 4 = 0.025 at 0.5 ms"};
+  verified::near("order from steps of 0.5 and 0.25 ms", "-", std::log2(coarse / middle), 2, order);
+  verified::near("order from steps of 0.25 and 0.1 ms", "-",
+                 std::log(middle / fine) / std::log(2.5), 2, order);
 }
 
 // Under equal loads a whole sleeper moves like its half; stiff bending sleepers as well.
 TEST(SeatLoads, EqualLoadsOnBothRails) {
   const Found plane = computed(sleepers(Dimension::plane), 5e-4),
               space = computed(sleepers(Dimension::space), 5e-4);
-  verified::below("left end, difference to a half", "m", distance(space.left, plane.left), 1e-15);
-  verified::below("right end, difference to a half", "m", distance(space.right, plane.left), 1e-15);
-  verified::below("rail", "m", space.rail, 1e-15);
+  const verified::Limit rounding{2e-16, "rounding of 1 mm, 2e-19 m, in each of 800 steps"};
+  verified::below("left end, difference to a half", "m", distance(space.left, plane.left),
+                  rounding);
+  verified::below("right end, difference to a half", "m", distance(space.right, plane.left),
+                  rounding);
+  verified::below("rail", "m", space.rail, rounding);
   LineParameters bending = sleepers(Dimension::plane);
   bending.track.sleeper.model = SleeperModel::beam;
   bending.track.sleeper.young *= 1e5;
   verified::below("very stiff bending sleepers, difference", "m",
-                  distance(computed(bending, 5e-4).left, plane.left), 1e-6 * 1.2e-3);
+                  distance(computed(bending, 5e-4).left, plane.left),
+                  {1.2e-9, "bending, a tenth of 1.2 mm, over 1e5"});
 }
 
 }  // namespace

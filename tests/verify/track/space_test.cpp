@@ -60,10 +60,11 @@ TEST(TwoRails, UnderASymmetricLoadAreThePlaneTrack) {
     for (const std::int32_t unknown : space.train.roll_unknown())
       roll = std::max(roll, std::abs(space.passage.train_motion().displacement[unknown]));
   }
-  // Contacts converge to 1e-12 m, which is 1 mN; static wheel force 54.5 kN.
-  verified::below("largest difference of a wheel force", "N", force, 0.05);
-  verified::below("largest difference of the rail", "m", rail, 1e-10);
-  verified::below("largest roll of the body", "rad", roll, 1e-10);
+  const verified::Limit converged{4e-12, "contacts converge to 1e-12 m, four times"};
+  verified::below("largest difference of a wheel force", "N", force,
+                  {5e-3, "contacts converge to 1e-12 m: 1.3 mN, four times"});
+  verified::below("largest difference of the rail", "m", rail, converged);
+  verified::below("largest roll of the body", "rad", roll, converged);
 }
 
 // u on the left, -u on the right: each rail is the plane track with
@@ -99,11 +100,13 @@ TEST(TwoRails, UnderAnAntisymmetricLoadAreAPlaneTrackWithOtherValues) {
     halves = std::max(halves, std::abs(single.passage.rail_displacement(18, 1) - (s - u) / 2));
     most = std::max(most, std::abs(u));
   }
-  verified::above("largest of the rail", "m", most, 1e-5);
-  verified::below("left rail, difference", "m", difference, 1e-12);
-  verified::below("right rail, difference", "m", mirrored, 1e-12);
+  const verified::Limit rounding{
+      1e-15, "linear: rounding of 0.2 mm in 500 steps, 1e-17 m, times a condition of 100"};
+  verified::above("largest of the rail", "m", most, {1e-5, "separates: the rail moves"});
+  verified::below("left rail, difference", "m", difference, rounding);
+  verified::below("right rail, difference", "m", mirrored, rounding);
   verified::below("right rail under an impact on the left one, against half the difference of both",
-                  "m", halves, 1e-12);
+                  "m", halves, rounding);
 }
 
 // Body and bogies in phase: I_b, I_g, springs k_s of each bogie's secondary and k_p of its
@@ -129,7 +132,9 @@ TEST(Roll, FrequenciesOfTheManchesterVehicle) {
     double nearest = 0;
     for (const double found : all)
       if (std::abs(found - reference) < std::abs(nearest - reference)) nearest = found;
-    verified::near(fmt::format("roll at {:.3f} Hz", reference), "Hz", nearest, reference, 1e-9);
+    verified::near(
+        fmt::format("roll at {:.3f} Hz", reference), "Hz", nearest, reference,
+        {1e-11, "rounding of 9 Hz, 1e-15, times the ratio of eigenvalues, 250, forty times"});
   }
 }
 
@@ -150,17 +155,19 @@ TEST(Roll, MomentOfAShiftedLoadReachesTheWheels) {
       sum += (left - right) * p.track.gauge / 2;
       all += left + right;
     }
+    const verified::Tolerance contacts{1e-6, "contacts converge to 1e-12 m: 1.3 mN each"};
     verified::near(fmt::format("moment of the wheels about the middle, {}", where), "N m", sum,
-                   moment, 1e-6 * moment);
-    verified::near(fmt::format("sum of the wheels, {}", where), "N", all, 4 * 109092, 10);
+                   moment, contacts.of(moment));
+    verified::near(fmt::format("sum of the wheels, {}", where), "N", all, 4 * 109092,
+                   {2, "the load of an axle is given to 0.5 N"});
     if (start > 0) continue;
     const double each = run.passage.wheel_force(0) - run.passage.wheel_force(1);
     verified::near("difference of the wheels of an axle", "N", each, moment / (2 * p.track.gauge),
-                   1e-6 * each);
+                   contacts.of(each));
     // Unknowns: body z, pitch, roll; bogie z, pitch, roll.
     const Vector& u = run.passage.train_motion().displacement;
     verified::near("roll of the body against a bogie", "rad", u[5] - u[2], moment / 2 / 0.86e6,
-                   1e-9);
+                   {1e-9, "contacts converge to 1.3 mN, on levers of 0.75 m and 0.86 MN m"});
   }
 }
 
@@ -191,11 +198,15 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(Roll, IsOfSecondOrderInTheStep) {
-  const auto a = roll_with(2e-4), b = roll_with(1e-4), c = roll_with(5e-5);
+  const auto a = roll_with(2e-4), b = roll_with(1e-4), c = roll_with(5e-5), d = roll_with(2.5e-5);
   verified::above("largest difference of left and right wheel", "N",
-                  *std::max_element(a.begin(), a.end()), 1e3);
+                  *std::max_element(a.begin(), a.end()), {1e3, "separates: the axles roll"});
+  const verified::Tolerance order{
+      0.2, "second order; wheel on rail, 500 Hz: next term (omega dt)^2 / 4 = 0.1 at the coarsest"};
   verified::near("order from steps of 0.2, 0.1, 0.05 ms", "-",
-                 std::log2(distance(a, b) / distance(b, c)), 2, 0.2);
+                 std::log2(distance(a, b) / distance(b, c)), 2, order);
+  verified::near("order from steps of 0.1, 0.05, 0.025 ms", "-",
+                 std::log2(distance(b, c) / distance(c, d)), 2, order);
 }
 
 }  // namespace

@@ -14,6 +14,10 @@ namespace {
 constexpr double wheel = 60e3;  // N
 constexpr double place = 12;    // m, below a sleeper
 
+// The track without ballast has 1e-9 of it left, at a deflection of 1 mm.
+const verified::Tolerance remaining{
+    1e-11, "ballast of 1e-9 of its stiffness below 1 mm: 6e-5 N, which is 1e-12 m, ten times"};
+
 std::vector<VehicleParameters> axle() {
   VehicleParameters v;
   v.name = "axle";
@@ -55,11 +59,12 @@ TEST(HangingSleeper, IsBetweenTwoLinearTracks) {
   LineParameters none = sleepers(0), all = sleepers(0);
   none.track.zones[0].bed = 1e-9;
   const AtRest without(none), with(all), open(sleepers(0.02)), hanging(sleepers(0.2e-3));
-  verified::near("rail over an open gap", "m", open.rail(), without.rail(), 1e-9);
+  verified::near("rail over an open gap", "m", open.rail(), without.rail(), remaining);
   // Static: the seat force equals the ballast force.
-  verified::near("seat over an open gap", "N", open.seat(), 0, 1e-6);
+  verified::near("seat over an open gap", "N", open.seat(), 0,
+                 {2e-10, "rounding of 1 mm, 2e-19 m, times the pad's 120 MN/m, ten times"});
   verified::above("rail over a gap of 0.2 mm, beyond the linear track", "m", hanging.rail(),
-                  with.rail());
+                  {with.rail(), "separates: lower than without a gap"});
   // The ballast force lifts rail and sleeper; from no ballast to full ballast it is `with.seat()`,
   // so that influence coefficients follow from both: r = (w_0 - w_1)/f_1.
   const double f1 = with.seat();
@@ -70,9 +75,12 @@ TEST(HangingSleeper, IsBetweenTwoLinearTracks) {
   const double s0 = sleeper(without), influence = (s0 - sleeper(with)) / f1;
   const double k = all.ballast.stiffness, gap = 0.2e-3;
   const double f = k * (s0 - gap) / (1 + k * influence);
-  verified::near("seat over a gap of 0.2 mm", "N", hanging.seat(), f, 1e-5 * f);
+  const verified::Tolerance linear{
+      1e-7,
+      "ballast of 1e-9, and static equilibrium to 1e-12 m times 60 MN/m: 3e-9 each, many times"};
+  verified::near("seat over a gap of 0.2 mm", "N", hanging.seat(), f, linear.of(f));
   verified::near("rail over a gap of 0.2 mm", "m", hanging.rail(),
-                 without.rail() - f * (without.rail() - with.rail()) / f1, 1e-9);
+                 without.rail() - f * (without.rail() - with.rail()) / f1, remaining);
 }
 
 // All pads are bilinear; a wheel without speed remains in static equilibrium.
@@ -84,16 +92,22 @@ TEST(BilinearPad, FollowsItsTwoStiffnesses) {
   const double rail = at.rail(), seat = at.seat();
   const std::int32_t unknown = at.line.sleeper_unknown(at.line.nearest_sleeper(place));
   const double compressed = rail + at.passage.line_motion().displacement[unknown];
-  verified::above("compression of the pad", "m", compressed, p.pad.bilinear_at);
+  const verified::Tolerance rounding{
+      1e-10, "the law of the pad: rounding of 1 mm, 2e-19 m, times 500 MN/m, is 4e-15 of it"};
+  const verified::Tolerance equilibrium{
+      1e-7, "static equilibrium to 1e-12 m times 500 MN/m: 5e-4 N of 26 kN, five times"};
+  verified::above("compression of the pad", "m", compressed,
+                  {p.pad.bilinear_at, "separates: the second stiffness acts"});
   verified::near("seat force", "N", seat,
                  p.pad.stiffness * p.pad.bilinear_at +
                      p.pad.bilinear_stiffness * (compressed - p.pad.bilinear_at),
-                 1e-9 * seat);
+                 rounding.of(seat));
   verified::near("ballast force", "N",
                  -p.ballast.stiffness * at.passage.line_motion().displacement[unknown], seat,
-                 1e-6 * seat);
+                 equilibrium.of(seat));
   for (int i = 0; i < 200; ++i) at.passage.advance();
-  verified::below("motion in 200 steps", "m", std::abs(at.rail() - rail), 1e-12);
+  verified::below("motion in 200 steps", "m", std::abs(at.rail() - rail),
+                  {1e-12, "static equilibrium to 1e-12 m"});
 }
 
 // A coach over hanging sleepers, which strike the ballast.
@@ -116,7 +130,7 @@ TEST(HangingSleeper, StrikesTheBallastUnderAPassingCoach) {
     return most;
   };
   verified::above("largest acceleration of the sleeper over that of a sound track", "-",
-                  run(line) / run(even), 2);
+                  run(line) / run(even), {2, "separates: an impact"});
 }
 
 // s of processor time for 40 steps of a vehicle on 120 m, the least of three runs.

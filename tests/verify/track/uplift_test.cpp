@@ -56,13 +56,15 @@ TEST(Uplift, ARailLiftedOffAllPadsIsASimpleBeam) {
     const double shear =
         theory == BeamTheory::euler ? 0 : force * length / (4 * rail.shear_stiffness);
     const double expected = force * std::pow(length, 3) / (48 * rail.bending_stiffness) + shear;
+    const verified::Tolerance exact{1e-10,
+                                    "exact at nodes: rounding times the condition, 1e5, ten times"};
     verified::near(theory == BeamTheory::euler ? "Euler, middle" : "Timoshenko, middle", "m",
-                   at.rail(length / 2), expected, 1e-9 * expected);
+                   at.rail(length / 2), expected, exact.of(expected));
     for (std::size_t i = 0; i < at.line.sleepers(); ++i) EXPECT_EQ(at.seat(i), 0) << i;
     for (int i = 0; i < 100; ++i) at.passage->advance();
     verified::near(
         theory == BeamTheory::euler ? "Euler, after 100 steps" : "Timoshenko, after 100 steps", "m",
-        at.rail(length / 2), expected, 1e-9 * expected);
+        at.rail(length / 2), expected, exact.of(expected));
   }
 }
 
@@ -108,12 +110,14 @@ void check_uplift(const LineParameters& p, const std::string& where) {
       widest = std::max(widest, row.dot(u) - unloaded);
       ++open;
     }
-  verified::above(where + ", open pads", "-", static_cast<double>(open), 2.5);
-  verified::above(where + ", least compression of a closed pad", "m", least, 0);
-  verified::below(where + ", largest compression of an open pad", "m", widest, 0);
+  verified::above(where + ", open pads", "-", static_cast<double>(open),
+                  {2.5, "separates: more than two pads are open"});
+  verified::above(where + ", least compression of a closed pad", "m", least,
+                  {0, "closed: not lifted"});
+  verified::below(where + ", largest compression of an open pad", "m", widest, {0, "open: lifted"});
   const Vector expected = stiffness.partialPivLu().solve(load);
   verified::below(where + ", largest difference to the track without these pads", "m",
-                  (u - expected).cwiseAbs().maxCoeff(), 1e-12);
+                  (u - expected).cwiseAbs().maxCoeff(), {1e-12, "static equilibrium to 1e-12 m"});
 }
 
 TEST(Uplift, BetweenLoadsEqualsTheTrackWithoutOpenPads) {
@@ -141,8 +145,9 @@ TEST(Uplift, PreloadIsTheWeightOfTheRailOnThePad) {
   Loaded at(p, 12, {0}, {-300e3});
   const double bay = 60 * 0.6 * gravity;  // N
   for (const double x : {10.8, 12.0, 13.2})
-    verified::near(fmt::format("open pad at {:g} m", x), "N", at.seat(at.line.nearest_sleeper(x)),
-                   -3 * bay, 1e-9 * bay);
+    verified::near(
+        fmt::format("open pad at {:g} m", x), "N", at.seat(at.line.nearest_sleeper(x)), -3 * bay,
+        {5e-9, "rounding of 5 mm, 9e-19 m, times the pad's 120 MN/m: 1e-10 N, fifty times"});
   LineParameters short_of = lifting(1.2, -1);
   short_of.rail.mass = 60;
   Loaded all(short_of, 0.6, {0}, {-50e3});
@@ -156,13 +161,15 @@ TEST(Uplift, PadsInTheRunInHaveTheSamePreload) {
   p.track.run_in = 6, p.track.run_in_factor = 10;
   Loaded at(p, 3.6, {0}, {-10e3});
   const Vector& u = at.passage->line_motion().displacement;
+  const verified::Tolerance equilibrium{
+      4e-4, "static equilibrium to 1e-12 m times 0.6 GN/m: 6e-4 N at most"};
   for (std::size_t i = 1; i < 10; i += 2) {
     const double x = at.line.sleeper_x(i), height = u[at.line.sleeper_unknown(i)];
     const double stiffer = std::pow(10, (1 + std::cos(std::numbers::pi * x / 6)) / 2);
     EXPECT_GT(at.rail(x) - height, 1.1 * 400 / (p.pad.stiffness * stiffer));
-    verified::near(fmt::format("seat force at {:g} m", x), "N", at.seat(i), -400, 1e-6 * 400);
+    verified::near(fmt::format("seat force at {:g} m", x), "N", at.seat(i), -400, equilibrium);
     verified::near(fmt::format("tension of the ballast at {:g} m", x), "N",
-                   p.ballast.stiffness * stiffer * height, 400, 1e-6 * 400);
+                   p.ballast.stiffness * stiffer * height, 400, equilibrium);
   }
 }
 
@@ -182,8 +189,10 @@ TEST(Uplift, TheRailReturnsToItsPadsAfterTheTrain) {
       if (passage.time() > 2.4) left = std::max(left, std::abs(height));
     }
   }
-  verified::above("highest while the coach passes", "m", highest, 1e-5);
-  verified::below("largest displacement 1 s after", "m", left, 1e-6);
+  verified::above("highest while the coach passes", "m", highest,
+                  {1e-5, "separates: it is lifted"});
+  verified::below("largest displacement 1 s after", "m", left,
+                  {1e-6, "separates: it is back on its pads"});
 }
 
 // Least seat force of all sleepers while a coach passes, N; with dampers.
@@ -205,8 +214,10 @@ double least_seat(bool uplift) {
 }
 
 TEST(Uplift, NoTensionInPadsWhileACoachPasses) {
-  verified::below("least seat force without uplift", "N", least_seat(false), -500);
-  verified::near("least seat force with uplift", "N", least_seat(true), 0, 1e-9);
+  verified::below("least seat force without uplift", "N", least_seat(false),
+                  {-500, "separates: pads would be in tension"});
+  verified::near("least seat force with uplift", "N", least_seat(true), 0,
+                 {1e-9, "open pads: exactly 0"});
 }
 
 // J, of the matrices' springs without the fictitious energy of open pads.
@@ -246,10 +257,17 @@ double drift(double step, double preload) {
 TEST(Uplift, EnergyIsKeptWithoutDampers) {
   for (const double preload : {0.0, 400.0}) {  // N
     const std::string with = fmt::format(", preload {:g} N", preload);
-    const double coarse = drift(2e-5, preload), fine = drift(5e-6, preload);
-    verified::below("largest change of energy, steps of 20 us" + with, "-", coarse, 3e-4);
-    verified::above("the same over that with steps of 5 us (second order: 16)" + with, "-",
-                    coarse / fine, 8);
+    const double coarse = drift(2e-5, preload), middle = drift(1e-5, preload),
+                 fine = drift(5e-6, preload);
+    verified::below(
+        "largest change of energy, steps of 20 us" + with, "-", coarse,
+        {3e-4, "pads open within a step: k (v dt)^2 / 8 each, 1e-5 of the energy, 30 times"});
+    verified::near(
+        "the same over that with steps of 5 us (second order: 16)" + with, "-", coarse / fine, 16,
+        {8, "second order; openings at any place of a step change the sum by up to half"});
+    verified::near(
+        "the same over that with steps of 10 us (second order: 4)" + with, "-", coarse / middle, 4,
+        {2.5, "second order; openings at any place of a step change the sum by up to half"});
   }
 }
 

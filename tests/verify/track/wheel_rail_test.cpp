@@ -12,15 +12,17 @@
 namespace trackbed::track {
 namespace {
 
-// References have five digits.
 TEST(Hertz, WheelOfHalfAMetreOnARail) {
+  const auto digits = [](double last) {
+    return verified::Tolerance{0.6 * last, "five digits of the reference"};
+  };
   const HertzContact contact = hertz_contact({});
   const WheelRail law((WheelRailParameters()));
   const double force = 76e3, approach = law.approach(force);
-  verified::near("C_H", "N/m^1.5", contact.constant, 9.4125e10, 5e6);
-  verified::near("approach at 76 kN", "m", approach, 86.711e-6, 5e-9);
-  verified::near("k_H at 76 kN", "N/m", law.slope(approach), 1.3147e9, 1e5);
-  verified::near("p0 at 76 kN", "Pa", contact.pressure(force), 1129.4e6, 1e5);
+  verified::near("C_H", "N/m^1.5", contact.constant, 9.4125e10, digits(1e6));
+  verified::near("approach at 76 kN", "m", approach, 86.711e-6, digits(1e-9));
+  verified::near("k_H at 76 kN", "N/m", law.slope(approach), 1.3147e9, digits(1e5));
+  verified::near("p0 at 76 kN", "Pa", contact.pressure(force), 1129.4e6, digits(1e5));
 }
 
 // References: Hertz's integrals over the depth w (Johnson 1985, equation 3.59 and 3.60),
@@ -33,10 +35,12 @@ TEST(Hertz, ConstantAgreesWithHertzsIntegrals) {
                                                                  {0.3, 0.3, 84265008846.9486328},
                                                                  {0.46, 0.08, 71641014356.0366233},
                                                                  {3, 0.3, 166186055392.236063}};
+  const verified::Tolerance rounding{
+      1e-9, "elliptic integrals of a parameter known to 1e-12, and rounding"};
   for (const auto& [wheel, rail, reference] : cases)
     verified::near(fmt::format("C_H of radii of {:g} and {:g} m", wheel, rail), "N/m^1.5",
                    hertz_contact({.wheel_radius = wheel, .rail_radius = rail}).constant, reference,
-                   1e-8 * reference);
+                   rounding.of(reference));
 }
 
 // Equal radii: a sphere on a plane, C = 4/3 E* sqrt(R) with 1/E* of two bodies and R = the radius
@@ -45,8 +49,9 @@ TEST(Hertz, EqualRadiiAreASphere) {
   const HertzBodies bodies{.wheel_radius = 0.4, .rail_radius = 0.4};
   const double modulus = bodies.young / (2 * (1 - bodies.poisson * bodies.poisson));
   const double sphere = 4.0 / 3 * modulus * std::sqrt(0.4);
+  const verified::Tolerance nearly{1e-9, "the ellipse's parameter ends at 1e-12 instead of 0"};
   verified::near("C_H, crossed cylinders", "N/m^1.5", hertz_contact(bodies).constant, sphere,
-                 1e-8 * sphere);
+                 nearly.of(sphere));
 }
 
 // Also for radii in other units, about which `check` warns. The longer the ellipse the softer the
@@ -70,15 +75,16 @@ TEST(Irregularities, RootMeanSquareInD1) {
       {"FRA 1", Spectrum::fra_1, 8.541e-3, 5e-7},
       {"FRA 6", Spectrum::fra_6, 1.429e-3, 5e-7},
       {"China", Spectrum::china, 0.2864e-3, 5e-8}};
-  for (const auto& [name, spectrum, reference, tolerance] : cases) {
+  const verified::Tolerance line{
+      0.005, "lines 1 % apart: half of one more or less at the end that has the most power"};
+  for (const auto& [name, spectrum, reference, digits] : cases) {
     verified::near(fmt::format("{}, of the spectrum", name), "m", rms_of(spectrum, 3, 25),
-                   reference, tolerance);
+                   reference, verified::Tolerance{digits, "four digits of the reference"});
     IrregularityParameters p;
     p.kind = IrregularityKind::spectrum;
     p.spectrum = spectrum;
-    // Lines are 1 % apart: at each end of D1 up to half a line is included or excluded.
     verified::near(fmt::format("{}, of the profile's lines", name), "m",
-                   Irregularity(p, 100).spectrum_d1_rms(), reference, 0.005 * reference);
+                   Irregularity(p, 100).spectrum_d1_rms(), reference, line.of(reference));
   }
 }
 
@@ -92,8 +98,9 @@ TEST(Irregularities, SamplesHaveThePowerOfTheSpectrum) {
   const int samples = 100000;
   for (int i = 0; i < samples; ++i) sum += std::pow(profile.at(0.2 * (i + 0.5)), 2);
   const double expected = rms_of(p.spectrum, p.shortest, p.longest);
+  const verified::Tolerance sampled{0.03, "300 of the longest waves: 1 / (2 sqrt(300))"};
   verified::near("root mean square over 20 km", "m", std::sqrt(sum / samples), expected,
-                 0.03 * expected);
+                 sampled.of(expected));
 }
 
 }  // namespace
