@@ -27,5 +27,10 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # Without these settings ccache does not cache files with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(trackbed_options INTERFACE -fpch-preprocess)
+  endif()
 endif()
