@@ -70,7 +70,7 @@ def unsure(checkpoint, deck, widths, step):
         volume, radius = file["particles/template/solid"][0, 0], file["particles/template/radius"]
         scale = scale.ravel()
         overlap, i, j, normal = contacts(x, radius[()].ravel()[0] * scale, widths,
-                                         file["platen/servo"][0, 7])
+                                         file["platen/z"][0])
     mass = deck["material"][0]["density"] * volume * scale**3
     still = np.zeros_like(v)  # floor and platen
     speed, change = (np.concatenate([of, still]) for of in (v, step * f / mass[:, None]))
