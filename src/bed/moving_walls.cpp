@@ -7,15 +7,11 @@
 //
 // Nodes are computed from their initial positions in each window, so that rounding cannot deform a
 // wall. Cost: all nodes of all walls per window, a few hundred, on every rank.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <tuple>
 
 #include "trackbed/bed/bed.hpp"
-#include "trackbed/core/error.hpp"
 
 namespace trackbed::bed {
 
@@ -114,35 +110,16 @@ void Walls::remove() {
   initial_.resize(kept);
 }
 
-// The state, listed once: height, along, up, in across x and y (m), removed, the two servos.
-void Walls::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  std::vector<double> row{height_,      total_.along, total_.up,
-                          total_.in[0], total_.in[1], removed_ ? 1.0 : 0.0};
-  for (const Servo& servo : servo_)
-    for (const double value : servo.row()) row.push_back(value);
-  const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
-  file.write<double>(
-      group + "/walls", mine, row.size(),
-      {fmt::format("m, m, m, m, m, -, {0}, {0}", Servo::units),
-       "height of the walls (m; 0: none yet), displacement of floor and lower halves along "
-       "x, of walls upwards, inwards across x, across y (m), whether they are removed, "
-       "servos of the walls across x and across y: " +
-           std::string(Servo::columns)});
-}
-
-void Walls::load(const io::File& file, const std::string& group) {
-  const auto row = file.read_all<double>(group + "/walls");
-  constexpr std::size_t own = 6, each = std::tuple_size_v<Servo::Row>;
-  if (row.size() != own + servo_.size() * each)
-    throw RunError(group + "/walls does not hold the state of walls");
-  total_ = {.along = row[1], .up = row[2], .in = {row[3], row[4]}};
-  removed_ = row[5] != 0;
-  for (std::size_t axis = 0; axis < servo_.size(); ++axis) {
-    Servo::Row servo;
-    std::copy_n(row.begin() + static_cast<std::ptrdiff_t>(own + axis * each), each, servo.begin());
-    servo_[axis].set(servo);
-  }
-  if (row[0] > 0) build(row[0]);
+void Walls::archive(io::Archive& a) {
+  a("height", height_, {"m", "of the walls; 0: there are none yet"});
+  a("along", total_.along, {"m", "displacement of floor and lower halves along x"});
+  a("up", total_.up, {"m", "displacement of the walls upwards"});
+  a("in_x", total_.in[0], {"m", "displacement of the walls across x inwards"});
+  a("in_y", total_.in[1], {"m", "displacement of the walls across y inwards"});
+  a("removed", removed_, {"-", "1: the walls have been removed; else 0"});
+  a.part("servo_x", servo_[0]);
+  a.part("servo_y", servo_[1]);
+  if (a.reads() && height_ > 0) build(height_);
 }
 
 }  // namespace trackbed::bed

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "plate.hpp"
 #include "trackbed/bed/bed.hpp"
-#include "trackbed/core/error.hpp"
 
 namespace trackbed::bed {
 
@@ -87,26 +85,12 @@ void Platen::drive(double dt, double down, double force_up) {
   z_ -= down;
 }
 
-// The state: that of the servo, then z (m) and the time of vibration (s).
-void Platen::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  const Servo::Row servo = servo_.row();
-  std::vector<double> row(servo.begin(), servo.end());
-  row.insert(row.end(), {z_, vibration_time_});
-  const std::span<const double> mine(row.data(), comm.root() ? row.size() : 0);
-  file.write<double>(group + "/servo", mine, row.size(),
-                     {std::string(Servo::units) + ", m, s",
-                      std::string(Servo::columns) + ", z (m), time of vibration (s)"});
-}
-
-void Platen::load(const io::File& file, const std::string& group) {
-  const auto row = file.read_all<double>(group + "/servo");
-  Servo::Row servo;
-  if (row.size() != servo.size() + 2)
-    throw RunError(group + "/servo does not hold the state of a platen");
-  std::copy_n(row.begin(), servo.size(), servo.begin());
-  servo_.set(servo);
-  z_ = row[servo.size()], vibration_time_ = row[servo.size() + 1];
-  set_motion(0);
+// The target follows from the deck.
+void Platen::archive(io::Archive& a) {
+  a.part("servo", servo_);
+  a("z", z_, {"m", "height of the lower face"});
+  a("vibration_time", vibration_time_, {"s", "since the vibration began"});
+  if (a.reads()) set_motion(0);
 }
 
 }  // namespace trackbed::bed

@@ -84,12 +84,15 @@ void Servo::drive(const ServoParameters& p, double dt, double force, double disp
   state_.speed = displacement / dt;
 }
 
-// The state, listed once: speed, recent, mean, gain, steady_for, low_for, drift.
-Servo::Row Servo::row() const {
-  const State& s = state_;
-  return {s.speed, s.recent, s.mean, s.gain, s.steady_for, s.low_for, s.drift};
+void Servo::archive(io::Archive& a) {
+  State& s = state_;
+  a("speed", s.speed, {"m/s", "in the last window, towards the stones"});
+  a("recent_force", s.recent, {"N", "of the stones, averaged over a tenth of the time constant"});
+  a("mean_force", s.mean, {"N", "of the stones, averaged over the time constant"});
+  a("gain", s.gain, {"-", "1 until the bed proves stiff"});
+  a("steady_for", s.steady_for, {"s", "for which the mean force has been within the tolerance"});
+  a("too_low_for", s.low_for, {"s", "for which it has been below the tolerance"});
+  a("integral_speed", s.drift, {"m/s", "integral term of the speed"});
 }
-
-void Servo::set(const Row& r) { state_ = {r[0], r[1], r[2], r[3], r[4], r[5], r[6]}; }
 
 }  // namespace trackbed::bed

@@ -16,8 +16,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "trackbed/core/error.hpp"
-
 namespace trackbed::bed {
 
 namespace {
@@ -119,7 +117,7 @@ Tines::Tines(const TampingParameters& parameters, const TampedSleepers& sleepers
 
 // Upper nodes, at 1 m, are moved to the length of the tines.
 void Tines::set_heights(double top, double underside) {
-  heights_ = {top, underside};
+  highest_ = top, underside_ = underside;
   top_ = top + clear, foot_ = underside - parameters_.depth;
   const double length = top_ - foot_ + clear;
   for (std::vector<Vec3>& nodes : initial_)
@@ -204,27 +202,15 @@ Vec3 Tines::displacement(const std::string& name) const {
   return sum / static_cast<double>(frames_.size());
 }
 
-// The state: the two heights, then down, in left and in right of each sleeper's frame, m.
-void Tines::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  std::vector<double> row(heights_.begin(), heights_.end());
-  for (const Frame& frame : frames_) row.insert(row.end(), {frame.down, frame.in[0], frame.in[1]});
-  file.write<double>(
-      group + "/state", std::span(row).first(comm.root() ? row.size() : 0), 1,
-      {"m",
-       "highest stone before the first insertion, lower faces of lifted sleepers; of "
-       "each sleeper: displacement of its tines down, in on the left, in on the "
-       "right"});
-}
-
-void Tines::load(const io::File& file, const std::string& group) {
-  const auto row = file.read_all<double>(group + "/state");
-  if (row.size() != heights_.size() + 3 * frames_.size())
-    throw RunError(group + "/state does not hold the state of these tines");
-  set_heights(row[0], row[1]);
-  for (std::size_t s = 0; s < frames_.size(); ++s) {
-    const double* values = &row[heights_.size() + 3 * s];
-    frames_[s] = {.down = values[0], .in = {values[1], values[2]}};
-  }
+void Tines::archive(io::Archive& a) {
+  a("top", highest_, {"m", "height of the highest stone before the first insertion"});
+  a("underside", underside_, {"m", "height of the lower faces of the lifted sleepers"});
+  if (a.reads()) set_heights(highest_, underside_);
+  a.rows("down", frames_, {"m", "displacement of each sleeper's tines downwards"}, &Frame::down);
+  a.rows("in_left", frames_, {"m", "displacement of those on its left towards the sleeper"},
+         [](Frame& frame) -> double& { return frame.in[0]; });
+  a.rows("in_right", frames_, {"m", "displacement of those on its right towards the sleeper"},
+         [](Frame& frame) -> double& { return frame.in[1]; });
 }
 
 }  // namespace trackbed::bed

@@ -1,5 +1,7 @@
 #include "trackbed/io/archive.hpp"
 
+#include <fmt/format.h>
+
 #include <sstream>
 
 #include "trackbed/core/error.hpp"
@@ -7,33 +9,58 @@
 namespace trackbed::io {
 
 template <class T>
-void Archive::array(const std::string& name, std::vector<T>& values, const Label& label) {
-  if (reads())
-    values = file_->read_all<T>(path(name));
-  else
-    out_->write<T>(path(name), std::span(values).first(comm_->root() ? values.size() : 0), 1,
-                   label);
+void Archive::write(const std::string& name, std::span<T> values, std::size_t columns,
+                    const Label& label) {
+  out_->write<T>(group_ + name, values.first(comm_->root() ? values.size() : 0), columns, label);
+}
+
+// Decks are compared before: the shape differs where a file is damaged but its deck is not.
+template <class T>
+void Archive::fixed(const std::string& name, std::span<T> values, std::size_t columns,
+                    const Label& label) {
+  if (!reads()) return write(name, values, columns, label);
+  const std::string path = group_ + name;
+  const std::vector<std::size_t> stored = file_->extent(path);
+  const std::size_t rows = values.size() / columns;
+  if (stored.at(0) != rows)
+    throw RunError(fmt::format("{}: holds {} rows, the model has {}", path, stored[0], rows));
+  if (stored.at(1) != columns)
+    throw RunError(fmt::format("{}: holds {} columns, the model has {}", path, stored[1], columns));
+  const std::vector<T> found = file_->read_all<T>(path);
+  std::copy(found.begin(), found.end(), values.begin());
 }
 
 template <class T>
-void Archive::one(const std::string& name, T& value, const Label& label) {
-  std::vector<T> values{value};
-  array(name, values, label);
-  if (values.size() != 1)
-    throw RunError(path(name) + ": holds " + std::to_string(values.size()) + " values, not one");
-  value = values[0];
+void Archive::list(const std::string& name, std::vector<T>& values, const Label& label) {
+  if (reads())
+    values = file_->read_all<T>(group_ + name);
+  else
+    write(name, std::span(values), 1, label);
 }
 
 void Archive::operator()(const std::string& name, double& value, const Label& label) {
-  one(name, value, label);
+  fixed(name, std::span(&value, 1), 1, label);
 }
 
 void Archive::operator()(const std::string& name, std::int64_t& value, const Label& label) {
-  one(name, value, label);
+  fixed(name, std::span(&value, 1), 1, label);
+}
+
+void Archive::operator()(const std::string& name, Vec3& value, const Label& label) {
+  table(name, {value.data(), 3}, 3, label);
+}
+
+void Archive::operator()(const std::string& name, Eigen::VectorXd& values, const Label& label) {
+  table(name, {values.data(), static_cast<std::size_t>(values.size())}, 1, label);
+}
+
+void Archive::table(const std::string& name, std::span<double> values, std::size_t columns,
+                    const Label& label) {
+  fixed(name, values, columns, label);
 }
 
 void Archive::operator()(const std::string& name, std::vector<double>& values, const Label& label) {
-  array(name, values, label);
+  list(name, values, label);
 }
 
 // A dataset, since attributes of HDF5 are limited to 64 kB.
@@ -44,7 +71,7 @@ void Archive::operator()(const std::string& name, std::vector<std::string>& text
     letters.insert(letters.end(), text.begin(), text.end());
     letters.push_back('\n');
   }
-  array(name, letters, label);
+  list(name, letters, label);
   if (!reads()) return;
   texts.clear();
   std::istringstream lines(std::string(letters.begin(), letters.end()));

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "observe/impl.hpp"
-#include "trackbed/core/error.hpp"
 #include "trackbed/io/replace.hpp"
 #include "trackbed/track/vehicle_layout.hpp"
 
@@ -141,45 +140,22 @@ void PassageHistories::update_extremes(const track::Passage& passage) {
 }
 
 // As in results.h5: a checkpoint contains its rows, so that no other file is needed for a restart.
-void PassageHistories::save(io::File& file, const par::Comm& comm) const {
-  const auto own = [&](const std::vector<double>& values) {
-    return std::span(values).first(comm.root() ? values.size() : 0);
-  };
-  file.write<double>("history/time", own(times_), 1, {"s", "simulated time"});
+void PassageHistories::archive(io::Archive& a) {
+  a("history/time", times_, {"s", "simulated time"});
   if (!lowest_.empty())
-    file.write<double>("extreme/rail/displacement", own(lowest_), 1,
-                       {"m", "lowest of all steps up to now, also of those without a row"});
-  envelope_.save(file, comm);
-  for (const Column& column : columns_)
-    if (column.width > 0)
-      file.write<double>(column.path, own(column.values), column.width, column.label);
-}
-
-void PassageHistories::load(const io::File& file) {
-  times_ = file.read_all<double>("history/time");
-  if (!lowest_.empty()) {
-    if (!file.has("extreme/rail/displacement"))
-      throw RunError(
-          "this checkpoint has no extremes over all steps, because an older version of the program "
-          "wrote it; run the deck again");
-    const std::size_t width = lowest_.size();
-    lowest_ = file.read_all<double>("extreme/rail/displacement");
-    if (lowest_.size() != width)
-      throw RunError("extreme/rail/displacement belongs to another track");
-  }
-  envelope_.load(file);
+    a.rows("extreme/rail/displacement", lowest_,
+           {"m", "lowest of all steps up to now, also of those without a row"});
+  envelope_.archive(a);
   for (Column& column : columns_) {
     if (column.width == 0) continue;
-    column.values = file.read_all<double>(column.path);
-    if (column.values.size() != column.width * times_.size())
-      throw RunError(column.path + " belongs to another track or train");
+    column.values.resize(column.width * times_.size());
+    a.table(column.path, column.values, column.width, column.label);
   }
 }
 
 // Written under another name first, so that a reader opens either the old file or the complete new
 // one.
-void PassageHistories::write(const par::Comm& comm, const std::string& path,
-                             const About& about) const {
+void PassageHistories::write(const par::Comm& comm, const std::string& path, const About& about) {
   const auto own = [&](const std::vector<double>& values) {
     return std::span(values).first(comm.root() ? values.size() : 0);
   };
@@ -197,7 +173,8 @@ void PassageHistories::write(const par::Comm& comm, const std::string& path,
     file.write<double>("rail/x", own(rail_x), 1, {"m", "monitored points of the rail"});
     if (!sleeper_x.empty())
       file.write<double>("sleepers/x", own(sleeper_x), 1, {"m", "monitored sleepers"});
-    save(file, comm);
+    io::Archive a = io::Archive::writer(comm, file);
+    archive(a);
     file.close();
   });
 }

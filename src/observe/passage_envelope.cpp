@@ -1,12 +1,9 @@
-// Extremes along a track alone. All ranks hold the same ones; rank 0 writes.
+// Extremes along a track alone. All ranks hold the same ones.
 #include "trackbed/observe/passage_envelope.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
-
-#include "trackbed/core/error.hpp"
 
 namespace trackbed::observe {
 
@@ -19,16 +16,6 @@ std::vector<double> monitored(const track::Line& line) {
   if (x.empty())
     for (double at = 0; at <= line.length(); ++at) x.push_back(at);
   return x;
-}
-
-std::vector<double> read(const io::File& file, const std::string& path, std::size_t width) {
-  if (!file.has(path))
-    throw RunError(
-        "this checkpoint has no extremes along the track, because an older version of the program "
-        "wrote it; run the deck again");
-  std::vector<double> values = file.read_all<double>(path);
-  if (values.size() != width) throw RunError(path + " belongs to another track");
-  return values;
 }
 
 }  // namespace
@@ -71,25 +58,15 @@ void PassageEnvelope::update(const track::Passage& passage) {
   }
 }
 
-void PassageEnvelope::save(io::File& file, const par::Comm& comm) const {
-  const auto own = [&](const std::vector<double>& values) {
-    return std::span(values).first(comm.root() ? values.size() : 0);
-  };
-  file.write<double>("envelope/x", own(x_), 1, {"m", "places along the track, sleepers if any"});
-  for (const Range* range : {&rail_, &sleeper_, &seat_}) {
-    if (range->least.empty()) continue;
-    file.write<double>(range->path + "_min", own(range->least), 1,
-                       {range->unit, "smallest of all steps: " + range->meaning});
-    file.write<double>(range->path + "_max", own(range->most), 1,
-                       {range->unit, "largest of all steps: " + range->meaning});
-  }
-}
-
-void PassageEnvelope::load(const io::File& file) {
+// `x` follows from the deck and is for readers of results.
+void PassageEnvelope::archive(io::Archive& a) {
+  if (!a.reads()) a.rows("envelope/x", x_, {"m", "places along the track, sleepers if any"});
   for (Range* range : {&rail_, &sleeper_, &seat_}) {
     if (range->least.empty()) continue;
-    range->least = read(file, range->path + "_min", range->least.size());
-    range->most = read(file, range->path + "_max", range->most.size());
+    a.rows(range->path + "_min", range->least,
+           {range->unit, "smallest of all steps: " + range->meaning});
+    a.rows(range->path + "_max", range->most,
+           {range->unit, "largest of all steps: " + range->meaning});
   }
 }
 

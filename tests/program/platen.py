@@ -68,7 +68,7 @@ def unsure(held, deck, widths, step):
     volume, radius = held["particles/template/solid"][0, 0], held["particles/template/radius"]
     scale = scale.ravel()
     overlap, i, j, normal = contacts(x, radius.ravel()[0] * scale, widths,
-                                     held["platen/servo"][0, 7])
+                                     held["platen/z"][0])
     mass = deck["material"][0]["density"] * volume * scale**3
     still = np.zeros_like(v)  # floor and platen
     speed, change = (np.concatenate([of, still]) for of in (v, step * f / mass[:, None]))

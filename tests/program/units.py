@@ -19,14 +19,15 @@ PLAIN = {
     # results
     "/contacts", "/coordination", "/fabric", "/porosity", "/stones", "history/stage",
     # checkpoints
-    "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "/node_work",
+    "/attitude", "/axes", "/held", "/history/keys", "/id", "/material", "/node", "quanta",
     "/plastic/opened", "/plastic/static", "/plastic/strain", "/scale", "/shape", "/template/faces",
-    "/template/pieces", "/template/sizes", "/element", "/quaternion", "train/counts",
+    "/template/pieces", "/template/sizes", "/element", "/quaternion", "train/steps",
+    "train/iterations", "train/lost", "/gain", "walls/removed", "sleepers/placed", "solid/moved",
     "run/stage", "run/stage_has_begun",
     "run/substeps", "run/windows", "run/windows_of_stage", "run/windows_in_stage", "run/warnings",
-    "run/history_rows", "run/ground_settled", "run/balance/force", "run/balance/moment",
-    "run/balance/impulse", "run/balance/work", "run/stages/name", "run/stages/substeps",
-    "run/stages/particles", "run/stages/aim"}
+    "run/history_rows", "run/ground_settled", "/balance/force", "/balance/moment",
+    "/balance/roll_moment", "/balance/impulse", "/balance/work", "run/stages/name",
+    "run/stages/substeps", "run/stages/particles", "run/stages/aim"}
 # Words in the meaning of a dataset that imply a unit.
 WITH_UNIT = re.compile(r"\((m|s|N|J|Pa|kg|m/s|m/s\^?2|rad)[;:)]")
 

@@ -13,7 +13,7 @@
 #include "trackbed/dem/particles.hpp"
 #include "trackbed/geom/stone.hpp"
 #include "trackbed/input/section.hpp"
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::bed {
@@ -152,9 +152,7 @@ class Platen {
   bool steady() const;            // averaged pressure within the tolerance for the time `hold`
   std::string shortfall() const;  // why it is not steady; empty if it is
 
-  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);
 
  private:
   void set_motion(double motion);

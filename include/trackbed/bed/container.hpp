@@ -10,8 +10,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/dem/particles.hpp"
-#include "trackbed/io/file.hpp"
-#include "trackbed/par/comm.hpp"
+#include "trackbed/io/archive.hpp"
 
 namespace trackbed::bed {
 
@@ -83,9 +82,7 @@ class Walls {
   double steady_for()
       const;  // s, for which the pressure of all confined walls has been within tolerance
 
-  // Rank 0 of `comm` writes, all read; height, displacements, servos. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);
 
  private:
   // Displacement increments of a window, m: along x, of walls upwards, inwards across x and y.

@@ -1,9 +1,8 @@
 // Servo control of a plate: moves it so that the force of the stones on it reaches a target.
 #pragma once
 
-#include <array>
-
 #include "trackbed/input/section.hpp"
+#include "trackbed/io/archive.hpp"
 
 namespace trackbed::bed {
 
@@ -37,13 +36,7 @@ class Servo {
   double mean() const { return state_.mean; }              // N
   double steady_for() const { return state_.steady_for; }  // s, within the tolerance up to now
 
-  using Row = std::array<double, 7>;
-  static constexpr const char* columns =
-      "speed (m/s), recent and mean force (N), gain, steady for (s), too low for (s), integral "
-      "speed (m/s)";
-  static constexpr const char* units = "m/s, N, N, -, s, s, m/s";
-  Row row() const;
-  void set(const Row& row);
+  void archive(io::Archive& a);
 
  private:
   void average_force(const ServoParameters& p, double dt, double force, bool vibrates);

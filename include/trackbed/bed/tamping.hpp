@@ -10,8 +10,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/input/section.hpp"
-#include "trackbed/io/file.hpp"
-#include "trackbed/par/comm.hpp"
+#include "trackbed/io/archive.hpp"
 
 namespace trackbed::bed {
 
@@ -63,10 +62,7 @@ class Tines {
   Vec3 displacement(const std::string& name) const;
   double tip() const { return foot_; }  // m, lowest height of the tips
 
-  // Rank 0 of `comm` writes, all read: the arguments of `set_heights`, and the positions of the
-  // arms. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);  // after loading, `show_at_rest` positions them
 
  private:
   struct Frame {
@@ -84,7 +80,7 @@ class Tines {
   std::array<Surface, 2> surfaces_;
   std::array<std::vector<Vec3>, 2> initial_;  // m, nodes of open tines with their tips at z = 0
   std::vector<Frame> frames_;                 // of each sleeper
-  std::array<double, 2> heights_{};           // m, arguments of `set_heights`
+  double highest_ = 0, underside_ = 0;        // m, arguments of `set_heights`
   double top_ = 0, foot_ = 0;                 // m, heights of the tips
 };
 

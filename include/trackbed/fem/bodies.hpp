@@ -16,8 +16,8 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/fem/ground.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/io/fields.hpp"
-#include "trackbed/io/file.hpp"
 #include "trackbed/par/comm.hpp"
 
 namespace trackbed::fem {
@@ -140,9 +140,7 @@ class Bodies {
 
   // All elements, on rank 0 of `comm`, with displacement, velocity, stress and body. Local.
   io::Grid fields(const par::Comm& comm) const;
-  // All ranks hold the same state; rank 0 of `comm` writes it, all ranks read it. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);
 
  private:
   struct Impl;

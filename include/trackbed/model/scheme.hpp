@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "trackbed/bed/placed.hpp"
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/model/run_context.hpp"
 
 namespace trackbed::model {
@@ -52,10 +52,8 @@ class Scheme {
   virtual std::vector<std::string> warnings_at_end() = 0;
   virtual void summarize(nlohmann::ordered_json& summary) = 0;
 
-  virtual void save(io::File& file) = 0;
-  // The course has been loaded before.
-  virtual void load(const io::File& file) = 0;
-  // After `load`: continues the same run; `histories`: the file beside the checkpoint.
+  virtual void archive(io::Archive& a) = 0;  // the course is loaded before
+  // After loading: continues the same run; `histories`: the file beside the checkpoint.
   virtual void resume(const io::File& file, const std::string& histories) = 0;
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/observe/passage_envelope.hpp"
 #include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
@@ -27,12 +27,9 @@ class PassageHistories {
   std::int64_t rows() const { return static_cast<std::int64_t>(times_.size()); }
   // Over all steps: lowest rail displacement at each point, m, left before right; at most 0.
   const std::vector<double>& lowest() const { return lowest_; }
-  // Writes the rows and extremes to a checkpoint, and reads them into histories of the same model.
-  // Collective; `load` throws RunError for those of another model.
-  void save(io::File& file, const par::Comm& comm) const;
-  void load(const io::File& file);
+  void archive(io::Archive& a);  // rows and extremes
   // Writes results.h5 at `path` and replaces an existing file. Collective; throws RunError.
-  void write(const par::Comm& comm, const std::string& path, const About& about) const;
+  void write(const par::Comm& comm, const std::string& path, const About& about);
 
  private:
   // One dataset: rows of `width` numbers.

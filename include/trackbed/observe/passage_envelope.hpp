@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "trackbed/io/file.hpp"
-#include "trackbed/par/comm.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/track/passage.hpp"
 
 namespace trackbed::observe {
@@ -16,10 +15,7 @@ class PassageEnvelope {
   explicit PassageEnvelope(const track::Line& line);
   // Updates the extremes with the present step. Local.
   void update(const track::Passage& passage);
-  // Writes the extremes to results and checkpoints, and reads them. Collective; `load` throws
-  // RunError for those of another track, or if the file was written by a program without them.
-  void save(io::File& file, const par::Comm& comm) const;
-  void load(const io::File& file);
+  void archive(io::Archive& a);  // for results, too
 
  private:
   // Smallest and largest value at each place, left before right; infinite before the first step.

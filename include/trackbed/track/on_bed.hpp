@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/track/passage.hpp"
 
 namespace trackbed::track {
@@ -73,9 +73,7 @@ class TrainOnBed {
   // m, above the i-th sleeper of the bed, since the rail was placed.
   double rail_displacement(std::size_t i, std::size_t side = 0) const;
 
-  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);
 
  private:
   struct Impl;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "trackbed/input/section.hpp"
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/track/forces.hpp"
 #include "trackbed/track/irregularity.hpp"
 #include "trackbed/track/line.hpp"
@@ -72,10 +72,7 @@ class Passage {
   // For trains that start on rigid rails.
   void restart_train();
 
-  // All ranks hold the same state; rank 0 of `comm` writes it, all read it. Collective.
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const;
-  // Throws RunError for the state of another track or train.
-  void load(const io::File& file, const std::string& group);
+  void archive(io::Archive& a);
 
   double time() const;                       // s
   double duration() const;                   // s, as given or until the last axle has left

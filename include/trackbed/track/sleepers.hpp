@@ -11,8 +11,7 @@
 #include "trackbed/core/surface.hpp"
 #include "trackbed/core/types.hpp"
 #include "trackbed/input/section.hpp"
-#include "trackbed/io/file.hpp"
-#include "trackbed/par/comm.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/track/seat_load.hpp"
 
 namespace trackbed::track {
@@ -79,9 +78,7 @@ class Sleepers {
 
   virtual std::string trouble() const = 0;  // message if a value is not a number, or empty
 
-  // Rank 0 of `comm` writes, all read. Collective.
-  virtual void save(io::File& file, const std::string& group, const par::Comm& comm) const = 0;
-  virtual void load(const io::File& file, const std::string& group) = 0;
+  virtual void archive(io::Archive& a) = 0;
 };
 
 // Height and velocity of the seat `aside` m to the left of a sleeper's centre, relative to the
@@ -117,8 +114,7 @@ class RigidSleepers final : public Sleepers {
   Vec3 reaction(std::size_t i) const override;
   double kinetic() const override;
   std::string trouble() const override;
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const override;
-  void load(const io::File& file, const std::string& group) override;
+  void archive(io::Archive& a) override;
 
  private:
   struct Impl;

@@ -143,15 +143,15 @@ int info(const par::Comm& comm, const Arguments& arguments) {
     if (file.has("history/time"))
       print(comm, fmt::format("  history rows {}\n", file.extent("history/time").at(0)));
   } else {
-    print(comm, fmt::format(
-                    "  format {}\n  deck {}\n  time {:.9g} s\n  stage {} ({})\n"
-                    "{}",
-                    file.integer_attribute("/", "format"), file.text_attribute("/", "deck_name"),
-                    file.number_attribute("/", "time"), file.text_attribute("/", "stage"),
-                    file.integer_attribute("/", "stage_finished") ? "finished" : "unfinished",
-                    file.has_attribute("/", "particles")
-                        ? fmt::format("  particles {}\n", file.integer_attribute("/", "particles"))
-                        : ""));
+    print(comm,
+          fmt::format("  format {}\n  deck {}\n  time {:.9g} s\n  stage {} ({})\n"
+                      "{}",
+                      file.integer_attribute("/", "format"), file.text_attribute("/", "deck_name"),
+                      file.number_attribute("/", "time"), file.text_attribute("/", "stage"),
+                      file.integer_attribute("/", "stage_finished") ? "finished" : "unfinished",
+                      file.has("particles")
+                          ? fmt::format("  particles {}\n", file.extent("particles/id").at(0))
+                          : ""));
   }
   for (const std::string& name : file.names("/")) print(comm, "  /" + name + "\n");
   return static_cast<int>(ExitCode::success);

@@ -44,14 +44,15 @@ void Run::save(io::File& file) {
   file.attribute("/", "stage", scheme_.stage());
   file.attribute("/", "stage_finished", static_cast<std::int64_t>(!course_.begun));
   file.attribute("/", "time", course_.clock.time());
-  io::Archive archive = io::Archive::writer(context_.comm, file, "run");
-  course_.archive(archive);
-  scheme_.save(file);
+  io::Archive archive = io::Archive::writer(context_.comm, file);
+  archive.part("run", course_);
+  scheme_.archive(archive);
 }
 
 void Run::load(const io::File& file) {
   course_ = model::course_in(file);
-  scheme_.load(file);
+  io::Archive archive = io::Archive::reader(file);
+  scheme_.archive(archive);
 }
 
 // Partly written files of a killed run are removed: they are as large as the finished files. The

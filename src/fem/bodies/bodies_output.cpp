@@ -1,26 +1,13 @@
-// Checkpoints and fields of solid bodies. Rank 0 writes the state, which is the same on all ranks;
-// all ranks read all of it, so a run resumes on any number of ranks. Shape, matrices and factor are
-// not stored: they follow from the deck in the same file.
+// State and fields of solid bodies. Shape, matrices and factor are not stored: they follow from the
+// deck.
 #include <array>
 
 #include "fem/bodies/bodies_impl.hpp"
 #include "fem/material/mohr_coulomb.hpp"
-#include "trackbed/core/error.hpp"
 
 namespace trackbed::fem {
 
 namespace {
-
-// The state, listed once: what a checkpoint holds.
-struct Item {
-  const char *name, *unit, *meaning;
-  BodiesSystem::Vector BodiesSystem::*of;
-};
-constexpr std::array state_items{
-    Item{"displacement", "m", "of each node of the solids, from where it was placed",
-         &BodiesSystem::displacement},
-    Item{"velocity", "m/s", "of each node of the solids", &BodiesSystem::velocity},
-    Item{"acceleration", "m/s^2", "of each node of the solids", &BodiesSystem::acceleration}};
 
 // Corners in VTK's order, as bits x, y, z.
 constexpr std::array<std::size_t, 8> vtk_corner = {0, 1, 3, 2, 4, 5, 7, 6};
@@ -36,39 +23,27 @@ std::int32_t nodes_of(const std::vector<BodyMesh>& meshes) {
 
 }  // namespace
 
-void Bodies::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  const std::int32_t nodes = comm.root() ? nodes_of(impl_->meshes) : 0;
-  for (const Item& item : state_items) {
-    std::vector<double> rows;
-    for (std::int32_t n = 0; n < nodes; ++n) {
-      const Vec3 value = impl_->system.of(impl_->system.*item.of, n);
-      rows.insert(rows.end(), value.begin(), value.end());
-    }
-    file.write<double>(group + "/" + item.name, rows, 3, {item.unit, item.meaning});
-  }
-  std::vector<double> common;
-  if (comm.root())
-    common = {impl_->origin.x(), impl_->origin.y(), impl_->origin.z(),
-              impl_->system.begun() ? 1.0 : 0.0};
-  file.write<double>(group + "/origin", common, 1,
-                     {"m, -", "x, y, z where the solids were placed; whether they have moved"});
-}
-
-void Bodies::load(const io::File& file, const std::string& group) {
-  const auto common = file.read_all<double>(group + "/origin");
-  if (common.size() != 4) throw RunError(group + "/origin does not hold the state of solids");
-  place({common[0], common[1], common[2]});
-  const std::int32_t nodes = nodes_of(impl_->meshes);
-  for (const Item& item : state_items) {
-    const auto rows = file.read_all<double>(group + "/" + item.name);
-    if (rows.size() != 3 * static_cast<std::size_t>(nodes))
-      throw RunError(group + "/" + item.name + " belongs to solids of another shape");
-    for (std::int32_t n = 0; n < nodes; ++n) {
-      const double* row = rows.data() + 3 * n;
-      impl_->system.put(n, {row[0], row[1], row[2]}, impl_->system.*item.of);
-    }
-  }
-  impl_->system.resume(common[3] != 0);
+// As rows of nodes, with zeros for fixed components.
+void Bodies::archive(io::Archive& a) {
+  BodiesSystem& system = impl_->system;
+  bool moved = system.begun();
+  a("origin", impl_->origin, {"m", "where the solids were placed"});
+  a("moved", moved, {"-", "1: they have moved since; else 0"});
+  if (a.reads()) place(impl_->origin);
+  const auto nodal = [&](const char* name, const io::Label& label, BodiesSystem::Vector& values) {
+    std::vector<Vec3> nodes;
+    for (std::int32_t n = 0; n < nodes_of(impl_->meshes); ++n)
+      nodes.push_back(system.of(values, n));
+    a.rows(name, nodes, label);
+    for (std::size_t n = 0; n < nodes.size() && a.reads(); ++n)
+      system.put(static_cast<std::int32_t>(n), nodes[n], values);
+  };
+  nodal("displacement", {"m", "of each node of the solids, from where it was placed"},
+        system.displacement);
+  nodal("velocity", {"m/s", "of each node of the solids"}, system.velocity);
+  nodal("acceleration", {"m/s^2", "of each node of the solids"}, system.acceleration);
+  if (!a.reads()) return;
+  system.resume(moved);
   show_at_rest();
 }
 

@@ -24,7 +24,6 @@
 #include <cmath>
 #include <map>
 
-#include "trackbed/core/error.hpp"
 #include "trackbed/core/hash.hpp"
 #include "trackbed/core/whole_steps.hpp"
 #include "trackbed/model/footing.hpp"
@@ -35,7 +34,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* group = "footing";  // of checkpoints
 // Ranges of exact sums, beyond any physical value.
 constexpr double largest_height = 1e3, largest_rate = 1e5;  // m, m/s
 constexpr double largest_work = 1e8;                        // J
@@ -294,14 +292,19 @@ Json GroundBelow::figures() const {
   return of;
 }
 
-// Difference of the work of nodes and of footprints over the sum of magnitudes of the work.
-Json GroundBelow::balance() const {
+// Of all ranks.
+FineSum GroundBelow::work_of_nodes() const {
   FineSum nodes = node_work_;
   comm_.sum(std::span<std::int64_t>(nodes.counts()));
   nodes.carry();
+  return nodes;
+}
+
+// Difference of the work of nodes and of footprints over the sum of magnitudes of the work.
+Json GroundBelow::balance() const {
   Json of{{"force", force_off_}, {"moment", moment_off_[0]}};
   if (sides_ == 2) of["roll_moment"] = moment_off_[1];
-  of["work"] = ratio(std::abs(nodes.value() - work_), all_work_);
+  of["work"] = ratio(std::abs(work_of_nodes().value() - work_), all_work_);
   if (implicit()) of["height"] = ratio(height_off_, most_height_);
   return of;
 }
@@ -342,49 +345,29 @@ std::uint64_t GroundBelow::state_hash() const {
 }
 
 // In addition to the ground's own state: the last forces, which the next step needs, and the sums
-// up to now.
-void GroundBelow::save(io::File& file) const {
-  ground_.save(file, "ground");
-  FineSum nodes = node_work_;
-  comm_.sum(std::span<std::int64_t>(nodes.counts()));
-  nodes.carry();
-  const std::vector<std::int64_t> quanta(nodes.counts().begin(), nodes.counts().end());
-  const std::vector<double> sums{work_,          all_work_,   force_off_,  moment_off_[0],
-                                 moment_off_[1], height_off_, most_height_};
-  const auto root = [&](const auto& values) {
-    return std::span(values).first(comm_.root() ? values.size() : 0);
-  };
-  file.write<double>(std::string(group) + "/force", root(force_), 1,
-                     {"N",
-                      "force of the ballast of each sleeper on the ground, down positive; on two "
-                      "rails of each end, left before right"});
-  if (implicit())
-    file.write<double>(std::string(group) + "/force_before", root(force_before_), 1,
-                       {"N", "the same one step earlier"});
-  file.write<std::int64_t>(
-      std::string(group) + "/node_work", root(quanta), 2,
+// up to now. Each rank continues its part of the nodes' work from 0, rank 0 from the whole sum.
+void GroundBelow::archive(io::Archive& a) {
+  a.part("ground", ground_);
+  io::Archive own = a.group("footing");
+  own.rows("force", force_,
+           {"N",
+            "force of the ballast of each sleeper on the ground, down positive; on two rails of "
+            "each end, left before right"});
+  if (implicit()) own.rows("force_before", force_before_, {"N", "the same one step earlier"});
+  own("work", work_, {"J", "work on the ground up to now"});
+  own("work_magnitude", all_work_, {"J", "sum of its magnitudes"});
+  FineSum nodes = work_of_nodes();
+  own("node_work/quanta", nodes.counts()[0],
       {"-", "work on the ground by its nodes up to now, quanta of an exact sum"});
-  file.write<double>(
-      std::string(group) + "/sums", root(sums), sums.size(),
-      {"J, J, -, -, -, m, m",
-       "work on the ground up to now, sum of its magnitudes; largest imbalance of force "
-       "and of moments about y and x; of an implicit ground largest imbalance of height, largest "
-       "height"});
-}
-
-void GroundBelow::load(const io::File& file) {
-  ground_.load(file, "ground");
-  force_ = file.read_all<double>(std::string(group) + "/force");
-  if (force_.size() != footprints_.count())
-    throw RunError(std::string(group) + "/force was written for a different number of sleepers");
-  if (implicit()) force_before_ = file.read_all<double>(std::string(group) + "/force_before");
+  own("node_work/fine_quanta", nodes.counts()[1], {"-", "its remainder, in smaller quanta"});
+  own("balance/force", force_off_, {"-", "largest relative imbalance of force"});
+  own("balance/moment", moment_off_[0], {"-", "the same of the moment about y"});
+  own("balance/roll_moment", moment_off_[1], {"-", "the same of the moment about x; two rails"});
+  own("balance/height", height_off_, {"m", "largest imbalance of height; implicit steps"});
+  own("largest_height", most_height_, {"m", "of the ground below a sleeper; implicit steps"});
+  if (!a.reads()) return;
+  node_work_ = comm_.root() ? nodes : FineSum(largest_work);
   footprints_.add_forces(force_, load_);
-  const auto quanta = file.read_all<std::int64_t>(std::string(group) + "/node_work");
-  if (comm_.root()) node_work_.counts() = {quanta.at(0), quanta.at(1)};
-  const auto sums = file.read_all<double>(std::string(group) + "/sums");
-  work_ = sums.at(0), all_work_ = sums.at(1), force_off_ = sums.at(2);
-  moment_off_ = {sums.at(3), sums.size() > 4 ? sums[4] : 0};  // older files have no second one
-  if (sums.size() > 6) height_off_ = sums[5], most_height_ = sums[6];
   update_increments(heights_below());
 }
 

@@ -12,7 +12,7 @@
 #include "trackbed/core/timers.hpp"
 #include "trackbed/couple/footprints.hpp"
 #include "trackbed/fem/ground.hpp"
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/model/parameters.hpp"
 #include "trackbed/par/comm.hpp"
 #include "trackbed/track/passage.hpp"
@@ -42,8 +42,7 @@ class GroundBelow {
   nlohmann::ordered_json energies(const track::Passage& passage) const;
   std::uint64_t state_hash() const;  // of the motion of the top; the same on any number of ranks
 
-  void save(io::File& file) const;
-  void load(const io::File& file);
+  void archive(io::Archive& a);
 
  private:
   std::size_t sleeper(std::size_t footprint) const { return first_ + footprint / sides_; }
@@ -58,6 +57,7 @@ class GroundBelow {
   void update_increments(const std::vector<double>& mean);
   void compare_heights(const track::Passage& passage);
   void update_balance(const std::vector<Vec3>& load_before);
+  FineSum work_of_nodes() const;  // J; collective
 
   par::Comm comm_;
   Timers own_timers_;  // without others

@@ -162,28 +162,12 @@ observe::SolidState SolidSleepers::observed() const {
   return now;
 }
 
-void SolidSleepers::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  bodies_.save(file, group + "/solid", comm);
-  std::vector<double> rows, given;
-  if (comm.root()) {
-    for (const Vec3& force : reaction_) rows.insert(rows.end(), force.begin(), force.end());
-    given = given_;
-  }
-  file.write<double>(group + "/reaction", rows, 3, {"N", "from stones in the last window"});
-  file.write<double>(group + "/solid/seat_force", given, 1,
-                     {"N", "applied to each sleeper in the last window, downwards"});
-}
-
-void SolidSleepers::load(const io::File& file, const std::string& group) {
-  place(0);
-  bodies_.load(file, group + "/solid");
-  const auto rows = file.read_all<double>(group + "/reaction");
-  const auto given = file.read_all<double>(group + "/solid/seat_force");
-  if (rows.size() != 3 * count() || given.size() != count())
-    throw RunError(group + " was written for a different number of sleepers");
-  for (std::size_t i = 0; i < count(); ++i)
-    reaction_[i] = {rows[3 * i], rows[3 * i + 1], rows[3 * i + 2]};
-  given_ = given;
+void SolidSleepers::archive(io::Archive& a) {
+  if (a.reads()) place(0);
+  a.part("solid", bodies_);
+  a.rows("reaction", reaction_, {"N", "from stones in the last window"});
+  a.rows("solid/seat_force", given_,
+         {"N", "applied to each sleeper in the last window, downwards"});
 }
 
 }  // namespace trackbed::model

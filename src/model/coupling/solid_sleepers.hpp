@@ -37,8 +37,7 @@ class SolidSleepers final : public track::Sleepers {
   Vec3 reaction(std::size_t i) const override { return reaction_.at(i); }
   double kinetic() const override { return bodies_.totals().kinetic; }
   std::string trouble() const override { return bodies_.trouble(); }
-  void save(io::File& file, const std::string& group, const par::Comm& comm) const override;
-  void load(const io::File& file, const std::string& group) override;
+  void archive(io::Archive& a) override;
 
   // Wheels of the next window; their force is distributed equally to all rails.
   void roll(std::vector<track::AxleLoad> axles) { axles_ = std::move(axles); }

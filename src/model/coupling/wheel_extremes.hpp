@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 
 namespace trackbed::model {
 
@@ -17,19 +17,12 @@ struct WheelExtremes {
     most = any ? std::max(most, force) : force;
     any = true;
   }
-  // The same on all ranks; rank 0 of `comm` writes. Writes nothing if there are no forces.
-  // Collective.
-  void save(io::File& file, const par::Comm& comm) const {
+  // Nothing if there are no forces.
+  void archive(io::Archive& a) {
+    any = a.has("smallest", any);
     if (!any) return;
-    const double both[] = {least, most};
-    file.write<double>("run/wheels", std::span(both).first(comm.root() ? 2 : 0), 1,
-                       {"N", "smallest and largest force of a wheel up to now"});
-  }
-  void load(const io::File& file) {
-    *this = {};
-    if (!file.has("run/wheels")) return;
-    const auto both = file.read_all<double>("run/wheels");
-    *this = {.least = both.at(0), .most = both.at(1), .any = true};
+    a("smallest", least, {"N", "smallest force of a wheel up to now"});
+    a("largest", most, {"N", "largest force of a wheel up to now"});
   }
 };
 

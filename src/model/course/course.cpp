@@ -59,8 +59,7 @@ void Course::archive(io::Archive& a) {
 
 Course course_in(const io::File& checkpoint) {
   Course course;
-  io::Archive archive = io::Archive::reader(checkpoint, "run");
-  course.archive(archive);
+  io::Archive::reader(checkpoint).part("run", course);
   return course;
 }
 

@@ -119,7 +119,7 @@ class CellCheck {
       add("bed.cell", fmt::format("was written within stage \"{}\"; take a checkpoint that was "
                                   "written at the end of a stage (stage_*.h5)",
                                   file_.text_attribute("/", "stage")));
-    if (file_.integer_attribute("/", "particles") == 0) add("bed.cell", "contains no stones");
+    if (file_.extent("particles/id").at(0) == 0) add("bed.cell", "contains no stones");
     if (file_.has("platen"))
       add("bed.cell",
           "was written with the platen on the stones; take a checkpoint that was written after a "

@@ -209,57 +209,21 @@ observe::PlacedInstant Placement::instant(const dem::Particles& particles, doubl
   return instant;
 }
 
-namespace {
-
-constexpr const char* impulse_units = "N s, N s, N s, N, N, N, N";
-constexpr const char* impulse_columns =
-    "impulse x y z, largest force, force at the end of the last window x y z";
-
-}  // namespace
-
-// Rank 0 writes, all read.
-void Placement::save(io::File& file) const {
-  const bool root = comm_.root();
-  const auto write = [&](const char* path, const std::vector<ContactImpulse>& all) {
-    std::vector<double> rows;
-    for (const ContactImpulse& f : all) {
-      rows.insert(rows.end(), f.impulse.data(), f.impulse.data() + 3);
-      rows.push_back(f.peak);
-      rows.insert(rows.end(), f.force.data(), f.force.data() + 3);
-    }
-    file.write<double>(path, std::span(rows).first(root ? rows.size() : 0), 7,
-                       {impulse_units, impulse_columns});
+void Placement::archive(io::Archive& a) {
+  const auto contacts = [&](const std::string& group, std::vector<ContactImpulse>& all) {
+    io::Archive of = a.group(group);
+    of.rows("impulse", all, {"N s", "of all contacts up to now"}, &ContactImpulse::impulse);
+    of.rows("peak_force", all, {"N", "largest up to now"}, &ContactImpulse::peak);
+    of.rows("force", all, {"N", "at the end of the last window"}, &ContactImpulse::force);
   };
-  write("placed/stones", on_stones_), write("placed/surfaces", on_surfaces_);
-  std::vector<double> axes;
-  for (const Quat& q : axes_) axes.insert(axes.end(), q.coeffs().data(), q.coeffs().data() + 4);
-  file.write<double>("placed/axes", std::span(axes).first(root ? axes.size() : 0), 4,
-                     {"-",
-                      "of each stone: quaternion x y z w from principal axes to the axes of its "
-                      "description"});
-  const std::array balance{energy_at_begin_, supplied_, power_};
-  file.write<double>("placed/energy", std::span(balance).first(root ? balance.size() : 0), 3,
-                     {"J, J, W",
-                      "energy at the start, work of driven bodies, their power at the end of the "
-                      "last window"});
-}
-
-void Placement::load(const io::File& file) {
-  const auto read = [&](const char* path, std::vector<ContactImpulse>& all) {
-    const auto rows = file.read_all<double>(path);
-    if (rows.size() != 7 * all.size())
-      throw RunError(std::string(path) + " was written for a different number of bodies");
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double* row = rows.data() + 7 * i;
-      all[i] = {Vec3(row[0], row[1], row[2]), row[3], Vec3(row[4], row[5], row[6])};
-    }
-  };
-  read("placed/stones", on_stones_), read("placed/surfaces", on_surfaces_);
-  const auto axes = file.read_all<double>("placed/axes");
-  for (std::size_t i = 0; i < axes_.size() && 4 * i + 3 < axes.size(); ++i)
-    std::copy_n(axes.data() + 4 * i, 4, axes_[i].coeffs().data());
-  const auto balance = file.read_all<double>("placed/energy");
-  energy_at_begin_ = balance.at(0), supplied_ = balance.at(1), power_ = balance.at(2);
+  contacts("stones", on_stones_);
+  contacts("surfaces", on_surfaces_);
+  a.rows("axes", axes_,
+         {"-",
+          "of each stone: quaternion x y z w from principal axes to the axes of its description"});
+  a("energy_at_start", energy_at_begin_, {"J", "of the stones"});
+  a("supplied", supplied_, {"J", "work of driven bodies up to now"});
+  a("power", power_, {"W", "of driven bodies at the end of the last window"});
 }
 
 }  // namespace trackbed::model

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/model/parameters.hpp"
 #include "trackbed/observe/results.hpp"
 #include "trackbed/par/comm.hpp"
@@ -42,8 +42,7 @@ class Placement {
   // The values of a history row at `time` s.
   observe::PlacedInstant instant(const dem::Particles& particles, double time) const;
 
-  void save(io::File& file) const;
-  void load(const io::File& file);
+  void archive(io::Archive& a);
 
  private:
   // Impulse and peak force of contacts up to now, N s and N, and the force at the end of the last

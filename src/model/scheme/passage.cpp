@@ -189,19 +189,13 @@ void PassageScheme::summarize(Json& summary) {
   summary["energy"] = whole_.below->energies(built_.passage);
 }
 
-void PassageScheme::save(io::File& file) {
-  built_.passage.save(file, "train", run_.comm);
-  if (whole_.below) whole_.below->save(file);
-  histories_.save(file, run_.comm);
-  wheels_.save(file, run_.comm);
-}
-
 // The duration may have changed.
-void PassageScheme::load(const io::File& file) {
-  built_.passage.load(file, "train");
-  if (whole_.below) whole_.below->load(file);
-  histories_.load(file);
-  wheels_.load(file);
+void PassageScheme::archive(io::Archive& a) {
+  a.part("train", built_.passage);
+  if (whole_.below) whole_.below->archive(a);
+  histories_.archive(a);
+  a.part("run/wheels", wheels_);
+  if (!a.reads()) return;
   run_.course.clock = clock();
   run_.course.clock.set(0, built_.passage.steps());
 }

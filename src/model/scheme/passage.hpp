@@ -35,8 +35,7 @@ class PassageScheme final : public Scheme {
   void rescue() noexcept override;
   std::vector<std::string> warnings_at_end() override;
   void summarize(nlohmann::ordered_json& summary) override;
-  void save(io::File& file) override;
-  void load(const io::File& file) override;
+  void archive(io::Archive& a) override;
   void resume(const io::File&, const std::string&) override {}
 
  private:

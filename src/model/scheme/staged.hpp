@@ -33,8 +33,7 @@ class StagedScheme final : public Scheme {
   void flush() override { results_.flush(); }
   std::vector<std::string> warnings_at_end() override;
   void summarize(nlohmann::ordered_json& summary) override;
-  void save(io::File& file) override;
-  void load(const io::File& file) override;
+  void archive(io::Archive& a) override;
   void resume(const io::File& file, const std::string& histories) override;
 
  private:
@@ -56,6 +55,7 @@ class StagedScheme final : public Scheme {
   void sample();
   void write_fields();
   bool keeps_extremes() const;
+  void archive_platen(io::Archive& a);
   void begin_extremes();
   void resume_extremes(bool kept);
 

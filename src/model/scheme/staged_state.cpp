@@ -1,34 +1,15 @@
-// State of a run in stages: each module writes its own group; group coupling and parts of group run
-// are written here.
+// State of a run in stages: each module has its own group; group coupling and parts of group run
+// are listed here.
 //
 // Stored is the state that cannot be computed from the deck. Not stored are neighbour lists,
 // matrices of the ground, and walls: they are built again and are bitwise identical. Nothing
 // depends on the number of ranks: datasets are global, so a run can be resumed with another number.
 // The layout is described in docs/checkpoint.md.
-#include <fmt/format.h>
-
 #include "model/scheme/staged.hpp"
 
 namespace trackbed::model {
 
 namespace {
-
-// Vectors per node as rows; rank 0 holds all of them, the argument of other ranks is ignored.
-// Collective.
-void write_nodes(const par::Comm& comm, io::File& file, const std::string& path,
-                 const std::vector<Vec3>& all, const io::Label& label) {
-  const double* first = all.empty() ? nullptr : all[0].data();
-  file.write<double>(path, std::span(first, comm.root() ? 3 * all.size() : 0), 3, label);
-}
-
-// Every rank reads all nodes, since surfaces are replicated. Collective.
-std::vector<Vec3> read_nodes(const io::File& file, const std::string& path) {
-  const std::vector<double> values = file.read_all<double>(path);
-  std::vector<Vec3> nodes(values.size() / 3);
-  for (std::size_t n = 0; n < nodes.size(); ++n)
-    nodes[n] = Vec3(values[3 * n], values[3 * n + 1], values[3 * n + 2]);
-  return nodes;
-}
 
 // Each rank contributes the values of its own nodes and zero elsewhere, so the sum is exact. Ghost
 // nodes of the argument hold copies and are left out, or a node would be counted once per rank that
@@ -42,41 +23,34 @@ std::vector<Vec3> gathered(const par::Comm& comm, const fem::Ground& ground,
   return all;
 }
 
-// Walls are built again from their height and displacement; ground, sleepers and platen store their
-// own shape. The mean forces are state: they move the bodies in the next window. Collective.
-void save_surfaces(World& world, io::File& file) {
-  const par::Comm& comm = world.comm;
-  world.walls.save(file, "run", comm);
-  if (world.ground) {
-    const Surface& top = world.ground->top();
-    write_nodes(comm, file, "run/support", gathered(comm, *world.ground, world.support),
-                {"N", "averaged load of the bed on the ground's top nodes"});
-    write_nodes(comm, file, "run/top_position", gathered(comm, *world.ground, top.position),
-                {"m", "ground's top nodes at the start of the last window"});
-    write_nodes(comm, file, "run/top_motion", gathered(comm, *world.ground, top.motion),
-                {"m", "their displacement in it"});
-  }
-  for (const World::Means& means : world.means())
-    write_nodes(comm, file, "coupling/" + means.surface, means.force,
-                {"N", "mean force of stones on the nodes in the last window"});
+// What ranks have of a quantity of the ground's top nodes; all of them read all. Collective.
+void archive_top(io::Archive& a, const World& world, const std::string& name,
+                 const io::Label& label, std::vector<Vec3>& values) {
+  std::vector<Vec3> all = a.reads() ? values : gathered(world.comm, *world.ground, values);
+  a.rows(name, all, label);
+  if (a.reads()) values = all;
 }
 
-// Surfaces are registered first, since the coupler needs them before it can take their forces.
-void load_surfaces(World& world, const io::File& file) {
-  world.walls.load(file, "run");
-  if (world.ground && file.has("run/support")) {
-    world.support = read_nodes(file, "run/support");
+// Walls are built again from their height and displacement; ground, sleepers and platen have stored
+// their own shape. The mean forces are state: they move the bodies in the next window. Surfaces are
+// registered before, since the coupler takes the forces of surfaces that it has. Collective.
+void archive_surfaces(io::Archive& a, World& world) {
+  a.part("run/walls", world.walls);
+  if (world.ground) {
     Surface& top = world.ground->top();
-    top.position = read_nodes(file, "run/top_position");
-    top.motion = read_nodes(file, "run/top_motion");
+    archive_top(a, world, "run/support",
+                {"N", "averaged load of the bed on the ground's top nodes"}, world.support);
+    archive_top(a, world, "run/top_position",
+                {"m", "ground's top nodes at the start of the last window"}, top.position);
+    archive_top(a, world, "run/top_motion", {"m", "their displacement in it"}, top.motion);
   }
-  world.register_surfaces();
-  // A model of placed stones without plates and boxes has no surface and no such group.
-  if (!file.has("coupling")) return;
-  std::vector<World::Means> means;
-  for (const std::string& surface : file.names("coupling"))
-    means.push_back({surface, read_nodes(file, "coupling/" + surface)});
-  world.set_means(means);
+  if (a.reads()) world.register_surfaces();
+  std::vector<World::Means> means = world.means();
+  for (World::Means& of : means)
+    if (a.has("coupling/" + of.surface, true))
+      a.rows("coupling/" + of.surface, of.force,
+             {"N", "mean force of stones on the nodes in the last window"});
+  if (a.reads()) world.set_means(means);
 }
 
 // The part of the state that is the same on all ranks.
@@ -95,62 +69,49 @@ struct CommonState {
   }
 };
 
-CommonState common_state_in(const io::File& file) {
-  CommonState common;
-  io::Archive archive = io::Archive::reader(file, "run");
-  common.archive(archive);
-  return common;
-}
-
 }  // namespace
 
-std::int64_t history_rows_in(const io::File& file) { return common_state_in(file).rows; }
-
-// Parts that do not exist yet are not written, and `load` leaves them in their initial state.
-void StagedScheme::save(io::File& file) {
-  CommonState common{world_.coupler.balance(), results_.rows(), world_.ground_settled};
-  io::Archive archive = io::Archive::writer(comm_, file, "run");
-  common.archive(archive);
-  file.attribute("/", "particles", world_.particles.totals().particles);
-  world_.particles.save(file, "particles");
-  if (world_.sleepers && world_.sleepers->placed()) world_.sleepers->save(file, "sleepers", comm_);
-  if (world_.ground && world_.ground_settled) world_.ground->save(file, "ground");
-  if (world_.platen) world_.platen->save(file, "platen", comm_);
-  if (world_.tines) world_.tines->save(file, "tines", comm_);
-  if (world_.placement) world_.placement->save(file);
-  actions_.save(file);
-  save_surfaces(world_, file);
+std::int64_t history_rows_in(const io::File& file) {
+  CommonState common;
+  io::Archive::reader(file).part("run", common);
+  return common.rows;
 }
 
-// In the order of dependence: `CommonState` states whether the ground has moved, then the modules
-// load their bodies, and surfaces are registered last, when all of them are at their stored
-// positions.
-void StagedScheme::load(const io::File& file) {
-  const CommonState common = common_state_in(file);
+// Parts that do not exist yet are not written, and loading leaves them in their initial state. In
+// the order of dependence: `CommonState` states whether the ground has moved, then the modules load
+// their bodies, and surfaces come last, when all of them are at their stored positions.
+void StagedScheme::archive(io::Archive& a) {
+  CommonState common{world_.coupler.balance(), results_.rows(), world_.ground_settled};
+  a.part("run", common);
   world_.ground_settled = common.ground_settled;
-  world_.coupler.set_balance(common.balance);
-  world_.particles.load(file, "particles");
-  if (world_.sleepers && file.has("sleepers")) world_.sleepers->load(file, "sleepers");
-  if (world_.ground && world_.ground_settled) world_.ground->load(file, "ground");
-  if (file.has("platen")) {
+  if (a.reads()) world_.coupler.set_balance(common.balance);
+  a.part("particles", world_.particles);
+  if (world_.sleepers && a.has("sleepers", world_.sleepers->placed()))
+    a.part("sleepers", *world_.sleepers);
+  if (world_.ground && world_.ground_settled) a.part("ground", *world_.ground);
+  archive_platen(a);
+  if (a.has("tines", world_.tines.has_value())) {
+    if (a.reads()) world_.tines.emplace(world_.make_tines());
+    a.part("tines", *world_.tines);
+    if (a.reads()) world_.tines->show_at_rest(begin_of_window());
+  }
+  if (world_.placement) {
+    a.part("placed", *world_.placement);
+    if (a.reads()) world_.placement->update(run_.course.clock.time(), 0);
+  }
+  actions_.archive(a, run_.course.steps.window);
+  archive_surfaces(a, world_);
+  if (a.reads() && world_.platen) world_.platen->set_area(world_.walls.area());
+}
+
+void StagedScheme::archive_platen(io::Archive& a) {
+  if (!a.has("platen", world_.platen.has_value())) return;
+  if (a.reads()) {
     world_.platen.emplace(model_.platen, model_.container(), model_.material(model_.wall_material));
     if (run_.course.begun)
       world_.platen->set_target(model_.pressure_in(present()), present().kind == StageKind::shear);
-    world_.platen->load(file, "platen");
   }
-  if (file.has("tines")) {
-    world_.tines.emplace(world_.make_tines());
-    world_.tines->load(file, "tines");
-    world_.tines->show_at_rest(begin_of_window());
-  }
-  if (world_.placement) {
-    world_.placement->load(file);
-    world_.placement->update(run_.course.clock.time(), 0);
-  }
-  if (run_.course.begun) actions_.load(file, run_.course.steps.window);
-  actions_.load_done(file);
-  load_surfaces(world_, file);
-  if (world_.platen) world_.platen->set_area(world_.walls.area());
+  a.part("platen", *world_.platen);
 }
 
 // Histories are continued in the file beside the checkpoint, or begin again if it does not exist.

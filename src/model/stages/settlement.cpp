@@ -42,23 +42,10 @@ void Settlement::watch(std::int64_t cycles, const Clock& clock, const track::Sle
   level_ = now;
 }
 
-void Settlement::save(io::File& file, const par::Comm& comm) const {
-  if (level_.empty()) return;
-  std::vector<double> row{last_};
-  row.insert(row.end(), level_.begin(), level_.end());
-  file.write<double>("run/settlement", std::span(row).first(comm.root() ? row.size() : 0), 1,
-                     {"m",
-                      "largest settlement of a sleeper in the last cycle (below 0: none yet), then "
-                      "the height of each when the present cycle began"});
-}
-
-// A stage without cycles has written nothing.
-void Settlement::load(const io::File& file) {
-  end();
-  if (!file.has("run/settlement")) return;
-  level_ = file.read_all<double>("run/settlement");
-  last_ = level_.at(0);
-  level_.erase(level_.begin());
+void Settlement::archive(io::Archive& a) {
+  a("last_cycle", last_,
+    {"m", "largest settlement of a sleeper in the last cycle; below 0: no cycle is complete"});
+  a.rows("level", level_, {"m", "height of each sleeper when the present cycle began"});
 }
 
 }  // namespace trackbed::model

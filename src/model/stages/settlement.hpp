@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "trackbed/core/clock.hpp"
-#include "trackbed/io/file.hpp"
+#include "trackbed/io/archive.hpp"
 #include "trackbed/track/sleepers.hpp"
 
 namespace trackbed::model {
@@ -20,9 +20,8 @@ class Settlement {
   // no cycle is complete yet.
   double last() const { return last_; }
 
-  // The same on all ranks; rank 0 writes, all read. Collective.
-  void save(io::File& file, const par::Comm& comm) const;
-  void load(const io::File& file);
+  bool begun() const { return !level_.empty(); }
+  void archive(io::Archive& a);  // after `begin`
 
  private:
   std::vector<double> level_;  // m, of each sleeper when the present cycle began

@@ -7,8 +7,6 @@ namespace trackbed::model {
 
 namespace {
 
-constexpr const char* group = "train";  // of checkpoints
-
 track::Train train_over(const TrackModel& t) {
   return {t.train, t.vehicles, t.line.track.rails, t.line.track.wheel_gauge()};
 }
@@ -133,17 +131,13 @@ observe::TrainInstant StageTrain::instant() const {
           .running = train_ ? &*train_ : nullptr};
 }
 
-void StageTrain::save(io::File& file) const {
-  if (train_) train_->save(file, group, world_.comm);
-  forces_.save(file, world_.comm);
-}
-
-// Only a stage with a running train has a group.
-void StageTrain::load(const io::File& file, double step) {
-  take_away();
-  if (!file.has(group)) return;
-  send(step);
-  train_->load(file, group);
+// A train is sent first, and takes over the stored state.
+void StageTrain::archive(io::Archive& a, double step) {
+  if (a.has("train", there())) {
+    if (a.reads()) send(step);
+    a.part("train", *train_);
+  }
+  a.part("run/wheels", forces_);
 }
 
 }  // namespace trackbed::model

@@ -36,11 +36,8 @@ class StageTrain {
   // train.
   const WheelExtremes& wheel_forces() const { return forces_; }
 
-  // Writes nothing without a train. Collective.
-  void save(io::File& file) const;
-  // If the file has a train, starts it with windows of `step` s and loads its state.
-  void load(const io::File& file, double step);
-  void load_wheel_forces(const io::File& file) { forces_.load(file); }
+  // `step`: s, window of the stage. After the sleepers' state.
+  void archive(io::Archive& a, double step);
 
  private:
   std::size_t rails() const;

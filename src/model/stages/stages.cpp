@@ -264,16 +264,12 @@ void StageActions::end(const Stage& stage) {
   world_.particles.set_friction(-1);
 }
 
-void StageActions::save(io::File& file) const {
-  settlement_.save(file, world_.comm);
-  train_.save(file);
+void StageActions::archive(io::Archive& a, double window) {
+  if (a.has("run/settlement", settlement_.begun())) {
+    if (a.reads()) settlement_.begin(*world_.sleepers);
+    a.part("run/settlement", settlement_);
+  }
+  train_.archive(a, window);
 }
-
-void StageActions::load(const io::File& file, double window) {
-  settlement_.load(file);
-  train_.load(file, window);
-}
-
-void StageActions::load_done(const io::File& file) { train_.load_wheel_forces(file); }
 
 }  // namespace trackbed::model

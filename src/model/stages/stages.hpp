@@ -46,10 +46,9 @@ class StageActions {
   double settlement() const { return settlement_.last(); }  // m, in the last cycle; < 0: none
   void end(const Stage& stage);                             // collective
 
-  // State of the present stage that is in neither the deck nor the model. Collective.
-  void save(io::File& file) const;
-  void load(const io::File& file, double window);  // s, of the present stage
-  void load_done(const io::File& file);            // state left by finished stages
+  // State of the present stage that is in neither the deck nor the model, and what finished ones
+  // leave. `window`: s, of the present stage. After the sleepers' state.
+  void archive(io::Archive& a, double window);
 
  private:
   double time_of_train(const Stage& stage, double time) const;

@@ -137,19 +137,10 @@ double TrainOnBed::rail_displacement(std::size_t i, std::size_t side) const {
                                           side);
 }
 
-void TrainOnBed::save(io::File& file, const std::string& group, const par::Comm& comm) const {
-  impl_->passage.save(file, group, comm);
-  const std::vector<double>& levels = impl_->levels;
-  file.write<double>(
-      group + "/levels", std::span(levels).first(comm.root() ? levels.size() : 0), 1,
-      {"m", "height of the sleepers' seats since they were placed, when the rail was placed"});
-}
-
-void TrainOnBed::load(const io::File& file, const std::string& group) {
-  impl_->passage.load(file, group);
-  impl_->levels = file.read_all<double>(group + "/levels");
-  if (impl_->levels.size() != impl_->line.seats())
-    throw RunError(group + "/levels was written for a different number of sleepers");
+void TrainOnBed::archive(io::Archive& a) {
+  impl_->passage.archive(a);
+  a.rows("levels", impl_->levels,
+         {"m", "height of the sleepers' seats since they were placed, when the rail was placed"});
 }
 
 }  // namespace trackbed::track

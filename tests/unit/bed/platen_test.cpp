@@ -209,10 +209,11 @@ TEST(Platen, ResumedRunIsBitwiseIdentical) {
     compress(first, 1e8, 0.05);
     {
       io::File file(world, path, io::Mode::create);
-      first.save(file, "platen", world);
+      io::Archive::writer(world, file).part("platen", first);
       file.close();
     }
-    second.load(io::File(world, path, io::Mode::read), "platen");
+    const io::File file(world, path, io::Mode::read);
+    io::Archive::reader(file).part("platen", second);
     compress(straight, 1e8, 0.05);
     compress(second, 1e8, 0.05);
     EXPECT_EQ(second.z(), straight.z());

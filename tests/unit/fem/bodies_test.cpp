@@ -235,10 +235,11 @@ TEST(Bodies, StoppedAndResumedIsBitwiseIdentical) {
   const io::Scratch scratch("bodies");
   {
     io::File file(world, scratch / "solids.h5", io::Mode::create);
-    first.save(file, "solids", world);
+    io::Archive::writer(world, file).part("solids", first);
     file.close();
   }
-  second.load(io::File(world, scratch / "solids.h5", io::Mode::read), "solids");
+  const io::File file(world, scratch / "solids.h5", io::Mode::read);
+  io::Archive::reader(file).part("solids", second);
   first.show_at_rest();
   EXPECT_EQ(second.surfaces()[0].position, first.surfaces()[0].position);
   go(second, 25);

@@ -60,11 +60,13 @@ TEST(Settlement, ContinuesFromACheckpoint) {
   for (int n = 0; n < 5; ++n) scene.window();
   {
     io::File file(world, path, io::Mode::create);
-    scene.settlement.save(file, world);
+    io::Archive::writer(world, file).part("settlement", scene.settlement);
     file.close();
   }
   Settlement resumed;
-  resumed.load(io::File(world, path, io::Mode::read));
+  resumed.begin(scene.sleepers);
+  const io::File file(world, path, io::Mode::read);
+  io::Archive::reader(file).part("settlement", resumed);
   EXPECT_EQ(resumed.last(), scene.settlement.last());
   scene.window();
   scene.window();
