@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "input/limits.hpp"
 #include "input/spec.hpp"
@@ -52,6 +53,30 @@ std::string range_of(const Spec& spec) {
   return fmt::format("{}{}usually {}", range, range.empty() ? "" : "; ", often);
 }
 
+// What it means, and the parts of a stored state that fix its value for runs that continue.
+std::string meaning_of(const Spec& spec) {
+  using namespace state;
+  static constexpr std::array<std::pair<StateParts, const char*>, 11> words{{
+      {any, "every checkpoint"},
+      {earlier, "every checkpoint whose deck has it"},
+      {sleepers, "placed sleepers"},
+      {solid_sleepers, "placed solid sleepers"},
+      {solid_rails, "placed solid rails"},
+      {tines, "inserted tines"},
+      {train, "a train under way"},
+      {moved_ground, "a moved ground"},
+      {moved_plane_ground, "a moved plane ground"},
+      {moved_viscous_base, "a moved ground on a viscous base"},
+      {moved_implicitly, "implicit steps of the ground"},
+  }};
+  std::vector<std::string> parts;
+  for (const auto& [part, name] : words)
+    if ((spec.fixed_by & part) != 0) parts.emplace_back(name);
+  if (parts.empty()) return spec.meaning;
+  if ((spec.fixed_by & any) != 0) parts.resize(1);
+  return fmt::format("{} Fixed by {}.", spec.meaning, fmt::join(parts, ", "));
+}
+
 // A bar would end the cell of a Markdown table.
 std::string cell(const std::string& text) {
   std::string escaped;
@@ -75,7 +100,7 @@ void markdown(const Spec& section, const std::vector<Spec>& parts, bool in_list,
     if (!is_group(part))
       out += fmt::format("| `{}` | {} | {} | `{}` | {} | {} |\n", part.name,
                          cell(kind_in_words(part)), cell(part.unit), cell(default_in_words(part)),
-                         range_of(part), cell(part.meaning));
+                         range_of(part), cell(meaning_of(part)));
   for (const Spec& part : parts)
     if (is_group(part))
       markdown(part, part.is_list() ? part.element() : part.parts, part.is_list(), out);
@@ -89,7 +114,7 @@ void plain(const Spec& section, const std::vector<Spec>& parts, bool in_list, st
     const std::string range = range_of(part);
     out += fmt::format("\n  {} = {}{}\n      {}{}\n      {}\n", part.name, default_in_words(part),
                        part.unit == "-" ? "" : " " + part.unit, kind_in_words(part),
-                       range.empty() ? "" : fmt::format(", {}", range), part.meaning);
+                       range.empty() ? "" : fmt::format(", {}", range), meaning_of(part));
   }
   for (const Spec& part : parts)
     if (is_group(part)) {

@@ -1,6 +1,7 @@
 // What a vehicle of each kind consists of. A kind without a layout does not compile. Also by kind:
-// the names in VehicleParameters::declare (vehicles.cpp). A bogie has two axles: others need
-// changes of `axles_of` and of `add_bogie` (train.cpp).
+// the names in VehicleParameters::declare (src/track/train/vehicles.cpp). Any number of bogies is
+// possible, each with two axles: others need changes of `axles_of` and of `add_bogie`
+// (src/track/train/train.cpp). The bogies of a vehicle are `bogie_distance` apart.
 #pragma once
 
 #include <vector>

@@ -27,10 +27,14 @@ constexpr double rounding = 1e-9;  // m
 // The materials of all parts of the model exist, and those in contact have a law. Only existing
 // parts count: a deck without ground need not give the material of its surface.
 void declare_materials(const Model& model, input::Section& s) {
-  std::vector<std::pair<std::string, std::string>> parts = {{"bed.material", model.bed.material}};
-  if (model.uses_walls()) parts.emplace_back("wall_material", model.wall_material);
-  parts.emplace_back("ground_material", model.ground_material);
-  if (model.uses_sleepers()) parts.emplace_back("sleepers.material", model.sleepers.material);
+  std::vector<std::pair<std::string, std::string>> parts;  // key, name of the material
+  const auto add = [&](std::string key, const std::string& name) {
+    parts.emplace_back(std::move(key), name);
+  };
+  add("bed.material", model.bed.material);
+  if (model.uses_walls()) add("wall_material", model.wall_material);
+  add("ground_material", model.ground_material);
+  if (model.uses_sleepers()) add("sleepers.material", model.sleepers.material);
   // A law between misspelt names would give a second sentence, on a missing law, about one mistake.
   const bool names_known = std::all_of(
       model.physics.laws.begin(), model.physics.laws.end(), [&](const dem::ContactLaw& law) {
@@ -38,7 +42,7 @@ void declare_materials(const Model& model, input::Section& s) {
       });
   std::set<std::string> stones = {model.bed.material};
   for (std::size_t i = 0; i < model.bed.layers.size(); ++i) {
-    parts.emplace_back(fmt::format("bed.layer[{}].material", i), model.bed.layers[i].material);
+    add(fmt::format("bed.layer[{}].material", i), model.bed.layers[i].material);
     stones.insert(model.bed.layers[i].material);
   }
   for (const auto& [key, name] : parts) {

@@ -127,10 +127,8 @@ std::vector<Body> add_bodies(Builder& to, const VehicleParameters& v) {
   const double inertia = layout.pitches ? v.body_inertia : 0;
   const Body body = to.body({v.body_mass, inertia, v.body_roll, v.body_offset});
   std::vector<Body> wheelsets;
-  if (layout.bogies == 2)
-    for (const double side : {1.0, -1.0})
-      add_bogie(to, v, {body, side * v.bogie_distance / 2}, wheelsets);
-  if (layout.bogies == 1) add_bogie(to, v, {body}, wheelsets);
+  for (int bogie = 0; bogie < layout.bogies; ++bogie)
+    add_bogie(to, v, {body, ((layout.bogies - 1) / 2.0 - bogie) * v.bogie_distance}, wheelsets);
   if (layout.bogies > 0) return wheelsets;
   const Body wheelset = to.body({v.wheelset_mass, 0, v.wheelset_roll});
   to.join({body}, {wheelset}, {v.primary_stiffness, v.primary_damping}, v.primary_base);

@@ -28,9 +28,12 @@ std::vector<double> axles_of(const VehicleParameters& v) {
   if (layout.constant) return v.axles;
   if (layout.bogies == 0) return {v.length / 2};
   if (layout.bogies == 1) return {v.length / 2 - v.wheelbase / 2, v.length / 2 + v.wheelbase / 2};
-  const double front = v.length / 2 - v.bogie_distance / 2 - v.wheelbase / 2;
-  return {front, front + v.wheelbase, front + v.bogie_distance,
-          front + v.bogie_distance + v.wheelbase};
+  const double front = v.length / 2 - (layout.bogies - 1) * v.bogie_distance / 2 - v.wheelbase / 2;
+  std::vector<double> axles;
+  for (int bogie = 0; bogie < layout.bogies; ++bogie)
+    for (const double behind : {0.0, v.wheelbase})
+      axles.push_back(front + bogie * v.bogie_distance + behind);
+  return axles;
 }
 
 // Axle forces begin at the front.
@@ -38,7 +41,7 @@ double axle_span_of(const VehicleParameters& v) {
   const VehicleLayout layout = layout_of(v.kind);
   if (layout.constant)
     return v.axles.empty() ? 0 : *std::max_element(v.axles.begin(), v.axles.end());
-  return (layout.bogies > 1 ? v.bogie_distance : 0) + (layout.bogies > 0 ? v.wheelbase : 0);
+  return layout.bogies > 0 ? (layout.bogies - 1) * v.bogie_distance + v.wheelbase : 0;
 }
 
 double mass_of(const VehicleParameters& v) {

@@ -76,6 +76,33 @@ TEST_P(EveryDimension, ExplicitRunIsBitwiseIdenticalOnAnyRankCount) {
   EXPECT_GT(largest, 1e-9);  // something moved
 }
 
+// A window under a load that varies within it has the same bits as its steps taken in halves.
+TEST_P(EveryDimension, VaryingLoadTakesTheStepsOfAWindow) {
+  Ground whole(Comm::world(), mixed(), GetParam(), 1.3),
+      halves(Comm::world(), mixed(), GetParam(), 1.3);
+  constexpr int steps = 4;
+  const double dt = 3.3 * whole.stable_step();
+  std::vector<Vec3> load;
+  for (Ground* ground : {&whole, &halves}) {
+    ground->settle(wavy_load(ground->top(), 0));
+    ground->initialise_acceleration(wavy_load(ground->top(), 1));
+  }
+  for (int w = 0; w < 3; ++w) {
+    int step = 0;
+    whole.advance(dt, [&](double since) {
+      EXPECT_DOUBLE_EQ(since, ++step * dt / steps);
+      load = wavy_load(whole.top(), 10 * w + step);
+      return std::span<const Vec3>(load);
+    });
+    EXPECT_EQ(step, steps);
+    for (int k = 1; k <= steps; ++k) {
+      halves.begin_step(dt / steps);
+      halves.end_step(wavy_load(halves.top(), 10 * w + k));
+    }
+  }
+  EXPECT_EQ(bits(Comm::world(), whole), bits(Comm::world(), halves));
+}
+
 TEST_P(EveryDimension, SettledGroundStaysAtRest) {
   GroundParameters p = mixed();
   for (const double stiffness : {0.0, 1e7}) {
