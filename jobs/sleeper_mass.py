@@ -169,7 +169,7 @@ def main():
             change = found[name, mass] / found[name, given.masses[0]] - 1
             print(f"{name:24} {mass:3} x: rail down (rms) " + ", ".join(
                 f"{1e3 * down:.4f} ({1e3 * rms:.4f}) mm at {point} m: {100 * more:+.1f} "
-                f"({100 * more_rms:+.1f}) % of {given.masses[0]} x"
+                f"({100 * more_rms:+.1f}) % relative to mass {given.masses[0]} x"
                 for point, (down, rms), (more, more_rms)
                 in zip(POINTS, found[name, mass].T, change.T)), flush=True)
     with open(given.folder / "sleeper_mass.csv", "w", newline="", encoding="utf-8") as out:

@@ -108,7 +108,7 @@ def envelope(runs):
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
-    upper.set_title("Envelope; deepest ground " + "; ".join(text), fontsize=10)
+    upper.set_title("Envelope; largest downward displacement of the ground " + "; ".join(text), fontsize=10)
     return figure
 
 
@@ -349,8 +349,12 @@ def main():
         if run.deck.get("model") == "stones":
             raise read.Unreadable(f"{run.name}: contains single stones only; read.py lists "
                                   "their histories")
+        if run.deck.get("model") == "ground":
+            raise read.Unreadable(f"{run.name}: contains a ground alone; read.py lists its "
+                                  "histories")
         if run.deck.get("model", "bed") != "bed":
-            raise read.Unreadable(f"{run.name}: contains a track alone; use track_figures.py")
+            raise read.Unreadable(f"{run.name}: contains a track without a bed; use "
+                                  "track_figures.py")
         if not len(run.time):
             raise read.Unreadable(f"{run.name}: results.h5 contains no row of the histories yet")
     for path in draw_all(runs, arguments.output):

@@ -267,8 +267,7 @@ def warnings(results):
             "does not carry a permanent load")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
-        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): single stones "
-        "moved" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
+        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): stones were rearranged (permanent settlement of the ballast)" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
 def _verdict(change, wanted):

@@ -101,15 +101,16 @@ def numbers(passing):
             -1e3 * np.nanmean(passing.lowest[axle]), "mm")
         found[f"axle {axle + 1}, sleepers down, most"] = (
             -1e3 * np.nanmin(passing.lowest[axle]), "mm")
-        found[f"axle {axle + 1}, lower than under the first, mean"] = (
+        found[f"axle {axle + 1}, sleepers lower than under axle 1, mean"] = (
             1e3 * np.nanmean(passing.sunk_since_first()[axle]), "mm")
     if passing.seats is not None:
         lean = passing.seats[..., 0] - passing.seats[..., 1]
-        found["left over right seat of a sleeper, most"] = (1e3 * lean.max(), "mm")
-        found["left over right seat of a sleeper, least"] = (1e3 * lean.min(), "mm")
+        found["left seat above right seat of a sleeper, most"] = (1e3 * lean.max(), "mm")
+        found["left seat above right seat of a sleeper, least"] = (1e3 * lean.min(), "mm")
     found["rail above a sleeper, down, most"] = (-1e3 * passing.rail.min(), "mm")
-    found["left by the train, mean of sleepers"] = (-1e3 * passing.left.mean(), "mm")
-    found["left by the train, worst sleeper"] = (-1e3 * passing.left.min(), "mm")
+    left = -1e3 * passing.left
+    found["permanent settlement after the train, mean of sleepers"] = (left.mean(), "mm")
+    found["permanent settlement after the train, largest"] = (left.max(), "mm")
     return found
 
 
@@ -130,7 +131,7 @@ def draw(passing, blocks):
     left.plot(passing.sleepers_x, 1e3 * passing.left, "k^--", ms=4, lw=0.9,
               label="after the train relative to before")
     wheels.set(ylabel="wheel force, kN", title="Train over the bed")
-    down.set(ylabel="lowest of each sleeper, mm")
+    down.set(ylabel="lowest position of each sleeper, mm")
     left.set(ylabel="change of height of sleepers, mm", xlabel="x, m")
     low, high = passing.sleepers_x[0], passing.sleepers_x[-1]
     wheels.set_xlim(low - 4 * passing.spacing, high + 4 * passing.spacing)

@@ -292,7 +292,8 @@ std::string Coupler::trouble() const {
   if (impl_->ledger.lost() <= lost) return {};
   return fmt::format(
       "the loads on surfaces differ from the contact forces of the stones by {:.2g} of their sum: "
-      "a load has grown too fast within one window for the integers of the exact sum (largest load "
+      "within one window a load has grown beyond the range of the integers that represent it "
+      "(largest load "
       "of a node, summed over sub-steps: {:.3g} N); use shorter windows (time.window, "
       "time.substeps)",
       impl_->ledger.lost(), impl_->largest);

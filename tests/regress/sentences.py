@@ -208,7 +208,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{TRAIN} passage.duration=1": "has no effect on a bed: use the duration",
           "dem.gravity=9810": "usual values (at most 100 m/s2)",
           "contact.0.friction=60": "usual values (at most 2)",
-          "stage.sleepers.height=0.01": "less than the largest stone (0.063 m)"}
+          "stage.sleepers.height=0.01": "less than the size of the largest stone (0.063 m)"}
 # What must not be reported of zones: beside the bed's sleepers, or of the rail alone.
 SILENT = [f"{TRAIN} track.zone=[{{from=0,to=11.9,gap=2e-3}},{{from=13,to=60,bed=0.5}}]",
           f"{TRAIN} track.zone=[{{from=0,to=60,rail=2}}]"]
@@ -288,7 +288,7 @@ def check_loads(program, deck, folder):
                        ("0,0\n0.01,4e3\n1,4e3\n", False)):
         table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
         ran = program.done(1, "check", deck, "load.kind=table", f"load.file={table.resolve()}")
-        words = 'stage "passage": the load falls at once from the 4000 N of the last row to 0'
+        words = 'stage "passage": the load of the first sleeper falls at once from 4000 N (last row) to 0'
         expect((words in ran.stdout) == warned, f"{rows}: warned or not", ran)
 
 

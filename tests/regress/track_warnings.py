@@ -454,9 +454,9 @@ def check_loads(program, decks, folder):
     words = [*SEATS, "irregularity.fade=0", "train.start=0", "load.kind=table", "load.speed=60",
              f"load.file={table.resolve()}", "passage.duration=2"]
     for rows, changes, wanted in (
-            ("0,0\n0.2,5e4\n0.5,5e4\n", [], "falls at once from the 50000 N of the last row to 0"),
+            ("0,0\n0.2,5e4\n0.5,5e4\n", [], "falls at once from 50000 N (last row) to 0"),
             ("0,0\n0.2,5e4\n0.5,5e4\n", ["passage.duration=0.4"], ""),
-            ("0.5,5e4\n0.6,0\n", [], "jumps from 0 to the 50000 N of the first row"),
+            ("0.5,5e4\n0.6,0\n", [], "jumps from 0 to 50000 N (first row)"),
             ("0,0\n0.2,5e4\n0.3,500\n", [], ""), ("0,0\n0.2,5e4\n0.5,0\n", [], "")):
         table.write_text("time_s,force_N\n" + rows, encoding="utf-8")
         ran = program.done(1, "check", decks / "plain.toml", *words, *changes)

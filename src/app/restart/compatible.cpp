@@ -174,10 +174,11 @@ bool require_same_model(const par::Comm& comm, const io::File& checkpoint, const
     same = false;
     const StateParts holds = is_new ? parts & ~input::state::earlier : parts;
     if ((fixed_by(key) & holds) == 0) continue;
-    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}; both must be equal",
-                                   deck.where(key), gone ? "is missing" : "= " + new_one->second,
-                                   path,
-                                   is_new ? "without this parameter" : "with " + old_one->second));
+    const std::string made = is_new ? "without this parameter; leave it out"
+                                    : fmt::format("with {}; {}", old_one->second,
+                                                  gone ? "give this value" : "both must be equal");
+    problems.push_back(fmt::format("{} {}: the checkpoint {} was made {}", deck.where(key),
+                                   gone ? "is missing" : "= " + new_one->second, path, made));
   }
   const bool train = (parts & input::state::train) != 0;
   const StateParts content = parts | (train ? input::state::content_with_train : 0);

@@ -259,8 +259,10 @@ std::string Bodies::trouble() const {
     if (!impl_->mean(b, moved).allFinite())
       return fmt::format("the position of {} is not a number", name);
     if (turned > largest_turn)
-      return fmt::format("{} has turned by {:.3g} rad; small displacements allow at most {:g} rad",
-                         name, turned, largest_turn);
+      return fmt::format(
+          "{} has turned by {:.3g} rad; the model assumes small displacements and allows at most "
+          "{:g} rad",
+          name, turned, largest_turn);
   }
   return "";
 }

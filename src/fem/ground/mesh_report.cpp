@@ -200,12 +200,13 @@ void warn_of_shapes(const GroundParameters& parameters, const std::vector<double
   const auto poor = std::count_if(ratios.begin(), ratios.end(),
                                   [](double ratio) { return ratio < poor_mean_ratio; });
   if (poor > 0)
-    warnings.push_back(fmt::format(
-        "{}: {} of {} tetrahedra are nearly flat: their mean ratio is below {:g}, the least is "
-        "{:.2g} (tetrahedron {}{}); time steps are short and stresses inaccurate there",
-        parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor, ratios.size(),
-        poor_mean_ratio, *worst, worst - ratios.begin() + 1,
-        parameters.mesh.empty() ? "" : " of the file"));
+    warnings.push_back(
+        fmt::format("{}: {} of {} tetrahedra are nearly flat: their mean ratio (1: equilateral) is "
+                    "below {:g}, the least is "
+                    "{:.2g} (tetrahedron {}{}); time steps are short and stresses inaccurate there",
+                    parameters.mesh.empty() ? "ground.section" : parameters.mesh, poor,
+                    ratios.size(), poor_mean_ratio, *worst, worst - ratios.begin() + 1,
+                    parameters.mesh.empty() ? "" : " of the file"));
 }
 
 // Stones and pressures act on two straight pieces for a curved edge of the top, so that a uniform

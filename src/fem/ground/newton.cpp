@@ -49,8 +49,9 @@ constexpr double largest_increment = 0.02;
 std::string Ground::Impl::not_converged(const NewtonStep& step) {
   if (step.converged)
     return fmt::format(
-        "the ground fails: plastic strains reach {:.2g} at the end of an implicit step, but small "
-        "displacements allow at most {:g}; use stronger layers, a weaker wave or a smaller load",
+        "the ground fails: plastic strains reach {:.2g} at the end of an implicit step, but the "
+        "model assumes small displacements and allows at most {:g}; use stronger layers, a weaker "
+        "wave or a smaller load",
         step.strain, largest_strain);
   const std::string why =
       step.unsolved > 0

@@ -175,7 +175,7 @@ void declare_alphas(GroundParameters& p, Section& s) {
            "Parameter alpha of the numerical damping (hht, bossak); 0: none; more negative values "
            "give more damping.");
   s.rule("alpha", p.integrator != Integrator::hht || p.alpha >= -1.0 / 3,
-         "must be at least -1/3 for hht, or the integrator is not stable",
+         "must be at least -1/3 for hht, or the integrator is not unconditionally stable",
          {.reads = {"integrator", "alpha"}});
   s.number("rho_inf", p.rho_inf, {.at_least = 0, .at_most = 1},
            "Spectral radius at infinite frequency (generalized_alpha); 1: no numerical damping.");
@@ -251,7 +251,7 @@ void Strength::declare(Section& s) {
   s.rule("friction_angle", cohesion > 0 || friction_angle > 0,
          "must be above 0 if cohesion is 0, or the solid has no shear strength", about);
   s.rule("dilation_angle", dilation_angle <= friction_angle,
-         fmt::format("must be at most friction_angle ({:g} degrees), or yielding creates energy",
+         fmt::format("must be at most friction_angle ({:g} degrees), or yielding may create energy",
                      friction_angle),
          about);
   const double slope = std::tan(friction_angle * std::numbers::pi / 180);
@@ -261,8 +261,8 @@ void Strength::declare(Section& s) {
                      slope > 0 ? cohesion / slope : 0.0),
          about);
   s.rule("cohesion", cohesion > 0,
-         "should be above 0: where the top is not loaded it has no strength, and yields under the "
-         "first wave; sand between sleepers has some kPa",
+         "should be above 0: where the top is not loaded, the ground would have no strength and "
+         "would yield under the first wave; moist sand has an apparent cohesion of some kPa",
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 
@@ -384,7 +384,7 @@ void GroundParameters::declare_steps(Section& s) {
   s.number("newmark_gamma", newmark_gamma, {.at_least = 0.5, .at_most = 1},
            "Newmark's gamma (newmark); values above 0.5 give numerical damping.");
   s.rule("newmark_beta", 2 * newmark_beta >= newmark_gamma,
-         "must be at least half of newmark_gamma, or the integrator is not stable");
+         "must be at least half of newmark_gamma, or the integrator is not unconditionally stable");
   declare_alphas(*this, s);
   declare_idle_numbers(*this, s);
   s.number("tolerance", tolerance, {.at_least = 1e-14, .at_most = 1e-2},

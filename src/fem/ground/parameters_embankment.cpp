@@ -144,7 +144,8 @@ void declare_upright(const GroundParameters& p, const std::array<bool, 2>& ends,
     const char* key = common ? "sides" : high ? "side_y_high" : "side_y_low";
     s.rule(key, common && named,
            fmt::format("also applies to the vertical outside of the embankment of ground.section "
-                       "(x = {:g} to {:g} m), since the ground ends there; a slope above 0, or "
+                       "(x = {:g} to {:g} m), since the ground ends there; to make this outside "
+                       "free, give a slope above 0, or "
                        "\"free\", leaves it free",
                        from, to),
            {.severity = Severity::warning,

@@ -21,8 +21,8 @@ namespace {
 std::string divergence(int iterations, std::int64_t patience, double residual) {
   return fmt::format(
       "static solve of the ground did not converge: the relative out-of-balance force is {:.2g} "
-      "after {} iterations and has not halved within the last {}; if the layers should carry the "
-      "load, increase cohesion, friction_angle or tensile_strength, or, near collapse, "
+      "after {} iterations and has not halved within the last {}; check loads, cohesion, "
+      "friction_angle and tensile_strength; if the ground is stable but near collapse, increase "
       "ground.static_iterations",
       residual, iterations, patience);
 }

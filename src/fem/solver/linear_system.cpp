@@ -79,7 +79,7 @@ void LinearSystem::Handles::create() {
   check(MatCreate(comm, matrix.create()), "create a matrix");
   check(MatSetSizes(matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE), "size a matrix");
   check(MatSetBlockSize(matrix, components), "size a matrix");
-  check(MatSetType(matrix, MATAIJ), "type a matrix");
+  check(MatSetType(matrix, MATAIJ), "set the type of a matrix");
   check(MatSeqAIJSetPreallocation(matrix, 0, inner.data()), "allocate a matrix");
   check(MatMPIAIJSetPreallocation(matrix, 0, inner.data(), 0, outer.data()), "allocate a matrix");
   check(MatCreateVecs(matrix, solution.create(), right.create()), "create vectors");

@@ -116,7 +116,7 @@ void close_holes(Surface& surface, double extent, std::vector<std::string>& repa
     if (length > hole * extent)
       refuse(
           fmt::format("the mesh is not closed: a hole has a border of {:.3g} m; only borders up to "
-                      "{:g} of the extent of the mesh ({:.3g} m) are closed",
+                      "{:g} of the extent of the mesh (extent: {:.3g} m) are closed",
                       length, hole, extent));
     std::vector<Surface::Face_index> patch;
     pmp::triangulate_hole(surface, border, std::back_inserter(patch));

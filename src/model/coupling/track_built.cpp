@@ -131,8 +131,8 @@ std::vector<std::string> introduce(const par::Comm& comm, const Model& model,
                         built.line.sleeper_x(built.line.first_moved()),
                         built.line.sleeper_x(built.line.first_moved() + built.line.moved() - 1)));
   if (model.ground.integrator != fem::Integrator::explicit_)
-    say(comm, fmt::format("  step: {:.4g} s (passage.step), implicit ground: two solutions in each "
-                          "step, and {} before the first step",
+    say(comm, fmt::format("  step: {:.4g} s (passage.step), implicit ground: two solves of the "
+                          "ground in each step, and {} solves before the first step",
                           whole.track.passage.step, whole.below->footprints()));
   if (whole.track.passage.step < model.track.passage.step)
     say(comm, fmt::format("  step: {:.4g} s, limited by {}", whole.track.passage.step,

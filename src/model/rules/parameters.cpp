@@ -159,10 +159,10 @@ void TimeParameters::declare(input::Section& s) {
   s.integer("substeps", substeps, {.at_least = 1, .at_most = 10000},
             "Number of sub-steps in a window if `window` is 0, as far as the coupling allows.");
   // Up to twice the estimate: the limit is exact once the lightest stone is known.
-  s.rule(
-      "step", step <= 2 * rough_step,
-      fmt::format("is unstable: the stiffest contact and the lightest stone allow about {:.3g} s",
-                  rough_step));
+  s.rule("step", step <= 2 * rough_step,
+         fmt::format("is too long: with dem.safety, the stiffest contact and the lightest stone "
+                     "allow about {:.3g} s",
+                     rough_step));
   s.rule("step", step == 0 || step >= 1e-3 * rough_step || rough_step == input::unbounded,
          fmt::format("is less than a thousandth of the stable step of about {:.3g} s; is it in s?",
                      rough_step),

@@ -188,7 +188,7 @@ void declare_motion(const Model& model, input::Section& s) {
   });
   declare_steadiness(model, corners, s);
   s.rule("time.step", stones.empty() || moves || model.time.step > 0,
-         "must be given: no stone is free, so that there is no stable step from which to choose",
+         "must be given: no stone is free, so that the program cannot derive a step from stability",
          {.reads = {"stone", "time"}});
 }
 

@@ -313,7 +313,7 @@ void declare_intervals(const Model& model, input::Section& s) {
                                       {"output.fields_interval", output.fields_interval},
                                       {"output.checkpoint_interval", output.checkpoint_interval}})
     s.rule(key, interval == 0 || interval >= window * (1 - rounding_of_steps),
-           fmt::format("is less than a time window (about {:.2g} s or more): output is then "
+           fmt::format("is less than a time window (estimate: at least {:.2g} s): output is then "
                        "written after every window; is the interval in s?",
                        window),
            {.severity = input::Severity::warning, .reads = {key, "time", "dem", "bed", "contact"}});

@@ -136,11 +136,11 @@ void declare_rails(const Model& model, input::Section& s) {
          "must be false below a train (train = true), whose rail is a beam; solid rails carry the "
          "axles of [load]",
          {.reads = {"solid.rails", "stage"}});
-  s.rule(
-      "load.kind",
-      !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
-      "must be winkler with solid rails: its wheels run on the rails, other kinds load the seats",
-      {.reads = {"load.kind", "solid.rails", "stage"}});
+  s.rule("load.kind",
+         !model.has_stage(StageKind::passage) || model.load.kind == track::SeatLoadKind::winkler,
+         "must be winkler with solid rails: only with winkler do wheels run on the rails; the "
+         "other kinds load the seats",
+         {.reads = {"load.kind", "solid.rails", "stage"}});
   s.rule("pad.bilinear_at", model.track.line.pad.bilinear_at == 0,
          "must be 0 below solid rails, whose pads are linear", {.reads = {"pad", "solid.rails"}});
 }

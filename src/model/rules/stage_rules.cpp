@@ -24,8 +24,9 @@ bool is_a_word(const std::string& name) {
 }
 
 constexpr const char* word_wanted =
-    "must be a word of letters, digits and _ - + . (at most 100 characters, not beginning with . "
-    "or -): it is used in overrides and in names of files and groups of the results";
+    "must be a word of letters, digits and the characters '_', '-', '+' and '.' (at most 100 "
+    "characters, not beginning with '.' or '-'): it is used in overrides and in names of files and "
+    "groups of the results";
 
 // Each a word, all different.
 void declare_names(const std::string& list, const std::string& plural, const auto& tables,
@@ -145,10 +146,11 @@ void declare_heights(const Model& model, input::Section& s) {
            {.severity = input::Severity::warning, .reads = {sleepers, "bed"}});
     const double stone = model.bed.sieve.empty() ? 0 : 1e-3 * model.bed.sieve.back();  // mm
     const std::string key = fmt::format("stage[{}].height", i);
-    s.rule(
-        key, !places || stage.height == 0 || stage.height >= stone,
-        fmt::format("puts the sleepers less than the largest stone ({:.3g} m) above z = 0", stone),
-        {.severity = input::Severity::warning, .reads = {key, "bed"}});
+    s.rule(key, !places || stage.height == 0 || stage.height >= stone,
+           fmt::format("puts the lower faces of the sleepers too low: less than the size of the "
+                       "largest stone ({:.3g} m) above z = 0",
+                       stone),
+           {.severity = input::Severity::warning, .reads = {key, "bed"}});
   }
 }
 

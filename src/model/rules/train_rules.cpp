@@ -176,8 +176,8 @@ void declare_sides(const Model& model, input::Section& s) {
   if (model.sleepers.model == track::SleeperBody::solid) return declare_solid_sides(model, s);
   const auto& free = model.sleepers.free;
   s.rule("sleepers.free", std::find(free.begin(), free.end(), "rx") != free.end(),
-         "does not contain rx: sleepers of the bed do not roll below two rails, but sleepers on "
-         "springs do",
+         "does not contain rx: the sleepers of the bed therefore cannot rotate about x, while the "
+         "sleepers on springs can",
          {.severity = input::Severity::warning, .reads = about.reads});
 }
 

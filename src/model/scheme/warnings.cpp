@@ -38,7 +38,8 @@ std::string warning_of_sleepers(const World& world) {
   if (!(sunk(worst) > std::min(far_sunk, ballast))) return {};
   return fmt::format(
       "the sleeper at x = {:g} m has settled by {:.3g} mm since it was placed on {:.3g} mm of "
-      "ballast: the ballast below this sleeper has failed; later results are not reliable",
+      "ballast: the ballast below this sleeper has failed or the ground has sunk; results after "
+      "that are not reliable",
       sleepers.x(worst), 1e3 * sunk(worst), 1e3 * ballast);
 }
 

@@ -42,7 +42,8 @@ void declare_seats(const TrackModel& model, input::Section& s) {
   s.rule("track.support", model.line.track.support == track::Support::sleepers,
          "must be sleepers with seat loads (passage.loaded_by)", about);
   s.rule("track.ends", model.line.track.ends == track::RailEnds::pinned,
-         "must be pinned with seat loads (passage.loaded_by): the rail then has no other support",
+         "must be pinned with seat loads (passage.loaded_by): without pads nothing else holds the "
+         "rail",
          about);
 }
 

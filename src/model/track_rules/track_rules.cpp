@@ -95,14 +95,14 @@ void declare_support(const track::TrackParameters& track, input::Section& s) {
   if (track.ends == track::RailEnds::free)
     s.rule("track.zone", least >= needed,
            fmt::format("leaves {} support{} of the rail, but a rail with free ends needs at least "
-                       "{}: nearly everywhere bed = 0, or there is a gap",
+                       "{}; all other supports have bed = 0 or a gap",
                        least, least == 1 ? "" : "s", needed),
            {.reads = {"track"}});
   else
-    s.rule("track.zone", least > 0,
-           "leaves no support of the rail between its pinned ends: everywhere bed = 0, or there is "
-           "a gap",
-           {.severity = input::Severity::warning, .reads = {"track"}});
+    s.rule(
+        "track.zone", least > 0,
+        "leaves no support of the rail between its pinned ends: all supports have bed = 0 or a gap",
+        {.severity = input::Severity::warning, .reads = {"track"}});
 }
 
 void declare_under_sleeper(const track::LineParameters& line, input::Section& s) {

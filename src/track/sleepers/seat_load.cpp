@@ -109,13 +109,13 @@ std::vector<std::string> SeatLoad::jumps(double first_x, double last_x, double t
   std::vector<std::string> found;
   if (std::abs(first) > unnoticed * std::abs(largest) && begin > 0 && begin < time)
     found.push_back(
-        fmt::format("the load jumps from 0 to the {:g} N of the first row, on the last sleeper at "
-                    "{:g} s; let the table begin with 0",
+        fmt::format("the load of the last sleeper jumps from 0 to {:g} N (first row) at {:g} s; "
+                    "let the table begin with 0",
                     first, begin));
   if (std::abs(last) > unnoticed * std::abs(largest) && end < (1 - 1e-9) * time)
     found.push_back(fmt::format(
-        "the load falls at once from the {:g} N of the last row to 0, on the first sleeper at {:g} "
-        "s; let the table end with 0, or let it last as long as the load acts ({:g} s)",
+        "the load of the first sleeper falls at once from {:g} N (last row) to 0 at {:g} s; let "
+        "the table end with 0, or let it last as long as the load acts ({:g} s)",
         last, end, time));
   return found;
 }

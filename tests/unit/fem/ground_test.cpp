@@ -76,7 +76,7 @@ TEST_P(EveryDimension, ExplicitRunIsBitwiseIdenticalOnAnyRankCount) {
   EXPECT_GT(largest, 1e-9);  // something moved
 }
 
-// A window under a load that varies within it has the same bits as its steps taken in halves.
+// A window under a load that varies within it is bitwise identical to its steps taken in halves.
 TEST_P(EveryDimension, VaryingLoadTakesTheStepsOfAWindow) {
   Ground whole(Comm::world(), mixed(), GetParam(), 1.3),
       halves(Comm::world(), mixed(), GetParam(), 1.3);
