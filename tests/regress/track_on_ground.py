@@ -52,8 +52,8 @@ WARNED = {"footing.width=0.7":
           "limited by ballast dampers on the ground's top (the ground alone is limited by "
           "elements of layer",
           "ground.integrator=newmark":
-          "step: 0.0002 s (passage.step), implicit ground: two solves of the ground in each step, and "
-          "6 before"}
+          "step: 0.0002 s (passage.step), implicit ground: two solves of the ground in each step, "
+          "and 6 solves before"}
 # The ground divides the step: what is reported is of the step taken.
 STEPS = [
     (["passage.step=1e-2"], [], ["in a step", "history_interval"]),

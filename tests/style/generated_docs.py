@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that docs/input.md, docs/input.schema.json and the kinds of stages in docs/glossary.md equal
-the output of the program.
+"""Checks that docs/input.md, docs/input.schema.json and the kinds of stages in docs/glossary.md
+equal the output of the program.
 
     generated_docs.py PROGRAM SOURCE_FOLDER            compares, shows the first differences
     generated_docs.py PROGRAM SOURCE_FOLDER --write    writes them (CMake target `docs`)
