@@ -108,7 +108,8 @@ def envelope(runs):
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8, loc="best")
     lower.set_xlabel("x along the track (m)")
-    upper.set_title("Envelope; largest downward displacement of the ground " + "; ".join(text), fontsize=10)
+    upper.set_title("Envelope; largest downward displacement of the ground " + "; ".join(text),
+                    fontsize=10)
     return figure
 
 

@@ -263,11 +263,13 @@ def warnings(results):
         lines.append(
             f"warning: {results.name}: the ground has a residual displacement of "
             f"{1e3 * abs(most):.2f} mm "
-            f"{'downwards' if most > 0 else 'upwards'}: it was not at rest at the end, or its base "
-            "does not carry a permanent load")
+            f"{'downwards' if most > 0 else 'upwards'}: it was not at rest at the end, layers "
+            "have yielded, or its base does not carry a permanent load")
     return lines + [
         f"warning: {results.name}: the sleeper at x = {x:.2f} m has a residual displacement of "
-        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): stones were rearranged (permanent settlement of the ballast)" for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
+        f"{1e3 * left:.2f} mm relative to the ground (limit {1e3 * LASTING:.0f} mm): stones were "
+        "rearranged (permanent settlement of the ballast)"
+        for x, left in zip(results.sleepers_x, kept - sunk) if abs(left) > LASTING]
 
 
 def _verdict(change, wanted):
