@@ -10,6 +10,20 @@
 
 namespace trackbed::input {
 
+namespace {
+
+// A table within an element of a list is that of the present element: [stone.polyhedron] after the
+// second [[stone]] is stone[1].polyhedron.
+std::string numbered(const std::string& name, const std::map<std::string, int>& elements) {
+  for (std::size_t dot = name.rfind('.'); dot != name.npos && dot > 0;
+       dot = name.rfind('.', dot - 1))
+    if (const auto list = elements.find(name.substr(0, dot)); list != elements.end())
+      return fmt::format("{}[{}]{}", list->first, list->second - 1, name.substr(dot));
+  return name;
+}
+
+}  // namespace
+
 Values values_of(const std::string& effective) {
   Values values;
   std::map<std::string, int> elements;
@@ -21,7 +35,7 @@ Values values_of(const std::string& effective) {
       const std::string name = line.substr(2, line.find(']') - 2);
       section = fmt::format("{}[{}].", name, elements[name]++);
     } else if (line.starts_with('[')) {
-      section = line.substr(1, line.find(']') - 1) + ".";
+      section = numbered(line.substr(1, line.find(']') - 1), elements) + ".";
     } else if (const std::size_t sign = line.find(" = "); sign != std::string::npos) {
       values[section + line.substr(0, sign)] = line.substr(sign + 3);
     }

@@ -20,20 +20,24 @@ BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
 
 def rows_of(checkpoints):
     """Table rows of all {path: read.Quantity}; problems: paths without unit or meaning, and paths
-    that two checkpoints describe differently."""
-    rows, odd = {}, []
+    that two checkpoints describe differently. The number of columns may depend on the dimension of
+    the model."""
+    described, columns, odd = {}, {}, []
     for datasets in checkpoints:
         for path, item in datasets.items():
             shape = item.values.shape
-            columns = shape[1] if len(shape) > 1 else 1
             name = re.sub(r"\d+", "N", path)
-            row = (f"| {name} | {item.values.dtype} | {columns} | {item.unit} | "
-                   f"{item.meaning} |")
-            if rows.setdefault(name, row) != row:
-                odd.append(f"{path} is described as {rows[name]} and as {row}")
+            columns.setdefault(name, set()).add(shape[1] if len(shape) > 1 else 1)
+            label = (str(item.values.dtype), item.unit, item.meaning)
+            if described.setdefault(name, label) != label:
+                odd.append(f"{path} is described as {described[name]} and as {label}")
             if not item.unit or not item.meaning:
                 odd.append(f"{path} has no unit or no meaning")
-    return [rows[name] for name in sorted(rows)], odd
+    rows = []
+    for name, (dtype, unit, meaning) in sorted(described.items()):
+        wide = " or ".join(str(number) for number in sorted(columns[name]))
+        rows.append(f"| {name} | {dtype} | {wide} | {unit} | {meaning} |")
+    return rows, odd
 
 
 def files_of(path):
