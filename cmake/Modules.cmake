@@ -36,7 +36,7 @@ set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
 # trackbed_test(<file without .cpp> RANKS <n>... LINKS <module>... [LABELS <label>...]
 #               [TIMEOUT <s>])
 # The tests of a file, run once for each number of ranks as <file>_on_<n>. The files of a folder are
-# one executable, <folder above>_<folder>_tests: a hundred executables took a minute to link.
+# one executable, <folder above>_<folder>_tests, since each costs a link.
 function(trackbed_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "RANKS;LINKS;LABELS" ${ARGN})
   if(NOT TEST_RANKS)

@@ -43,7 +43,7 @@ REFUSED = {
     "pressure.plate.x=[2,1]": "must be two increasing numbers",
     "pressure.plate.x=[3,5]": "reaches beyond the top of the ground (0 to 4 m)",
     "pressure.plate.y=[0,3]": "beyond the top of the ground (-1 to 1 m)",
-    "pressure.plate.y=[0]": "must be two numbers",
+    "pressure.plate.y=[0]": "must be two increasing numbers",
     "pressure.plate.speed=-100 pressure.plate.x=[-3,-2]": "is never on the ground",
     "pressure.plate.pressure=0": "the load is zero",
     "pressure.plate.duration=0": "must be above 0 s for a pulse",

@@ -131,7 +131,7 @@ def check_sentences(bench):
                      encoding="utf-8")
     deck = bench.decks / "tile.toml"
     for changes, words, of in (
-            (["bed.x=[0, 1.7]"], ["bed.x is 1.7 m long, 2.833 cells of 0.6 m",
+            (["bed.x=[0, 1.7]"], ["bed.x is 1.7 m long, which is 2.833 cells of 0.6 m",
                                   "lengths are 1.2 and 1.8 m"], deck),
             (["bed.x=[0, 0.3]"], ["lengths are 0.6 and 1.2 m"], deck),
             (["bed.y=[0, 0.4]"], ["bed.y", "reaches from 0 to 0.3 m"], deck),

@@ -51,7 +51,7 @@ REFUSED = {
         "irregularity_right.kind = \"none\": needs two rails (track.dimension",
 }
 # Words of check: a pad on a seat turns 12 kg where the gauge is 0.45 m, and bears half a sleeper.
-REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: sleepers of the bed do not roll below",
+REPORTED = {"sleepers.free=[\"z\"]": "does not contain rx: the sleepers of the bed",
         "track.gauge=0.45 pad.stiffness=120e6": "sleeper of 12.3 kg per rail on its pad",
         "track.gauge=0.45 pad.stiffness=120e6 pad.damping=25e3 sleepers.free=[\"z\"]":
             "sleeper of 27.5 kg per rail on its pad"}

@@ -196,7 +196,7 @@ def check_signals(path, deck, folder):
 
 def check_solver_options(program, deck, folder):
     """Invalid words after -- are reported as they were given."""
-    cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is none'),
+    cases = [(["ground_ksp_type=cg"], '"ground_ksp_type=cg" is not an option'),
              (["-ground_pc_type", "nosuch"], "(-ground_pc_type nosuch)"),
              (["-ground_pc_type", "lu", "-ground_pc_factor_mat_solver_type", "superlu_nope"],
               "superlu_nope"),

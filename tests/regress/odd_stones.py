@@ -250,7 +250,7 @@ def check_warnings(bench):
     deck = bench.deck("balls", BALLS)
     odd = (("contact.0.rolling_stiffness=1e3", "1e-6", "rolling_stiffness = 1000 is far from"),
            ("dem.safety=0.9", "1e-4", "dem.safety = 0.9 is far from"),
-           ("dem.skin=0.5", "1e-6", "makes neighbour lists very long"))
+           ("dem.skin=0.5", "1e-6", "makes neighbour lists that are very long"))
     ran = bench.program.done(1, "check", deck, *(change for change, _, _ in odd))
     for change, _, words in odd:
         expect(words in ran.stdout, f"{change}: no warning", ran)

@@ -162,7 +162,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           "stage.load.load=2": "is negligible for a rail seat: is it in N?",
           "ground.base_stiffness=40": "is it in Pa/m?",
           "ground.rayleigh_mass=1e9": "usual values (at most 10000 1/s)",
-          "ground.layer.soil.cohesion=5e3": "cohesion, angles and tensile_strength have no effect",
+          "ground.layer.soil.cohesion=5e3": "must be mohr_coulomb for cohesion, angles and tensile",
           "ground.rayleigh_stiffness=0.05": "usual values (at most 0.01 s); is its unit right?",
           "ground.layer.soil.rayleigh_stiffness=0.05":
               "ground.layer[0].rayleigh_stiffness = 0.05 is far from the usual values (at most",
@@ -171,7 +171,7 @@ WARNED = {"ground.layer.soil.young=5": "usual values (100000 to 1e+12 Pa)",
           f"{YIELDS} ground.layer.soil.friction_angle=0.5": "usual values (at least 5 degrees)",
           f"{YIELDS} ground.layer.soil.dilation_angle=0.1": "usual values (at least 1 degrees)",
           f"{YIELDS} ground.layer.soil.cohesion=0":
-              "where the top is not loaded it has no strength",
+              "where the top is not loaded, the ground would have no",
           "ground.layer.soil.elements=2": "elements_z = 8: has no effect",
           "ground.fine_y=0.1": "has no effect: all elements are equal",
           "ground.alpha=-0.2":

@@ -339,7 +339,8 @@ def check_forces(program, decks, folder):
     refuse(program, folder / "hanging.toml", words[:1], "must be above 0 s without vehicles")
     refuse(program, folder / "hanging.toml", ["force.0.at=61"], "beyond the track")
     refuse(program, folder / "hanging.toml", ["force.0.side=right"], "needs two rails")
-    refuse(program, folder / "hanging.toml", ["track.zone.0.side=left"], "dimension = space")
+    refuse(program, folder / "hanging.toml", ["track.zone.0.side=left"],
+           'needs dimension = "space"')
 
 
 def check_targets(program, decks, folder):

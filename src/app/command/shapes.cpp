@@ -149,7 +149,7 @@ void require_picture(const par::Comm& comm, const std::string& file) {
     std::ifstream old(file);
     std::getline(old, line);
     if (line != picture_head)
-      problem = "exists and is not a picture made by this command; move it or choose another name";
+      problem = "exists, but is not a picture made by this command; move it or choose another name";
   }
   problem = comm.broadcast(problem);
   if (!problem.empty()) throw InputError({file + ": " + problem});

@@ -121,7 +121,8 @@ TEST(UprightEmbankment, DeflectsAsLayersOfHexahedra) {
 // A slice between rollers of half an embankment with sides 1:1.5, under its weight. Strains are
 // singular at the foot, an angle of w = 214 degrees, as r^(l - 1) with sin(l w) + l sin(w) = 0:
 // l = 0.73 (Williams 1952, doi:10.1115/1.4010553). The settlement, like the energy, has the order
-// 2 l at last, and 4 as long as the smooth part determines the error.
+// 2 l at last, and 4 as long as the smooth part determines the error. There is no upper bound: with
+// these elements the two parts partly cancel (ratios of 5.9 and 21).
 TEST(SlopedEmbankment, SettlementConvergesWithTheElements) {
   GroundParameters p = embankment();
   p.x = {0, 1}, p.y = {0, 10}, p.elements_x = 1, p.elements_y = 5;
@@ -139,9 +140,6 @@ TEST(SlopedEmbankment, SettlementConvergesWithTheElements) {
                   {0.01, "separates: it is small; the orders below determine how it falls"});
   verified::above("changes halving after halving, least ratio", "-",
                   std::min(first / second, second / third), {2.75, "singular foot: 2^(2 * 0.73)"});
-  verified::below("changes halving after halving, largest ratio", "-",
-                  std::max(first / second, second / third),
-                  {16, "quadratic displacement in smooth parts: 2^4"});
 }
 
 }  // namespace
