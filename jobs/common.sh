@@ -97,7 +97,8 @@ END
   ) || return 1
   file=$PWD/$folder/stage_$stage.h5
   if [ ! -f "$file" ]; then
-    echo "$file is missing, from which the variant starts: first run $deck -o $folder" >&2
+    echo "$file is missing; the variant starts from it: first run" \
+      "build/release/trackbed run $deck -o $folder" >&2
     return 1
   fi
   printf '%s\n' "$file"

@@ -236,8 +236,8 @@ def table(runs):
         if runs[0].deck.get("stage") != runs[1].deck.get("stage"):
             lines.append("warning: the two decks differ in their stages, not only in the wedge")
         if moved_stones:
-            lines.append("warning: the comparison below includes runs in which stones moved, so it "
-                         "may not show an effect of the wedge")
+            lines.append("warning: differences in the comparison below may have other causes than "
+                         "the wedge: see the warnings above")
         lines += effect(*found)
     return "\n".join(lines) + "\n"
 
@@ -291,8 +291,9 @@ def effect(first, second):
     differs = np.isfinite(far) and abs(far) > CLEAR
     if np.isfinite(far):
         lines.append(f"plain track beyond the wedge: {far:+.0%}: " + (
-            "the same, so the runs are comparable" if abs(far) <= CLEAR else
-            "NOT the same, although no wedge is there"))
+            f"equal within {CLEAR:.0%}, so the runs are comparable" if abs(far) <= CLEAR else
+            f"differs by more than {CLEAR:.0%}, although there is no wedge: the runs are not "
+            "comparable"))
     for what, field, wanted in (("width of the transition", "width", 1),
                                 ("steepest slope, whole line", "steepest", -1),
                                 ("slope at the edge", "edge_slope", -1)):

@@ -234,8 +234,8 @@ bool Reader::take_number(const Node& node, const std::string& path, const Limits
   if (const Magnitudes range = magnitudes_of(limits.unit); !computable(range, found)) {
     const bool large = std::abs(found) > range.most;
     problem(&node, path,
-            fmt::format(" = {} is too {} for computations in double precision (16 digits); its "
-                        "magnitude must be {} {:g}{}{}{}",
+            fmt::format(" = {} is too {} for this program, whose sums and products would lose "
+                        "digits or overflow; its magnitude must be {} {:g}{}{}{}",
                         shown(found), large ? "large" : "small", large ? "at most" : "at least",
                         large ? range.most : range.least, limits.unit == "-" ? "" : " ",
                         limits.unit == "-" ? "" : limits.unit,

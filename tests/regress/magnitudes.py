@@ -21,7 +21,7 @@ DECKS = ["track/plain.toml", "quickstart.toml", "ground/strip.toml", "bed/triaxi
 VALUES = ["1e300", "-1e300", "1e-300", "1e25"]
 # Signs of internal errors of the program; none of these words occurs in a deck.
 BROKEN = re.compile(r"broken invariant|Signal|terminate called|\bnan\b|-nan|\binf\b")
-ACCEPTS = re.compile(r"digits; at (most|least) (\S+)")
+ACCEPTS = re.compile(r"magnitude must be at (most|least) (\S+)")
 
 
 def numbers_of(schema, deck, path=()):

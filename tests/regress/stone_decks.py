@@ -192,8 +192,8 @@ def check_steps(bench):
     bench.accepted(lone, ["time.window=0.01"])
     # The step given by the message is sufficient.
     long = "time.step=4e-6"
-    bench.refused(lone, "dem.largest_overlap = 0.0018 (larger overlaps would stop the run) or "
-                  "dem.safety = 0.652 would allow this step", changes=[long], law=HERTZ)
+    bench.refused(lone, "this step would be allowed with dem.largest_overlap = 0.0018 (the run "
+                  "then stops at larger overlaps) or dem.safety = 0.652", changes=[long], law=HERTZ)
     bench.accepted(lone, [long, "dem.largest_overlap=0.0018"], law=HERTZ)
     bench.accepted(lone, [long, "dem.safety=0.652"], law=HERTZ,
                    warning="dem.safety = 0.652 is far from the usual values")

@@ -59,8 +59,8 @@ std::string Ground::Impl::not_converged(const NewtonStep& step) {
                         step.unsolved)
           : fmt::format("the relative out-of-balance force is {:.2g}", step.residual);
   return fmt::format(
-      "an implicit step of the ground did not converge: after {} Newton iterations {}; use a "
-      "shorter time.window, ground.integrator = \"explicit\", or stronger layers",
+      "an implicit step of the ground did not converge in {} Newton iterations: {}; use a shorter "
+      "time.window, ground.integrator = \"explicit\", or stronger layers",
       step.iterations, why);
 }
 

@@ -60,8 +60,8 @@ bool declare_layers(const GroundParameters& p, Section& s) {
   const double cells = static_cast<double>(p.elements_x) * static_cast<double>(p.elements_y) *
                        static_cast<double>(p.elements_over_depth());
   s.rule("elements_x", cells <= most_cells,
-         fmt::format("gives {:.3g} cells of five tetrahedra together with elements_y and "
-                     "elements_z; at most {:g} are supported with ground.section",
+         fmt::format("gives, with elements_y and elements_z, {:.3g} cells of five tetrahedra each; "
+                     "at most {:g} are supported with ground.section",
                      cells, most_cells),
          of_shape);
   return some && rows && cells <= most_cells;
@@ -84,13 +84,13 @@ void declare_height(const GroundParameters& p, std::size_t number, Section& s) {
   const std::vector<double> thick = thicknesses(p, section);
   const auto thin = std::min_element(thick.begin(), thick.end());
   const auto layer = static_cast<std::size_t>(thin - thick.begin());
-  s.rule(
-      fmt::format("section[{}].height", number), *thin > same_place,
-      fmt::format("leaves {:g} m to layer[{}] (\"{}\"), but each layer needs a thickness: the "
-                  "lowest layer of the embankment takes the difference between the height and the "
-                  "sum of its layers, and the lowest layer of the ground compensates for this",
-                  *thin, layer, p.layers[layer].name),
-      of_shape);
+  s.rule(fmt::format("section[{}].height", number), *thin > same_place,
+         fmt::format(
+             "gives layer[{1}] (\"{2}\") a thickness of {0:g} m, but it must be above 0: if the "
+             "height differs from the sum of the embankment layers, the lowest of them takes the "
+             "difference, and the lowest layer of the natural ground compensates for it",
+             *thin, layer, p.layers[layer].name),
+         of_shape);
 }
 
 // m, from the axis, of the feet at both ends and at the sections between, with straight lines

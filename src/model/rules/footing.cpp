@@ -122,7 +122,8 @@ void declare_along(const Model& model, const input::About& about, input::Section
   s.rule("footing.width", !width || footing.width / 2 <= space + rounding,
          fmt::format(
              "puts footprints from x = {:g} to {:g} m, beyond the ground (ground.x: {:g} to {:g} "
-             "m): beside the middle of the outermost sleepers there are {:g} m (footing.first)",
+             "m): from the middle of an outermost sleeper to the end of the ground there are only "
+             "{:g} m (footing.first)",
              from, to, x[0], x[1], space),
          about);
   s.rule(

@@ -108,7 +108,7 @@ void declare_resolved(const Model& model, const PressureParameters& p, const std
   const double window = model.time.window;
   const auto resolved = [&](const std::string& name, bool holds, const std::string& what) {
     s.rule(key + name, holds,
-           fmt::format("{}, which windows of {:g} s do not resolve: give a shorter time.window",
+           fmt::format("{}: windows of {:g} s are too long for this; give a shorter time.window",
                        what, window),
            {.severity = input::Severity::warning, .reads = {key, "time", "ground"}});
   };
@@ -120,7 +120,7 @@ void declare_resolved(const Model& model, const PressureParameters& p, const std
                p.frequency * fewest * window <= 1 + rounding_of_steps,
            fmt::format("gives cycles of {:g} s", p.frequency > 0 ? 1 / p.frequency : 0));
   resolved(".speed", std::abs(p.speed) * window <= p.x[1] - p.x[0],
-           fmt::format("moves the pressure by {:g} m in a window, more than its length",
+           fmt::format("moves the pressure in a window by {:g} m, that is, by more than its length",
                        std::abs(p.speed) * window));
 }
 

@@ -231,11 +231,11 @@ std::string remedies(const Model& model, double limit) {
   constexpr double of_use = 1e-4;
   const double overlap = 0.99 * model.dem.largest_overlap / std::pow(longer, 4);
   if (model.dimension == Dimension::space && overlap >= of_use)
-    words.push_back(
-        fmt::format("dem.largest_overlap = {:.2g} (larger overlaps would stop the run)", overlap));
+    words.push_back(fmt::format(
+        "dem.largest_overlap = {:.2g} (the run then stops at larger overlaps)", overlap));
   if (safety <= 1) words.push_back(fmt::format("dem.safety = {:.3g}", 1.005 * safety));
   if (words.empty()) return {};
-  return fmt::format("; {} would allow this step", fmt::join(words, " or "));
+  return fmt::format("; this step would be allowed with {}", fmt::join(words, " or "));
 }
 
 }  // namespace

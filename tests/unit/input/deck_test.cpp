@@ -89,18 +89,19 @@ TEST(Deck, ReportsWhatAValueMustBe) {
 
 // Within the limits of the parameter, but outside of the range of usable magnitudes: rejected.
 TEST(Deck, RejectsUnusableMagnitudes) {
-  EXPECT_EQ(problems_of("box = [1, -1e300, 1e-300]\n[dem]\nskin = 1e25\n"
-                        "[[layer]]\nyoung = 1e25\n"),
-            (Sentences{
-                "deck.toml:1: box[1] = -1e+300 is too large for computations in double precision "
-                "(16 digits); its magnitude must be at most 1e+06 m",
-                "deck.toml:1: box[2] = 1e-300 is too small for computations in double precision "
-                "(16 digits); its magnitude must be at least 1e-25 m, or 0",
-                "deck.toml:3: dem.skin = 1e+25 is too large for computations in double precision "
-                "(16 digits); its magnitude must be at most 1e+06 m",
-                "deck.toml:5: layer[0].young = 1e+25 is too large for computations in double "
-                "precision (16 digits); its magnitude must be at most 1e+15 Pa",
-            }));
+  EXPECT_EQ(
+      problems_of("box = [1, -1e300, 1e-300]\n[dem]\nskin = 1e25\n"
+                  "[[layer]]\nyoung = 1e25\n"),
+      (Sentences{
+          "deck.toml:1: box[1] = -1e+300 is too large for this program, whose sums and "
+          "products would lose digits or overflow; its magnitude must be at most 1e+06 m",
+          "deck.toml:1: box[2] = 1e-300 is too small for this program, whose sums and "
+          "products would lose digits or overflow; its magnitude must be at least 1e-25 m, or 0",
+          "deck.toml:3: dem.skin = 1e+25 is too large for this program, whose sums and "
+          "products would lose digits or overflow; its magnitude must be at most 1e+06 m",
+          "deck.toml:5: layer[0].young = 1e+25 is too large for this program, whose sums and "
+          "products would lose digits or overflow; its magnitude must be at most 1e+15 Pa",
+      }));
   EXPECT_EQ(problems_of("box = [1, -1e6, 1e-12]\n"), Sentences{});
 }
 
