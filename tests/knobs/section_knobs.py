@@ -34,8 +34,8 @@ REFUSED = {
     "ground.y=[0,9.5] ground.section.2.height=2.5":
         "ends at the foot of some sections and beyond the foot of others",
     "ground.y=[0,16] ground.elements_y=1": "must be at least 2",
-    "ground.section.2.height=0.6": "leaves 0 m to layer[1] (\"fill\")",
-    "ground.section.2.height=9.5": "to layer[2] (\"soil\")",
+    "ground.section.2.height=0.6": "gives layer[1] (\"fill\") a thickness of 0 m",
+    "ground.section.2.height=9.5": "gives layer[2] (\"soil\") a thickness of -0.5 m",
     "ground.embankment_layers=0": "must be at least 1 and below the number of layers, 3",
     "ground.embankment_layers=3": "must be at least 1 and below the number of layers, 3",
     "ground.layer.1.elements=0": "must all have `elements`",

@@ -19,7 +19,8 @@ REFUSED = {
                           "ground (ground.y: 0 to 2 m); see also footing.y",
     f"{ENDS} footing.width=0.7":
         "footing.width = 0.7: puts footprints from x = -0.05 to 3.65 m, beyond the ground "
-        "(ground.x: 0 to 3.6 m): beside the middle of the outermost sleepers there are "
+        "(ground.x: 0 to 3.6 m): from the middle of an outermost sleeper to the end of the "
+        "ground there are only "
         "0.3 m (footing.first)",
     "footing.width=2": "footing.width = 2: puts footprints from x = -0.1 to 4.9 m",
     "footing.first=0.2":
