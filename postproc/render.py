@@ -12,7 +12,9 @@ import argparse
 import os
 import pathlib
 import shutil
+import subprocess
 import sys
+import tempfile
 
 import read
 import write
@@ -21,12 +23,17 @@ SIZE = (1200, 500)  # pixels
 
 
 def with_screen():
-    """Debian's VTK needs X: without a display this program restarts itself under xvfb-run."""
+    """Debian's VTK needs X: without a display this program runs again under xvfb-run."""
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("xvfb-run"):
         raise SystemExit("there is no X display: install xvfb-run (Debian packages xvfb, xauth)")
-    os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
+    # Without a file of ours xvfb-run ends with 5 now and then: it removes its folder while xauth
+    # still writes there.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        done = subprocess.run(["xvfb-run", "-a", "-f", os.path.join(folder, "Xauthority"),
+                               sys.executable, *sys.argv], check=False)
+    sys.exit(done.returncode)
 
 
 def read_grid(vtk, path):
