@@ -62,9 +62,10 @@ std::string describe(const Declaration& declaration, const std::string& section 
 std::string schema(const Declaration& declaration);
 // The name of `known` nearest to `wrong` (edit distance), or empty if none is near.
 std::string nearest(const std::string& wrong, const std::vector<std::string>& known);
-// Every scalar parameter's path with its kind, for tests that visit all of them.
+// Every scalar parameter: for suggestions, for the comparison of decks on resume, and for tests
+// that visit all of them.
 struct ParameterInfo {
-  std::string path, kind, unit, meaning;
+  std::string path, kind, unit, meaning;  // path: "ground.layer[].young"
   StateParts fixed_by = state::none;
 };
 std::vector<ParameterInfo> all_parameters(const Declaration& declaration);
