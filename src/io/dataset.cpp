@@ -241,9 +241,10 @@ std::vector<T> File::read_rows(const std::string& path, std::size_t begin,
   return read_typed<T>(*handle_, path, dataset, {begin, count});
 }
 
-template <class T>
 // Columns of a history grow together, one dataset each: after a kill they may have different
-// lengths, so results are appended to a copy (see observe).
+// lengths, so results are appended to a copy (see observe). It is therefore flushed when it is
+// closed only: each flush waits for the disk.
+template <class T>
 void File::append(const std::string& path, std::span<const T> mine, std::size_t columns,
                   const Label& label) {
   std::size_t added = 0;
@@ -266,8 +267,6 @@ void File::append(const std::string& path, std::span<const T> mine, std::size_t 
     attribute(path, "unit", label.unit);
     attribute(path, "meaning", label.meaning);
   }
-  // If the run is killed later, the file remains readable up to here.
-  handle_->agree(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written");
 }
 
 // The space after the new end is lost to the file until it is written again.
