@@ -1,5 +1,8 @@
-# Headers that most files include, parsed once: they halve the time to compile a small file. Files
-# must include what they use all the same: the preset sanitize precompiles nothing.
+# Headers that most files include, parsed once: they halve the time to compile a small file. Several
+# files of a module, or of a folder of tests, are compiled as one (CMAKE_UNITY_BUILD): names in
+# unnamed namespaces must therefore be unique in a module, and each test has a namespace of its own.
+# Files must include what they use all the same: the preset debug compiles each alone, without
+# precompiled headers.
 set(TRACKBED_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
     <optional> <span> <string> <vector> <fmt/format.h> <Eigen/Core> <Eigen/Geometry>)
 
@@ -24,11 +27,13 @@ endfunction()
 # The environment of every test: Open MPI refuses root unless allowed, and ranks that share a core
 # must yield to each other. Transports are limited to those within one machine: a start then takes
 # 0.14 s instead of 0.35 s. Leaks are not checked, as Open MPI keeps memory to the end.
-# (ess_singleton_isolated would make it 0.08 s, but programs that start at once then remove each
-# other's session folder.)
 set(TRACKBED_TEST_ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self,vader
     ASAN_OPTIONS=detect_leaks=0 PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg)
+
+# Where tests write their runs. tests/run.sh makes it a link to memory if there is enough: each
+# checkpoint waits for the disk, which takes a third of the time of a short run.
+set(TRACKBED_TEST_RUNS ${CMAKE_BINARY_DIR}/tests/runs)
 
 # Where tests with the label verify write the rows of docs/verification.md.
 set(TRACKBED_VERIFICATION ${CMAKE_BINARY_DIR}/verification)
@@ -58,13 +63,20 @@ function(trackbed_test name)
   endif()
   foreach(ranks ${TEST_RANKS})
     set(test ${name}_on_${ranks})
-    add_test(NAME ${test}
-      COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe --bind-to none
-              $<TARGET_FILE:${program}> --file ${name}
-      WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+    set(environment "${TRACKBED_TEST_ENVIRONMENT}" TRACKBED_SOURCE=${CMAKE_SOURCE_DIR})
+    if(ranks EQUAL 1)  # without mpirun, see alone() of tests/support/program.py
+      set(start "")
+      list(APPEND environment OMPI_MCA_ess_singleton_isolated=1
+           OMPI_MCA_orte_tmpdir_base=${TRACKBED_TEST_RUNS}/session_${test})
+    else()
+      set(start ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} --oversubscribe
+          --bind-to none)
+    endif()
+    add_test(NAME ${test} COMMAND ${start} $<TARGET_FILE:${program}> --file ${name}
+      WORKING_DIRECTORY ${TRACKBED_TEST_RUNS})
     set_tests_properties(${test} PROPERTIES PROCESSORS ${ranks} TIMEOUT ${TEST_TIMEOUT}
       LABELS "${TEST_LABELS}"
-      ENVIRONMENT "${TRACKBED_TEST_ENVIRONMENT};TRACKBED_SOURCE=${CMAKE_SOURCE_DIR}")
+      ENVIRONMENT "${environment}")
     if("verify" IN_LIST TEST_LABELS)
       set_property(TEST ${test} APPEND PROPERTY
                    ENVIRONMENT "TRACKBED_VERIFICATION=${TRACKBED_VERIFICATION}")

@@ -12,6 +12,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
   target_compile_options(trackbed_options INTERFACE
     -Wno-uninitialized -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-restrict)
 endif()
+# In a unity build the members of a class of one file may have types of its unnamed namespace.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  target_compile_options(trackbed_options INTERFACE -Wno-subobject-linkage)
+endif()
 if(TRACKBED_WERROR)
   target_compile_options(trackbed_options INTERFACE -Werror)
 endif()
@@ -24,3 +28,4 @@ if(TRACKBED_SANITIZE)
   target_link_options(trackbed_options INTERFACE -fsanitize=address,undefined)
 endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")  # of the preset sanitize; with assertions

@@ -13,12 +13,29 @@ case "${1:-}" in
     ;;
 esac
 
+# Runs of tests go to memory if 4 GB of it are free for files, and are removed at the end. To keep
+# them in build/PRESET/tests/runs, call ctest itself.
+runs=build/$preset/tests/runs
+runs_in_memory() {
+  local memory free
+  free=$(df -k --output=avail /dev/shm 2>/dev/null | tail -n 1) || return 0
+  if [ "${free:-0}" -lt 4000000 ]; then return; fi
+  memory=$(mktemp -d /dev/shm/trackbed.XXXXXX)
+  rm -rf "$runs"
+  ln -s "$memory" "$runs"
+  # shellcheck disable=SC2064  # the values of now
+  trap "rm -rf '$memory' '$runs'; mkdir '$runs'" EXIT
+}
+
+if [ ! -e "$runs" ]; then rm -f "$runs"; fi  # a link left by a call that was killed
 part "Packages" install_packages
 part "Build" build "$preset" -DTRACKBED_WERROR=ON
+runs_in_memory
 printf '\n== Tests\n'
 if [ "${1:-}" = long ]; then
   shift
   # Presets leave this tier out.
-  exec ctest --test-dir "build/$preset" -L study --output-on-failure "$@"
+  ctest --test-dir "build/$preset" -L study --output-on-failure "$@"
+else
+  ctest --preset "$preset" -j2 "$@"
 fi
-ctest --preset "$preset" -j2 "$@"

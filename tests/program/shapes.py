@@ -16,6 +16,9 @@ import sys
 import h5py
 import numpy as np
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
 BENCH = pathlib.Path(__file__).resolve().parents[2] / "inputs/bench/stones12.toml"
 
 TETRAHEDRON = """v 0 0 0
@@ -30,8 +33,7 @@ f 2 3 4
 
 
 def shapes(program, *words, code=0):
-    ran = subprocess.run([program, "shapes", *map(str, words)], capture_output=True, text=True,
-                         check=False)
+    ran = Program(program)(1, "shapes", *words)
     if ran.returncode != code:
         raise SystemExit(f"{words}: code {ran.returncode}, not {code}\n{ran.stdout}{ran.stderr}")
     return ran.stdout if code == 0 else ran.stderr
@@ -71,7 +73,7 @@ def bed_of_library(program, library, folder, made):
                            (("solid", (0, 4), 0), "shape stone_5 has an impossible size"),
                            (("faces", 1, 2**32 + 1), "parts are inconsistent"),
                            (("pieces", 0, -1), "parts are inconsistent"),
-                           ("kind", "its kind must be shapes"),
+                           ("kind", 'its kind must be "shapes"'),
                            ("version", "its version 1")):
         changed = folder / "changed.h5"
         shutil.copy(library, changed)
@@ -90,8 +92,7 @@ def bed_of_library(program, library, folder, made):
 def refused(program, deck, changes, key, words):
     """The same message with its place from `check` and from `run`."""
     for command in ("check", "run"):
-        done = subprocess.run([program, command, deck, *changes], capture_output=True, text=True,
-                              check=False)
+        done = Program(program)(1, command, deck, *changes)
         lines = done.stderr.splitlines()
         if done.returncode != 2 or len(lines) != 1 or key not in lines[0].split("=")[0] or \
                 not all(word in lines[0] for word in words):
@@ -129,8 +130,7 @@ def proportions(program, folder, picture):
         raise SystemExit(f"a spread of 0.2 around 0.6 makes {scattered}")
     for changes, warned in (((), False), (("bed.height=0.05", "bed.polyhedron.elongation=0.4",
                                            "bed.polyhedron.flatness=0.6"), True)):
-        done = subprocess.run([program, "check", BENCH, *changes], capture_output=True, text=True,
-                              check=True)
+        done = Program(program).done(1, "check", BENCH, *changes)
         if ("warning: bed: the longest stone is" in done.stdout) != warned:
             raise SystemExit(f"check {changes}: {done.stdout}")
 

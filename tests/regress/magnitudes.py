@@ -16,6 +16,9 @@ import subprocess
 import sys
 import tomllib
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from program import Program  # noqa: E402
+
 DECKS = ["track/plain.toml", "quickstart.toml", "ground/strip.toml", "bed/triaxial.toml",
          "track/two_rails_on_ground.toml", "demfem/solids.toml"]
 VALUES = ["1e300", "-1e300", "1e-300", "1e25"]
@@ -49,8 +52,7 @@ def override(key, entries, value):
 
 
 def check(program, deck, *overrides):
-    ran = subprocess.run([program, "check", deck, *overrides], capture_output=True, text=True,
-                         timeout=300, check=False)
+    ran = Program(program)(1, "check", deck, *overrides, timeout=300)
     text = ran.stdout + ran.stderr
     if ran.returncode not in (0, 2) or BROKEN.search(text.replace("1e+300", "")):
         sys.exit(f"check {deck} {overrides[:3]} ended with {ran.returncode}:\n{text[-2000:]}")

@@ -9,6 +9,7 @@ import os
 import pathlib
 import shutil
 import sys
+import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from program import Program, summary  # noqa: E402
@@ -71,9 +72,9 @@ REFUSED = [
     (["irregularity.shortest=1e-5"], "", "irregularity.shortest = 1e-05: gives 1.2e+08 samples"),
     ([], VEHICLE.format('like = "hxd1_unit"\nbody_mass = 30e3'),
      "vehicle[0].body_mass = 30000.0: has no effect on a vehicle of this kind"),
-    ([], VEHICLE.format('like = "manchester"'), 'must be "", manchester_1, alfa_pendular'),
-    ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "must be that of manchester_1"),
-    ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "must be that of hxd1_unit"),
+    ([], VEHICLE.format('like = "manchester"'), 'must be "", "manchester_1", "alfa_pendular"'),
+    ([], VEHICLE.format('like = "manchester_1"\nkind = "wheel"'), "named by `like` (manchester_1)"),
+    ([], VEHICLE.format('like = "hxd1_unit"\nkind = "coach"'), "named by `like` (hxd1_unit)"),
     ([], VEHICLE.format('like = "manchester_1"\naxles = [1]\nloads = [1e5]'),
      "is only for vehicles of constant forces"),
     (["train.speed=0"], "", "train.speed = 0: the train does not move: train.speed or one of "
@@ -433,7 +434,8 @@ def check_places(program, decks, folder):
 
 
 def check_long_profile(program, decks, folder):
-    """Two kilometres in rows of 1 mm add little processor time."""
+    """Two kilometres in rows of 1 mm add no more processor time than twice what Python takes to read
+    them on the same machine."""
     table = folder / "long.csv"
     rows = (f"{i / 1000:.3f},{1e-3 * math.sin(i / 500):.9f}\n" for i in range(2000001))
     table.write_text("x_m,z_m\n" + "".join(rows), encoding="utf-8")
@@ -443,8 +445,14 @@ def check_long_profile(program, decks, folder):
         begin = os.times().children_user + os.times().children_system
         program.done(1, "check", decks / "plain.toml", "track.length=1999.8", *words)
         spent.append(os.times().children_user + os.times().children_system - begin)
-    if spent[1] - spent[0] > 1:
-        raise SystemExit(f"check took {spent} s of processor time without and with a profile")
+    begin = time.process_time()
+    with open(table, encoding="utf-8") as lines:
+        next(lines)
+        total = sum(float(x) + float(z) for x, z in (line.split(",") for line in lines))
+    reading = time.process_time() - begin
+    if not math.isfinite(total) or spent[1] - spent[0] > 2 * reading:
+        raise SystemExit(f"check took {spent} s of processor time without and with a profile that "
+                         f"Python reads in {reading} s")
     print(f"a profile of two million rows: {spent[1] - spent[0]:.2f} s of processor time")
 
 

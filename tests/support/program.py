@@ -1,7 +1,10 @@
 """Runs the program for tests: `Program(path).run(ranks, "run", deck, ...)`."""
+import contextlib
 import json
+import os
 import pathlib
 import subprocess
+import tempfile
 
 
 class Program:
@@ -12,8 +15,11 @@ class Program:
         command = [self.path, *map(str, arguments)]
         if ranks != 1:
             command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *command]
-        return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
-                              check=False)
+            return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
+                                  check=False)
+        with alone() as environment:
+            return subprocess.run(command, capture_output=True, text=True, timeout=timeout,
+                                  check=False, env=environment)
 
     def done(self, ranks, *arguments, code=0):
         """Runs and requires the exit code `code`."""
@@ -22,6 +28,16 @@ class Program:
             raise SystemExit(f"{arguments} on {ranks} ranks ended with {ran.returncode}, "
                              f"not {code}:\n{ran.stdout[-3000:]}\n{ran.stderr[-3000:]}")
         return ran
+
+
+@contextlib.contextmanager
+def alone():
+    """Environment of a program of one rank without Open MPI's daemon, which takes half of its start
+    (0.14 s instead of 0.33 s). The session folder is its own: programs that start at the same time
+    otherwise remove each other's (7 of 320 starts failed; 0 of 640 with folders of their own)."""
+    with tempfile.TemporaryDirectory(prefix="trackbed-") as session:
+        yield {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1",
+               "OMPI_MCA_orte_tmpdir_base": session}
 
 
 def expect(holds, what, ran):
