@@ -15,7 +15,7 @@ namespace trackbed::track {
 // coach: body and two bogies (bounce and pitch), four wheelsets. sprung: a mass on a spring on one
 // wheelset. wheel: one wheelset. forces: axles of constant force. bogie: one bogie (bounce and
 // pitch) on two wheelsets, below the mass that it carries (bounce).
-// of_like: not given: that of `like`, or a coach; a completed vehicle never has it.
+// of_like, the last one: not given: that of `like`, or a coach; a completed vehicle never has it.
 enum class VehicleKind { coach, sprung, wheel, forces, bogie, of_like };
 
 // A whole vehicle, both sides together; values of 0 are taken from `like`.

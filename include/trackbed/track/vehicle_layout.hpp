@@ -1,9 +1,19 @@
-// What a vehicle of each kind consists of. A kind without a layout does not compile. Also by kind:
-// the names in VehicleParameters::declare (src/track/train/vehicles.cpp). Any number of bogies is
-// possible, each with two axles: others need changes of `axles_of` and of `add_bogie`
-// (src/track/train/train.cpp). The bogies of a vehicle are `bogie_distance` apart.
+// What a vehicle of each kind consists of. A kind without a layout or without a name does not
+// compile, nor does a layout that `Train` would not build correctly. Possible are
+// - `constant`: axles of constant force, nothing else;
+// - a wheelset without a body;
+// - a body without bogies on one wheelset;
+// - a body on any number of bogies, `bogie_distance` apart, each with two wheelsets.
+// A body pitches on two or more bogies only: a single bogie or wheelset is below its centre and has
+// no stiffness against pitch. Others need changes of
+// - `layout_is_possible`, `axles_of`, `axle_span_of` and `mass_of` (vehicle_layout.cpp);
+// - `add_bodies` and, in `Train::Train`, the first body's unknowns (`behind`) (train.cpp);
+// - `complete` (vehicles.cpp) and `declare_tipping` (src/model/track_rules/track_model.cpp);
+// - for a value of roll `declare_idle_vehicle` (src/model/track_rules/track_idle.cpp);
+// - for vehicles joined to each other the loop in `Train::Train`: `add_bodies` sees one vehicle.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "trackbed/track/train.hpp"
@@ -19,6 +29,7 @@ struct VehicleLayout {
 };
 
 VehicleLayout layout_of(VehicleKind kind);
+std::vector<std::string_view> vehicle_kinds();  // names in decks, in the order of VehicleKind
 
 // Of a completed vehicle: m behind its front; m, from its first to its last axle; kg, all of it.
 std::vector<double> axles_of(const VehicleParameters& whole);

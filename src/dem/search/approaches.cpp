@@ -82,7 +82,7 @@ void take_history(const std::vector<History>& history, std::int64_t key, int nam
                   std::vector<Approach::Patch>& patches) {
   // `patch_key` falls as the patch number rises: the range of a surface begins with its highest
   // patch.
-  const History lowest{key, patch_key(name, 0x7fffffff)};
+  const History lowest = history_of_keys(key, patch_key(name, 0x7fffffff));
   for (auto h = std::lower_bound(history.begin(), history.end(), lowest);
        h != history.end() && h->first == key && h->second <= patch_key(name, 0); ++h) {
     const std::int64_t code = -1 - h->second;

@@ -152,7 +152,7 @@ class PairFinder {
     // Masses do not change between rebuilds, so neither does the root of m_eff.
     Vec4 xi{0, 0, 0, std::sqrt(effective_mass(s, i, j))}, roll{};
     // Rows and entries ascend like the sorted history, so one pass over it is sufficient.
-    const History wanted{key, piece_key(s.id[j], r - scene_.pieces.begin[j])};
+    const History wanted = history_of_keys(key, piece_key(s.id[j], r - scene_.pieces.begin[j]));
     while (next_ < history_.size() && history_[next_] < wanted) ++next_;
     std::uint8_t touching = 0;
     Vec4 turn{};

@@ -59,9 +59,9 @@ template <class S, class Visit>
 constexpr void visit_all(S& s, Visit&& visit) {
   using enum Ghost;
   visit(Quantity<1, once>{"id", "-", "number of the particle, the same on every rank"}, s.id);
-  visit(Quantity<1, once>{"shape", "-", "number of its template"}, s.shape);
-  visit(Quantity<1, once>{"material", "-", "number of its material"}, s.material);
-  visit(Quantity<1, once>{"scale", "-", "size over the template's"}, s.scale);
+  visit(Quantity<1, once>{"shape", "-", "number of the template"}, s.shape);
+  visit(Quantity<1, once>{"material", "-", "number of the material"}, s.material);
+  visit(Quantity<1, once>{"scale", "-", "ratio of size to that of the template"}, s.scale);
   visit(Quantity<1, once>{"held", "-", "1: keeps velocity and spin whatever the forces; else 0"},
         s.held);
   visit(Quantity<3, each_step>{"position", "m", "centre of mass, unwrapped across periodic sides"},
@@ -131,20 +131,29 @@ double mass_of(const Template& shape, double scale, double density, const Domain
 
 // Contact history between two pieces, or a piece and a patch of a surface, during transfer from one
 // neighbour list to the next, to another rank or to a checkpoint. Only data that do not follow from
-// the poses. Sorted by its two keys.
+// the poses. Sorted by its two keys. Members have 8 bytes, so that there is no padding: migration
+// and the state hash use the bytes. They have no initial values, so that the compiler reports an
+// initialiser in which one of them is missing.
 struct History {
-  std::int64_t first = 0;      // key of the piece with the lower id
-  std::int64_t second = 0;     // key of the other piece, or -1 - (surface * 2^32 + patch)
-  double xi[3] = {0, 0, 0};    // m, tangential displacement
-  double turn = 0;             // rad, relative rotation about the normal
-  double size = 1;             // m, contact size at which xi was stretched; linear law: 1
-  double ring = 0;             // m^3, that times the contact's spread; linear law: m^2
-  double roll[3] = {0, 0, 0};  // m, displacement of rolling; zero if no law resists it
+  std::int64_t first;   // key of the piece with the lower id
+  std::int64_t second;  // key of the other piece, or -1 - (surface * 2^32 + patch)
+  double xi[3];         // m, tangential displacement
+  double turn;          // rad, relative rotation about the normal
+  double size;          // m, contact size at which xi was stretched; linear law: 1
+  double ring;          // m^3, that times the contact's spread; linear law: m^2
+  double roll[3];       // m, displacement of rolling; zero if no law resists it
 
   bool operator<(const History& o) const {
     return first != o.first ? first < o.first : second < o.second;
   }
 };
+
+// For searches by the keys: all other members are zero.
+inline History history_of_keys(std::int64_t first, std::int64_t second) {
+  History keys{};
+  keys.first = first, keys.second = second;
+  return keys;
+}
 
 // Identifies a piece equally on every rank; sorts by particle, then piece. 47 bits remain for the
 // id: far more than can be simulated.

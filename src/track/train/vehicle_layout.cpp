@@ -2,11 +2,33 @@
 
 #include <algorithm>
 
-#pragma GCC diagnostic error "-Wswitch"  // a kind without a layout
+#pragma GCC diagnostic error "-Wswitch"  // a kind without a layout or a name
 
 namespace trackbed::track {
 
-VehicleLayout layout_of(VehicleKind kind) {
+namespace {
+
+constexpr int count_of_kinds = static_cast<int>(VehicleKind::of_like) + 1;  // the last one
+
+std::string_view name_of_kind(VehicleKind kind) {
+  switch (kind) {
+    case VehicleKind::coach:
+      return "coach";
+    case VehicleKind::sprung:
+      return "sprung";
+    case VehicleKind::wheel:
+      return "wheel";
+    case VehicleKind::forces:
+      return "forces";
+    case VehicleKind::bogie:
+      return "bogie";
+    case VehicleKind::of_like:
+      return "";
+  }
+  return "";
+}
+
+constexpr VehicleLayout layout_of_kind(VehicleKind kind) {
   switch (kind) {
     case VehicleKind::of_like:  // until it is completed
     case VehicleKind::coach:
@@ -21,6 +43,33 @@ VehicleLayout layout_of(VehicleKind kind) {
       return {.constant = true};
   }
   return {};
+}
+
+// As listed in vehicle_layout.hpp.
+constexpr bool layout_is_possible(const VehicleLayout& layout) {
+  if (layout.constant || !layout.body)
+    return !layout.body && !layout.pitches && layout.bogies == 0 &&
+           layout.wheelsets == (layout.constant ? 0 : 1);
+  return layout.wheelsets == std::max(1, 2 * layout.bogies) &&
+         (layout.bogies > 1 || !layout.pitches);
+}
+
+constexpr bool layouts_are_possible() {
+  for (int kind = 0; kind < count_of_kinds; ++kind)
+    if (!layout_is_possible(layout_of_kind(static_cast<VehicleKind>(kind)))) return false;
+  return true;
+}
+static_assert(layouts_are_possible(), "Train builds only the layouts listed in vehicle_layout.hpp");
+
+}  // namespace
+
+VehicleLayout layout_of(VehicleKind kind) { return layout_of_kind(kind); }
+
+std::vector<std::string_view> vehicle_kinds() {
+  std::vector<std::string_view> names;
+  for (int kind = 0; kind < count_of_kinds; ++kind)
+    names.push_back(name_of_kind(static_cast<VehicleKind>(kind)));
+  return names;
 }
 
 std::vector<double> axles_of(const VehicleParameters& v) {
