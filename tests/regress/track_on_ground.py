@@ -25,19 +25,19 @@ REFUSED = {
     "footing.before=3": "at 1.8 m from the start of the track, within the run-in of 2.4 m",
     "track.length=9": "the last sleeper on the ground is at 7.2 m from",
     "ground.present=false": "must be true for model = \"track_on_ground\"; without a ground",
-    "ground.integrator=hht": "must be explicit or newmark below a track",
+    "ground.integrator=hht": 'must be "explicit" or "newmark" below a track',
     "ground.integrator=newmark ground.newmark_gamma=0.6 ground.newmark_beta=0.3025":
         "ground.newmark_beta = 0.3025: must be 0.25, and ground.newmark_gamma 0.5, below a track",
     "ground.integrator=newmark ground.newmark_beta=0.3":
         "below a track: the track is integrated with average acceleration",
     "ground.layer.soil.yield=mohr_coulomb": "must not yield below a track without stones",
-    "track.support=continuous": "must be sleepers: the ground is below the ballast",
+    "track.support=continuous": 'must be "sleepers": the ground is below the ballast',
     "track.dimension=space": "footing.rails: must be 2 below two rails",
     "track.dimension=space footing.rails=1.5": "footing.rails = 1.5: must be 2 below two rails",
     "track.dimension=space footing.rails=2":
         "footing.length = 1.4: is less than a sleeper's length (track.sleeper_length = 2.6 m)",
     "track.dimension=space footing.rails=2 dimension=plane footing.length=1.3 footing.y=0":
-        "must be plane on a plane ground: two rails need a ground in space (dimension)",
+        'must be "plane" on a plane ground: two rails need a three-dimensional ground (dimension)',
     "train.start=1": "the train comes from the rigid rail before the track",
     "pad.uplift=true": "pad.uplift = true: must be false on a ground",
     "dimension=plane": "footing.length and footing.y have no effect in a plane model",
@@ -173,6 +173,11 @@ def check_unused_options(program, deck, folder):
         ran = program.done(1, *command, "--", "-ground_ksp_type", "cg")
         if "warning: the PETSc option -ground_ksp_type was set but never used" not in ran.stdout:
             raise SystemExit(f"{command[0]} must name an option without use:\n{ran.stdout}")
+    # With implicit steps `check` solves, and names only what nothing reads.
+    ran = program.done(1, "check", deck, "ground.integrator=newmark", "--", "-ground_ksp_max_it",
+                       "500", "-ground_mistyped", "1")
+    if "-ground_ksp_max_it" in ran.stdout or "-ground_mistyped was set but never" not in ran.stdout:
+        raise SystemExit(f"check of an implicit ground names the wrong options:\n{ran.stdout}")
 
 
 def check_knobs(program, deck, folder):
@@ -193,7 +198,7 @@ def check_hanging(program, deck, folder):
     path.write_text(text + "\n[[track.zone]]\nfrom = 5.9\nto = 6.1\ngap = 5e-3\n",
                     encoding="utf-8")
     ran = program(1, "check", path, "track.sleeper.model=beam")
-    if ran.returncode != 2 or "must be rigid on a ground with hanging sleepers" not in ran.stderr:
+    if ran.returncode != 2 or 'must be "rigid" on a ground with hanging sleepers' not in ran.stderr:
         raise SystemExit(f"flexible unsupported sleepers on a ground: {ran.stdout}{ran.stderr}")
     program.done(2, "run", path, "-o", folder / "hanging")
     even, hangs = (datasets(folder / name)["history/ground/force"].max(axis=0)

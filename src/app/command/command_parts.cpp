@@ -82,7 +82,7 @@ model::GroundFile checked_ground(const model::Model& model, const input::Deck& d
 std::vector<std::string> try_options(const par::Comm& comm, const model::Model& model) {
   const bool moves = std::any_of(model.stages.begin(), model.stages.end(),
                                  [](const model::Stage& stage) { return stage.ground_moves; });
-  if (!model.has_stages() || !model.ground.present || !moves) return fem::Petsc::unused_options();
+  if (!model.ground.present || !moves) return fem::Petsc::unused_options();
   return fem::Petsc::try_options(comm, model.ground, model.dimension, model.domain().thickness,
                                  model.time.window);
 }
